@@ -1,0 +1,2 @@
+//! The `rafcon` command.
+fn main() {}

@@ -1,0 +1,2 @@
+//! Building, testing, demo set-up.
+fn main() {}
