@@ -1,0 +1,111 @@
+//! A rule in the documents names the tests that hold it; this checks that they exist.
+//!
+//! A name is a path in backticks that begins with a crate's folder, such as `engine::barrier::tests::data_arrives`,
+//! all in lower case; `conformance::name` is a machine below `tests/conformance/machines`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+
+use crate::workspace;
+
+/// The documents whose every rule names its tests.
+const DOCUMENTS: [&str; 3] = ["docs/format.md", "docs/semantics.md", "docs/differences.md"];
+
+/// A source file: its path and its text.
+type Source = (PathBuf, String);
+
+/// Looks at the documents that exist.
+pub(super) fn check() -> Result<Vec<String>> {
+    let sources = sources()?;
+    let mut findings = Vec::new();
+    for document in DOCUMENTS.into_iter().filter(|document| workspace::path(document).exists()) {
+        for name in names(&workspace::read(document)?) {
+            if !exists(&sources, &name) {
+                findings.push(format!("{document}: there is no test `{name}`"));
+            }
+        }
+    }
+    Ok(findings)
+}
+
+fn sources() -> Result<Vec<Source>> {
+    let files = [
+        workspace::files("crates/*.rs")?,
+        workspace::files("crates/*.py")?,
+        workspace::files("xtask/*.rs")?,
+    ];
+    files.concat().into_iter().map(|file| Ok((file.clone(), workspace::read(&file)?))).collect()
+}
+
+/// The test names in a document.
+fn names(text: &str) -> Vec<String> {
+    let code = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
+    code.filter(|word| is_name(word)).map(str::to_owned).collect()
+}
+
+fn is_name(word: &str) -> bool {
+    let known =
+        |head| workspace::CRATES.contains(&head) || head == "xtask" || head == "conformance";
+    let plain = word
+        .chars()
+        .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '_' | ':'));
+    plain && word.split_once("::").is_some_and(|(head, _)| known(head))
+}
+
+fn exists(sources: &[Source], name: &str) -> bool {
+    let parts = name.split("::").collect::<Vec<_>>();
+    let [home, modules @ .., test] = parts.as_slice() else { return false };
+    if *home == "conformance" {
+        return workspace::path("tests/conformance/machines").join(test).is_dir();
+    }
+    sources.iter().any(|source| holds(source, home, modules, test))
+}
+
+fn holds((file, text): &Source, home: &str, modules: &[&str], test: &str) -> bool {
+    let folder =
+        if home == "xtask" { PathBuf::from("xtask") } else { Path::new("crates").join(home) };
+    let named = |module: &&str| {
+        file.with_extension("").components().any(|part| part.as_os_str() == *module)
+            || text.contains(&format!("mod {module} {{"))
+            || text.contains(&format!("class {module}("))
+    };
+    file.starts_with(folder) && modules.iter().all(named) && defines(text, test)
+}
+
+/// Whether the text defines the test: in Rust behind a `#[test]`, in Python by its name.
+fn defines(text: &str, test: &str) -> bool {
+    let mut marked = false;
+    for line in text.lines().map(str::trim_start) {
+        if line.starts_with(&format!("def {test}("))
+            || marked && line.starts_with(&format!("fn {test}("))
+        {
+            return true;
+        }
+        marked = line.starts_with("#[test]")
+            || marked && (line.starts_with("#[") || line.starts_with("//"));
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_told_from_other_code() {
+        let text = "Held by: `engine::tests::replay`, not `engine::Engine` or `let x`.\n| `conformance::barrier` |";
+        assert_eq!(names(text), ["engine::tests::replay", "conformance::barrier"]);
+    }
+
+    #[test]
+    fn a_test_is_found_by_its_crate_module_and_mark() {
+        let text =
+            "mod tests {\n    #[test]\n    fn replay() {}\n    fn helper() {}\n}\n".to_owned();
+        let sources = [(PathBuf::from("crates/engine/src/walk.rs"), text)];
+        assert!(exists(&sources, "engine::walk::tests::replay"));
+        assert!(!exists(&sources, "engine::walk::tests::helper"));
+        assert!(!exists(&sources, "model::walk::tests::replay"));
+        assert!(!exists(&sources, "engine::other::tests::replay"));
+    }
+}

@@ -1,0 +1,63 @@
+//! Where things lie in this repository.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use serde_json::Value;
+
+use crate::process;
+
+/// The folders of the library and binary crates below `crates/`, in dependency order.
+pub(crate) const CRATES: [&str; 7] =
+    ["model", "storage", "engine", "protocol", "runner", "python", "rafcon"];
+
+/// The repository's root folder.
+pub(crate) fn root() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here)
+}
+
+/// A path below the root.
+pub(crate) fn path(relative: impl AsRef<Path>) -> PathBuf {
+    root().join(relative)
+}
+
+/// Cargo's target folder, wherever the user's settings put it.
+pub(crate) fn target() -> Result<PathBuf> {
+    let metadata = process::text(process::cargo().args([
+        "metadata",
+        "--no-deps",
+        "--offline",
+        "--format-version",
+        "1",
+    ]))?;
+    let metadata: Value = serde_json::from_str(&metadata)
+        .context("cargo metadata printed something that is not JSON")?;
+    let folder = metadata["target_directory"]
+        .as_str()
+        .context("cargo metadata names no target_directory")?;
+    Ok(PathBuf::from(folder))
+}
+
+/// The files that git tracks or would track, relative to the root; `pattern` is a git path pattern such as `*.rs`.
+pub(crate) fn files(pattern: &str) -> Result<Vec<PathBuf>> {
+    let mut git = process::command("git");
+    git.args([
+        "ls-files",
+        "--cached",
+        "--others",
+        "--exclude-standard",
+        "--deduplicate",
+        "--",
+        pattern,
+    ]);
+    let listed = process::text(&mut git)?;
+    Ok(listed.lines().map(PathBuf::from).filter(|file| path(file).is_file()).collect())
+}
+
+/// Reads a text file below the root.
+pub(crate) fn read(relative: impl AsRef<Path>) -> Result<String> {
+    let relative = relative.as_ref();
+    std::fs::read_to_string(path(relative))
+        .with_context(|| format!("cannot read {}", relative.display()))
+}
