@@ -1,1 +1,26 @@
-//! model
+//! The model of RAFCON: a state machine as an immutable value.
+//!
+//! Knows states, ports, outcomes, transitions, data flows, values, types, validity rules and edits.
+//! Must never know files, threads, time or Python.
+
+pub mod connection;
+pub mod container;
+pub mod ids;
+pub mod json;
+pub mod library;
+pub mod machine;
+pub mod port;
+pub mod state;
+pub mod types;
+pub mod value;
+
+pub use connection::{DataFlow, Origin, Target, Transition};
+pub use container::{Container, DataFlows, States, Transitions};
+pub use ids::{DECIDER_ID, DataFlowId, OutcomeId, PortId, StateId, StatePath, TransitionId};
+pub use json::Json;
+pub use library::{Library, LibraryContent, RuntimeValue, RuntimeValues};
+pub use machine::{Header, Machine};
+pub use port::{Outcome, Outcomes, Port, Ports};
+pub use state::{Kind, KindName, Layout, Script, State};
+pub use types::{Answer, BuiltinTypes, DataType, Types};
+pub use value::Value;

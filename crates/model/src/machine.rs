@@ -1,0 +1,58 @@
+//! The state machine as a whole.
+
+use crate::{Json, Kind, LibraryContent, State, StatePath};
+use smol_str::SmolStr;
+use std::sync::Arc;
+
+/// A state machine: an immutable tree. Cloning it is cheap, and two machines share what they have in common.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// What the file says about the machine itself.
+    pub header: Header,
+    /// The outermost state.
+    pub root: Arc<State>,
+}
+
+/// What stands in `statemachine.json`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Header {
+    /// UTC, `YYYY-MM-DD hh:mm:ss`; opaque.
+    pub creation_time: SmolStr,
+    /// The user's version of the machine or library.
+    pub version: Option<SmolStr>,
+    /// The program that wrote it last.
+    pub used_rafcon_version: Option<SmolStr>,
+    /// Layout of the machine as a whole (`sm_meta_data.json`), if any.
+    pub layout: crate::Layout,
+    /// Unknown keys of the file.
+    pub extra: Option<Box<Json>>,
+}
+
+impl Machine {
+    /// The state at `path`, also inside libraries.
+    pub fn state(&self, path: &StatePath) -> Option<&Arc<State>> {
+        let (first, rest) = path.0.split_first()?;
+        if *first != self.root.id {
+            return None;
+        }
+        rest.iter().try_fold(&self.root, |state, id| match &state.kind {
+            Kind::Hierarchy(container) | Kind::Barrier(container) | Kind::Preemptive(container) => {
+                container.states.get(id)
+            }
+            Kind::Library(library) => match &library.content {
+                LibraryContent::Found(root) if root.id == *id => Some(root),
+                LibraryContent::Found(_) | LibraryContent::Missing { .. } => None,
+            },
+            Kind::Execution(_) | Kind::Decider(_) => None,
+        })
+    }
+
+    /// How many states there are, libraries counted as one each.
+    pub fn count(&self) -> usize {
+        count(&self.root)
+    }
+}
+
+fn count(state: &State) -> usize {
+    1 + state.container().map_or(0, |c| c.states.values().map(|child| count(child)).sum())
+}

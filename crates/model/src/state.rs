@@ -1,0 +1,176 @@
+//! One state and what it consists of.
+
+use crate::port::Extra;
+use crate::{Container, Json, Library, Outcome, OutcomeId, Outcomes, Ports, StateId, json};
+use smol_str::SmolStr;
+use std::fmt;
+use std::sync::Arc;
+
+/// A node of the tree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Unique among its siblings and different from its parent's.
+    pub id: StateId,
+    /// For people; at least one character, no `/`.
+    pub name: SmolStr,
+    /// For people; Markdown.
+    pub description: Option<Arc<str>>,
+    /// The ways to end; always with aborted (-1) and preempted (-2).
+    pub outcomes: Outcomes,
+    /// What it takes.
+    pub inputs: Ports,
+    /// What it gives.
+    pub outputs: Ports,
+    /// Nested notes of the user, keys are strings; `None` when there are none.
+    pub semantic_data: Option<Arc<Json>>,
+    /// Where its parts stand on the screen.
+    pub layout: Layout,
+    /// What kind of state it is, with what only that kind has.
+    pub kind: Kind,
+    /// Unknown keys of the file.
+    pub extra: Extra,
+}
+
+/// The five kinds of states of the reference, and the decider of a barrier.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Kind {
+    /// Runs a script.
+    Execution(Script),
+    /// Runs a script that decides how its barrier ends.
+    Decider(Script),
+    /// Runs its children one after the other.
+    Hierarchy(Container),
+    /// Runs its children at the same time, waits for all, then runs the decider.
+    Barrier(Container),
+    /// Runs its children at the same time until the first ends.
+    Preemptive(Container),
+    /// Runs another state machine.
+    Library(Library),
+}
+
+/// A kind without content.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum KindName {
+    /// See [`Kind::Execution`].
+    Execution,
+    /// See [`Kind::Decider`].
+    Decider,
+    /// See [`Kind::Hierarchy`].
+    Hierarchy,
+    /// See [`Kind::Barrier`].
+    Barrier,
+    /// See [`Kind::Preemptive`].
+    Preemptive,
+    /// See [`Kind::Library`].
+    Library,
+}
+
+impl fmt::Display for KindName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Execution => "execution",
+            Self::Decider => "decider",
+            Self::Hierarchy => "hierarchy",
+            Self::Barrier => "barrier concurrency",
+            Self::Preemptive => "preemptive concurrency",
+            Self::Library => "library",
+        })
+    }
+}
+
+impl Kind {
+    /// The kind without content.
+    pub fn name(&self) -> KindName {
+        match self {
+            Self::Execution(_) => KindName::Execution,
+            Self::Decider(_) => KindName::Decider,
+            Self::Hierarchy(_) => KindName::Hierarchy,
+            Self::Barrier(_) => KindName::Barrier,
+            Self::Preemptive(_) => KindName::Preemptive,
+            Self::Library(_) => KindName::Library,
+        }
+    }
+}
+
+/// The Python text of an execution state.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Script {
+    /// `None` when the machine has no `script.py` for the state.
+    pub text: Option<Arc<str>>,
+}
+
+impl State {
+    /// A state with the two mandatory outcomes and nothing else.
+    pub fn new(id: StateId, name: impl AsRef<str>, kind: Kind) -> Self {
+        let outcomes = [
+            Outcome::new(OutcomeId::ABORTED, "aborted"),
+            Outcome::new(OutcomeId::PREEMPTED, "preempted"),
+        ];
+        Self {
+            id,
+            name: SmolStr::new(name),
+            description: None,
+            outcomes: outcomes.into_iter().collect(),
+            inputs: Ports::default(),
+            outputs: Ports::default(),
+            semantic_data: None,
+            layout: Layout::default(),
+            kind,
+            extra: None,
+        }
+    }
+
+    /// The inside of a hierarchy or concurrency state.
+    pub fn container(&self) -> Option<&Container> {
+        match &self.kind {
+            Kind::Hierarchy(c) | Kind::Barrier(c) | Kind::Preemptive(c) => Some(c),
+            Kind::Execution(_) | Kind::Decider(_) | Kind::Library(_) => None,
+        }
+    }
+
+    /// The inside of a hierarchy or concurrency state, to be changed.
+    pub fn container_mut(&mut self) -> Option<&mut Container> {
+        match &mut self.kind {
+            Kind::Hierarchy(c) | Kind::Barrier(c) | Kind::Preemptive(c) => Some(c),
+            Kind::Execution(_) | Kind::Decider(_) | Kind::Library(_) => None,
+        }
+    }
+
+    /// The script of an execution state or decider.
+    pub fn script(&self) -> Option<&Script> {
+        match &self.kind {
+            Kind::Execution(script) | Kind::Decider(script) => Some(script),
+            Kind::Hierarchy(_) | Kind::Barrier(_) | Kind::Preemptive(_) | Kind::Library(_) => None,
+        }
+    }
+}
+
+/// Layout of a state and its parts, kept as the text that was read, so that nothing of it is lost; read and changed
+/// through [`Layout::json`] and [`Layout::from_json`] (`docs/format.md`, layout).
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Layout(Option<Arc<str>>);
+
+impl Layout {
+    /// The text of a `meta_data.json`.
+    pub fn from_text(text: &str) -> Self {
+        Self(Some(text.into()))
+    }
+
+    /// A layout from a document; none from an empty object.
+    pub fn from_json(document: &Json) -> Self {
+        match document {
+            Json::Object(members) if members.is_empty() => Self(None),
+            _ => Self(Some(json::write(document).into())),
+        }
+    }
+
+    /// The text, if there is any.
+    pub fn text(&self) -> Option<&str> {
+        self.0.as_deref()
+    }
+
+    /// The parsed document; an empty object if there is none or it is not JSON.
+    pub fn json(&self) -> Json {
+        self.text().and_then(|text| json::parse(text).ok()).unwrap_or_else(Json::object)
+    }
+}
