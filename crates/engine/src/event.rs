@@ -1,0 +1,133 @@
+//! What happened in a run.
+
+use crate::{NodeId, PathId};
+use rafcon_model::{DataType, OutcomeId, PortId};
+use smol_str::SmolStr;
+use std::sync::Arc;
+
+/// One thing that happened. The list of all events is the history of the run.
+#[derive(Debug, Clone)]
+pub enum Event<D> {
+    /// A state began.
+    Entered {
+        /// Where it stands.
+        path: PathId,
+        /// Which state it is.
+        node: NodeId,
+        /// One value for each input port, in the node's order.
+        inputs: Arc<[D]>,
+    },
+    /// A state ended.
+    Left {
+        /// Where it stands.
+        path: PathId,
+        /// Which state it is.
+        node: NodeId,
+        /// How it ended.
+        outcome: OutcomeId,
+        /// One value for each output port, in the node's order.
+        outputs: Arc<[D]>,
+        /// Its error, if it left one.
+        error: Option<D>,
+    },
+    /// A scoped variable got a value.
+    Scoped {
+        /// The container.
+        path: PathId,
+        /// The variable.
+        port: PortId,
+        /// Its new value.
+        value: D,
+    },
+    /// A state cannot go on until the machine is changed or stopped.
+    Waiting {
+        /// The container that waits.
+        path: PathId,
+        /// For what.
+        reason: WaitReason,
+    },
+    /// Something the user should know.
+    Note {
+        /// The state it is about.
+        path: PathId,
+        /// How bad it is.
+        level: Level,
+        /// What it is.
+        note: Note,
+    },
+    /// The run was paused (true) or goes on (false).
+    Paused(bool),
+    /// The run was asked to stop.
+    Stopping,
+    /// The run is over; the details are in [`crate::Finish`].
+    Finished {
+        /// The root's outcome.
+        outcome: OutcomeId,
+    },
+}
+
+/// Why a container waits.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum WaitReason {
+    /// An outcome of a child leads nowhere.
+    NoTransition {
+        /// The child.
+        child: PathId,
+        /// Its outcome.
+        outcome: OutcomeId,
+    },
+    /// There is no start state.
+    NoStart,
+    /// A preemptive concurrency state has no children.
+    NoChildren,
+}
+
+/// How bad a [`Note`] is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// Could be meant.
+    Warning,
+    /// Is not meant.
+    Error,
+}
+
+/// Something the user should know about a state.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Note {
+    /// A value does not fit the port or scoped variable that it was put into; it was put there all the same.
+    TypeMismatch {
+        /// The port's name.
+        port: SmolStr,
+        /// What the port declares.
+        expected: DataType,
+        /// The name of the value's type.
+        found: SmolStr,
+    },
+    /// A script returned something that is no outcome of its state; the state aborted.
+    NoSuchOutcome {
+        /// What it returned, as shown to people.
+        returned: SmolStr,
+    },
+    /// A default names a global variable that does not exist; `None` is used.
+    NoSuchGlobal {
+        /// The name, without `$`.
+        name: SmolStr,
+    },
+    /// A default could not be converted to its port's type.
+    BadDefault {
+        /// The port's name.
+        port: SmolStr,
+        /// Why.
+        reason: SmolStr,
+    },
+    /// The library of a library state is missing; the state aborted.
+    MissingLibrary {
+        /// Why.
+        reason: SmolStr,
+    },
+    /// A start value names an input port that the root does not have; it is ignored.
+    NoSuchInput {
+        /// The name.
+        name: SmolStr,
+    },
+}
