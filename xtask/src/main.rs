@@ -8,7 +8,15 @@
     reason = "what a developer's tool has to say goes to the terminal"
 )]
 
+mod ci;
+mod conformance;
+mod demo;
+mod dist;
 mod process;
+mod product;
+mod python;
+mod reference;
+mod test;
 mod tidy;
 mod workspace;
 
@@ -24,12 +32,30 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
+    /// All that continuous integration checks: `lint`, then `test`.
+    Ci,
+    /// Check format, lints, layers, house rules and documentation.
+    Lint,
+    /// Run all tests, setting up what they need.
+    Test,
+    /// Run the same machines in the reference and here, and compare.
+    Conformance(conformance::Options),
+    /// Build everything and run a generated mission live in this terminal.
+    Demo(demo::Options),
+    /// Pack an archive and a wheel.
+    Dist,
     /// Check what neither compiler nor lints see: module docs, sizes, named tests, links, generated files.
     Tidy(tidy::Options),
 }
 
 fn main() -> anyhow::Result<()> {
     match Arguments::parse().task {
+        Task::Ci => ci::run(),
+        Task::Lint => ci::lint(),
+        Task::Test => test::run(),
+        Task::Conformance(options) => conformance::run(&options),
+        Task::Demo(options) => demo::run(&options),
+        Task::Dist => dist::run(),
         Task::Tidy(options) => tidy::run(options),
     }
 }

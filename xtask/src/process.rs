@@ -40,6 +40,26 @@ pub(crate) fn text(command: &mut Command) -> Result<String> {
         .with_context(|| format!("`{}` printed text that is not UTF-8", shown(command)))
 }
 
+/// Runs the command and returns what it printed; what it said besides is shown only if it fails.
+pub(crate) fn quiet(command: &mut Command) -> Result<String> {
+    let output = command.output().with_context(|| format!("cannot start `{}`", shown(command)))?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        bail!("`{}` failed: {}\n{said}", shown(command), output.status);
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Runs the command and returns what it printed, whatever its exit code: for programs whose code is an answer.
+pub(crate) fn answer(command: &mut Command) -> Result<String> {
+    let output = command.output().with_context(|| format!("cannot start `{}`", shown(command)))?;
+    if output.stdout.is_empty() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        bail!("`{}` printed nothing: {}\n{said}", shown(command), output.status);
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
 fn shown(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     words.map(OsStr::to_string_lossy).collect::<Vec<_>>().join(" ")

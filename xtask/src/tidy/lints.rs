@@ -20,7 +20,7 @@ allow-unwrap-in-tests = true
 allow-expect-in-tests = true
 allow-dbg-in-tests = true
 allow-print-in-tests = true
-doc-valid-idents = [\"SpaceBotCamp\", \"PyO3\", \"NumPy\", \"CPython\", \"RAFCON\", \"GitHub\", \"..\"]
+doc-valid-idents = [\"SpaceBotCamp\", \"PyO3\", \"PyPI\", \"NaN\", \"NumPy\", \"CPython\", \"RAFCON\", \"GitHub\", \"..\"]
 ";
 
 /// A banned path and why.

@@ -1,0 +1,29 @@
+//! What continuous integration checks; `cargo xtask ci` is the same on any machine.
+
+use anyhow::Result;
+
+use crate::{process, test, tidy};
+
+/// Everything but the tests: format, lints, layers, house rules, documentation.
+pub(crate) fn lint() -> Result<()> {
+    process::run(process::cargo().args(["fmt", "--all", "--check"]))?;
+    let clippy = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
+    process::run(process::cargo().args(clippy))?;
+    process::run(process::cargo().args([
+        "test",
+        "--quiet",
+        "--package",
+        "xtask",
+        "--test",
+        "layers",
+    ]))?;
+    tidy::run(tidy::Options::default())?;
+    let doc = ["doc", "--workspace", "--no-deps", "--quiet"];
+    process::run(process::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// Everything.
+pub(crate) fn run() -> Result<()> {
+    lint()?;
+    test::run()
+}

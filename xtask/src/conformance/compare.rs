@@ -1,0 +1,207 @@
+//! What counts as a difference between two runs.
+//!
+//! Concurrent branches may interleave as they like: only the order within a branch is compared. The inner root of a
+//! library and the decider of a barrier have no entry of their own in the reference's history, and are left out.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::expectations::Expected;
+use super::observed::{Observed, Places};
+
+/// The id that every decider has.
+const DECIDER: &str = "unique_decider_state_id";
+
+/// One thing that is not the same.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Difference {
+    /// `end`, `outcome`, `outputs`, `globals`, `scoped_variables`, `order` or `log`; expectations use these words.
+    pub(crate) what: &'static str,
+    /// Both sides, the reference first.
+    pub(crate) detail: String,
+}
+
+/// Compares a live run of the reference with ours.
+pub(crate) fn all(theirs: &Observed, ours: &Observed, expected: &Expected) -> Vec<Difference> {
+    let mut found = Vec::from_iter(order(theirs, ours, &theirs.places, expected.endless));
+    if expected.endless {
+        return found;
+    }
+    found.extend(ends(theirs, ours));
+    found.extend(log(theirs, ours));
+    found
+}
+
+/// Compares a recorded run of the reference with ours; `live` knows the places.
+pub(crate) fn recorded(recorded: &Observed, ours: &Observed, live: &Observed) -> Vec<Difference> {
+    let mut found = Vec::from_iter(order(recorded, ours, &live.places, false));
+    found.extend(ends(recorded, ours));
+    for difference in &mut found {
+        difference.detail.insert_str(0, "recorded run: ");
+    }
+    found
+}
+
+/// How the two runs ended, and with what.
+fn ends(theirs: &Observed, ours: &Observed) -> Vec<Difference> {
+    let values = [
+        ("outcome", &theirs.outcome, &ours.outcome),
+        ("outputs", &theirs.outputs, &ours.outputs),
+        ("globals", &theirs.globals, &ours.globals),
+        ("scoped_variables", &theirs.scoped_variables, &ours.scoped_variables),
+    ];
+    let end = (theirs.finished != ours.finished).then(|| Difference {
+        what: "end",
+        detail: format!("{} ≠ {}", theirs.finished, ours.finished),
+    });
+    let differ = values.into_iter().filter(|(_, theirs, ours)| normal(theirs) != normal(ours));
+    let values = differ
+        .map(|(what, theirs, ours)| Difference { what, detail: format!("{theirs} ≠ {ours}") });
+    end.into_iter().chain(values).collect()
+}
+
+/// A value without what may differ: a leaf has no scoped variables or an empty set of them, and a syntax error names the
+/// user's file in ours.
+fn normal(value: &Value) -> Value {
+    match value {
+        Value::Null => Value::Object(serde_json::Map::new()),
+        other => without_places(other),
+    }
+}
+
+fn without_places(value: &Value) -> Value {
+    match value {
+        Value::Object(entries) => Value::Object(
+            entries.iter().map(|(key, value)| (key.clone(), without_places(value))).collect(),
+        ),
+        Value::Array(items) => Value::Array(items.iter().map(without_places).collect()),
+        Value::String(text) => Value::String(without_place(text).to_owned()),
+        other => other.clone(),
+    }
+}
+
+/// The message without the script that Python adds to a syntax error.
+fn without_place(message: &str) -> &str {
+    let place = message
+        .find(" (")
+        .filter(|at| message[*at..].contains("script.py") && message.ends_with(')'));
+    place.map_or(message, |at| &message[..at])
+}
+
+/// The order of entered states, for each branch.
+fn order(theirs: &Observed, ours: &Observed, places: &Places, endless: bool) -> Option<Difference> {
+    let (theirs, ours) = (branches(&theirs.entered, places), branches(&ours.entered, places));
+    let names = theirs.keys().chain(ours.keys());
+    let differing = names.filter_map(|name| {
+        let (theirs, ours) = (
+            theirs.get(name).map_or(&[][..], Vec::as_slice),
+            ours.get(name).map_or(&[][..], Vec::as_slice),
+        );
+        let compared =
+            if endless { theirs.len().min(ours.len()) } else { theirs.len().max(ours.len()) };
+        (0..compared).find(|at| theirs.get(*at) != ours.get(*at)).map(|at| {
+            let side = |side: &[&str]| {
+                side.get(at).map_or_else(|| "nothing".to_owned(), |path| (*path).to_owned())
+            };
+            format!("branch `{name}`, entry {}: {} ≠ {}", at + 1, side(theirs), side(ours))
+        })
+    });
+    differing.into_iter().next().map(|detail| Difference { what: "order", detail })
+}
+
+/// The entered paths by branch, the innermost concurrent child above each; the main branch has no name.
+fn branches<'a>(entered: &'a [String], places: &Places) -> BTreeMap<&'a str, Vec<&'a str>> {
+    let mut branches = BTreeMap::<_, Vec<_>>::new();
+    for path in entered.iter().map(String::as_str).filter(|path| is_compared(path, places)) {
+        branches.entry(branch(path, places)).or_default().push(path);
+    }
+    branches
+}
+
+fn is_compared(path: &str, places: &Places) -> bool {
+    let in_decider = path.split('/').any(|id| id == DECIDER);
+    let parent = path.rsplit_once('/').map_or("", |(parent, _)| parent);
+    !in_decider && !places.libraries.iter().any(|library| library == parent)
+}
+
+fn branch<'a>(path: &'a str, places: &Places) -> &'a str {
+    let ends =
+        path.match_indices('/').map(|(at, _)| at).chain([path.len()]).map(|end| &path[..end]);
+    let is_branch = |prefix: &&str| {
+        prefix
+            .rsplit_once('/')
+            .is_some_and(|(parent, _)| places.concurrency.iter().any(|it| it == parent))
+    };
+    ends.rev().find(is_branch).unwrap_or("")
+}
+
+/// What scripts said; without an order, since concurrent scripts speak when they like and the order of states is compared.
+fn log(theirs: &Observed, ours: &Observed) -> Option<Difference> {
+    let sorted = |side: &Observed| {
+        let mut lines = side
+            .log
+            .iter()
+            .map(|line| without_place(line.trim_end()).to_owned())
+            .collect::<Vec<_>>();
+        lines.sort();
+        lines
+    };
+    let (theirs, ours) = (sorted(theirs), sorted(ours));
+    let missing = theirs
+        .iter()
+        .find(|line| count(&theirs, line) > count(&ours, line))
+        .map(|line| format!("ours lacks {line:?}"));
+    let extra = || {
+        ours.iter()
+            .find(|line| count(&ours, line) > count(&theirs, line))
+            .map(|line| format!("only ours has {line:?}"))
+    };
+    missing.or_else(extra).map(|detail| Difference { what: "log", detail })
+}
+
+fn count(lines: &[String], line: &str) -> usize {
+    lines.iter().filter(|other| *other == line).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn observed(entered: &[&str], concurrency: &[&str], libraries: &[&str]) -> Observed {
+        let texts = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect();
+        let places = Places { libraries: texts(libraries), concurrency: texts(concurrency) };
+        Observed { entered: texts(entered), places, ..Observed::default() }
+    }
+
+    fn check(theirs: &Observed, ours: &[&str], endless: bool) -> bool {
+        order(theirs, &observed(ours, &[], &[]), &theirs.places, endless).is_none()
+    }
+
+    #[test]
+    fn branches_may_interleave_but_not_reorder() {
+        let theirs = observed(&["R", "R/B", "R/B/X/1", "R/B/X/2", "R/B/Y/1"], &["R/B"], &[]);
+        assert!(check(&theirs, &["R", "R/B", "R/B/Y/1", "R/B/X/1", "R/B/X/2"], false));
+        assert!(!check(&theirs, &["R", "R/B", "R/B/Y/1", "R/B/X/2", "R/B/X/1"], false));
+    }
+
+    #[test]
+    fn inner_roots_and_deciders_are_left_out() {
+        let theirs = observed(&["R", "R/L"], &[], &["R/L"]);
+        assert!(check(&theirs, &["R", "R/L", "R/L/INNER", "R/unique_decider_state_id"], false));
+    }
+
+    #[test]
+    fn an_endless_run_may_be_shorter() {
+        let theirs = observed(&["R", "R/A", "R/A"], &[], &[]);
+        assert!(check(&theirs, &["R", "R/A"], true));
+        assert!(!check(&theirs, &["R", "R/A"], false));
+        assert!(!check(&theirs, &["R", "R/C"], true));
+    }
+
+    #[test]
+    fn a_syntax_error_is_the_same_in_another_file() {
+        assert_eq!(without_place("invalid syntax (script.py (2), line 2)"), "invalid syntax");
+        assert_eq!(without_place("open failed (13)"), "open failed (13)");
+    }
+}

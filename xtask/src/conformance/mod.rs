@@ -1,0 +1,83 @@
+//! Conformance: the same machines in both engines, compared in everything a user can see.
+//!
+//! The reference runs live, and for the machines that it ships there are recorded runs besides. A difference is a
+//! defect unless `tests/conformance/expectations.json` names the heading of `docs/differences.md` that explains it.
+
+mod case;
+mod compare;
+mod expectations;
+mod observed;
+mod ours;
+mod recorded;
+mod table;
+
+use anyhow::{Result, bail};
+
+use crate::product::{Product, Profile};
+use crate::reference::Reference;
+
+use case::Case;
+use compare::Difference;
+use expectations::Expectations;
+use observed::Observed;
+use table::Row;
+
+/// What `cargo xtask conformance` can be asked for.
+#[derive(clap::Args, Default)]
+pub(crate) struct Options {
+    /// Only the machines whose name contains this text.
+    #[arg(long)]
+    machine: Option<String>,
+    /// Run the reference only and show what it does, one JSON object a line.
+    #[arg(long)]
+    reference_only: bool,
+}
+
+/// Runs the machines and prints the table; fails on a difference that nothing explains.
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let reference = Reference::installed()?;
+    let expectations = Expectations::read()?;
+    let cases = case::all(&reference, &expectations)?;
+    let wanted = |case: &&Case| {
+        options.machine.as_ref().is_none_or(|part| case.name.contains(part.as_str()))
+    };
+    let cases = cases.iter().filter(wanted);
+    if options.reference_only {
+        for case in cases {
+            println!("{}", observed::reference(&reference, case)?);
+        }
+        return Ok(());
+    }
+    let product = Product::build(Profile::Debug)?;
+    let rows = cases.map(|case| row(&reference, &product, case)).collect::<Vec<_>>();
+    println!("{}", table::render(&rows));
+    let unexplained = rows.iter().filter(|row| row.is_failure()).count();
+    if unexplained > 0 {
+        bail!(
+            "{unexplained} of {} machines differ from the reference without an explanation",
+            rows.len()
+        );
+    }
+    Ok(())
+}
+
+/// Runs one machine in both engines; what goes wrong on the way is a difference, too.
+fn row(reference: &Reference, product: &Product, case: &Case) -> Row {
+    if let Some(reason) = &case.expected.skip {
+        return Row::skipped(&case.name, reason);
+    }
+    match differences(reference, product, case) {
+        Ok(differences) => Row::compared(&case.name, &differences, &case.expected),
+        Err(reason) => Row::failed(&case.name, &reason),
+    }
+}
+
+fn differences(reference: &Reference, product: &Product, case: &Case) -> Result<Vec<Difference>> {
+    let theirs = Observed::of_reference(&observed::reference(reference, case)?)?;
+    let ours = ours::run(product, reference, case)?;
+    let mut differences = compare::all(&theirs, &ours, &case.expected);
+    if let Some(recorded) = recorded::find(&case.name)? {
+        differences.extend(compare::recorded(&recorded, &ours, &theirs));
+    }
+    Ok(differences)
+}

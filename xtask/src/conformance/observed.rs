@@ -1,0 +1,125 @@
+//! What a user sees of one run, the same for both engines.
+
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+use serde_json::Value;
+
+use super::case::Case;
+use crate::process;
+use crate::reference::Reference;
+
+/// What a user sees of one run.
+#[derive(Debug, Default)]
+pub(crate) struct Observed {
+    /// It ended by itself.
+    pub(crate) finished: bool,
+    /// `{"id", "name"}` of the root.
+    pub(crate) outcome: Value,
+    /// The root's outputs by name.
+    pub(crate) outputs: Value,
+    /// The global variables by name.
+    pub(crate) globals: Value,
+    /// The root's scoped variables by name; null if it can have none.
+    pub(crate) scoped_variables: Value,
+    /// The paths of the states that were entered, in order.
+    pub(crate) entered: Vec<String>,
+    /// What scripts logged and printed, a line each.
+    pub(crate) log: Vec<String>,
+    /// Where the machine's library states and concurrency states are; only the reference tells.
+    pub(crate) places: Places,
+}
+
+/// Paths that the comparison must know.
+#[derive(Debug, Default)]
+pub(crate) struct Places {
+    /// States that refer to a library; their one child is the library's root.
+    pub(crate) libraries: Vec<String>,
+    /// States whose children run at the same time.
+    pub(crate) concurrency: Vec<String>,
+}
+
+/// Runs the reference and returns its answer.
+pub(crate) fn reference(reference: &Reference, case: &Case) -> Result<Value> {
+    let mut driver = reference.driver(&case.folder);
+    driver.args(["--timeout", &case.expected.timeout_s.to_string()]);
+    add_common(&mut driver, case);
+    let answer = process::quiet(&mut driver)?;
+    serde_json::from_str(&answer)
+        .with_context(|| format!("{}: the reference's driver printed {answer:?}", case.name))
+}
+
+/// The options that driver and `rafcon run` share.
+pub(crate) fn add_common(command: &mut Command, case: &Case) {
+    for library in &case.libraries {
+        command.args(["--library-path", library]);
+    }
+    if let Some(path) = &case.expected.start_from {
+        command.args(["--start-from", path]);
+    }
+}
+
+impl Observed {
+    /// Reads the driver's answer, or a recorded run of the same shape.
+    pub(crate) fn of_reference(answer: &Value) -> Result<Self> {
+        let printed = answer["stdout"].as_str().unwrap_or_default().lines().map(str::to_owned);
+        let logged = answer["log"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(|record| record["message"].as_str());
+        Ok(Self {
+            finished: answer["finished"]
+                .as_bool()
+                .context("no `finished` in the reference's answer")?,
+            outcome: answer["outcome"].clone(),
+            outputs: answer["outputs"].clone(),
+            globals: answer["globals"].clone(),
+            scoped_variables: answer["scoped_variables"].clone(),
+            entered: entered(&answer["trace"]),
+            log: logged.flat_map(str::lines).map(str::to_owned).chain(printed).collect(),
+            places: Places {
+                libraries: texts(&answer["libraries"]),
+                concurrency: texts(&answer["concurrency"]),
+            },
+        })
+    }
+}
+
+/// The states entered according to a history: a container tells its entry twice, the root only as a container.
+fn entered(trace: &Value) -> Vec<String> {
+    let mut entered = Vec::new();
+    let mut called = "";
+    for event in trace.as_array().into_iter().flatten() {
+        let (path, what) =
+            (event[0].as_str().unwrap_or_default(), event[1].as_str().unwrap_or_default());
+        if what == "call:EXECUTE" || what == "call:CONTAINER" && path != called {
+            entered.push(path.to_owned());
+        }
+        called = if what == "call:EXECUTE" { path } else { "" };
+    }
+    entered
+}
+
+fn texts(value: &Value) -> Vec<String> {
+    value.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_is_entered_once_however_often_the_history_names_it() {
+        let trace = serde_json::json!([
+            ["R", "start"],
+            ["R", "call:CONTAINER"],
+            ["R/A", "call:EXECUTE"],
+            ["R/A", "call:CONTAINER"],
+            ["R/A", "return:CONTAINER>success"],
+            ["R/A", "return:EXECUTE>success"],
+            ["R/A", "call:EXECUTE"],
+        ]);
+        assert_eq!(entered(&trace), ["R", "R/A", "R/A"]);
+    }
+}

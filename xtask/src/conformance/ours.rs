@@ -1,0 +1,55 @@
+//! One run by `rafcon run --output json`, read line by line.
+
+use anyhow::{Context as _, Result, bail};
+use serde_json::Value;
+
+use super::case::Case;
+use super::observed::{self, Observed};
+use crate::process;
+use crate::product::Product;
+use crate::reference::Reference;
+
+/// Runs the machine with the interpreter that the reference uses, so that both see the same Python.
+pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Result<Observed> {
+    let mut command = process::command(&product.binary);
+    command
+        .arg("run")
+        .arg(&case.folder)
+        .args(["--output", "json"])
+        .arg("--python")
+        .arg(&reference.python);
+    command.args(["--timeout", &case.expected.timeout_s.to_string()]);
+    observed::add_common(&mut command, case);
+    let printed = process::answer(&mut command)?;
+    let mut seen = Observed::default();
+    let mut ended = false;
+    for line in printed.lines() {
+        let event: Value = serde_json::from_str(line)
+            .with_context(|| format!("{}: not JSON: {line}", case.name))?;
+        ended |= take(&mut seen, &event);
+    }
+    if !ended {
+        bail!("{}: `rafcon run` ended without a `finished` line; it printed\n{printed}", case.name);
+    }
+    Ok(seen)
+}
+
+/// Takes one event in; true for the last.
+fn take(seen: &mut Observed, event: &Value) -> bool {
+    match event["type"].as_str() {
+        Some("entered") => seen.entered.push(event["path"].as_str().unwrap_or_default().to_owned()),
+        Some("log") => seen
+            .log
+            .extend(event["message"].as_str().unwrap_or_default().lines().map(str::to_owned)),
+        Some("finished") => {
+            seen.finished = event["timed_out"].as_bool() != Some(true);
+            seen.outcome = event["outcome"].clone();
+            seen.outputs = event["outputs"].clone();
+            seen.globals = event["globals"].clone();
+            seen.scoped_variables = event["scoped_variables"].clone();
+            return true;
+        }
+        _ => {}
+    }
+    false
+}

@@ -1,0 +1,43 @@
+//! What a build makes: the `rafcon` binary and, beside it, the extension that a Python interpreter loads.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use crate::{process, workspace};
+
+/// How it is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Profile {
+    /// Quick to build, for tests.
+    Debug,
+    /// Quick to run, for figures and users.
+    Release,
+}
+
+/// A finished build.
+#[derive(Debug)]
+pub(crate) struct Product {
+    /// The command line program.
+    pub(crate) binary: PathBuf,
+    /// The extension module.
+    pub(crate) extension: PathBuf,
+}
+
+impl Product {
+    /// Builds the workspace, as a user does by `cargo build --workspace`.
+    pub(crate) fn build(profile: Profile) -> Result<Self> {
+        let mut cargo = process::cargo();
+        cargo.args(["build", "--workspace"]);
+        if profile == Profile::Release {
+            cargo.arg("--release");
+        }
+        process::run(&mut cargo)?;
+        let folder = workspace::target()?.join(if profile == Profile::Release {
+            "release"
+        } else {
+            "debug"
+        });
+        Ok(Self { binary: folder.join("rafcon"), extension: folder.join("librafcon_python.so") })
+    }
+}

@@ -1,0 +1,117 @@
+//! Python on this machine: the interpreters that are found, and virtual environments below the target folder.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+
+use crate::process;
+
+/// The Python versions that the extension is tested with, as minor numbers of Python 3.
+const MINORS: std::ops::RangeInclusive<u32> = 9..=14;
+
+/// An interpreter that starts.
+#[derive(Debug, Clone)]
+pub(crate) struct Interpreter {
+    /// Such as `3.11`.
+    pub(crate) version: String,
+    /// The program itself, never a shim.
+    pub(crate) program: PathBuf,
+}
+
+/// What a virtual environment holds; pip is asked only when this text changes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Contents {
+    /// Installed without what they ask for.
+    pub(crate) bare: &'static [&'static str],
+    /// Installed with what they ask for.
+    pub(crate) full: &'static [&'static str],
+}
+
+/// The interpreter that a user gets by `python3`.
+pub(crate) fn default() -> Result<Interpreter> {
+    probe("python3".as_ref())
+        .context("no `python3` on the path: install Python 3.9 or newer, with venv")
+}
+
+/// One interpreter for each Python version found on the path or among pyenv's versions.
+pub(crate) fn all() -> Vec<Interpreter> {
+    MINORS.filter_map(|minor| candidates(minor).iter().find_map(|program| probe(program))).collect()
+}
+
+fn candidates(minor: u32) -> Vec<PathBuf> {
+    let mut found = vec![PathBuf::from(format!("python3.{minor}"))];
+    let folders = pyenv().and_then(|folder| std::fs::read_dir(folder.join("versions")).ok());
+    let folders = folders.into_iter().flatten().flatten().map(|entry| entry.path());
+    let right = |folder: &PathBuf| {
+        folder
+            .file_name()
+            .is_some_and(|name| name.to_string_lossy().starts_with(&format!("3.{minor}.")))
+    };
+    found.extend(folders.filter(right).map(|folder| folder.join("bin/python3")));
+    found
+}
+
+fn pyenv() -> Option<PathBuf> {
+    let home = || std::env::var_os("HOME").map(|home| Path::new(&home).join(".pyenv"));
+    std::env::var_os("PYENV_ROOT").map(PathBuf::from).or_else(home)
+}
+
+/// Asks the program for its version; nothing if it does not start or is a free-threaded build.
+fn probe(program: &Path) -> Option<Interpreter> {
+    let question = "import sys; free = getattr(sys, '_is_gil_enabled', lambda: True)() is False; \
+                    print('%d.%d' % sys.version_info[:2], free, sys.executable)";
+    let output = Command::new(program)
+        .args(["-c", question])
+        .output()
+        .ok()
+        .filter(|output| output.status.success())?;
+    let answer = String::from_utf8(output.stdout).ok()?;
+    let mut words = answer.trim().splitn(3, ' ');
+    let (version, free, program) = (words.next()?, words.next()?, words.next()?);
+    (free == "False")
+        .then(|| Interpreter { version: version.to_owned(), program: PathBuf::from(program) })
+}
+
+/// The Python of a virtual environment in `folder`, made and filled where that has not been done yet.
+pub(crate) fn environment(
+    base: &Interpreter,
+    folder: &Path,
+    contents: Contents,
+) -> Result<PathBuf> {
+    let program = folder.join("bin/python");
+    let stamp = folder.join("contents.txt");
+    let wanted = format!("{} {contents:?}", base.program.display());
+    if program.exists() && std::fs::read_to_string(&stamp).is_ok_and(|found| found == wanted) {
+        return Ok(program);
+    }
+    process::run(process::command(&base.program).args(["-m", "venv", "--clear"]).arg(folder))?;
+    install(&program, &["--no-deps"], contents.bare)?;
+    install(&program, &[], contents.full)?;
+    std::fs::write(&stamp, wanted).with_context(|| format!("cannot write {}", stamp.display()))?;
+    Ok(program)
+}
+
+fn install(python: &Path, options: &[&str], packages: &[&str]) -> Result<()> {
+    if packages.is_empty() {
+        return Ok(());
+    }
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    process::run(process::command(python).args(pip).args(options).args(packages))
+}
+
+/// A command of this Python that neither reads nor leaves anything outside: no user site, no byte code in the sources.
+pub(crate) fn command(python: &Path) -> Command {
+    let mut command = process::command(python);
+    command
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("PYTHONNOUSERSITE", "1")
+        .env("PYTHONUNBUFFERED", "1");
+    for name in
+        ["PYTHONPATH", "PYTHONHOME", "RAFCON_LIB_PATH", "RAFCON_LIBRARY_PATH", "RAFCON_PLUGIN_PATH"]
+    {
+        command.env_remove(OsString::from(name));
+    }
+    command
+}

@@ -1,0 +1,55 @@
+//! All tests: Rust, documentation, Python side with every interpreter found, conformance with the reference.
+
+use std::process::Stdio;
+
+use anyhow::{Context as _, Result};
+
+use crate::conformance;
+use crate::product::{Product, Profile};
+use crate::{process, python, workspace};
+
+/// What the Python-side tests need besides the extension.
+const CONTENTS: python::Contents = python::Contents { bare: &[], full: &["numpy"] };
+
+/// Runs them all, setting up what they need.
+pub(crate) fn run() -> Result<()> {
+    let product = Product::build(Profile::Debug)?;
+    rust()?;
+    python_side(&product)?;
+    conformance::run(&conformance::Options::default())
+}
+
+fn rust() -> Result<()> {
+    let tests: &[&str] =
+        if has_nextest() { &["nextest", "run", "--workspace"] } else { &["test", "--workspace"] };
+    process::run(process::cargo().args(tests))?;
+    if has_nextest() {
+        process::run(process::cargo().args(["test", "--doc", "--workspace", "--quiet"]))?;
+    }
+    Ok(())
+}
+
+fn has_nextest() -> bool {
+    let asked = process::cargo()
+        .args(["nextest", "--version"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    asked.is_ok_and(|status| status.success())
+}
+
+/// `crates/python/tests/test_*.py`, once with each interpreter.
+fn python_side(product: &Product) -> Result<()> {
+    for interpreter in python::all() {
+        let folder = workspace::target()?.join("python-venvs").join(&interpreter.version);
+        let python = python::environment(&interpreter, &folder, CONTENTS)?;
+        let discover = ["-m", "unittest", "discover", "--start-directory", "crates/python/tests"];
+        let mut command = python::command(&python);
+        command
+            .args(discover)
+            .env("RAFCON_EXTENSION", &product.extension)
+            .env("RAFCON_BINARY", &product.binary);
+        process::run(&mut command).with_context(|| format!("Python {}", interpreter.version))?;
+    }
+    Ok(())
+}
