@@ -1,1 +1,20 @@
-//! Placeholder.
+//! The commands, events and snapshots that cross a process border, and their version.
+//!
+//! Knows what is said. Must never know how it travels: sockets, files and threads are somebody else's.
+//!
+//! A message is one JSON object on one line ([`frame`]). The first line each way is a [`Hello`]; a different
+//! [`VERSION`] ends the talk with a reason. The vocabulary is in `docs/protocol.md`.
+
+pub mod command;
+pub mod event;
+pub mod frame;
+pub mod hello;
+pub mod launch;
+pub mod message;
+
+pub use command::{Answer, Command, Envelope, Expiry};
+pub use event::{ActiveState, Event, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream};
+pub use frame::{FrameError, decode, encode};
+pub use hello::{Hello, VERSION};
+pub use launch::Launch;
+pub use message::{ToRunner, ToViewer};
