@@ -145,13 +145,14 @@ impl State {
     }
 }
 
-/// Layout of a state and its parts, kept as the text that was read, so that nothing of it is lost; read and changed
-/// through [`Layout::json`] and [`Layout::from_json`] (`docs/format.md`, layout).
+/// Layout of a state and its parts, kept as compact JSON text (no white space between its parts), so that nothing of it
+/// is lost and ten thousand of them fit in memory; read and changed through [`Layout::json`] and [`Layout::from_json`]
+/// (`docs/format.md`, layout).
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Layout(Option<Arc<str>>);
 
 impl Layout {
-    /// The text of a `meta_data.json`.
+    /// The text of a `meta_data.json`, compact if it is to be equal to one from [`Layout::from_json`].
     pub fn from_text(text: &str) -> Self {
         Self(Some(text.into()))
     }
@@ -160,7 +161,7 @@ impl Layout {
     pub fn from_json(document: &Json) -> Self {
         match document {
             Json::Object(members) if members.is_empty() => Self(None),
-            _ => Self(Some(json::write(document).into())),
+            _ => Self(Some(json::write_compact(document).into())),
         }
     }
 
