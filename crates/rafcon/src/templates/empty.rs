@@ -1,0 +1,19 @@
+//! A hierarchy with nothing in it but an outcome. Knows the model only.
+
+use super::{Template, Wish};
+use rafcon_model::{Container, Kind, Outcome, OutcomeId, State, StateId};
+
+pub(super) const TEMPLATE: Template = Template {
+    name: "empty",
+    about: "a hierarchy without states, to be filled",
+    sized: false,
+    build: |wish| Ok(root(wish)),
+};
+
+/// The root alone; it waits when it runs, for it has no start state.
+pub(super) fn root(wish: &Wish) -> State {
+    let kind = Kind::Hierarchy(Container::default());
+    let mut root = State::new(StateId::new("ROOTED"), &wish.name, kind);
+    root.outcomes.insert(Outcome::new(OutcomeId(0), "success"));
+    root
+}

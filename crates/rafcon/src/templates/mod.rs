@@ -1,0 +1,74 @@
+//! Machines that `rafcon new` can make, one module each.
+//!
+//! A template knows the model only: it makes a root state from a [`Wish`]. It must never know files; writing is the
+//! command's work. A new template is a module here and a line in [`ALL`].
+
+mod empty;
+mod hello;
+
+use anyhow::{Result, bail};
+use rafcon_model::State;
+
+/// What the user asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Wish {
+    /// Name of the root state.
+    pub(crate) name: String,
+    /// How many states the machine is to have (`--states`), for templates that come in sizes.
+    pub(crate) states: Option<usize>,
+}
+
+/// A machine to begin with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Template {
+    /// What the user writes after `--template`.
+    pub(crate) name: &'static str,
+    /// What it is, in a few words.
+    pub(crate) about: &'static str,
+    /// Whether `--states` means something to it.
+    pub(crate) sized: bool,
+    /// Makes the root state; the same wish makes the same state.
+    pub(crate) build: fn(&Wish) -> Result<State>,
+}
+
+/// Every template, in the order in which help shows them.
+pub(crate) const ALL: &[Template] = &[hello::TEMPLATE, empty::TEMPLATE];
+
+/// The template with this name.
+pub(crate) fn find(name: &str) -> Option<&'static Template> {
+    ALL.iter().find(|template| template.name == name)
+}
+
+impl Template {
+    /// Makes the root state, after looking at what this template cannot do.
+    pub(crate) fn root(&self, wish: &Wish) -> Result<State> {
+        if wish.states.is_some() && !self.sized {
+            bail!("the template `{}` comes in one size: leave `--states` out", self.name);
+        }
+        (self.build)(wish)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ALL, Wish, find};
+    use expect_test::expect;
+
+    #[test]
+    fn every_template_is_found_by_its_name_and_makes_a_root() {
+        for template in ALL {
+            let wish = Wish { name: "thing".to_owned(), states: None };
+            let root = find(template.name).unwrap().root(&wish).unwrap();
+            assert_eq!(root.name, "thing");
+            assert!(!template.about.is_empty());
+        }
+    }
+
+    #[test]
+    fn a_size_for_a_template_of_one_size_is_refused() {
+        let wish = Wish { name: "thing".to_owned(), states: Some(3) };
+        let error = find("hello").unwrap().root(&wish).unwrap_err();
+        expect!["the template `hello` comes in one size: leave `--states` out"]
+            .assert_eq(&error.to_string());
+    }
+}
