@@ -9,14 +9,18 @@ use anyhow::{Context as _, Result, bail};
 
 use super::expectations::{Expectations, Expected};
 use crate::reference::Reference;
-use crate::workspace;
+use crate::{process, python, workspace};
 
 /// What sleeps are multiplied with.
 const TIME_SCALE: &str = "0.02";
-/// Our own machines, relative to the repository.
-const OWN: &str = "tests/conformance/machines";
+/// The folder of this all, relative to the repository.
+const HERE: &str = "tests/conformance";
+/// What the generator writes there.
+const GENERATED: [&str; 2] = [OWN, OWN_LIBRARIES];
+/// Our own machines.
+const OWN: &str = "machines";
 /// The libraries of our own machines.
-const OWN_LIBRARIES: &str = "tests/conformance/libraries";
+const OWN_LIBRARIES: &str = "libraries";
 
 /// One machine to run in both engines.
 #[derive(Debug)]
@@ -34,14 +38,11 @@ pub(crate) struct Case {
 /// Every machine, in the order of names.
 pub(crate) fn all(reference: &Reference, expectations: &Expectations) -> Result<Vec<Case>> {
     let share = workspace::target()?.join("conformance/share");
-    if share.exists() {
-        std::fs::remove_dir_all(&share)
-            .with_context(|| format!("cannot remove {}", share.display()))?;
-    }
+    remove(&share)?;
     copy(&reference.share, &share)?;
     let libraries = libraries(&share);
     let mut cases = Vec::new();
-    for (prefix, root) in [("", share), ("own/", workspace::path(OWN))] {
+    for (prefix, root) in [("", share), ("own/", workspace::path(HERE).join(OWN))] {
         for folder in machines(&root)? {
             let name =
                 format!("{prefix}{}", folder.strip_prefix(&root).unwrap_or(&folder).display());
@@ -59,11 +60,37 @@ pub(crate) fn all(reference: &Reference, expectations: &Expectations) -> Result<
     Ok(cases)
 }
 
+/// Fails if our own machines are not what their generator writes.
+pub(crate) fn check_generated() -> Result<()> {
+    let fresh = workspace::target()?.join("conformance/generated");
+    remove(&fresh)?;
+    let python = python::default()?;
+    process::run(
+        python::command(&python.program).arg(format!("{HERE}/generate_machines.py")).arg(&fresh),
+    )?;
+    for folder in GENERATED {
+        let mut diff = process::command("diff");
+        diff.args(["--recursive", "--exclude=__pycache__"])
+            .arg(fresh.join(folder))
+            .arg(format!("{HERE}/{folder}"));
+        process::run(&mut diff).context("run `python3 tests/conformance/generate_machines.py`")?;
+    }
+    Ok(())
+}
+
+fn remove(folder: &Path) -> Result<()> {
+    if folder.exists() {
+        std::fs::remove_dir_all(folder)
+            .with_context(|| format!("cannot remove {}", folder.display()))?;
+    }
+    Ok(())
+}
+
 fn libraries(share: &Path) -> Vec<String> {
     let roots = [
         ("generic", share.join("libraries/generic")),
         ("tutorials", share.join("examples/tutorials")),
-        ("own", workspace::path(OWN_LIBRARIES)),
+        ("own", workspace::path(HERE).join(OWN_LIBRARIES)),
     ];
     roots.map(|(name, folder)| format!("{name}={}", folder.display())).to_vec()
 }

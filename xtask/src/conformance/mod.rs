@@ -36,6 +36,7 @@ pub(crate) struct Options {
 /// Runs the machines and prints the table; fails on a difference that nothing explains.
 pub(crate) fn run(options: &Options) -> Result<()> {
     let reference = Reference::installed()?;
+    case::check_generated()?;
     let expectations = Expectations::read()?;
     let cases = case::all(&reference, &expectations)?;
     let wanted = |case: &&Case| {

@@ -1,0 +1,3 @@
+def execute(self, inputs, outputs, gvm):
+    inputs['items'].append('changed')
+    return 0
