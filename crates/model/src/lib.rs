@@ -5,10 +5,13 @@
 
 pub mod connection;
 pub mod container;
+pub mod convert;
 pub mod ids;
 pub mod json;
 pub mod library;
+pub mod literal;
 pub mod machine;
+pub mod notation;
 pub mod port;
 pub mod state;
 pub mod types;
@@ -16,6 +19,7 @@ pub mod value;
 
 pub use connection::{DataFlow, Origin, Target, Transition};
 pub use container::{Container, DataFlows, States, Transitions};
+pub use convert::{Conversion, convert, convert_runtime_value};
 pub use ids::{DECIDER_ID, DataFlowId, OutcomeId, PortId, StateId, StatePath, TransitionId};
 pub use json::Json;
 pub use library::{Library, LibraryContent, RuntimeValue, RuntimeValues};

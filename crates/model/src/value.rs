@@ -12,7 +12,7 @@ const ITEMS: &str = "items";
 /// A value of one of Python's built-in types, or a document that Python has to read.
 ///
 /// Cloning is cheap: anything large is shared.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub enum Value {
     /// `None`
     #[default]
@@ -39,6 +39,31 @@ pub enum Value {
     Type(SmolStr),
     /// An object that only Python can make, in the file's own encoding (an object with `__jsonqualname__`)
     Encoded(Arc<Json>),
+}
+
+/// The same text in the file: unlike in Python, `NaN` equals itself, and `1`, `1.0` and `True` differ.
+impl PartialEq for Value {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::None, Self::None) => true,
+            (Self::Bool(a), Self::Bool(b)) => a == b,
+            (Self::Int(a), Self::Int(b)) => a == b,
+            (Self::Float(a), Self::Float(b)) => same_float(*a, *b),
+            (Self::Str(a), Self::Str(b)) => a == b,
+            (Self::List(a), Self::List(b))
+            | (Self::Tuple(a), Self::Tuple(b))
+            | (Self::Set(a), Self::Set(b)) => a == b,
+            (Self::Dict(a), Self::Dict(b)) => a == b,
+            (Self::BigInt(a), Self::BigInt(b)) | (Self::Type(a), Self::Type(b)) => a == b,
+            (Self::Encoded(a), Self::Encoded(b)) => a == b,
+            _ => false,
+        }
+    }
+}
+
+/// Whether two floats have the same text: `NaN` is `NaN`, and `-0.0` is not `0.0`.
+pub(crate) fn same_float(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
 }
 
 impl Value {

@@ -6,12 +6,13 @@ mod write;
 
 use smol_str::SmolStr;
 
+pub(crate) use parse::parse_prefix;
 pub use parse::{MAX_DEPTH, ParseError, parse};
-pub(crate) use write::canonical_int;
+pub(crate) use write::{canonical_int, python_float};
 pub use write::{write, write_compact};
 
 /// A parsed JSON document. Objects keep the order of their text; writing sorts.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Json {
     /// `null`
     Null,
@@ -29,6 +30,22 @@ pub enum Json {
     List(Vec<Self>),
     /// `{…}`: keys are unique (a repeated key keeps its last value, as in Python).
     Object(Vec<(SmolStr, Self)>),
+}
+
+/// The same text: `NaN` equals itself, and the order of members counts.
+impl PartialEq for Json {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Null, Self::Null) => true,
+            (Self::Bool(a), Self::Bool(b)) => a == b,
+            (Self::Int(a), Self::Int(b)) => a == b,
+            (Self::BigInt(a), Self::BigInt(b)) | (Self::Str(a), Self::Str(b)) => a == b,
+            (Self::Float(a), Self::Float(b)) => crate::value::same_float(*a, *b),
+            (Self::List(a), Self::List(b)) => a == b,
+            (Self::Object(a), Self::Object(b)) => a == b,
+            _ => false,
+        }
+    }
 }
 
 impl Json {

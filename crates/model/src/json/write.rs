@@ -140,7 +140,7 @@ pub(crate) fn canonical_int(text: &str) -> Option<i64> {
 
 /// The text that Python's `repr` gives for a float: shortest digits that read back the same, an exponent below 1e-4 and
 /// from 1e16 on.
-fn python_float(number: f64) -> String {
+pub(crate) fn python_float(number: f64) -> String {
     if number.is_nan() {
         return "NaN".to_owned();
     }

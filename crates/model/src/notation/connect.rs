@@ -1,0 +1,214 @@
+//! The ends of transitions and data flows in the notation, `AAAAAA.success -> .n`: reading them, and finding the ids that
+//! their names stand for.
+
+use super::parse::NotationError;
+use super::scan::Line;
+use crate::port::Extra;
+use crate::{
+    Container, DataFlow, DataFlowId, OutcomeId, PortId, State, StateId, Transition, TransitionId,
+};
+use smol_str::SmolStr;
+use std::fmt;
+
+/// A line between two ends, as written.
+#[derive(Debug)]
+pub(super) struct Connection<'t> {
+    line: Line<'t>,
+    is_flow: bool,
+    from: End,
+    to: End,
+    id: Option<i64>,
+    extra: Extra,
+}
+
+#[derive(Debug)]
+struct End {
+    place: Place,
+    part: Option<Part>,
+}
+
+#[derive(Debug)]
+enum Place {
+    /// `start` or `nowhere`
+    None,
+    /// `.part`
+    Own,
+    State(StateId),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Part {
+    Id(i64),
+    Name(SmolStr),
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Id(id) => write!(f, "{id}"),
+            Self::Name(name) => write!(f, "`{name}`"),
+        }
+    }
+}
+
+/// Reads `A.x -> B.y as 3 ; …`.
+pub(super) fn read<'t>(
+    line: &mut Line<'t>,
+    is_flow: bool,
+) -> Result<Vec<Connection<'t>>, NotationError> {
+    let mut found = Vec::new();
+    loop {
+        let start = *line;
+        let from = end(line)?;
+        line.expect("->")?;
+        let to = end(line)?;
+        let id = if line.eat_word("as") {
+            Some(line.number().ok_or_else(|| line.error("expected an id"))?)
+        } else {
+            None
+        };
+        let extra = line.extra()?;
+        found.push(Connection { line: start, is_flow, from, to, id, extra });
+        if !line.eat(";") {
+            return line.end().map(|()| found);
+        }
+    }
+}
+
+fn end(line: &mut Line<'_>) -> Result<End, NotationError> {
+    if line.eat(".") {
+        return Ok(End { place: Place::Own, part: Some(part(line)?) });
+    }
+    let place = if line.eat_word("start") || line.eat_word("nowhere") {
+        Place::None
+    } else {
+        Place::State(StateId(line.name()?))
+    };
+    let part = if line.eat_joined(".") { Some(part(line)?) } else { None };
+    Ok(End { place, part })
+}
+
+/// The part after the point: a number or a name.
+pub(super) fn part(line: &mut Line<'_>) -> Result<Part, NotationError> {
+    match line.number() {
+        Some(id) => Ok(Part::Id(id)),
+        None => line.name().map(Part::Name),
+    }
+}
+
+impl Connection<'_> {
+    /// What a line outside a container is answered.
+    pub(super) fn misplaced(&self) -> NotationError {
+        self.line.error("transitions and data flows stand in hierarchies and concurrency states")
+    }
+
+    /// Adds this connection to the container of `state`.
+    pub(super) fn add_to(self, state: &mut State) -> Result<(), NotationError> {
+        if self.is_flow { self.add_flow(state) } else { self.add_transition(state) }
+    }
+
+    fn add_transition(self, state: &mut State) -> Result<(), NotationError> {
+        let from_outcome = self.outcome(state, &self.from)?;
+        let to_outcome = self.outcome(state, &self.to)?;
+        let (from_state, to_state) = (self.from.state(state), self.to.state(state));
+        let Some(container) = state.container_mut() else { return Err(self.misplaced()) };
+        let id = self.id.map_or_else(|| container.transitions.next_id(), TransitionId);
+        let transition =
+            Transition { id, from_state, from_outcome, to_state, to_outcome, extra: self.extra };
+        match container.transitions.insert(transition) {
+            Some(_) => Err(self.line.error(format!("the transition {id} stands here twice"))),
+            None => Ok(()),
+        }
+    }
+
+    fn add_flow(self, state: &mut State) -> Result<(), NotationError> {
+        let from = self.port(state, &self.from, Side::Source)?;
+        let to = self.port(state, &self.to, Side::Target)?;
+        let Some(container) = state.container_mut() else { return Err(self.misplaced()) };
+        let id = self.id.map_or_else(|| container.data_flows.next_id(), DataFlowId);
+        let flow = DataFlow { extra: self.extra, ..DataFlow::new(id, from, to) };
+        match container.data_flows.insert(flow) {
+            Some(_) => Err(self.line.error(format!("the data flow {id} stands here twice"))),
+            None => Ok(()),
+        }
+    }
+
+    fn outcome(&self, state: &State, end: &End) -> Result<Option<OutcomeId>, NotationError> {
+        let name = match &end.part {
+            None => return Ok(None),
+            Some(Part::Id(id)) => return Ok(Some(OutcomeId(*id))),
+            Some(Part::Name(name)) => name,
+        };
+        let owner = end.owner(state);
+        let found = owner.and_then(|owner| outcome_by_name(owner, name));
+        found.map(Some).ok_or_else(|| self.unknown("outcome", name, owner))
+    }
+
+    fn port(
+        &self,
+        state: &State,
+        end: &End,
+        side: Side,
+    ) -> Result<(StateId, PortId), NotationError> {
+        let Some(id) = end.state(state) else {
+            return Err(self.line.error("a data flow has a port at both ends"));
+        };
+        let name = match &end.part {
+            None => return Err(self.line.error("a data flow has a port at both ends")),
+            Some(Part::Id(port)) => return Ok((id, PortId(*port))),
+            Some(Part::Name(name)) => name,
+        };
+        let owner = end.owner(state);
+        let found = owner.and_then(|owner| port_by_name(owner, owner.id == state.id, side, name));
+        found.map(|port| (id, port)).ok_or_else(|| self.unknown("port", name, owner))
+    }
+
+    fn unknown(&self, what: &str, name: &str, owner: Option<&State>) -> NotationError {
+        self.line.error(match owner {
+            Some(owner) => format!("the state {} has no {what} `{name}` for this end", owner.id),
+            None => format!("there is no such state; give the {what} by its number"),
+        })
+    }
+}
+
+impl End {
+    fn state(&self, container: &State) -> Option<StateId> {
+        match &self.place {
+            Place::None => None,
+            Place::Own => Some(container.id.clone()),
+            Place::State(id) => Some(id.clone()),
+        }
+    }
+
+    fn owner<'s>(&self, container: &'s State) -> Option<&'s State> {
+        owner(container, &self.state(container)?)
+    }
+}
+
+/// Which end of a data flow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Source,
+    Target,
+}
+
+/// The state that the id `id` means inside `container`: itself or a child.
+pub(super) fn owner<'s>(container: &'s State, id: &StateId) -> Option<&'s State> {
+    if *id == container.id {
+        return Some(container);
+    }
+    container.container()?.states.get(id).map(|child| &**child)
+}
+
+/// The outcome that a name stands for.
+pub(super) fn outcome_by_name(owner: &State, name: &str) -> Option<OutcomeId> {
+    owner.outcomes.by_name(name).map(|outcome| outcome.id)
+}
+
+/// The port that a name stands for at one end of a data flow; `own` if the state is the container itself.
+pub(super) fn port_by_name(owner: &State, own: bool, side: Side, name: &str) -> Option<PortId> {
+    let ports = if own == (side == Side::Source) { &owner.inputs } else { &owner.outputs };
+    let variable = |container: &Container| container.scoped_variables.by_name(name).map(|p| p.id);
+    let own_variable = || owner.container().filter(|_| own).and_then(variable);
+    ports.by_name(name).map(|port| port.id).or_else(own_variable)
+}

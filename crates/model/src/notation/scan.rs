@@ -1,0 +1,159 @@
+//! One line of the notation, read from left to right. Knows words, names, numbers and values; not what they mean.
+
+use super::parse::NotationError;
+use crate::port::Extra;
+use crate::{DataType, Json, Value, json, literal};
+use smol_str::SmolStr;
+
+/// A line without its indentation, and how far it has been read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line<'t> {
+    pub(super) number: usize,
+    pub(super) indent: usize,
+    text: &'t str,
+    at: usize,
+}
+
+impl<'t> Line<'t> {
+    pub(super) fn new(number: usize, line: &'t str) -> Self {
+        let indent = line.len() - line.trim_start_matches([' ', '\t']).len();
+        Self { number, indent, text: &line[indent..], at: 0 }
+    }
+
+    pub(super) fn error(&self, reason: impl Into<String>) -> NotationError {
+        NotationError {
+            line: self.number,
+            column: self.indent + self.at + 1,
+            reason: reason.into(),
+        }
+    }
+
+    fn rest(&mut self) -> &'t str {
+        let rest = &self.text[self.at..];
+        let trimmed = rest.trim_start_matches([' ', '\t', '\r']);
+        self.at += rest.len() - trimmed.len();
+        trimmed
+    }
+
+    /// Whether nothing but a comment is left.
+    pub(super) fn is_done(&mut self) -> bool {
+        let rest = self.rest();
+        rest.is_empty() || rest.starts_with('#')
+    }
+
+    pub(super) fn end(&mut self) -> Result<(), NotationError> {
+        if self.is_done() { Ok(()) } else { Err(self.error("the line goes on after its end")) }
+    }
+
+    /// Passes `symbol` if it stands here.
+    pub(super) fn eat(&mut self, symbol: &str) -> bool {
+        let found = self.rest().starts_with(symbol);
+        self.at += if found { symbol.len() } else { 0 };
+        found
+    }
+
+    pub(super) fn expect(&mut self, symbol: &str) -> Result<(), NotationError> {
+        if self.eat(symbol) { Ok(()) } else { Err(self.error(format!("expected `{symbol}`"))) }
+    }
+
+    /// Passes `symbol` if it stands here directly, without a space before it.
+    pub(super) fn eat_joined(&mut self, symbol: &str) -> bool {
+        let found = self.text[self.at..].starts_with(symbol);
+        self.at += if found { symbol.len() } else { 0 };
+        found
+    }
+
+    /// The bare word that stands here; empty if there is none.
+    pub(super) fn peek_word(&mut self) -> &'t str {
+        let rest = self.rest();
+        let length = rest.bytes().take_while(|b| b.is_ascii_alphanumeric() || *b == b'_').count();
+        &rest[..length]
+    }
+
+    /// Passes the bare word `word` if it stands here.
+    pub(super) fn eat_word(&mut self, word: &str) -> bool {
+        let found = self.peek_word() == word;
+        self.at += if found { word.len() } else { 0 };
+        found
+    }
+
+    /// A bare word or a string in quotes.
+    pub(super) fn name(&mut self) -> Result<SmolStr, NotationError> {
+        if let Some(text) = self.quoted()? {
+            return Ok(SmolStr::new(text));
+        }
+        let word = self.peek_word();
+        if word.is_empty() {
+            return Err(self.error("expected a name"));
+        }
+        self.at += word.len();
+        Ok(SmolStr::new(word))
+    }
+
+    /// A string in quotes if one begins here.
+    pub(super) fn quoted(&mut self) -> Result<Option<String>, NotationError> {
+        let rest = self.rest();
+        if !rest.starts_with('"') {
+            return Ok(None);
+        }
+        let (text, length) =
+            literal::string_prefix(rest).map_err(|error| self.error(error.to_string()))?;
+        self.at += length;
+        Ok(Some(text))
+    }
+
+    /// A whole number if one stands here.
+    pub(super) fn number(&mut self) -> Option<i64> {
+        let rest = self.rest();
+        let digits = rest.strip_prefix('-').unwrap_or(rest);
+        let sign = rest.len() - digits.len();
+        let length = digits.bytes().take_while(|b| b.is_ascii_alphanumeric() || *b == b'_').count();
+        let number = rest[..sign + length].parse().ok()?;
+        self.at += sign + length;
+        Some(number)
+    }
+
+    /// A value: a Python literal, or `json` and the file's encoding.
+    pub(super) fn value(&mut self) -> Result<Value, NotationError> {
+        if self.eat_word("json") {
+            return Ok(Value::from_json(&self.json()?));
+        }
+        let rest = self.rest();
+        let (value, length) =
+            literal::parse_prefix(rest).map_err(|error| self.error(error.to_string()))?;
+        self.at += length;
+        Ok(value)
+    }
+
+    pub(super) fn json(&mut self) -> Result<Json, NotationError> {
+        let rest = self.rest();
+        let (json, length) =
+            json::parse_prefix(rest).map_err(|error| self.error(error.to_string()))?;
+        self.at += length;
+        Ok(json)
+    }
+
+    /// The unknown keys at the end of an element's line.
+    pub(super) fn extra(&mut self) -> Result<Extra, NotationError> {
+        if self.eat_word("extra") { Ok(Some(Box::new(self.json()?))) } else { Ok(None) }
+    }
+
+    /// The dotted name of a type.
+    pub(super) fn data_type(&mut self) -> Result<DataType, NotationError> {
+        if let Some(name) = self.quoted()? {
+            return Ok(DataType::from_file(&name));
+        }
+        let rest = self.rest();
+        let length = rest.bytes().take_while(|b| is_type_byte(*b)).count();
+        if length == 0 {
+            return Err(self.error("expected a type"));
+        }
+        self.at += length;
+        Ok(DataType::from_file(&rest[..length]))
+    }
+}
+
+/// Whether this byte can stand in a type's name without quotes.
+pub(super) fn is_type_byte(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.')
+}
