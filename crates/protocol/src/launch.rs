@@ -23,4 +23,7 @@ pub struct Launch {
     /// Whether the viewer wants every event, or only snapshots, logs and the end.
     #[serde(default)]
     pub every_event: bool,
+    /// A folder for the run's own files ([`crate::active`]); `None`: none are written.
+    #[serde(default)]
+    pub run_folder: Option<PathBuf>,
 }

@@ -5,6 +5,7 @@
 //! A message is one JSON object on one line ([`frame`]). The first line each way is a [`Hello`]; a different
 //! [`VERSION`] ends the talk with a reason. The vocabulary is in `docs/protocol.md`.
 
+pub mod active;
 pub mod command;
 pub mod event;
 pub mod frame;
