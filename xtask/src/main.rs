@@ -8,6 +8,7 @@
     reason = "what a developer's tool has to say goes to the terminal"
 )]
 
+mod bench;
 mod ci;
 mod conformance;
 mod demo;
@@ -40,6 +41,8 @@ enum Task {
     Test,
     /// Run the same machines in the reference and here, and compare.
     Conformance(conformance::Options),
+    /// Measure speed and memory, against what we promise and against the reference.
+    Bench(bench::Options),
     /// Build everything and run a generated mission live in this terminal.
     Demo(demo::Options),
     /// Pack an archive and a wheel.
@@ -54,6 +57,7 @@ fn main() -> anyhow::Result<()> {
         Task::Lint => ci::lint(),
         Task::Test => test::run(),
         Task::Conformance(options) => conformance::run(&options),
+        Task::Bench(options) => bench::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
         Task::Tidy(options) => tidy::run(options),

@@ -1,0 +1,104 @@
+//! The figures that we promise, in the order in which they are printed.
+
+/// What is promised of a figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Bar {
+    /// The higher the better, and not below this.
+    AtLeast(f64),
+    /// The lower the better, and not above this.
+    AtMost(f64),
+}
+
+/// One promised figure.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Figure {
+    /// Its name in the JSON lines.
+    pub(crate) name: &'static str,
+    /// Its unit there.
+    pub(crate) unit: &'static str,
+    /// The promise.
+    pub(crate) bar: Bar,
+    /// What it is, for people.
+    pub(crate) meaning: &'static str,
+}
+
+const fn least(name: &'static str, unit: &'static str, bar: f64, meaning: &'static str) -> Figure {
+    Figure { name, unit, bar: Bar::AtLeast(bar), meaning }
+}
+
+const fn most(name: &'static str, unit: &'static str, bar: f64, meaning: &'static str) -> Figure {
+    Figure { name, unit, bar: Bar::AtMost(bar), meaning }
+}
+
+/// All of them.
+pub(crate) const ALL: [Figure; 13] = [
+    least(
+        "python_flat_states_per_s",
+        "states/s",
+        200_000.0,
+        "two Python states in a loop with an int counter",
+    ),
+    least(
+        "python_flat_over_reference",
+        "ratio",
+        200.0,
+        "the same, against the reference in this run",
+    ),
+    least(
+        "python_flat_over_call_loop",
+        "ratio",
+        1.0 / 3.0,
+        "the same, against a bare CPython call loop",
+    ),
+    least("native_flat_states_per_s", "states/s", 2_000_000.0, "the same loop with native states"),
+    most("load_750_ms", "ms", 50.0, "load a machine of 750 states"),
+    most("load_10000_ms", "ms", 500.0, "load a machine of 10,000 states"),
+    most("save_10000_ms", "ms", 3_000.0, "save all of its states"),
+    most("save_one_edit_ms", "ms", 10.0, "save it after one edit"),
+    most("memory_10000_mb", "MB", 40.0, "memory that it takes when loaded"),
+    most("build_10000_ms", "ms", 200.0, "build it by edits with full checks"),
+    most("preempt_ms", "ms", 1.0, "winner's end to the preemptive state's end"),
+    most(
+        "first_state_ms",
+        "ms",
+        100.0,
+        "process start to first state, above the interpreter's own start",
+    ),
+    most("barrier_64_ms", "ms", 3.0, "barrier of 64 children that do nothing, once"),
+];
+
+impl Bar {
+    /// Whether the promise is kept.
+    pub(crate) fn is_kept(self, value: f64) -> bool {
+        match self {
+            Self::AtLeast(bar) => value >= bar,
+            Self::AtMost(bar) => value <= bar,
+        }
+    }
+}
+
+/// The middle of the values; nothing if there are none.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let (low, high) =
+        (values.get(values.len().checked_sub(1)? / 2)?, values.get(values.len() / 2)?);
+    Some(f64::midpoint(*low, *high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_the_middle() {
+        assert_eq!(median(vec![]), None);
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), Some(2.5));
+    }
+
+    #[test]
+    fn a_promise_has_a_direction() {
+        assert!(Bar::AtLeast(2.0).is_kept(2.0) && !Bar::AtLeast(2.0).is_kept(1.9));
+        assert!(Bar::AtMost(2.0).is_kept(2.0) && !Bar::AtMost(2.0).is_kept(2.1));
+    }
+}

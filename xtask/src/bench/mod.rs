@@ -1,0 +1,99 @@
+//! Figures of speed and memory, against what we promise and against the reference, measured in the same run.
+
+mod figures;
+mod library;
+mod whole_process;
+
+use anyhow::{Context as _, Result, bail};
+use serde_json::json;
+
+use figures::{ALL, Bar, Figure};
+
+/// What `cargo xtask bench` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct Options {
+    /// Print one JSON object a line instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Measure only what concerns this part.
+    #[arg(long, value_enum)]
+    only: Option<Part>,
+}
+
+/// Where a figure is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Part {
+    /// By running `rafcon run` and the reference.
+    WholeProcess,
+    /// Inside one program, by `cargo bench`.
+    Library,
+}
+
+/// A measured figure by its name.
+type Measured = (String, f64);
+
+/// Measures and prints; fails if a promised figure could not be measured, not if it is missed.
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let mut measured = Vec::new();
+    if options.only != Some(Part::WholeProcess) {
+        measured.extend(library::measure()?);
+    }
+    if options.only != Some(Part::Library) {
+        measured.extend(whole_process::measure()?);
+    }
+    for figure in ALL {
+        match measured.iter().find(|(name, _)| name == figure.name) {
+            Some((_, value)) if options.json => println!("{}", line(&figure, *value)),
+            Some((_, value)) => println!("{}", row(&figure, *value)),
+            None if options.only.is_none() => bail!("nothing measured {}", figure.name),
+            None => {}
+        }
+    }
+    Ok(())
+}
+
+fn line(figure: &Figure, value: f64) -> serde_json::Value {
+    json!({ "name": figure.name, "value": value, "unit": figure.unit })
+}
+
+fn row(figure: &Figure, value: f64) -> String {
+    let (sign, bar) = match figure.bar {
+        Bar::AtLeast(bar) => ('≥', bar),
+        Bar::AtMost(bar) => ('≤', bar),
+    };
+    let verdict = if figure.bar.is_kept(value) { "pass" } else { "MISS" };
+    let (value, bar) = (number(value), number(bar));
+    format!(
+        "{verdict}  {:26}  {value:>10}  {sign} {bar:>9} {:9} {}",
+        figure.name, figure.unit, figure.meaning
+    )
+}
+
+/// Three digits that matter.
+fn number(value: f64) -> String {
+    if value >= 1000.0 {
+        format!("{value:.0}")
+    } else if value >= 10.0 {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.3}")
+    }
+}
+
+/// The median, under the name of the figure.
+fn middle(name: &str, values: Vec<f64>) -> Result<Measured> {
+    let value = figures::median(values).with_context(|| format!("no values for {name}"))?;
+    Ok((name.to_owned(), value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_says_whether_the_promise_is_kept() {
+        let figure = ALL.iter().find(|figure| figure.name == "preempt_ms").unwrap();
+        assert!(row(figure, 0.25).starts_with("pass  preempt_ms "));
+        assert!(row(figure, 2.5).starts_with("MISS  preempt_ms "));
+    }
+}

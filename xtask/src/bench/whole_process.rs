@@ -1,0 +1,140 @@
+//! Figures of whole processes: the release binary, the reference and bare CPython, taking turns on the same machine.
+//!
+//! The machines measure themselves and write their answer to a file, so that the figure is the engine's alone.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context as _, Result};
+use serde_json::Value;
+
+use super::{Measured, middle};
+use crate::product::{Product, Profile};
+use crate::reference::Reference;
+use crate::{process, python, workspace};
+
+/// How often everything is measured.
+const RUNS: usize = 5;
+/// Where a machine writes its answer.
+const ANSWER: &str = "RAFCON_BENCH_ANSWER";
+
+struct Bench {
+    product: Product,
+    reference: Reference,
+    machines: PathBuf,
+    answer: PathBuf,
+}
+
+/// Measures them all.
+pub(crate) fn measure() -> Result<Vec<Measured>> {
+    let folder = workspace::target()?.join("bench");
+    let bench = Bench {
+        product: Product::build(Profile::Release)?,
+        reference: Reference::installed()?,
+        machines: folder.join("machines"),
+        answer: folder.join("answer.json"),
+    };
+    bench.write_machines()?;
+    let mut measured = bench.flat()?;
+    measured.push(middle("preempt_ms", bench.times("race")?)?);
+    measured.push(middle("barrier_64_ms", bench.times("gathering")?)?);
+    measured.push(bench.first_state()?);
+    Ok(measured)
+}
+
+impl Bench {
+    fn write_machines(&self) -> Result<()> {
+        let mut writer = python::command(&self.reference.python);
+        writer.arg("tests/bench/write_machines.py").arg(&self.machines);
+        process::quiet(writer.env("PYTHONPATH", workspace::path("tests/conformance")))?;
+        Ok(())
+    }
+
+    /// The three figures of the flat machine; ratios are taken within each round and then their median.
+    fn flat(&self) -> Result<Vec<Measured>> {
+        let (mut ours, mut over_reference, mut over_loop) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..RUNS {
+            let speed = self.speed(&mut self.run("flat"))?;
+            let reference =
+                self.speed(&mut self.reference.driver(&self.machines.join("flat_for_reference")))?;
+            let mut floor = python::command(&self.reference.python);
+            floor.arg("tests/bench/call_loop.py").arg(self.machines.join("flat"));
+            let floor = number(&json(&process::quiet(&mut floor)?)?["states_per_s"])?;
+            ours.push(speed);
+            over_reference.push(speed / reference);
+            over_loop.push(speed / floor);
+        }
+        Ok(vec![
+            middle("python_flat_states_per_s", ours)?,
+            middle("python_flat_over_reference", over_reference)?,
+            middle("python_flat_over_call_loop", over_loop)?,
+        ])
+    }
+
+    /// All times that a machine takes of itself, over all runs.
+    fn times(&self, machine: &str) -> Result<Vec<f64>> {
+        let runs = (0..RUNS).map(|_| numbers(&self.answer(&mut self.run(machine))?["times_ms"]));
+        Ok(runs.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// The start of our process to the first state, less the start of the bare interpreter.
+    fn first_state(&self) -> Result<Measured> {
+        let bare = format!(
+            "import json, os, time; json.dump({{'first_ns': time.perf_counter_ns()}}, open(os.environ['{ANSWER}'], 'w'))"
+        );
+        let mut interpreter = Command::new(&self.reference.python);
+        interpreter.args(["-c", &bare]);
+        let above =
+            (0..RUNS).map(|_| Ok(self.start(&self.run("first"))? - self.start(&interpreter)?));
+        middle("first_state_ms", above.collect::<Result<_>>()?)
+    }
+
+    /// How long a program takes from its start to its answer.
+    fn start(&self, program: &Command) -> Result<f64> {
+        let mut stopwatch = python::command(&self.reference.python);
+        stopwatch
+            .arg("tests/bench/stopwatch.py")
+            .arg(program.get_program())
+            .args(program.get_args());
+        let times = json(&process::quiet(stopwatch.env(ANSWER, &self.answer))?)?;
+        numbers(&times["times_ms"])?.first().copied().context("the stopwatch took no time")
+    }
+
+    /// `rafcon run` of a machine, as a user whose output goes to a file.
+    fn run(&self, machine: &str) -> Command {
+        let mut run = process::command(&self.product.binary);
+        run.arg("run").arg("--python").arg(&self.reference.python).arg(self.machines.join(machine));
+        run
+    }
+
+    fn speed(&self, command: &mut Command) -> Result<f64> {
+        number(&self.answer(command)?["states_per_s"])
+    }
+
+    /// Runs the command and reads what the machine wrote.
+    fn answer(&self, command: &mut Command) -> Result<Value> {
+        remove(&self.answer)?;
+        process::quiet(command.env(ANSWER, &self.answer).stdout(Stdio::null()))?;
+        let text = std::fs::read_to_string(&self.answer);
+        json(&text.with_context(|| format!("no answer in {}", self.answer.display()))?)
+    }
+}
+
+fn remove(file: &Path) -> Result<()> {
+    if file.exists() {
+        std::fs::remove_file(file).with_context(|| format!("cannot remove {}", file.display()))?;
+    }
+    Ok(())
+}
+
+fn json(text: &str) -> Result<Value> {
+    serde_json::from_str(text).with_context(|| format!("not JSON: {text}"))
+}
+
+fn number(value: &Value) -> Result<f64> {
+    value.as_f64().with_context(|| format!("not a number: {value}"))
+}
+
+fn numbers(value: &Value) -> Result<Vec<f64>> {
+    value.as_array().with_context(|| format!("not a list: {value}"))?.iter().map(number).collect()
+}
