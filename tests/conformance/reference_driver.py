@@ -168,7 +168,6 @@ def main():
         state_machine = load(arguments.machine)
     rafcon_logger = logging.getLogger("rafcon")
     rafcon_logger.addHandler(log)
-    rafcon_logger.setLevel(1)
     sys.stdout = printed = io.StringIO()
     began = time.perf_counter()
     finished = run(state_machine, arguments.start_from, arguments.timeout)

@@ -50,14 +50,14 @@ pub(crate) fn quiet(command: &mut Command) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Runs the command and returns what it printed, whatever its exit code: for programs whose code is an answer.
-pub(crate) fn answer(command: &mut Command) -> Result<String> {
+/// Runs the command and returns what it printed and its exit code: for programs whose code is an answer.
+pub(crate) fn answer(command: &mut Command) -> Result<(String, Option<i32>)> {
     let output = command.output().with_context(|| format!("cannot start `{}`", shown(command)))?;
     if output.stdout.is_empty() {
         let said = String::from_utf8_lossy(&output.stderr);
         bail!("`{}` printed nothing: {}\n{said}", shown(command), output.status);
     }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    Ok((String::from_utf8_lossy(&output.stdout).into_owned(), output.status.code()))
 }
 
 fn shown(command: &Command) -> String {

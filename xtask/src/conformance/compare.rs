@@ -16,7 +16,7 @@ const DECIDER: &str = "unique_decider_state_id";
 /// One thing that is not the same.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Difference {
-    /// `end`, `outcome`, `outputs`, `globals`, `scoped_variables`, `order` or `log`; expectations use these words.
+    /// `end`, `outcome`, `outputs`, `globals`, `scoped_variables`, `states_run`, `order` or `log`; expectations use these words.
     pub(crate) what: &'static str,
     /// Both sides, the reference first.
     pub(crate) detail: String,
@@ -55,10 +55,15 @@ fn ends(theirs: &Observed, ours: &Observed) -> Vec<Difference> {
         what: "end",
         detail: format!("{} ≠ {}", theirs.finished, ours.finished),
     });
+    let runs = theirs.states_run.zip(ours.states_run).filter(|(theirs, ours)| theirs != ours);
+    let runs = runs.map(|(theirs, ours)| Difference {
+        what: "states_run",
+        detail: format!("{theirs} ≠ {ours}"),
+    });
     let differ = values.into_iter().filter(|(_, theirs, ours)| normal(theirs) != normal(ours));
     let values = differ
         .map(|(what, theirs, ours)| Difference { what, detail: format!("{theirs} ≠ {ours}") });
-    end.into_iter().chain(values).collect()
+    end.into_iter().chain(runs).chain(values).collect()
 }
 
 /// A value without what may differ: a leaf has no scoped variables or an empty set of them, and a syntax error names the

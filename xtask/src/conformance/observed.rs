@@ -24,6 +24,8 @@ pub(crate) struct Observed {
     pub(crate) scoped_variables: Value,
     /// The paths of the states that were entered, in order.
     pub(crate) entered: Vec<String>,
+    /// How many states ran, where that is known.
+    pub(crate) states_run: Option<u64>,
     /// What scripts logged and printed, a line each.
     pub(crate) log: Vec<String>,
     /// Where the machine's library states and concurrency states are; only the reference tells.
@@ -77,6 +79,7 @@ impl Observed {
             globals: answer["globals"].clone(),
             scoped_variables: answer["scoped_variables"].clone(),
             entered: entered(&answer["trace"]),
+            states_run: answer["states_run"].as_u64(),
             log: logged.flat_map(str::lines).map(str::to_owned).chain(printed).collect(),
             places: Places {
                 libraries: texts(&answer["libraries"]),

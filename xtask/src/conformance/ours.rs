@@ -9,6 +9,9 @@ use crate::process;
 use crate::product::Product;
 use crate::reference::Reference;
 
+/// The exit code of a run that was ended by `--timeout`.
+const TIMED_OUT: i32 = 6;
+
 /// Runs the machine with the interpreter that the reference uses, so that both see the same Python.
 pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Result<Observed> {
     let mut command = process::command(&product.binary);
@@ -20,8 +23,8 @@ pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Resu
         .arg(&reference.python);
     command.args(["--timeout", &case.expected.timeout_s.to_string()]);
     observed::add_common(&mut command, case);
-    let printed = process::answer(&mut command)?;
-    let mut seen = Observed::default();
+    let (printed, code) = process::answer(&mut command)?;
+    let mut seen = Observed { finished: code != Some(TIMED_OUT), ..Observed::default() };
     let mut ended = false;
     for line in printed.lines() {
         let event: Value = serde_json::from_str(line)
@@ -38,18 +41,25 @@ pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Resu
 fn take(seen: &mut Observed, event: &Value) -> bool {
     match event["type"].as_str() {
         Some("entered") => seen.entered.push(event["path"].as_str().unwrap_or_default().to_owned()),
-        Some("log") => seen
-            .log
-            .extend(event["message"].as_str().unwrap_or_default().lines().map(str::to_owned)),
+        Some("log") if is_from_script(event) => seen.log.extend(lines(event)),
         Some("finished") => {
-            seen.finished = event["timed_out"].as_bool() != Some(true);
             seen.outcome = event["outcome"].clone();
             seen.outputs = event["outputs"].clone();
             seen.globals = event["globals"].clone();
+            seen.states_run = event["states_run"].as_u64();
             seen.scoped_variables = event["scoped_variables"].clone();
             return true;
         }
         _ => {}
     }
     false
+}
+
+/// The engine's own notes are worded differently, by intention.
+fn is_from_script(event: &Value) -> bool {
+    matches!(event["stream"].as_str(), Some("stdout" | "logger"))
+}
+
+fn lines(event: &Value) -> impl Iterator<Item = String> {
+    event["message"].as_str().unwrap_or_default().lines().map(str::to_owned)
 }
