@@ -25,5 +25,5 @@ pub(crate) fn lint() -> Result<()> {
 /// Everything.
 pub(crate) fn run() -> Result<()> {
     lint()?;
-    test::run()
+    test::run(&test::Options::default())
 }

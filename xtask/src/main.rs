@@ -21,6 +21,8 @@ mod test;
 mod tidy;
 mod workspace;
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 
 /// Developer's commands of the RAFCON repository.
@@ -38,7 +40,7 @@ enum Task {
     /// Check format, lints, layers, house rules and documentation.
     Lint,
     /// Run all tests, setting up what they need.
-    Test,
+    Test(test::Options),
     /// Run the same machines in the reference and here, and compare.
     Conformance(conformance::Options),
     /// Measure speed and memory, against what we promise and against the reference.
@@ -51,11 +53,21 @@ enum Task {
     Tidy(tidy::Options),
 }
 
-fn main() -> anyhow::Result<()> {
-    match Arguments::parse().task {
+fn main() -> ExitCode {
+    match run(Arguments::parse().task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(task: Task) -> anyhow::Result<()> {
+    match task {
         Task::Ci => ci::run(),
         Task::Lint => ci::lint(),
-        Task::Test => test::run(),
+        Task::Test(options) => test::run(&options),
         Task::Conformance(options) => conformance::run(&options),
         Task::Bench(options) => bench::run(&options),
         Task::Demo(options) => demo::run(&options),

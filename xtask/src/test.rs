@@ -11,12 +11,39 @@ use crate::{process, python, workspace};
 /// What the Python-side tests need besides the extension.
 const CONTENTS: python::Contents = python::Contents { bare: &[], full: &["numpy"] };
 
-/// Runs them all, setting up what they need.
-pub(crate) fn run() -> Result<()> {
+/// What `cargo xtask test` can be asked for.
+#[derive(clap::Args, Default)]
+pub(crate) struct Options {
+    /// Run only this part.
+    #[arg(long, value_enum)]
+    only: Option<Part>,
+}
+
+/// The parts, in the order in which they run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Part {
+    /// Tests and documentation tests of all crates.
+    Rust,
+    /// Tests of the Python package, with every interpreter found.
+    Python,
+    /// The same machines in both engines.
+    Conformance,
+}
+
+/// Runs them all, or the part asked for, setting up what they need.
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let wanted = |part| options.only.is_none_or(|only| only == part);
     let product = Product::build(Profile::Debug)?;
-    rust()?;
-    python_side(&product)?;
-    conformance::run(&conformance::Options::default())
+    if wanted(Part::Rust) {
+        rust()?;
+    }
+    if wanted(Part::Python) {
+        python_side(&product)?;
+    }
+    if wanted(Part::Conformance) {
+        conformance::run(&conformance::Options::default())?;
+    }
+    Ok(())
 }
 
 fn rust() -> Result<()> {
