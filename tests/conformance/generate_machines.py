@@ -461,6 +461,77 @@ def a_barrier_waits_for_its_slowest_child():
     return barrier("ROOT", [slow, quick, judge], [*arrivals, f"{judge.state_id}.success -> .success"])
 
 
+@rule
+def a_preempted_outcome_may_be_connected():
+    return hierarchy(
+        "ROOT",
+        [execution("YIELD", "return 'preempted'"), execution("NEXT", "self.logger.info('went on')\nreturn 0")],
+        ["-> YIELD", "YIELD.preempted -> NEXT", "NEXT.success -> .success"],
+    )
+
+
+@rule
+def a_winner_without_a_transition_aborts_the_race():
+    return preemptive(
+        "ROOT",
+        [execution("FAST", "self.preemptive_wait(0.2)\nreturn -1"), execution("SLOW", WAIT)],
+        ["SLOW.success -> .success"],
+    )
+
+
+@rule
+def preemption_reaches_through_barriers_and_libraries():
+    judge = decider("self.logger.info('decided')\nreturn 0")
+    waits = [execution(name, WAIT) for name in ("LEFT", "RIGHT")]
+    arrivals = [f"{child.state_id}.success -> {judge.state_id}" for child in waits]
+    meeting = barrier("MEET", [*waits, judge], [*arrivals, f"{judge.state_id}.success -> .success"])
+    patient = library("PATIENT", "own", "patient", patience())
+    return preemptive(
+        "ROOT",
+        [execution("FAST", SHORT_WAIT), meeting, patient],
+        ["FAST.success -> .first", "MEET.success -> .second", "PATIENT.success -> .second"],
+        outcomes=("first", "second"),
+    )
+
+
+@rule
+def concurrent_children_get_their_inputs_at_the_start():
+    judge = decider(
+        "self.logger.info('%s', inputs['sum'])\nreturn 0", inputs={"sum": (int, 0)}
+    )
+    add = "outputs['sum'] = inputs['number'] + 1\nreturn 0"
+    ports = {"inputs": {"number": (int, 0)}, "outputs": {"sum": (int, 0)}}
+    late = execution("LATE", "self.preemptive_wait(0.2)\n" + add, **ports)
+    early = execution("EARLY", add, **ports)
+    arrivals = [f"{name}.success -> {judge.state_id}" for name in ("LATE", "EARLY")]
+    meeting = barrier(
+        "MEET",
+        [late, early, judge],
+        [*arrivals, f"{judge.state_id}.success -> .success"],
+        flows=[".given -> $number", "$number -> LATE.number", "$number -> EARLY.number", "LATE.sum -> $number",
+               "EARLY.sum -> $number", f"$number -> {judge.state_id}.sum", "$number -> .result"],
+        inputs={"given": (int, 10)},
+        outputs={"result": (int, None)},
+        scoped={"number": (int, 0)},
+    )
+    return one(meeting, outputs={"result": (int, None)}, flows=["MEET.result -> .result"])
+
+
+@rule
+def the_last_to_arrive_writes_last():
+    judge = decider("return 0")
+    late = execution("LATE", "self.preemptive_wait(0.2)\noutputs['value'] = 'late'\nreturn 0", outputs={"value": (str, None)})
+    early = execution("EARLY", "outputs['value'] = 'early'\nreturn 0", outputs={"value": (str, None)})
+    arrivals = [f"{name}.success -> {judge.state_id}" for name in ("LATE", "EARLY")]
+    return barrier(
+        "ROOT",
+        [late, early, judge],
+        [*arrivals, f"{judge.state_id}.success -> .success"],
+        flows=["LATE.value -> .value", "EARLY.value -> .value"],
+        outputs={"value": (str, None)},
+    )
+
+
 # Libraries
 
 
@@ -498,7 +569,13 @@ def announcer():
     return execution("ANNOUNCE", script, inputs={"text": (str, "nothing to say")})
 
 
-LIBRARIES = {"doubler": doubler, "quadrupler": quadrupler, "announcer": announcer}
+def patience():
+    """A library: waits until it is preempted."""
+    inner = execution("INNER", WAIT)
+    return hierarchy("PATIENCE", [inner], ["-> INNER", "INNER.success -> .success"])
+
+
+LIBRARIES = {"doubler": doubler, "quadrupler": quadrupler, "announcer": announcer, "patient": patience}
 
 
 @rule

@@ -1,0 +1,4 @@
+def execute(self, inputs, outputs, gvm):
+    self.preemptive_wait(0.2)
+    outputs['value'] = 'late'
+    return 0
