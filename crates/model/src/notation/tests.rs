@@ -60,7 +60,9 @@ const EVERY_KIND: &str = r#"
 
 #[test]
 fn every_kind_of_state_reads_back() {
-    check(EVERY_KIND, &expect![[r#"
+    check(
+        EVERY_KIND,
+        &expect![[r#"
         machine
           version "1.2"
           created "2020-02-02 02:02:02"
@@ -104,7 +106,8 @@ fn every_kind_of_state_reads_back() {
                   def execute(self, inputs, outputs, gvm):
 
                       return 0
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]

@@ -1,0 +1,237 @@
+//! The data flows of a container, found by id, by source and by target.
+
+use crate::sorted::{MANY, Sorted};
+use crate::{DataFlow, DataFlowId, PortId, StateId};
+use imbl::OrdSet;
+use std::sync::Arc;
+
+/// Which value goes where in one container. Cloning shares everything.
+#[derive(Debug, Clone, Default)]
+pub struct DataFlows {
+    by_id: Sorted<DataFlowId, DataFlow>,
+    /// Only when there are many.
+    index: Option<Arc<Index>>,
+}
+
+type End = (StateId, PortId);
+
+#[derive(Debug, Clone, Default)]
+struct Index {
+    by_link: OrdSet<(End, End, DataFlowId)>,
+    by_target: OrdSet<(End, DataFlowId)>,
+}
+
+impl PartialEq for DataFlows {
+    fn eq(&self, other: &Self) -> bool {
+        self.by_id == other.by_id
+    }
+}
+
+impl DataFlows {
+    /// All by rising id.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &DataFlow> {
+        self.by_id.values()
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.by_id.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.by_id.is_empty()
+    }
+
+    /// The data flow with this id.
+    pub fn get(&self, id: DataFlowId) -> Option<&DataFlow> {
+        self.by_id.get(&id)
+    }
+
+    /// Those that end at this port, by rising id.
+    pub fn into_port(&self, state: &StateId, port: PortId) -> impl Iterator<Item = &DataFlow> {
+        let end = (state.clone(), port);
+        let wanted = end.clone();
+        let few = self.few().filter(move |flow| target_of(flow) == wanted);
+        few.chain(self.by_target(end.clone(), end))
+    }
+
+    /// Those that begin at this port.
+    pub fn out_of_port(&self, state: &StateId, port: PortId) -> impl Iterator<Item = &DataFlow> {
+        let end = (state.clone(), port);
+        let wanted = end.clone();
+        let few = self.few().filter(move |flow| source_of(flow) == wanted);
+        few.chain(self.links_from(end.clone(), move |source| *source == end))
+    }
+
+    /// Those that lead from one port to another: one at most in a valid container.
+    pub fn between(&self, from: End, to: End) -> impl Iterator<Item = &DataFlow> {
+        let wanted = (from.clone(), to.clone());
+        let few = self.few().filter(move |f| (source_of(f), target_of(f)) == wanted);
+        few.chain(self.links_between(from, to))
+    }
+
+    /// Those that end at any port of `state`.
+    pub fn into_state(&self, state: &StateId) -> impl Iterator<Item = &DataFlow> {
+        let wanted = state.clone();
+        let few = self.few().filter(move |flow| flow.to_state == wanted);
+        few.chain(self.by_target(lowest(state), highest(state)))
+    }
+
+    /// Those that begin at any port of `state`.
+    pub fn out_of_state(&self, state: &StateId) -> impl Iterator<Item = &DataFlow> {
+        let wanted = state.clone();
+        let few = self.few().filter(move |flow| flow.from_state == wanted);
+        let wanted = state.clone();
+        few.chain(self.links_from(lowest(state), move |(state, _)| *state == wanted))
+    }
+
+    /// All while they are so few that no index is kept.
+    fn few(&self) -> impl Iterator<Item = &DataFlow> {
+        let all = self.index.is_none().then(|| self.by_id.values());
+        all.into_iter().flatten()
+    }
+
+    fn by_target(&self, low: End, high: End) -> impl Iterator<Item = &DataFlow> {
+        let range = (low, DataFlowId(i64::MIN))..=(high, DataFlowId(i64::MAX));
+        let keys = self.index.as_deref().map(|index| index.by_target.range(range));
+        keys.into_iter().flatten().filter_map(|(_, id)| self.by_id.get(id))
+    }
+
+    fn links_between(&self, from: End, to: End) -> impl Iterator<Item = &DataFlow> {
+        let low = (from.clone(), to.clone(), DataFlowId(i64::MIN));
+        let high = (from, to, DataFlowId(i64::MAX));
+        let keys = self.index.as_deref().map(|index| index.by_link.range(low..=high));
+        keys.into_iter().flatten().filter_map(|(_, _, id)| self.by_id.get(id))
+    }
+
+    /// Those from `low` on, as long as their source is wanted.
+    fn links_from(
+        &self,
+        low: End,
+        wanted: impl Fn(&End) -> bool,
+    ) -> impl Iterator<Item = &DataFlow> {
+        let low = (low, lowest(&StateId::new("")), DataFlowId(i64::MIN));
+        let keys = self.index.as_deref().map(|index| index.by_link.range(low..));
+        let keys = keys.into_iter().flatten().take_while(move |(source, _, _)| wanted(source));
+        keys.filter_map(|(_, _, id)| self.by_id.get(id))
+    }
+
+    /// Puts a data flow in its place; gives back the one that had its id.
+    pub fn insert(&mut self, flow: DataFlow) -> Option<DataFlow> {
+        let id = flow.id;
+        let ends = (source_of(&flow), target_of(&flow));
+        let earlier = self.by_id.insert(id, flow);
+        if let Some(index) = self.index.as_mut().map(Arc::make_mut) {
+            if let Some(earlier) = &earlier {
+                index.remove(earlier);
+            }
+            index.by_target.insert((ends.1.clone(), id));
+            index.by_link.insert((ends.0, ends.1, id));
+        } else if self.by_id.len() >= MANY {
+            self.index = Some(Arc::new(Index::of(self.by_id.values())));
+        }
+        earlier
+    }
+
+    /// Takes the data flow with this id out.
+    pub fn remove(&mut self, id: DataFlowId) -> Option<DataFlow> {
+        let flow = self.by_id.remove(&id)?;
+        if self.by_id.len() < MANY / 2 {
+            self.index = None;
+        } else if let Some(index) = self.index.as_mut().map(Arc::make_mut) {
+            index.remove(&flow);
+        }
+        Some(flow)
+    }
+
+    /// The smallest id above all that are used, 1 at first.
+    pub fn next_id(&self) -> DataFlowId {
+        DataFlowId(self.by_id.last().map_or(1, |(id, _)| id.0.saturating_add(1).max(1)))
+    }
+}
+
+impl Index {
+    fn of<'f>(flows: impl Iterator<Item = &'f DataFlow> + Clone) -> Self {
+        Self {
+            by_link: flows.clone().map(|f| (source_of(f), target_of(f), f.id)).collect(),
+            by_target: flows.map(|f| (target_of(f), f.id)).collect(),
+        }
+    }
+
+    fn remove(&mut self, flow: &DataFlow) {
+        self.by_link.remove(&(source_of(flow), target_of(flow), flow.id));
+        self.by_target.remove(&(target_of(flow), flow.id));
+    }
+}
+
+fn source_of(flow: &DataFlow) -> End {
+    (flow.from_state.clone(), flow.from_port)
+}
+
+fn target_of(flow: &DataFlow) -> End {
+    (flow.to_state.clone(), flow.to_port)
+}
+
+fn lowest(state: &StateId) -> End {
+    (state.clone(), PortId(i64::MIN))
+}
+
+fn highest(state: &StateId) -> End {
+    (state.clone(), PortId(i64::MAX))
+}
+
+impl FromIterator<DataFlow> for DataFlows {
+    fn from_iter<I: IntoIterator<Item = DataFlow>>(items: I) -> Self {
+        let mut flows = Self::default();
+        for flow in items {
+            flows.insert(flow);
+        }
+        flows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DataFlows;
+    use crate::{DataFlow, DataFlowId, PortId, StateId};
+    use proptest::prelude::*;
+
+    fn end(number: u8) -> (StateId, PortId) {
+        (StateId::new(format!("S{}", number % 3)), PortId(i64::from(number / 3)))
+    }
+
+    proptest! {
+        /// The lists by source and target are what a look at each data flow gives, with an index and without.
+        #[test]
+        fn every_list_is_complete(steps in proptest::collection::vec((1..80i64, 0..9u8, 0..9u8, 0..3u8), 0..160)) {
+            let mut flows = DataFlows::default();
+            for (id, from, to, step) in steps {
+                if step == 0 {
+                    flows.remove(DataFlowId(id));
+                } else {
+                    flows.insert(DataFlow::new(DataFlowId(id), end(from), end(to)));
+                }
+            }
+            let ids = |found: Vec<&DataFlow>| {
+                let mut ids: Vec<_> = found.iter().map(|f| f.id).collect();
+                ids.sort();
+                ids
+            };
+            let each = |test: &dyn Fn(&DataFlow) -> bool| ids(flows.iter().filter(|f| test(f)).collect());
+            for (number, other) in (0..9).zip([4, 2, 7, 1, 8, 0, 3, 5, 6]) {
+                let (state, port) = end(number);
+                let from = |f: &DataFlow| (f.from_state.clone(), f.from_port) == end(number);
+                let to = |f: &DataFlow, n| (f.to_state.clone(), f.to_port) == end(n);
+                prop_assert_eq!(ids(flows.into_port(&state, port).collect()), each(&|f| to(f, number)));
+                prop_assert_eq!(ids(flows.out_of_port(&state, port).collect()), each(&from));
+                prop_assert_eq!(ids(flows.into_state(&state).collect()), each(&|f| f.to_state == state));
+                prop_assert_eq!(ids(flows.out_of_state(&state).collect()), each(&|f| f.from_state == state));
+                prop_assert_eq!(
+                    ids(flows.between(end(number), end(other)).collect()),
+                    each(&|f| from(f) && to(f, other))
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! A map in the order of its keys that costs little for a handful of entries and shares its structure when it holds many.
+//! Knows nothing of what it holds.
+
+use imbl::OrdMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// From this size on the entries live in a tree instead of one list.
+pub(crate) const MANY: usize = 32;
+/// Below this size they go back into a list.
+const FEW: usize = 16;
+
+/// A persistent map: cloning it is cheap, changing a clone leaves the original as it is.
+#[derive(Clone)]
+pub struct Sorted<K, V>(Form<K, V>);
+
+#[derive(Clone)]
+enum Form<K, V> {
+    Few(Option<Arc<Vec<(K, V)>>>),
+    Many(OrdMap<K, V>),
+}
+
+impl<K, V> Default for Sorted<K, V> {
+    fn default() -> Self {
+        Self(Form::Few(None))
+    }
+}
+
+impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
+    /// A map without entries.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// How many entries there are.
+    pub fn len(&self) -> usize {
+        match &self.0 {
+            Form::Few(_) => self.few().len(),
+            Form::Many(map) => map.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn few(&self) -> &[(K, V)] {
+        match &self.0 {
+            Form::Few(entries) => entries.as_deref().map_or(&[], Vec::as_slice),
+            Form::Many(_) => &[],
+        }
+    }
+
+    fn many(&self) -> Option<&OrdMap<K, V>> {
+        match &self.0 {
+            Form::Few(_) => None,
+            Form::Many(map) => Some(map),
+        }
+    }
+
+    /// The entries by rising key.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (&K, &V)> + Clone {
+        let few = self.few().iter().map(|(key, value)| (key, value));
+        few.chain(self.many().into_iter().flat_map(OrdMap::iter))
+    }
+
+    /// The keys, rising.
+    pub fn keys(&self) -> impl DoubleEndedIterator<Item = &K> + Clone {
+        self.iter().map(|(key, _)| key)
+    }
+
+    /// The values by rising key.
+    pub fn values(&self) -> impl DoubleEndedIterator<Item = &V> + Clone {
+        self.iter().map(|(_, value)| value)
+    }
+
+    /// The value of a key.
+    pub fn get(&self, key: &K) -> Option<&V> {
+        match &self.0 {
+            Form::Few(_) => {
+                let entries = self.few();
+                position(entries, key).ok().map(|index| &entries[index].1)
+            }
+            Form::Many(map) => map.get(key),
+        }
+    }
+
+    /// Whether the key has a value.
+    pub fn contains_key(&self, key: &K) -> bool {
+        self.get(key).is_some()
+    }
+
+    /// The value of a key, to be changed in place.
+    pub fn get_mut(&mut self, key: &K) -> Option<&mut V> {
+        match &mut self.0 {
+            Form::Few(entries) => {
+                let entries = entries.as_mut()?;
+                let index = position(entries, key).ok()?;
+                Some(&mut Arc::make_mut(entries)[index].1)
+            }
+            Form::Many(map) => map.get_mut(key),
+        }
+    }
+
+    /// The last entry.
+    pub fn last(&self) -> Option<(&K, &V)> {
+        self.iter().next_back()
+    }
+
+    /// Sets the value of a key; gives back the earlier one.
+    pub fn insert(&mut self, key: K, value: V) -> Option<V> {
+        match &mut self.0 {
+            Form::Few(entries) => {
+                let entries = Arc::make_mut(entries.get_or_insert_default());
+                match position(entries, &key) {
+                    Ok(index) => return Some(std::mem::replace(&mut entries[index].1, value)),
+                    Err(index) => entries.insert(index, (key, value)),
+                }
+                if entries.len() >= MANY {
+                    self.0 = Form::Many(std::mem::take(entries).into_iter().collect());
+                }
+                None
+            }
+            Form::Many(map) => map.insert(key, value),
+        }
+    }
+
+    /// Takes the value of a key out.
+    pub fn remove(&mut self, key: &K) -> Option<V> {
+        match &mut self.0 {
+            Form::Few(entries) => {
+                let list = entries.as_mut()?;
+                let index = position(list, key).ok()?;
+                let removed = Arc::make_mut(list).remove(index).1;
+                if list.is_empty() {
+                    *entries = None;
+                }
+                Some(removed)
+            }
+            Form::Many(map) => {
+                let removed = map.remove(key)?;
+                if map.len() < FEW {
+                    let entries = map.iter().map(|(key, value)| (key.clone(), value.clone()));
+                    self.0 = Form::Few(Some(Arc::new(entries.collect())));
+                }
+                Some(removed)
+            }
+        }
+    }
+
+    /// Whether both are the same piece of memory: then they are equal, and nothing below needs a look.
+    pub fn ptr_eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Form::Few(None), Form::Few(None)) => true,
+            (Form::Few(Some(a)), Form::Few(Some(b))) => Arc::ptr_eq(a, b),
+            (Form::Many(a), Form::Many(b)) => a.ptr_eq(b),
+            _ => false,
+        }
+    }
+}
+
+fn position<K: Ord, V>(entries: &[(K, V)], key: &K) -> Result<usize, usize> {
+    entries.binary_search_by(|(known, _)| known.cmp(key))
+}
+
+impl<K: Ord + Clone, V: Clone + PartialEq> PartialEq for Sorted<K, V> {
+    fn eq(&self, other: &Self) -> bool {
+        self.ptr_eq(other) || (self.len() == other.len() && self.iter().eq(other.iter()))
+    }
+}
+
+impl<K: Ord + Clone + fmt::Debug, V: Clone + fmt::Debug> fmt::Debug for Sorted<K, V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_map().entries(self.iter()).finish()
+    }
+}
+
+impl<K: Ord + Clone, V: Clone> Extend<(K, V)> for Sorted<K, V> {
+    fn extend<I: IntoIterator<Item = (K, V)>>(&mut self, entries: I) {
+        for (key, value) in entries {
+            self.insert(key, value);
+        }
+    }
+}
+
+impl<K: Ord + Clone, V: Clone> FromIterator<(K, V)> for Sorted<K, V> {
+    fn from_iter<I: IntoIterator<Item = (K, V)>>(entries: I) -> Self {
+        let mut map = Self::default();
+        map.extend(entries);
+        if let Form::Few(Some(entries)) = &mut map.0 {
+            Arc::make_mut(entries).shrink_to_fit();
+        }
+        map
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Sorted;
+    use proptest::prelude::*;
+    use std::collections::BTreeMap;
+
+    proptest! {
+        #[test]
+        fn it_does_what_a_plain_map_does(steps in proptest::collection::vec((0..60u8, any::<bool>()), 0..200)) {
+            let mut map = Sorted::new();
+            let mut plain = BTreeMap::new();
+            for (index, (key, insert)) in steps.into_iter().enumerate() {
+                let before = map.clone();
+                let had: Vec<_> = before.iter().map(|(k, v)| (*k, *v)).collect();
+                if insert {
+                    prop_assert_eq!(map.insert(key, index), plain.insert(key, index));
+                } else {
+                    prop_assert_eq!(map.remove(&key), plain.remove(&key));
+                }
+                prop_assert!(before.iter().map(|(k, v)| (*k, *v)).eq(had));
+                prop_assert!(map.iter().eq(plain.iter()));
+                prop_assert!(map.iter().rev().eq(plain.iter().rev()));
+                prop_assert_eq!(map.len(), plain.len());
+                prop_assert_eq!(map.get(&key), plain.get(&key));
+                prop_assert_eq!(map.get_mut(&key), plain.get_mut(&key));
+                prop_assert_eq!(&map, &plain.clone().into_iter().collect());
+            }
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! The transitions of a container, found by id, by origin and by target.
+
+use crate::sorted::{MANY, Sorted};
+use crate::{Origin, OutcomeId, StateId, Transition, TransitionId};
+use imbl::OrdSet;
+use std::sync::Arc;
+
+/// What runs after what in one container. Cloning shares everything.
+#[derive(Debug, Clone, Default)]
+pub struct Transitions {
+    by_id: Sorted<TransitionId, Transition>,
+    /// Only when there are many.
+    index: Option<Arc<Index>>,
+}
+
+type End = (Option<StateId>, Option<OutcomeId>);
+
+#[derive(Debug, Clone, Default)]
+struct Index {
+    by_origin: OrdSet<(End, TransitionId)>,
+    by_target: OrdSet<(End, TransitionId)>,
+}
+
+impl PartialEq for Transitions {
+    fn eq(&self, other: &Self) -> bool {
+        self.by_id == other.by_id
+    }
+}
+
+impl Transitions {
+    /// All by rising id.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Transition> {
+        self.by_id.values()
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.by_id.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.by_id.is_empty()
+    }
+
+    /// The transition with this id.
+    pub fn get(&self, id: TransitionId) -> Option<&Transition> {
+        self.by_id.get(&id)
+    }
+
+    /// Those that begin at `origin`: one at most in a valid container.
+    pub fn from(&self, origin: &Origin) -> impl Iterator<Item = &Transition> {
+        let end = match origin {
+            Origin::Income => (None, None),
+            Origin::Outcome(state, outcome) => (Some(state.clone()), Some(*outcome)),
+        };
+        let wanted = end.clone();
+        let few = self.few().filter(move |transition| origin_of(transition) == wanted);
+        few.chain(self.many(|index| &index.by_origin, end.clone(), end))
+    }
+
+    /// Those that lead to this child, or to any outcome of the container if `state` is its id.
+    pub fn into_state(&self, state: &StateId) -> impl Iterator<Item = &Transition> {
+        let wanted = state.clone();
+        let few =
+            self.few().filter(move |transition| transition.to_state.as_ref() == Some(&wanted));
+        few.chain(self.many(|index| &index.by_target, lowest(state), highest(state)))
+    }
+
+    /// Those that begin at any outcome of `state`.
+    pub fn out_of_state(&self, state: &StateId) -> impl Iterator<Item = &Transition> {
+        let wanted = state.clone();
+        let few =
+            self.few().filter(move |transition| transition.from_state.as_ref() == Some(&wanted));
+        few.chain(self.many(|index| &index.by_origin, lowest(state), highest(state)))
+    }
+
+    /// All while they are so few that no index is kept.
+    fn few(&self) -> impl Iterator<Item = &Transition> {
+        let all = self.index.is_none().then(|| self.by_id.values());
+        all.into_iter().flatten()
+    }
+
+    /// Those between two keys of an index, while there is one.
+    fn many<'s>(
+        &'s self,
+        pick: fn(&'s Index) -> &'s OrdSet<(End, TransitionId)>,
+        low: End,
+        high: End,
+    ) -> impl Iterator<Item = &'s Transition> {
+        let range = (low, TransitionId(i64::MIN))..=(high, TransitionId(i64::MAX));
+        let keys = self.index.as_deref().map(|index| pick(index).range(range));
+        keys.into_iter().flatten().filter_map(|(_, id)| self.by_id.get(id))
+    }
+
+    /// Puts a transition in its place; gives back the one that had its id.
+    pub fn insert(&mut self, transition: Transition) -> Option<Transition> {
+        let id = transition.id;
+        let keys = (origin_of(&transition), target_of(&transition));
+        let earlier = self.by_id.insert(id, transition);
+        if let Some(index) = self.index.as_mut().map(Arc::make_mut) {
+            if let Some(earlier) = &earlier {
+                index.remove(earlier);
+            }
+            index.by_origin.insert((keys.0, id));
+            index.by_target.insert((keys.1, id));
+        } else if self.by_id.len() >= MANY {
+            self.index = Some(Arc::new(Index::of(self.by_id.values())));
+        }
+        earlier
+    }
+
+    /// Takes the transition with this id out.
+    pub fn remove(&mut self, id: TransitionId) -> Option<Transition> {
+        let transition = self.by_id.remove(&id)?;
+        if self.by_id.len() < MANY / 2 {
+            self.index = None;
+        } else if let Some(index) = self.index.as_mut().map(Arc::make_mut) {
+            index.remove(&transition);
+        }
+        Some(transition)
+    }
+
+    /// The smallest id above all that are used, 1 at first.
+    pub fn next_id(&self) -> TransitionId {
+        TransitionId(self.by_id.last().map_or(1, |(id, _)| id.0.saturating_add(1).max(1)))
+    }
+}
+
+impl Index {
+    fn of<'t>(transitions: impl Iterator<Item = &'t Transition> + Clone) -> Self {
+        Self {
+            by_origin: transitions.clone().map(|t| (origin_of(t), t.id)).collect(),
+            by_target: transitions.map(|t| (target_of(t), t.id)).collect(),
+        }
+    }
+
+    fn remove(&mut self, transition: &Transition) {
+        self.by_origin.remove(&(origin_of(transition), transition.id));
+        self.by_target.remove(&(target_of(transition), transition.id));
+    }
+}
+
+fn origin_of(transition: &Transition) -> End {
+    (transition.from_state.clone(), transition.from_outcome)
+}
+
+fn target_of(transition: &Transition) -> End {
+    (transition.to_state.clone(), transition.to_outcome)
+}
+
+fn lowest(state: &StateId) -> End {
+    (Some(state.clone()), None)
+}
+
+fn highest(state: &StateId) -> End {
+    (Some(state.clone()), Some(OutcomeId(i64::MAX)))
+}
+
+impl FromIterator<Transition> for Transitions {
+    fn from_iter<I: IntoIterator<Item = Transition>>(items: I) -> Self {
+        let mut transitions = Self::default();
+        for transition in items {
+            transitions.insert(transition);
+        }
+        transitions
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Transitions;
+    use crate::{Origin, OutcomeId, StateId, Transition, TransitionId};
+    use proptest::prelude::*;
+
+    fn state(number: u8) -> Option<StateId> {
+        (number > 0).then(|| StateId::new(format!("S{number}")))
+    }
+
+    prop_compose! {
+        fn a_transition()(id in 1..80i64, from in 0..4u8, outcome in 0..3i64, to in 0..4u8) -> Transition {
+            Transition {
+                id: TransitionId(id),
+                from_state: state(from),
+                from_outcome: (outcome > 0).then_some(OutcomeId(outcome)),
+                to_state: state(to),
+                to_outcome: None,
+                extra: None,
+            }
+        }
+    }
+
+    proptest! {
+        /// The lists by origin, source and target are what a look at each transition gives, with an index and without.
+        #[test]
+        fn every_list_is_complete(steps in proptest::collection::vec((a_transition(), 0..3u8), 0..160)) {
+            let mut transitions = Transitions::default();
+            for (transition, step) in steps {
+                if step == 0 {
+                    transitions.remove(transition.id);
+                } else {
+                    transitions.insert(transition);
+                }
+            }
+            let ids = |found: Vec<&Transition>| {
+                let mut ids: Vec<_> = found.iter().map(|t| t.id).collect();
+                ids.sort();
+                ids
+            };
+            let each = |test: &dyn Fn(&Transition) -> bool| ids(transitions.iter().filter(|t| test(t)).collect());
+            for number in 1..4 {
+                let id = state(number).expect("a state");
+                prop_assert_eq!(ids(transitions.into_state(&id).collect()), each(&|t| t.to_state == state(number)));
+                prop_assert_eq!(ids(transitions.out_of_state(&id).collect()), each(&|t| t.from_state == state(number)));
+                let origin = Origin::Outcome(id, OutcomeId(1));
+                prop_assert_eq!(ids(transitions.from(&origin).collect()), each(&|t| t.origin().as_ref() == Some(&origin)));
+            }
+        }
+    }
+}
