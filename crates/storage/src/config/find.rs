@@ -1,0 +1,48 @@
+//! Where the config lies. Knows the usual places; reads one file, writes none.
+
+use super::paths::Environment;
+use super::read::{Config, parse};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// The file's name.
+const FILE: &str = "config.yaml";
+
+/// The config that the user named cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot read the config {}", path.display())]
+pub struct ConfigError {
+    /// The file.
+    pub path: PathBuf,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+/// Reads the config that `given` names (a file, or a folder with a `config.yaml`), else `~/.config/rafcon/config.yaml`.
+/// Without a file, defaults. Nothing is ever written. The second value is the file that was read.
+pub fn find(
+    given: Option<&Path>,
+    environment: &Environment<'_>,
+) -> Result<(Config, Option<PathBuf>), ConfigError> {
+    let Some(path) = given.map(file_in).or_else(|| usual(environment)) else {
+        return Ok((Config::default(), None));
+    };
+    match fs::read_to_string(&path) {
+        Ok(text) => {
+            let dir = path.parent().unwrap_or(Path::new(""));
+            Ok((parse(&text, dir, environment), Some(path)))
+        }
+        Err(error) if given.is_none() && error.kind() == io::ErrorKind::NotFound => {
+            Ok((Config::default(), None))
+        }
+        Err(source) => Err(ConfigError { path, source }),
+    }
+}
+
+fn file_in(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(FILE) } else { path.to_owned() }
+}
+
+fn usual(environment: &Environment<'_>) -> Option<PathBuf> {
+    Some(PathBuf::from(environment("HOME")?).join(".config/rafcon").join(FILE))
+}

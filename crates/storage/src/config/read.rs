@@ -1,0 +1,195 @@
+//! The text of a `config.yaml` to a typed value. Knows keys and defaults, no files.
+
+use super::paths::{Environment, clean_path};
+use saphyr::{LoadableYamlNode as _, Yaml};
+use std::path::{Path, PathBuf};
+
+/// What a `config.yaml` says, with the reference's defaults for what it does not say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Config {
+    /// Root name and folder, in the order of the file.
+    pub library_paths: Vec<(String, PathBuf)>,
+    /// Load a machine with invalid transitions. We always do; kept for `rafcon show` of the config.
+    pub library_recovery_mode: bool,
+    /// Validate when loading.
+    pub load_with_checks: bool,
+    /// How folders of states are named.
+    pub naming: Naming,
+    /// Whether a run keeps its history in memory.
+    pub in_memory_history: bool,
+    /// Whether a run writes its history to files.
+    pub file_history: bool,
+    /// Where to, if the config says so.
+    pub execution_log_path: Option<PathBuf>,
+    /// Whether those files are readable and writable for all.
+    pub execution_log_for_all: bool,
+    /// Whether a script's text is compiled at each entry, not once.
+    pub recompile_scripts: bool,
+    /// Whether a missing library is an error.
+    pub missing_library_is_error: bool,
+    /// What was found wrong.
+    pub notes: Vec<ConfigNote>,
+}
+
+/// How the folder of a state is named (`docs/format.md`, folder names).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Naming {
+    /// Name and id, not the id alone.
+    pub with_name: bool,
+    /// At most so many characters of the name.
+    pub max_name_length: Option<usize>,
+}
+
+impl Default for Naming {
+    fn default() -> Self {
+        Self { with_name: true, max_name_length: None }
+    }
+}
+
+/// Something in a config that has no effect.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ConfigNote {
+    /// Not YAML; nothing of it counts.
+    #[error("the config is not YAML, so defaults count: {0}; correct the file")]
+    Malformed(String),
+    /// A value of another type.
+    #[error("{key} should be {expected}, so its default counts; correct the file")]
+    WrongType {
+        /// The key.
+        key: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            library_paths: Vec::new(),
+            library_recovery_mode: false,
+            load_with_checks: true,
+            naming: Naming::default(),
+            in_memory_history: true,
+            file_history: false,
+            execution_log_path: None,
+            execution_log_for_all: false,
+            recompile_scripts: true,
+            missing_library_is_error: false,
+            notes: Vec::new(),
+        }
+    }
+}
+
+/// Reads the text of a `config.yaml` that lies in `dir`. Never fails: what cannot be read is a note.
+pub fn parse(text: &str, dir: &Path, environment: &Environment<'_>) -> Config {
+    let mut reader = Reader { document: Yaml::BadValue, dir, environment, notes: Vec::new() };
+    match Yaml::load_from_str(text) {
+        Ok(mut documents) if !documents.is_empty() => reader.document = documents.swap_remove(0),
+        Ok(_) => {}
+        Err(error) => reader.notes.push(ConfigNote::Malformed(error.to_string())),
+    }
+    reader.config()
+}
+
+struct Reader<'r> {
+    document: Yaml<'r>,
+    dir: &'r Path,
+    environment: &'r Environment<'r>,
+    notes: Vec<ConfigNote>,
+}
+
+impl Reader<'_> {
+    fn config(mut self) -> Config {
+        let default = Config::default();
+        Config {
+            library_paths: self.library_paths(),
+            library_recovery_mode: self.flag("LIBRARY_RECOVERY_MODE", default.library_recovery_mode),
+            load_with_checks: self.flag("LOAD_SM_WITH_CHECKS", default.load_with_checks),
+            naming: Naming {
+                with_name: self.flag("STORAGE_PATH_WITH_STATE_NAME", true),
+                max_name_length: self.length("MAX_LENGTH_FOR_STATE_NAME_IN_STORAGE_PATH"),
+            },
+            in_memory_history: self.flag("IN_MEMORY_EXECUTION_HISTORY_ENABLE", true),
+            file_history: self.flag("FILE_SYSTEM_EXECUTION_HISTORY_ENABLE", false),
+            execution_log_path: self.path("EXECUTION_LOG_PATH"),
+            execution_log_for_all: self.flag("EXECUTION_LOG_SET_READ_AND_WRITABLE_FOR_ALL", false),
+            recompile_scripts: self.flag("SCRIPT_RECOMPILATION_ON_STATE_EXECUTION", true),
+            missing_library_is_error: self.flag("RAISE_ERROR_ON_MISSING_LIBRARY_STATES", false),
+            notes: self.notes,
+        }
+    }
+
+    fn get(&self, key: &str) -> Option<&Yaml<'_>> {
+        self.document.as_mapping_get(key)
+    }
+
+    fn wrong(&mut self, key: &str, expected: &'static str) {
+        self.notes.push(ConfigNote::WrongType { key: key.to_owned(), expected });
+    }
+
+    /// `true`, or a word that YAML of the reference's time takes for it.
+    fn flag(&mut self, key: &str, default: bool) -> bool {
+        let Some(value) = self.get(key) else { return default };
+        let word = value.as_str().map(str::to_ascii_lowercase);
+        let read = value.as_bool().or(match word.as_deref() {
+            Some("true" | "yes" | "on") => Some(true),
+            Some("false" | "no" | "off") => Some(false),
+            _ => None,
+        });
+        if read.is_none() {
+            self.wrong(key, "true or false");
+        }
+        read.unwrap_or(default)
+    }
+
+    fn length(&mut self, key: &str) -> Option<usize> {
+        let value = self.get(key)?;
+        if value.is_null() || value.as_str() == Some("None") {
+            return None;
+        }
+        let length = value.as_integer().and_then(|number| usize::try_from(number).ok());
+        if length.is_none() {
+            self.wrong(key, "a number of characters or None");
+        }
+        length
+    }
+
+    /// A path; the reference's placeholder for its own temporary folder means none.
+    fn path(&mut self, key: &str) -> Option<PathBuf> {
+        let Some(text) = self.get(key)?.as_str() else {
+            self.wrong(key, "a path");
+            return None;
+        };
+        let given = !text.is_empty() && !text.starts_with('%');
+        given.then(|| clean_path(&relative(text), self.dir, self.environment))
+    }
+
+    fn library_paths(&mut self) -> Vec<(String, PathBuf)> {
+        let Some(value) = self.get("LIBRARY_PATHS") else { return Vec::new() };
+        let Some(mapping) = value.as_mapping() else {
+            self.wrong("LIBRARY_PATHS", "a mapping of names to folders");
+            return Vec::new();
+        };
+        let mut paths = Vec::new();
+        let mut wrong = Vec::new();
+        for (name, dir) in mapping {
+            match (name.as_str(), dir.as_str()) {
+                (Some(name), Some(dir)) => {
+                    let dir = clean_path(&relative(dir), self.dir, self.environment);
+                    paths.push((name.to_owned(), dir));
+                }
+                (name, _) => wrong.push(format!("LIBRARY_PATHS.{}", name.unwrap_or("?"))),
+            }
+        }
+        for key in wrong {
+            self.wrong(&key, "a name and a folder");
+        }
+        paths
+    }
+}
+
+/// `$RELATIVE_PATH{x}` means `x` beside the config.
+fn relative(text: &str) -> String {
+    let inside = text.strip_prefix("$RELATIVE_PATH{").and_then(|rest| rest.strip_suffix('}'));
+    inside.unwrap_or(text).to_owned()
+}

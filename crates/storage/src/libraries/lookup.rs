@@ -1,0 +1,153 @@
+//! From a library's path and name to its content, read once and shared. Knows roots, and which machines are being read.
+
+use super::roots::Root;
+use crate::files::HEADER;
+use crate::problem::LoadProblem;
+use crate::read::load_folder;
+use parking_lot::Mutex;
+use rafcon_model::State;
+use smol_str::{SmolStr, ToSmolStr as _, format_smolstr};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Libraries within libraries beyond this are not read.
+const MAX_NESTING: usize = 100;
+
+/// The libraries that machines can use. Each is read when first asked for, and kept.
+#[derive(Debug, Default)]
+pub struct Libraries {
+    roots: Vec<Root>,
+    known: Mutex<BTreeMap<PathBuf, Arc<Parsed>>>,
+    answers: Mutex<BTreeMap<(SmolStr, SmolStr), Answer>>,
+}
+
+type Answer = Result<Arc<Parsed>, SmolStr>;
+
+/// A library as it was read.
+#[derive(Debug)]
+pub(crate) struct Parsed {
+    pub(crate) root: Arc<State>,
+    pub(crate) version: Option<SmolStr>,
+    pub(crate) problems: Vec<LoadProblem>,
+}
+
+/// The machines that are being read, the innermost first: one that asks for a machine among them is a cycle.
+#[derive(Debug)]
+pub(crate) struct Loading<'a> {
+    dir: PathBuf,
+    around: Option<&'a Self>,
+    nesting: usize,
+}
+
+impl<'a> Loading<'a> {
+    /// A machine that nobody uses as a library.
+    pub(crate) fn first(dir: PathBuf) -> Self {
+        Self { dir, around: None, nesting: 0 }
+    }
+
+    fn within(dir: PathBuf, around: &'a Self) -> Self {
+        Self { dir, around: Some(around), nesting: around.nesting + 1 }
+    }
+
+    fn contains(&self, dir: &Path) -> bool {
+        self.dir == dir || self.around.is_some_and(|around| around.contains(dir))
+    }
+}
+
+impl Libraries {
+    /// Libraries below these roots; of two roots with one name the first counts.
+    pub fn new(roots: Vec<Root>) -> Self {
+        Self { roots, ..Self::default() }
+    }
+
+    /// The roots, in the order in which they were given.
+    pub fn roots(&self) -> &[Root] {
+        &self.roots
+    }
+
+    /// Forgets what was read, so that changed files are read again.
+    pub fn refresh(&self) {
+        self.answers.lock().clear();
+        self.known.lock().clear();
+    }
+
+    /// The folder that a library reference means, whether or not it exists; `Err` says why it means none.
+    pub fn folder(&self, path: &str, name: &str) -> Result<PathBuf, SmolStr> {
+        if path.split('/').any(str::is_empty) || name.is_empty() {
+            return Err(format_smolstr!("`{path}` is not a library path such as `root/folder`"));
+        }
+        let parts = |text: &str| text.split('/').map(str::to_owned).collect::<Vec<_>>();
+        let wanted = parts(path);
+        let root = self.roots.iter().filter(|root| wanted.starts_with(&parts(&root.name)));
+        let root = root.max_by_key(|root| (root.name.len(), std::cmp::Reverse(self.rank(root))));
+        let root = root.ok_or_else(|| format_smolstr!("no library root is named `{}`", wanted[0]))?;
+        let inside = &wanted[parts(&root.name).len()..];
+        Ok(inside.iter().fold(root.dir.clone(), |dir, part| dir.join(part)).join(name))
+    }
+
+    fn rank(&self, root: &Root) -> Option<usize> {
+        self.roots.iter().position(|other| other == root)
+    }
+
+    /// The library path and name under which the machine in `dir` is found; compares whole folder names.
+    pub fn reference(&self, dir: &Path) -> Option<(SmolStr, SmolStr)> {
+        let dir = fs::canonicalize(dir).ok()?;
+        let below = |root: &Root| {
+            let inside = dir.strip_prefix(fs::canonicalize(&root.dir).ok()?).ok()?.to_str()?.to_owned();
+            let (folder, name) = inside.rsplit_once('/').unwrap_or(("", &inside));
+            let path = if folder.is_empty() {
+                root.name.clone()
+            } else {
+                format_smolstr!("{}/{folder}", root.name)
+            };
+            (!name.is_empty()).then(|| (path, SmolStr::new(name)))
+        };
+        self.roots.iter().filter_map(below).min_by_key(|(path, _)| path.len())
+    }
+
+    /// The library, read now or earlier; `Err` says why it is missing.
+    pub(crate) fn resolve(&self, path: &str, name: &str, loading: &Loading<'_>) -> Answer {
+        let key = (SmolStr::new(path), SmolStr::new(name));
+        if let Some(answer) = self.answers.lock().get(&key) {
+            return answer.clone();
+        }
+        let answer = match self.existing(path, name) {
+            Err(reason) => Err(reason),
+            Ok(dir) if loading.contains(&dir) => {
+                return Err(format_smolstr!("{} contains itself", dir.display()));
+            }
+            Ok(dir) => self.read(&dir, loading),
+        };
+        self.answers.lock().entry(key).or_insert(answer).clone()
+    }
+
+    fn existing(&self, path: &str, name: &str) -> Result<PathBuf, SmolStr> {
+        let dir = self.folder(path, name)?;
+        let found = fs::canonicalize(&dir);
+        let found = found.map_err(|error| format_smolstr!("{}: {error}", dir.display()))?;
+        if fs::exists(found.join(HEADER)).unwrap_or(false) {
+            Ok(found)
+        } else {
+            Err(format_smolstr!("{} has no {HEADER}", dir.display()))
+        }
+    }
+
+    fn read(&self, dir: &Path, loading: &Loading<'_>) -> Answer {
+        if let Some(parsed) = self.known.lock().get(dir) {
+            return Ok(Arc::clone(parsed));
+        }
+        if loading.nesting >= MAX_NESTING {
+            return Err(format_smolstr!("libraries nest deeper than {MAX_NESTING} levels"));
+        }
+        let within = Loading::within(dir.to_owned(), loading);
+        let loaded = load_folder(dir, self, &within).map_err(|error| error.to_smolstr())?;
+        let parsed = Arc::new(Parsed {
+            root: loaded.machine.root,
+            version: loaded.machine.header.version,
+            problems: loaded.problems,
+        });
+        Ok(Arc::clone(self.known.lock().entry(dir.to_owned()).or_insert(parsed)))
+    }
+}

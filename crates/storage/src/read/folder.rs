@@ -1,0 +1,107 @@
+//! Folders and files by few system calls: paths relative to an open folder, kinds of entries from the listing, no `stat`.
+//! Knows bytes, not what they mean.
+
+use rustix::fd::{AsFd, OwnedFd};
+use rustix::fs::{CWD, FileType, Mode, OFlags, RawDir, fstat, openat};
+use rustix::io::{Errno, read};
+use std::ffi::{OsStr, OsString};
+use std::mem::MaybeUninit;
+use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
+use std::path::Path;
+
+/// What a listing says about a name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Entry {
+    pub(crate) name: OsString,
+    pub(crate) inode: u64,
+    /// A link, or a file system that does not tell: only opening shows what it is.
+    pub(crate) unclear: bool,
+}
+
+/// Opens the folder at `path` of the file system.
+pub(crate) fn open(path: &Path) -> Result<OwnedFd, Errno> {
+    open_in(CWD, path.as_os_str())
+}
+
+/// Opens the folder `name` in `dir`.
+pub(crate) fn open_in(dir: impl AsFd, name: &OsStr) -> Result<OwnedFd, Errno> {
+    let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
+    openat(dir, name, flags, Mode::empty())
+}
+
+/// The number that tells folders of one file system apart.
+pub(crate) fn inode(dir: impl AsFd) -> Result<u64, Errno> {
+    fstat(dir).map(|stat| stat.st_ino)
+}
+
+/// The folders in `dir`, and what may be one.
+pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<Entry>, Errno> {
+    let mut buffer = [MaybeUninit::uninit(); 16 * 1024];
+    let mut listing = RawDir::new(dir, &mut buffer);
+    let mut found = Vec::new();
+    while let Some(entry) = listing.next() {
+        let entry = entry?;
+        let name = entry.file_name().to_bytes();
+        let unclear = match entry.file_type() {
+            FileType::Directory => false,
+            FileType::Symlink | FileType::Unknown => true,
+            _ => continue,
+        };
+        if name != b"." && name != b".." {
+            let name = OsString::from_vec(name.to_vec());
+            found.push(Entry { name, inode: entry.ino(), unclear });
+        }
+    }
+    Ok(found)
+}
+
+/// Reads files into one buffer that is used again and again.
+#[derive(Debug)]
+pub(crate) struct FileReader {
+    path: Vec<u8>,
+    bytes: Vec<u8>,
+}
+
+impl FileReader {
+    pub(crate) fn new() -> Self {
+        Self { path: Vec::with_capacity(256), bytes: vec![0; 64 * 1024] }
+    }
+
+    /// The bytes of `folder/file` in `dir` (`folder` may be empty); `None` if there is no such file.
+    pub(crate) fn read(
+        &mut self,
+        dir: impl AsFd,
+        folder: &OsStr,
+        file: &str,
+    ) -> Result<Option<&[u8]>, Errno> {
+        self.path.clear();
+        if !folder.is_empty() {
+            self.path.extend_from_slice(folder.as_bytes());
+            self.path.push(b'/');
+        }
+        self.path.extend_from_slice(file.as_bytes());
+        let flags = OFlags::RDONLY | OFlags::CLOEXEC;
+        match openat(dir, self.path.as_slice(), flags, Mode::empty()).and_then(|file| self.fill(&file)) {
+            Ok(length) => Ok(Some(&self.bytes[..length])),
+            Err(Errno::NOENT | Errno::NOTDIR | Errno::ISDIR | Errno::LOOP) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// One read is enough for a file that is smaller than the buffer: a regular file gives all it has.
+    fn fill(&mut self, file: &OwnedFd) -> Result<usize, Errno> {
+        let mut length = 0;
+        loop {
+            let free = self.bytes.len() - length;
+            let count = match read(file, &mut self.bytes[length..]) {
+                Err(Errno::INTR) => continue,
+                other => other?,
+            };
+            length += count;
+            if count < free {
+                return Ok(length);
+            }
+            self.bytes.resize(self.bytes.len() * 2, 0);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Puts what a library is behind its instance: outcomes and ports of its root, or what the instance itself tells when the
+//! library is missing. Knows the model; the looking up is done by [`Libraries`].
+
+use super::load::library_label;
+use crate::libraries::{Libraries, Loading, Parsed};
+use crate::problem::Fault;
+use rafcon_model::{
+    DataFlows, DataType, Kind, Library, LibraryContent, Port, PortId, Ports, RuntimeValues, State,
+    Value,
+};
+use smol_str::{SmolStr, format_smolstr};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Looks libraries up for one machine.
+#[derive(Debug)]
+pub(crate) struct Contents<'l> {
+    libraries: &'l Libraries,
+    loading: &'l Loading<'l>,
+    /// Libraries whose own faults were reported.
+    reported: BTreeSet<SmolStr>,
+}
+
+impl<'l> Contents<'l> {
+    pub(crate) fn new(libraries: &'l Libraries, loading: &'l Loading<'l>) -> Self {
+        Self { libraries, loading, reported: BTreeSet::new() }
+    }
+
+    /// Looks up the library of `state` and takes outcomes and ports from it.
+    pub(crate) fn fill(&mut self, state: &mut State) -> Vec<Fault> {
+        let Kind::Library(library) = &mut state.kind else { return Vec::new() };
+        let label = library_label(&library.path, &library.name);
+        match self.libraries.resolve(&library.path, &library.name, self.loading) {
+            Err(reason) => {
+                library.content = LibraryContent::Missing { reason: reason.clone() };
+                vec![Fault::MissingLibrary { library: label, reason }]
+            }
+            Ok(parsed) => {
+                let mut faults = differences(library, &parsed, &label);
+                faults.extend(self.own_faults(&parsed, &label));
+                library.content = LibraryContent::Found(Arc::clone(&parsed.root));
+                state.outcomes = parsed.root.outcomes.clone();
+                state.inputs = parsed.root.inputs.clone();
+                state.outputs = parsed.root.outputs.clone();
+                faults
+            }
+        }
+    }
+
+    fn own_faults(&mut self, parsed: &Parsed, label: &SmolStr) -> Option<Fault> {
+        let first = parsed.problems.first()?;
+        let is_new = self.reported.insert(label.clone());
+        is_new.then(|| Fault::InLibrary {
+            library: label.clone(),
+            count: parsed.problems.len(),
+            first: first.to_string().into(),
+        })
+    }
+}
+
+/// What the instance says that does not fit the library.
+fn differences(library: &Library, parsed: &Parsed, label: &SmolStr) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if let Some(found) = parsed.version.as_ref().filter(|v| Some(*v) != library.version.as_ref()) {
+        let wanted = library.version.clone().unwrap_or_else(|| "none".into());
+        faults.push(Fault::LibraryVersion { library: label.clone(), wanted, found: found.clone() });
+    }
+    let sides = [
+        ("input", &library.inputs, &parsed.root.inputs),
+        ("output", &library.outputs, &parsed.root.outputs),
+    ];
+    for (side, values, ports) in sides {
+        for port in values.keys().filter(|port| ports.get(**port).is_none()) {
+            faults.push(Fault::ValueWithoutPort { library: label.clone(), side, port: *port });
+        }
+    }
+    faults
+}
+
+/// A missing library has the ports that its runtime values and the data flows around it speak of.
+pub(crate) fn ports_of_missing(state: &mut State, flows: &DataFlows) {
+    let Kind::Library(library) = &state.kind else { return };
+    if !matches!(library.content, LibraryContent::Missing { .. }) {
+        return;
+    }
+    let into = flows.iter().filter(|flow| flow.to_state == state.id).map(|flow| flow.to_port);
+    let from = flows.iter().filter(|flow| flow.from_state == state.id).map(|flow| flow.from_port);
+    state.inputs = known_ports("input", &library.inputs, into);
+    state.outputs = known_ports("output", &library.outputs, from);
+}
+
+fn known_ports(side: &str, values: &RuntimeValues, connected: impl Iterator<Item = PortId>) -> Ports {
+    let ids: BTreeSet<PortId> = values.keys().copied().chain(connected).collect();
+    let port = |id: PortId| {
+        let value = values.get(&id).map_or(Value::None, |value| value.value.clone());
+        Port::new(id, format_smolstr!("{side}_{id}"), DataType::Object, value)
+    };
+    ids.into_iter().map(port).collect()
+}

@@ -1,0 +1,21 @@
+//! Reads a machine from its folder: every layout of `docs/format.md`, faults as a list of problems.
+//! Knows the way from files to the model; must never write, except to finish an interrupted save.
+
+mod assemble;
+mod compact;
+mod decode;
+mod elements;
+mod folder;
+mod header;
+mod intern;
+mod library_content;
+mod library_state;
+mod load;
+mod queue;
+mod walk;
+
+pub(crate) use load::load_folder;
+pub use load::{LoadError, Loaded, load};
+
+#[cfg(test)]
+mod tests;

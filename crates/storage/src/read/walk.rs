@@ -1,0 +1,283 @@
+//! All folders of a machine, read by several threads. Knows which files a state has and where its children lie; makes no
+//! tree of them.
+
+use super::compact::compact;
+use super::decode::{Decoder, stand_in};
+use super::folder::{self, Entry, FileReader};
+use super::load::LoadError;
+use super::queue::Queue;
+use crate::files::{Part, STAGING};
+use crate::place::Oddities;
+use crate::problem::Fault;
+use rafcon_model::{Json, Kind, Layout, State, json};
+use rustix::fd::OwnedFd;
+use rustix::io::Errno;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// Deeper folders are not read.
+pub(crate) const MAX_DEPTH: usize = 1024;
+/// So many waiting folders are worth a second thread.
+const WORTH_A_THREAD: usize = 24;
+/// More threads than this wait for the kernel, not for each other's work.
+const MAX_THREADS: usize = 8;
+
+/// A state as its folder tells it, without its children.
+#[derive(Debug)]
+pub(crate) struct Node {
+    /// Parents have lower numbers than their children.
+    pub(crate) number: usize,
+    pub(crate) parent: Option<usize>,
+    pub(crate) folder: OsString,
+    pub(crate) state: State,
+    pub(crate) faults: Vec<(Part, Fault)>,
+    pub(crate) oddities: Oddities,
+}
+
+/// A folder to be read, and the open folder it lies in.
+#[derive(Debug)]
+struct Item {
+    dir: Arc<Dir>,
+    folder: OsString,
+    parent: Option<usize>,
+    linked: bool,
+}
+
+/// An open folder on the way down.
+#[derive(Debug)]
+struct Dir {
+    fd: OwnedFd,
+    inode: u64,
+    depth: usize,
+    /// For messages only.
+    name: OsString,
+    parent: Option<Arc<Self>>,
+}
+
+impl Dir {
+    fn path(&self, name: &OsStr) -> PathBuf {
+        let above = self.parent.as_ref().map(|parent| parent.path(&self.name));
+        above.unwrap_or_default().join(name)
+    }
+
+    fn contains_itself(&self, inode: u64) -> bool {
+        self.inode == inode || self.parent.as_ref().is_some_and(|above| above.contains_itself(inode))
+    }
+}
+
+/// Every state below `dir`, the root being in `root_folder` (empty for `dir` itself), in any order.
+/// Nothing if the root's folder has no `core_data.json`.
+pub(crate) fn walk(fd: OwnedFd, path: &Path, root_folder: &OsStr) -> Result<Vec<Node>, LoadError> {
+    let inode = folder::inode(&fd).map_err(|error| LoadError::io(path, error))?;
+    let dir = Arc::new(Dir { fd, inode, depth: 0, name: OsString::new(), parent: None });
+    let root = Item { dir, folder: root_folder.to_owned(), parent: None, linked: false };
+    let walk = Walk { queue: Queue::new(root), next: AtomicUsize::new(0), path };
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
+    thread::scope(|scope| {
+        let mut helpers = Vec::new();
+        let first = walk.work(|| {
+            if helpers.is_empty() && threads > 1 && walk.queue.len() >= WORTH_A_THREAD {
+                helpers.extend((1..threads).map(|_| scope.spawn(|| walk.work(|| ()))));
+            }
+        });
+        let mut nodes = first?;
+        for helper in helpers {
+            match helper.join() {
+                Ok(more) => nodes.append(&mut more?),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        Ok(nodes)
+    })
+}
+
+struct Walk<'p> {
+    queue: Queue<Item>,
+    next: AtomicUsize,
+    path: &'p Path,
+}
+
+impl Walk<'_> {
+    /// Reads waiting folders until none is left, calling `between` before each.
+    fn work(&self, mut between: impl FnMut()) -> Result<Vec<Node>, LoadError> {
+        let mut reader = Reader { files: FileReader::new(), decoder: Decoder::default(), text: String::new() };
+        let mut nodes = Vec::new();
+        while let Some(item) = self.queue.next() {
+            between();
+            let mut children = Vec::new();
+            let read = reader.node(&item, &self.next, &mut children);
+            match read {
+                Ok(node) => nodes.extend(node),
+                Err(error) => {
+                    self.queue.abandon();
+                    let path = self.path.join(item.dir.path(&item.folder));
+                    return Err(LoadError::io(&path, error));
+                }
+            }
+            self.queue.done(children);
+        }
+        Ok(nodes)
+    }
+}
+
+/// What one thread reads with.
+struct Reader {
+    files: FileReader,
+    decoder: Decoder,
+    text: String,
+}
+
+impl Reader {
+    /// The state in the folder of `item`, if there is one; the folders in it are added to `children`.
+    fn node(
+        &mut self,
+        item: &Item,
+        next: &AtomicUsize,
+        children: &mut Vec<Item>,
+    ) -> Result<Option<Node>, Errno> {
+        let mut faults = Vec::new();
+        let mut oddities = Oddities::default();
+        let core = self.core(item, &mut faults, &mut oddities)?;
+        let Some(mut state) = core else { return Ok(None) };
+        let number = next.fetch_add(1, Ordering::Relaxed);
+        if let Kind::Execution(script) | Kind::Decider(script) = &mut state.kind {
+            script.text = self.script(item, &mut faults, &mut oddities)?;
+        }
+        state.layout = self.layout(item, &mut faults, &mut oddities)?;
+        state.semantic_data = self.semantic(item, &mut faults, &mut oddities)?;
+        if state.container().is_some() {
+            self.children(item, number, children, &mut faults)?;
+        }
+        let folder = item.folder.clone();
+        Ok(Some(Node { number, parent: item.parent, folder, state, faults, oddities }))
+    }
+
+    fn core(
+        &mut self,
+        item: &Item,
+        faults: &mut Vec<(Part, Fault)>,
+        oddities: &mut Oddities,
+    ) -> Result<Option<State>, Errno> {
+        let Some(bytes) = self.files.read(&item.dir.fd, &item.folder, Part::Core.file_name())? else {
+            return Ok(None);
+        };
+        let folder = item.folder.to_string_lossy();
+        let decoded = parse(bytes).and_then(|document| self.decoder.state(&document, &folder));
+        faults.extend(self.decoder.faults.drain(..).map(|fault| (Part::Core, fault)));
+        let fault = match decoded {
+            Ok(state) => return Ok(Some(state)),
+            Err(fault) => fault,
+        };
+        oddities.verbatim.insert(Part::Core, bytes.into());
+        faults.push((Part::Core, fault));
+        let script = self.files.read(&item.dir.fd, &item.folder, Part::Script.file_name())?;
+        Ok(Some(stand_in(&folder, script.is_some())))
+    }
+
+    fn script(
+        &mut self,
+        item: &Item,
+        faults: &mut Vec<(Part, Fault)>,
+        oddities: &mut Oddities,
+    ) -> Result<Option<Arc<str>>, Errno> {
+        let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Script.file_name())?;
+        let Some(bytes) = bytes else { return Ok(None) };
+        if let Ok(text) = std::str::from_utf8(bytes) {
+            return Ok(Some(self.decoder.interner.text(text)));
+        }
+        faults.push((Part::Script, Fault::NotUtf8));
+        oddities.verbatim.insert(Part::Script, bytes.into());
+        Ok(Some(String::from_utf8_lossy(bytes).into()))
+    }
+
+    fn layout(
+        &mut self,
+        item: &Item,
+        faults: &mut Vec<(Part, Fault)>,
+        oddities: &mut Oddities,
+    ) -> Result<Layout, Errno> {
+        let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Layout.file_name())?;
+        let Some(bytes) = bytes else { return Ok(Layout::default()) };
+        match compact_layout(bytes, &mut self.text) {
+            Ok(layout) => Ok(layout),
+            Err(fault) => {
+                faults.push((Part::Layout, fault));
+                oddities.verbatim.insert(Part::Layout, bytes.into());
+                Ok(Layout::default())
+            }
+        }
+    }
+
+    fn semantic(
+        &mut self,
+        item: &Item,
+        faults: &mut Vec<(Part, Fault)>,
+        oddities: &mut Oddities,
+    ) -> Result<Option<Arc<Json>>, Errno> {
+        let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Semantic.file_name())?;
+        let Some(bytes) = bytes else { return Ok(None) };
+        match parse(bytes) {
+            Ok(Json::Object(members)) if members.is_empty() => Ok(None),
+            Ok(document @ Json::Object(_)) => Ok(Some(Arc::new(document))),
+            other => {
+                let wrong = |found: Json| Fault::Wrong(crate::Wrong::NotAnObject(found.kind()));
+                faults.push((Part::Semantic, other.map_or_else(|fault| fault, wrong)));
+                oddities.verbatim.insert(Part::Semantic, bytes.into());
+                Ok(None)
+            }
+        }
+    }
+
+    fn children(
+        &mut self,
+        item: &Item,
+        number: usize,
+        children: &mut Vec<Item>,
+        faults: &mut Vec<(Part, Fault)>,
+    ) -> Result<(), Errno> {
+        let at: &OsStr = if item.folder.is_empty() { OsStr::new(".") } else { &item.folder };
+        let fd = folder::open_in(&item.dir.fd, at)?;
+        let inode = folder::inode(&fd)?;
+        if item.linked && item.dir.contains_itself(inode) {
+            let name = item.folder.to_string_lossy();
+            faults.push((Part::Core, Fault::Loop(name.as_ref().into())));
+            return Ok(());
+        }
+        let found: Vec<Entry> = folder::folders(&fd)?;
+        let depth = item.dir.depth + 1;
+        if depth >= MAX_DEPTH {
+            faults.push((Part::Core, Fault::TooDeep(MAX_DEPTH)));
+            return Ok(());
+        }
+        let parent = Some(Arc::clone(&item.dir));
+        let dir = Arc::new(Dir { fd, inode, depth, name: item.folder.clone(), parent });
+        let inside = found.into_iter().filter(|entry| entry.name != STAGING);
+        children.extend(inside.map(|entry| Item {
+            dir: Arc::clone(&dir),
+            folder: entry.name,
+            parent: Some(number),
+            linked: entry.unclear,
+        }));
+        Ok(())
+    }
+}
+
+/// The document that a file holds.
+pub(crate) fn parse(bytes: &[u8]) -> Result<Json, Fault> {
+    let text = std::str::from_utf8(bytes).map_err(|_| Fault::NotUtf8)?;
+    json::parse(text).map_err(Fault::Malformed)
+}
+
+/// The layout that a file holds; `text` is scratch space.
+pub(crate) fn compact_layout(bytes: &[u8], text: &mut String) -> Result<Layout, Fault> {
+    let layout = std::str::from_utf8(bytes).map_err(|_| Fault::NotUtf8)?;
+    text.clear();
+    if layout.trim_start().starts_with('{') && compact(layout, text).is_some() {
+        return Ok(if text == "{}" { Layout::default() } else { Layout::from_text(text) });
+    }
+    let document = json::parse(layout).map_err(Fault::Malformed)?;
+    Err(Fault::Wrong(crate::Wrong::NotAnObject(document.kind())))
+}
