@@ -37,4 +37,9 @@ pub trait Literals<D> {
     /// The handle for `value` in a port of type `data_type`, converted as the file format says (`docs/format.md`, raw
     /// text); the error says why it cannot be. Names of global variables (`$name`) are not passed here.
     fn literal(&mut self, value: &Value, data_type: &DataType) -> Result<D, SmolStr>;
+
+    /// The same for what a library state sets for a port; the text `None` may be itself there.
+    fn runtime_literal(&mut self, value: &Value, data_type: &DataType) -> Result<D, SmolStr> {
+        self.literal(value, data_type)
+    }
 }

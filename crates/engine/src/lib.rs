@@ -2,15 +2,21 @@
 //!
 //! Knows the active configuration, data scopes, preemption and the ends of states. Must never know threads, clocks,
 //! Python or I/O: it takes [`Input`]s and returns [`Effect`]s and [`Event`]s in an [`Outbox`].
+#![warn(clippy::wildcard_enum_match_arm)]
 
 pub mod datum;
 pub mod effect;
+pub mod engine;
 pub mod event;
 pub mod ids;
 pub mod input;
+pub mod program;
+mod values;
 
 pub use datum::{Datum, Globals, Literals, NoGlobals};
 pub use effect::{Effect, Finish, Job, Outbox, Verdict, Verdicts};
+pub use engine::{Active, Activity, Command, Engine, Refusal, Status};
 pub use event::{Event, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{Input, Returned, ScriptResult, Start};
+pub use program::{Node, Program, UnknownPath};

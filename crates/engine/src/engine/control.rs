@@ -1,0 +1,100 @@
+//! Commands, and in which status each is legal.
+
+use super::phase::Cause;
+use super::step::Step;
+use super::{Command, Refusal, Status};
+use crate::{Datum, Effect, Event, Input, Start};
+
+/// What a command does in a status.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Action {
+    Begin,
+    Pause,
+    Resume,
+    Stop,
+    StopPaused,
+}
+
+/// The table. The same rows stand in `docs/semantics.md`.
+fn action(status: Status, command: Command) -> Option<Action> {
+    let action = match (status, command) {
+        (Status::Idle, Command::Start) => Action::Begin,
+        (Status::Running, Command::Pause) => Action::Pause,
+        (Status::Paused, Command::Resume) => Action::Resume,
+        (Status::Running | Status::Stopping, Command::Stop) => Action::Stop,
+        (Status::Paused, Command::Stop) => Action::StopPaused,
+        (Status::Idle, Command::Pause | Command::Resume | Command::Stop)
+        | (Status::Running, Command::Start | Command::Resume)
+        | (Status::Paused, Command::Start | Command::Pause)
+        | (Status::Stopping, Command::Start | Command::Pause | Command::Resume)
+        | (Status::Finished, Command::Start | Command::Pause | Command::Resume | Command::Stop) => {
+            return None;
+        }
+    };
+    Some(action)
+}
+
+impl<D: Datum> Step<'_, D> {
+    /// Takes an input; what follows from it is left as work.
+    pub(super) fn take(&mut self, input: Input<D>) -> Result<(), Refusal> {
+        match input {
+            Input::Finished { frame, result } => self.script_ended(frame, result),
+            Input::Start(start) => self.start(&start),
+            Input::Pause => self.obey(Command::Pause),
+            Input::Resume => self.obey(Command::Resume),
+            Input::Stop => self.obey(Command::Stop),
+        }
+    }
+
+    fn legal(&self, command: Command) -> Result<Action, Refusal> {
+        let status = self.run.status;
+        action(status, command).ok_or(Refusal::NotNow { command, status })
+    }
+
+    fn obey(&mut self, command: Command) -> Result<(), Refusal> {
+        match self.legal(command)? {
+            Action::Begin => self.run.status = Status::Running,
+            Action::Pause => self.pause(true),
+            Action::Resume => self.resume(),
+            Action::Stop => self.stop(),
+            Action::StopPaused => {
+                self.pause(false);
+                self.stop();
+            }
+        }
+        Ok(())
+    }
+
+    fn start(&mut self, start: &Start<D>) -> Result<(), Refusal> {
+        self.legal(Command::Start)?;
+        if let Some(path) = &start.start_from {
+            self.run.start_from = self.program.descend(path)?.1;
+        }
+        self.obey(Command::Start)?;
+        self.enter_root(&start.inputs);
+        Ok(())
+    }
+
+    fn pause(&mut self, paused: bool) {
+        self.run.status = if paused { Status::Paused } else { Status::Running };
+        self.out.events.push(Event::Paused(paused));
+        self.out.effects.push(Effect::Paused(paused));
+    }
+
+    fn resume(&mut self) {
+        self.pause(false);
+        let active = self.active();
+        self.wake(&active, Cause::Resumed);
+    }
+
+    fn stop(&mut self) {
+        self.run.status = Status::Stopping;
+        self.out.events.push(Event::Stopping);
+        let active = self.active();
+        self.preempt(&active);
+    }
+
+    fn active(&self) -> Vec<u32> {
+        self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default()
+    }
+}

@@ -1,0 +1,192 @@
+//! Values on their way: into states, into containers, out of containers.
+
+use super::frames::{Ended, Slot};
+use super::step::Step;
+use crate::program::{Initial, Inside, Node, Wires};
+use crate::{Datum, Event, Globals, Level, Note, PathId};
+use rafcon_model::{Answer, Port};
+use std::sync::Arc;
+
+/// The newest value among the slots that `wanted` agrees to.
+fn newest<'v, D>(
+    slots: &'v [Slot<D>],
+    among: &[u32],
+    wanted: impl Fn(&D) -> bool,
+) -> Option<&'v D> {
+    let mut best: Option<(u64, &D)> = None;
+    for slot in among.iter().filter_map(|&index| slots.get(index as usize)) {
+        let Some(value) = slot.value.as_ref().filter(|value| wanted(value)) else { continue };
+        if best.is_none_or(|(sequence, _)| sequence < slot.sequence) {
+            best = Some((slot.sequence, value));
+        }
+    }
+    best.map(|(_, value)| value)
+}
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// The inputs of a child: for each port the newest value that flows into it and is not `None`, else its default; and
+    /// the error of the state before in a port with the name `error`.
+    pub(super) fn child_inputs(
+        &mut self,
+        parent: u32,
+        node: &'s Node<D>,
+        (path, error): (PathId, Option<&D>),
+    ) -> Arc<[D]> {
+        let error = node.error_input.zip(error);
+        if let (Some(constant), None) = (&node.constant_inputs, error) {
+            return Arc::clone(constant);
+        }
+        let slots = &self.run.frames.get(parent).slots;
+        let flowing = |port: usize| match error {
+            Some((index, error)) if index as usize == port => Some(error.clone()),
+            _ => newest(slots, node.gather.slots(port), |value| !value.is_none()).cloned(),
+        };
+        inputs(node, path, (self.globals, &mut self.out.events), flowing)
+    }
+
+    /// The default inputs of a state, or what `given` says for a port.
+    pub(super) fn default_inputs(
+        &mut self,
+        node: &'s Node<D>,
+        path: PathId,
+        given: impl Fn(usize) -> Option<D>,
+    ) -> Arc<[D]> {
+        inputs(node, path, (self.globals, &mut self.out.events), given)
+    }
+
+    /// The values that a container begins with: its inputs, then its scoped variables, into which inputs may flow.
+    pub(super) fn fill(&mut self, slot: u32, inside: &'s Inside<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        frame.slots.resize(inside.slots as usize, Slot { sequence: 0, value: None });
+        let inputs = Arc::clone(&frame.inputs);
+        let initial = inside.scoped.iter().map(|scoped| &scoped.initial);
+        for (value, place) in inputs.iter().chain(initial).zip(&mut frame.slots) {
+            self.run.sequence += 1;
+            *place = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
+        }
+        let path = frame.path;
+        let scoped = inside.scoped.iter();
+        self.out.events.extend(scoped.map(|scoped| Event::Scoped {
+            path,
+            port: scoped.port.id,
+            value: scoped.initial.clone(),
+        }));
+        self.store(slot, inside, &inside.scatter, (&inputs, &[]));
+    }
+
+    /// Puts the outputs of a child that ended where they flow.
+    pub(super) fn store_outputs(
+        &mut self,
+        slot: u32,
+        inside: &'s Inside<D>,
+        child: u32,
+        ended: &Ended<D>,
+    ) {
+        let wires = &self.program.node(inside.child(child)).scatter;
+        self.store(slot, inside, wires, (&ended.outputs, &ended.absent));
+    }
+
+    fn store(
+        &mut self,
+        slot: u32,
+        inside: &'s Inside<D>,
+        wires: &'s Wires,
+        (values, absent): (&[D], &[u32]),
+    ) {
+        if wires.is_empty() {
+            return;
+        }
+        for (port, value) in values.iter().enumerate() {
+            if absent.iter().any(|&index| index as usize == port) {
+                continue;
+            }
+            for &target in wires.slots(port) {
+                self.put(slot, inside, target, value);
+            }
+        }
+    }
+
+    fn put(&mut self, slot: u32, inside: &'s Inside<D>, target: u32, value: &D) {
+        let frame = self.run.frames.get_mut(slot);
+        let Some(place) = frame.slots.get_mut(target as usize) else { return };
+        self.run.sequence += 1;
+        *place = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
+        let node = self.program.node(frame.node);
+        let variable = (target as usize).checked_sub(node.inputs.len());
+        let Some(scoped) = variable.and_then(|index| inside.scoped.get(index)) else { return };
+        let path = frame.path;
+        if scoped.typed && is_misfit(value, &scoped.port) {
+            self.note(path, Level::Error, mismatch(&scoped.port, value));
+        }
+        self.out.events.push(Event::Scoped { path, port: scoped.port.id, value: value.clone() });
+    }
+
+    /// The outputs of a container: for each port the newest value that flows into it, `None` too, else its default.
+    pub(super) fn container_outputs(&self, slot: u32, inside: &Inside<D>) -> Arc<[D]> {
+        let frame = self.run.frames.get(slot);
+        if inside.gather.is_empty() {
+            return Arc::clone(&frame.outputs);
+        }
+        let value = |(port, default): (usize, &D)| {
+            newest(&frame.slots, inside.gather.slots(port), |_| true).unwrap_or(default).clone()
+        };
+        frame.outputs.iter().enumerate().map(value).collect()
+    }
+
+    /// Notes every value that does not fit the type of its port.
+    pub(super) fn check(&mut self, path: PathId, (ports, typed): (&[Port], &[u32]), values: &[D]) {
+        for &index in typed {
+            let pair = ports.get(index as usize).zip(values.get(index as usize));
+            if let Some((port, value)) = pair.filter(|(port, value)| is_misfit(*value, port)) {
+                self.note(path, Level::Error, mismatch(port, value));
+            }
+        }
+    }
+}
+
+fn is_misfit<D: Datum>(value: &D, port: &Port) -> bool {
+    !value.is_none() && value.fits(&port.data_type) == Answer::No
+}
+
+fn mismatch<D: Datum>(port: &Port, value: &D) -> Note {
+    Note::TypeMismatch {
+        port: port.name.clone(),
+        expected: port.data_type.clone(),
+        found: value.type_name(),
+    }
+}
+
+/// For each input of a state what `given` says, else its default.
+fn inputs<D: Datum>(
+    node: &Node<D>,
+    path: PathId,
+    (globals, events): (&dyn Globals<D>, &mut Vec<Event<D>>),
+    given: impl Fn(usize) -> Option<D>,
+) -> Arc<[D]> {
+    let ports = node.inputs.iter().zip(node.inputs()).enumerate();
+    ports
+        .map(|(index, (initial, port))| {
+            given(index).unwrap_or_else(|| default(initial, (globals, &mut *events), (path, port)))
+        })
+        .collect()
+}
+
+/// The value of a port when nothing flows into it; `None`, with a note, where there is none.
+fn default<D: Datum>(
+    initial: &Initial<D>,
+    (globals, events): (&dyn Globals<D>, &mut Vec<Event<D>>),
+    (path, port): (PathId, &Port),
+) -> D {
+    let note = match initial {
+        Initial::Is(value) => return value.clone(),
+        Initial::Global(name) => match globals.get(name) {
+            Some(value) => return value,
+            None => Note::NoSuchGlobal { name: name.clone() },
+        },
+        Initial::Bad(reason) => {
+            Note::BadDefault { port: port.name.clone(), reason: reason.clone() }
+        }
+    };
+    events.push(Event::Note { path, level: Level::Error, note });
+    D::none()
+}

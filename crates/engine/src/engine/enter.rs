@@ -1,0 +1,205 @@
+//! Entering a state: its frame, its data, and what it does first.
+
+use super::frames::{NONE, Seed};
+use super::phase::Phase;
+use super::step::{Step, Work};
+use crate::program::{Body, Concurrency, Inside, Node, PREEMPTED};
+use crate::{
+    BranchId, Datum, Effect, Event, Job, Level, NodeId, Note, PathId, Program, Verdicts, WaitReason,
+};
+use smol_str::SmolStr;
+use std::sync::Arc;
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// Enters the root; `given` replaces defaults of its inputs.
+    pub(super) fn enter_root(&mut self, given: &[(SmolStr, D)]) {
+        let node = self.program.node(Program::<D>::ROOT);
+        let path = PathId(0);
+        let ports = node.inputs();
+        for (name, _) in given.iter().filter(|(name, _)| !ports.iter().any(|p| p.name == *name)) {
+            self.note(path, Level::Warning, Note::NoSuchInput { name: name.clone() });
+        }
+        let value = |port: usize| {
+            let named =
+                given.iter().rfind(|(name, _)| ports.get(port).is_some_and(|p| p.name == *name));
+            named.map(|(_, value)| value.clone())
+        };
+        let inputs = self.default_inputs(node, path, value);
+        let seed = Seed {
+            node: Program::<D>::ROOT,
+            path,
+            branch: BranchId(0),
+            parent: NONE,
+            preempted: false,
+            start_depth: (!self.run.start_from.is_empty()).then_some(0),
+            inputs,
+            outputs: Arc::clone(&node.outputs),
+            error: None,
+        };
+        let slot = self.begin(seed, node, None);
+        self.run.root = Some(slot);
+    }
+
+    /// Enters a child of an active state.
+    pub(super) fn enter(&mut self, parent: u32, child: u32) {
+        let verdicts = None;
+        match self.body(parent) {
+            Body::Script => {}
+            Body::Library(content) => self.enter_library_root(parent, content),
+            Body::Hierarchy(inside) => {
+                let error = self.run.frames.get_mut(parent).last_error.take();
+                let seed = self.seed(parent, child, inside.child(child), error);
+                self.enter_with(seed, child, verdicts);
+            }
+            Body::Concurrency(_, inside) => {
+                let mut seed = self.seed(parent, child, inside.child(child), None);
+                let frame = self.run.frames.get(parent);
+                seed.preempted = frame.preempted || frame.winner.is_some();
+                seed.branch = self.fork();
+                self.enter_with(seed, child, verdicts);
+            }
+        }
+    }
+
+    /// Enters the decider of a barrier, on the branch of the barrier.
+    pub(super) fn enter_decider(&mut self, parent: u32, inside: &'s Inside<D>, child: u32) {
+        let verdicts = self.verdicts(parent, inside);
+        let seed = self.seed(parent, child, inside.child(child), None);
+        self.enter_with(seed, child, Some(Arc::new(verdicts)));
+    }
+
+    fn fork(&mut self) -> BranchId {
+        self.run.branches = self.run.branches.wrapping_add(1).max(1);
+        let branch = BranchId(self.run.branches);
+        self.out.effects.push(Effect::Fork { branch });
+        branch
+    }
+
+    /// What the frame of a child begins with, its data gathered from the parent.
+    fn seed(&mut self, parent: u32, child: u32, id: NodeId, error: Option<D>) -> Seed<D> {
+        let node = self.program.node(id);
+        let path = self.child_path(parent, child);
+        let inputs = self.child_inputs(parent, node, (path, error.as_ref()));
+        let frame = self.run.frames.get(parent);
+        Seed {
+            node: id,
+            path,
+            branch: frame.branch,
+            parent,
+            preempted: false,
+            start_depth: self.start_depth(parent, child),
+            inputs,
+            outputs: Arc::clone(&node.outputs),
+            error,
+        }
+    }
+
+    pub(super) fn child_path(&mut self, parent: u32, child: u32) -> PathId {
+        let path = self.run.frames.get(parent).path;
+        PathId(self.run.places.children(path, self.program).0 + child)
+    }
+
+    /// How far along the start path a child is, if it is on it and entered first.
+    pub(super) fn start_depth(&self, parent: u32, child: u32) -> Option<u32> {
+        let frame = self.run.frames.get(parent);
+        let depth = frame.start_depth.filter(|_| frame.last.is_none())?;
+        let path = &self.run.start_from;
+        let is_on_path = path.get(depth as usize) == Some(&child);
+        (is_on_path && depth as usize + 1 < path.len()).then_some(depth + 1)
+    }
+
+    /// Enters the child with this index and hangs it under its parent.
+    pub(super) fn enter_with(
+        &mut self,
+        seed: Seed<D>,
+        child: u32,
+        verdicts: Option<Arc<Verdicts<D>>>,
+    ) {
+        let parent = seed.parent;
+        let node = self.program.node(seed.node);
+        let is_concurrency = matches!(self.body(parent), Body::Concurrency(..));
+        let slot = self.begin(seed, node, verdicts);
+        let children = &mut self.run.frames.get_mut(parent).children;
+        match children.get_mut(child as usize).filter(|_| is_concurrency) {
+            Some(place) => *place = slot,
+            None => children.push(slot),
+        }
+    }
+
+    fn begin(
+        &mut self,
+        seed: Seed<D>,
+        node: &'s Node<D>,
+        verdicts: Option<Arc<Verdicts<D>>>,
+    ) -> u32 {
+        let (path, inputs) = (seed.path, Arc::clone(&seed.inputs));
+        self.check(path, (node.inputs(), &node.typed_inputs), &inputs);
+        for (port, reason) in &node.bad_outputs {
+            let port = node.outputs().get(*port as usize).map(|port| port.name.clone());
+            let note = Note::BadDefault { port: port.unwrap_or_default(), reason: reason.clone() };
+            self.note(path, Level::Error, note);
+        }
+        self.out.events.push(Event::Entered { path, node: seed.node, inputs });
+        let slot = self.run.frames.add(seed);
+        self.run.entered += u64::from(!matches!(node.body, Body::Library(_)));
+        match &node.body {
+            Body::Script => self.run_script(slot, verdicts),
+            Body::Hierarchy(inside) => self.begin_container(slot, inside),
+            Body::Concurrency(kind, inside) => self.begin_concurrency(slot, *kind, inside),
+            Body::Library(content) => self.begin_library(slot, content),
+        }
+        slot
+    }
+
+    fn run_script(&mut self, slot: u32, verdicts: Option<Arc<Verdicts<D>>>) {
+        let id = self.run.frames.id(slot);
+        let frame = self.run.frames.get_mut(slot);
+        frame.phase = Phase::Script;
+        self.out.effects.push(Effect::Run(Job {
+            frame: id,
+            branch: frame.branch,
+            path: frame.path,
+            node: frame.node,
+            inputs: Arc::clone(&frame.inputs),
+            outputs: Arc::clone(&frame.outputs),
+            error: frame.error.take(),
+            preempted: frame.preempted,
+            verdicts,
+        }));
+    }
+
+    fn begin_container(&mut self, slot: u32, inside: &'s Inside<D>) {
+        self.fill(slot, inside);
+        if !self.fails_to_begin(slot, inside) {
+            self.advance_later(slot);
+        }
+    }
+
+    fn begin_concurrency(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
+        self.fill(slot, inside);
+        if self.fails_to_begin(slot, inside) {
+            return;
+        }
+        if self.run.frames.get(slot).preempted {
+            return self.leave_container_later(slot, inside, PREEMPTED);
+        }
+        let decider = match kind {
+            Concurrency::Barrier(decider) => decider,
+            Concurrency::Preemptive => None,
+        };
+        let frame = self.run.frames.get_mut(slot);
+        frame.phase = Phase::Branches;
+        frame.children.resize(inside.children as usize, NONE);
+        frame.ended.resize_with(inside.children as usize, || None);
+        let branches = (0..inside.children).rev().filter(|&child| Some(child) != decider);
+        let before = self.run.work.len();
+        self.run.work.extend(branches.map(|child| Work::Enter { parent: slot, child }));
+        let open = self.run.work.len() - before;
+        self.run.frames.get_mut(slot).open = u32::try_from(open).unwrap_or(u32::MAX);
+        match kind {
+            Concurrency::Preemptive if open == 0 => self.wait(slot, WaitReason::NoChildren),
+            Concurrency::Barrier(_) if open == 0 => self.advance_later(slot),
+            Concurrency::Barrier(_) | Concurrency::Preemptive => {}
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! The table of frames: one for each active run of a state. Knows how frames hang together, not what they do.
+
+use super::phase::Phase;
+use crate::{BranchId, FrameId, NodeId, PathId};
+use std::sync::Arc;
+
+/// No frame: the parent of the root, and the place of a child that does not run.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// How a state ended.
+#[derive(Debug, Clone)]
+pub(super) struct Ended<D> {
+    /// Index of the outcome in its node.
+    pub(super) outcome: u32,
+    pub(super) outputs: Arc<[D]>,
+    /// Outputs that a script left out: they flow nowhere.
+    pub(super) absent: Vec<u32>,
+    pub(super) error: Option<D>,
+}
+
+/// A value in a container.
+#[derive(Debug, Clone)]
+pub(super) struct Slot<D> {
+    /// Rises with every value that is put anywhere in the run; 0 in a slot that holds nothing.
+    pub(super) sequence: u64,
+    pub(super) value: Option<D>,
+}
+
+/// One active run of a state.
+#[derive(Debug)]
+pub(super) struct Frame<D> {
+    pub(super) generation: u32,
+    /// Whether the frame is in use.
+    pub(super) live: bool,
+    pub(super) node: NodeId,
+    pub(super) path: PathId,
+    pub(super) branch: BranchId,
+    pub(super) parent: u32,
+    pub(super) phase: Phase,
+    /// Was asked to end. Never taken back.
+    pub(super) preempted: bool,
+    /// How many steps of the start path lead to here, while it leads on from here.
+    pub(super) start_depth: Option<u32>,
+    pub(super) inputs: Arc<[D]>,
+    /// The defaults of its outputs.
+    pub(super) outputs: Arc<[D]>,
+    /// The error that it was given.
+    pub(super) error: Option<D>,
+    /// The error that its last child left, for the next.
+    pub(super) last_error: Option<D>,
+    /// The child that ended last and the index of its outcome.
+    pub(super) last: Option<(u32, u32)>,
+    /// The values in a container.
+    pub(super) slots: Vec<Slot<D>>,
+    /// Active children: one entry for each child of a concurrency state, one entry for any other.
+    pub(super) children: Vec<u32>,
+    /// How the children of a concurrency state ended.
+    pub(super) ended: Vec<Option<Ended<D>>>,
+    /// How many children of a concurrency state have not ended, started or not.
+    pub(super) open: u32,
+    /// The child of a preemptive state that ended first.
+    pub(super) winner: Option<u32>,
+}
+
+/// All frames. Frames are used again, with the lists that they have grown.
+#[derive(Debug)]
+pub(super) struct Frames<D> {
+    all: Vec<Frame<D>>,
+    free: Vec<u32>,
+    nothing: Arc<[D]>,
+}
+
+/// What every frame begins with.
+#[derive(Debug)]
+pub(super) struct Seed<D> {
+    pub(super) node: NodeId,
+    pub(super) path: PathId,
+    pub(super) branch: BranchId,
+    pub(super) parent: u32,
+    pub(super) preempted: bool,
+    pub(super) start_depth: Option<u32>,
+    pub(super) inputs: Arc<[D]>,
+    pub(super) outputs: Arc<[D]>,
+    pub(super) error: Option<D>,
+}
+
+impl<D> Frames<D> {
+    pub(super) fn new() -> Self {
+        Self { all: Vec::new(), free: Vec::new(), nothing: Arc::new([]) }
+    }
+
+    pub(super) fn get(&self, slot: u32) -> &Frame<D> {
+        &self.all[slot as usize]
+    }
+
+    pub(super) fn get_mut(&mut self, slot: u32) -> &mut Frame<D> {
+        &mut self.all[slot as usize]
+    }
+
+    /// The place of a frame that is still the one with this id.
+    pub(super) fn find(&self, id: FrameId) -> Option<u32> {
+        let frame = self.all.get(id.slot as usize)?;
+        (frame.live && frame.generation == id.generation).then_some(id.slot)
+    }
+
+    pub(super) fn id(&self, slot: u32) -> FrameId {
+        FrameId { slot, generation: self.get(slot).generation }
+    }
+
+    pub(super) fn add(&mut self, seed: Seed<D>) -> u32 {
+        let slot = self.free.pop().unwrap_or_else(|| self.grow());
+        let frame = &mut self.all[slot as usize];
+        frame.live = true;
+        frame.node = seed.node;
+        frame.path = seed.path;
+        frame.branch = seed.branch;
+        frame.parent = seed.parent;
+        frame.phase = Phase::Begun;
+        frame.preempted = seed.preempted;
+        frame.start_depth = seed.start_depth;
+        frame.inputs = seed.inputs;
+        frame.outputs = seed.outputs;
+        frame.error = seed.error;
+        slot
+    }
+
+    fn grow(&mut self) -> u32 {
+        let slot = u32::try_from(self.all.len()).unwrap_or(NONE);
+        self.all.push(Frame {
+            generation: 0,
+            live: false,
+            node: NodeId(0),
+            path: PathId(0),
+            branch: BranchId(0),
+            parent: NONE,
+            phase: Phase::Begun,
+            preempted: false,
+            start_depth: None,
+            inputs: Arc::clone(&self.nothing),
+            outputs: Arc::clone(&self.nothing),
+            error: None,
+            last_error: None,
+            last: None,
+            slots: Vec::new(),
+            children: Vec::new(),
+            ended: Vec::new(),
+            open: 0,
+            winner: None,
+        });
+        slot
+    }
+
+    /// Ends the use of a frame and drops its values.
+    pub(super) fn remove(&mut self, slot: u32) {
+        let frame = &mut self.all[slot as usize];
+        frame.live = false;
+        frame.generation = frame.generation.wrapping_add(1);
+        frame.inputs = Arc::clone(&self.nothing);
+        frame.outputs = Arc::clone(&self.nothing);
+        frame.error = None;
+        frame.last_error = None;
+        frame.last = None;
+        frame.slots.clear();
+        frame.children.clear();
+        frame.ended.clear();
+        frame.open = 0;
+        frame.winner = None;
+        self.free.push(slot);
+    }
+
+    /// The active frames at and below `top`: parents before children, children in their order.
+    pub(super) fn below(&self, top: u32) -> Vec<u32> {
+        let mut found = Vec::new();
+        let mut stack = vec![top];
+        while let Some(slot) = stack.pop() {
+            found.push(slot);
+            let children = self.get(slot).children.iter().rev();
+            stack.extend(children.copied().filter(|&child| child != NONE));
+        }
+        found
+    }
+}

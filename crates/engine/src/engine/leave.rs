@@ -1,0 +1,167 @@
+//! Leaving a state: how it ended, and who is told.
+
+use super::frames::{Ended, NONE};
+use super::phase::{Cause, Reaction, react};
+use super::step::{Step, Work};
+use super::{Refusal, Status};
+use crate::program::{ABORTED, Body, Concurrency, Inside, Node, PREEMPTED};
+use crate::{Datum, Effect, Event, Finish, FrameId, Level, Note, PathId, Returned, ScriptResult};
+use smol_str::{SmolStr, format_smolstr};
+use std::sync::Arc;
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// A script ended.
+    pub(super) fn script_ended(
+        &mut self,
+        id: FrameId,
+        result: ScriptResult<D>,
+    ) -> Result<(), Refusal> {
+        let refusal = Refusal::NoSuchFrame { frame: id };
+        let slot = self.run.frames.find(id).ok_or(refusal.clone())?;
+        let frame = self.run.frames.get(slot);
+        if react(&frame.phase, Cause::ScriptEnded) != Reaction::Leave {
+            return Err(refusal);
+        }
+        let (node, path, preempted) = (self.program.node(frame.node), frame.path, frame.preempted);
+        let outcome = self.outcome(node, path, preempted, result.returned);
+        let ended = ended(node, outcome, result.outputs, result.error);
+        self.leave(slot, ended);
+        Ok(())
+    }
+
+    /// Which outcome a script meant. Preempted goes before whatever it returned, an exception before that.
+    fn outcome(
+        &mut self,
+        node: &Node<D>,
+        path: PathId,
+        preempted: bool,
+        returned: Returned,
+    ) -> u32 {
+        let (outcome, returned) = match returned {
+            Returned::Raised => return ABORTED,
+            Returned::Id(_) | Returned::Name(_) | Returned::Other(_) if preempted => {
+                return PREEMPTED;
+            }
+            Returned::Id(id) => (node.outcome_index(id), format_smolstr!("{id}")),
+            Returned::Name(name) => (node.outcome_named(&name), format_smolstr!("'{name}'")),
+            Returned::Other(shown) => (None, shown),
+        };
+        outcome.unwrap_or_else(|| {
+            self.note(path, Level::Error, Note::NoSuchOutcome { returned });
+            ABORTED
+        })
+    }
+
+    /// A container aborts before anything in it runs, if something in it cannot be made.
+    pub(super) fn fails_to_begin(&mut self, slot: u32, inside: &'s Inside<D>) -> bool {
+        let Some(fault) = &inside.fault else { return false };
+        let frame = self.run.frames.get_mut(slot);
+        let path = frame.path;
+        frame.last_error.clone_from(&fault.error);
+        let port = fault.port.clone().unwrap_or_default();
+        self.note(path, Level::Error, Note::BadDefault { port, reason: fault.reason.clone() });
+        self.leave_container_later(slot, inside, ABORTED);
+        true
+    }
+
+    /// A container ends with this outcome, or preempted if it was asked to end.
+    pub(super) fn leave_container(&mut self, slot: u32, inside: &Inside<D>, outcome: u32) {
+        let ended = self.end_container(slot, inside, outcome);
+        self.leave(slot, ended);
+    }
+
+    pub(super) fn leave_container_later(&mut self, slot: u32, inside: &Inside<D>, outcome: u32) {
+        let ended = self.end_container(slot, inside, outcome);
+        self.run.work.push(Work::Leave { slot, ended });
+    }
+
+    fn end_container(&mut self, slot: u32, inside: &Inside<D>, outcome: u32) -> Ended<D> {
+        let outputs = self.container_outputs(slot, inside);
+        let frame = self.run.frames.get_mut(slot);
+        let outcome = if frame.preempted { PREEMPTED } else { outcome };
+        Ended { outcome, outputs, absent: Vec::new(), error: frame.last_error.take() }
+    }
+
+    /// The end of a frame.
+    pub(super) fn leave(&mut self, slot: u32, ended: Ended<D>) {
+        let frame = self.run.frames.get(slot);
+        let (node, path, parent) = (frame.node, frame.path, frame.parent);
+        let about = self.program.node(node);
+        self.check(path, (about.outputs(), &about.typed_outputs), &ended.outputs);
+        self.out.events.push(Event::Left {
+            path,
+            node,
+            outcome: about.outcome_at(ended.outcome).id,
+            outputs: Arc::clone(&ended.outputs),
+            error: ended.error.clone(),
+        });
+        if parent == NONE {
+            self.finish(slot, about, ended);
+        } else {
+            self.child_ended(parent, slot, about.child_index, ended);
+        }
+    }
+
+    fn child_ended(&mut self, parent: u32, slot: u32, child: u32, ended: Ended<D>) {
+        let branch = self.run.frames.get(slot).branch;
+        self.run.frames.remove(slot);
+        if branch != self.run.frames.get(parent).branch {
+            self.out.effects.push(Effect::EndBranch { branch });
+        }
+        match self.body(parent) {
+            Body::Script => {}
+            Body::Library(content) => self.library_root_ended(parent, content, ended),
+            Body::Hierarchy(inside) => self.child_of_hierarchy_ended(parent, inside, child, ended),
+            Body::Concurrency(Concurrency::Barrier(_), inside) => {
+                self.child_of_barrier_ended(parent, inside, child, ended);
+            }
+            Body::Concurrency(Concurrency::Preemptive, _) => {
+                self.child_of_preemptive_ended(parent, child, ended);
+            }
+        }
+    }
+
+    /// The end of the run.
+    fn finish(&mut self, slot: u32, node: &'s Node<D>, ended: Ended<D>) {
+        let outcome = node.outcome_at(ended.outcome);
+        let names = node.outputs().iter().map(|port| port.name.clone());
+        let mut outputs: Vec<_> = names.zip(ended.outputs.iter().cloned()).collect();
+        outputs.extend(ended.error.map(|error| ("error".into(), error)));
+        let scoped_variables = self.scoped_variables(slot, node);
+        self.run.frames.remove(slot);
+        self.run.root = None;
+        self.run.status = Status::Finished;
+        self.out.events.push(Event::Finished { outcome: outcome.id });
+        self.out.effects.push(Effect::Finish(Finish {
+            outcome: outcome.id,
+            outcome_name: outcome.name.clone(),
+            outputs,
+            scoped_variables,
+            states_run: self.run.entered,
+        }));
+    }
+
+    fn scoped_variables(&self, slot: u32, node: &Node<D>) -> Vec<(SmolStr, D)> {
+        let (Body::Hierarchy(inside) | Body::Concurrency(_, inside)) = &node.body else {
+            return Vec::new();
+        };
+        let slots = self.run.frames.get(slot).slots.iter().skip(node.inputs.len());
+        let variables = inside.scoped.iter().zip(slots);
+        variables
+            .filter_map(|(scoped, slot)| Some((scoped.port.name.clone(), slot.value.clone()?)))
+            .collect()
+    }
+}
+
+fn ended<D: Datum>(
+    node: &Node<D>,
+    outcome: u32,
+    mut outputs: Vec<Option<D>>,
+    error: Option<D>,
+) -> Ended<D> {
+    outputs.resize(node.outputs().len(), None);
+    let missing = (0..).zip(&outputs).filter(|(_, value)| value.is_none());
+    let absent = missing.map(|(index, _)| index).collect();
+    let outputs = outputs.into_iter().map(|value| value.unwrap_or_else(D::none)).collect();
+    Ended { outcome, outputs, absent, error }
+}

@@ -1,0 +1,89 @@
+//! Library states: a frame for the state and one for the root of its content, which share data and fate.
+
+use super::frames::{Ended, Seed};
+use super::phase::Phase;
+use super::step::{Step, Work};
+use crate::program::{ABORTED, Content};
+use crate::{Datum, Level, Note};
+use std::sync::Arc;
+
+impl<'s, D: Datum> Step<'s, D> {
+    pub(super) fn begin_library(&mut self, slot: u32, content: &'s Content<D>) {
+        match content {
+            Content::Found { .. } => {
+                self.run.frames.get_mut(slot).phase = Phase::Child;
+                self.run.work.push(Work::Enter { parent: slot, child: 0 });
+            }
+            Content::Missing { reason, error } => {
+                let frame = self.run.frames.get(slot);
+                let (path, outputs) = (frame.path, Arc::clone(&frame.outputs));
+                let reason = reason.clone();
+                self.note(path, Level::Error, Note::MissingLibrary { reason });
+                let error = error.clone();
+                let ended = Ended { outcome: ABORTED, outputs, absent: Vec::new(), error };
+                self.run.work.push(Work::Leave { slot, ended });
+            }
+        }
+    }
+
+    /// The root takes the inputs, output defaults and error of the library state.
+    pub(super) fn enter_library_root(&mut self, parent: u32, content: &'s Content<D>) {
+        let Content::Found { root, ports, .. } = content else { return };
+        let node = self.program.node(*root);
+        let path = self.child_path(parent, 0);
+        let frame = self.run.frames.get_mut(parent);
+        let error = frame.error.take();
+        let (mut inputs, mut outputs) = (Arc::clone(&frame.inputs), Arc::clone(&frame.outputs));
+        if let Some(ports) = ports {
+            let given = inputs;
+            let from = |port: usize| given.get(ports.inputs[port]? as usize).cloned();
+            inputs = self.default_inputs(node, path, from);
+            outputs = mapped(&ports.defaults, &outputs, &node.outputs);
+        }
+        let frame = self.run.frames.get(parent);
+        let seed = Seed {
+            node: *root,
+            path,
+            branch: frame.branch,
+            parent,
+            preempted: frame.preempted,
+            start_depth: self.start_depth(parent, 0),
+            inputs,
+            outputs,
+            error,
+        };
+        self.enter_with(seed, 0, None);
+    }
+
+    /// The library state ends as its root did.
+    pub(super) fn library_root_ended(
+        &mut self,
+        slot: u32,
+        content: &'s Content<D>,
+        ended: Ended<D>,
+    ) {
+        let Content::Found { ports, outcomes, .. } = content else { return };
+        let frame = self.run.frames.get_mut(slot);
+        frame.children.clear();
+        let outcome = outcomes.get(ended.outcome as usize).copied().unwrap_or(ABORTED);
+        let ended = match ports {
+            None => Ended { outcome, ..ended },
+            Some(ports) => Ended {
+                outcome,
+                outputs: mapped(&ports.outputs, &ended.outputs, &frame.outputs),
+                absent: Vec::new(),
+                error: ended.error,
+            },
+        };
+        self.run.work.push(Work::Leave { slot, ended });
+    }
+}
+
+/// For each port the value of the port that is the same as it, else the one in `otherwise`.
+fn mapped<D: Clone>(same: &[Option<u32>], values: &[D], otherwise: &[D]) -> Arc<[D]> {
+    let value = |(same, otherwise): (&Option<u32>, &D)| {
+        let found = same.and_then(|index| values.get(index as usize));
+        found.unwrap_or(otherwise).clone()
+    };
+    same.iter().zip(otherwise).map(value).collect()
+}

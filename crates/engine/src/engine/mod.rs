@@ -1,0 +1,118 @@
+//! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
+
+mod barrier;
+mod control;
+mod data;
+mod enter;
+mod frames;
+mod hierarchy;
+mod leave;
+mod library;
+mod phase;
+mod places;
+mod preempt;
+mod preemptive;
+mod refusal;
+mod snapshot;
+mod step;
+
+pub use refusal::{Command, Refusal, Status};
+pub use snapshot::{Active, Activity};
+
+use crate::{Datum, Globals, Input, NodeId, Outbox, PathId, Program};
+use frames::Frames;
+use places::Places;
+use rafcon_model::StatePath;
+use std::sync::Arc;
+use step::{Step, Work};
+
+/// One run of a program, from idle to finished.
+#[derive(Debug)]
+pub struct Engine<D> {
+    program: Arc<Program<D>>,
+    run: Run<D>,
+}
+
+/// What changes during a run.
+#[derive(Debug)]
+struct Run<D> {
+    status: Status,
+    frames: Frames<D>,
+    places: Places,
+    /// What is left to do before `handle` returns. Empty between two calls.
+    work: Vec<Work<D>>,
+    /// The frame of the root, while it is active.
+    root: Option<u32>,
+    /// The child to begin at, for each container on the start path.
+    start_from: Vec<u32>,
+    sequence: u64,
+    branches: u32,
+    /// States entered, without library states.
+    entered: u64,
+}
+
+impl<D: Datum> Engine<D> {
+    /// A run that has not started.
+    pub fn new(program: Arc<Program<D>>) -> Self {
+        let run = Run {
+            status: Status::Idle,
+            frames: Frames::new(),
+            places: Places::new(Program::<D>::ROOT),
+            work: Vec::new(),
+            root: None,
+            start_from: Vec::new(),
+            sequence: 0,
+            branches: 0,
+            entered: 0,
+        };
+        Self { program, run }
+    }
+
+    /// Takes one input and adds what follows from it to `out`, in order. A refused input changes nothing and adds nothing.
+    pub fn handle(
+        &mut self,
+        input: Input<D>,
+        globals: &dyn Globals<D>,
+        out: &mut Outbox<D>,
+    ) -> Result<(), Refusal> {
+        let mut step = Step { program: &self.program, run: &mut self.run, globals, out };
+        step.take(input)?;
+        step.work();
+        Ok(())
+    }
+
+    /// The program that runs.
+    pub fn program(&self) -> &Arc<Program<D>> {
+        &self.program
+    }
+
+    /// Where the run stands.
+    pub fn status(&self) -> Status {
+        self.run.status
+    }
+
+    /// How many states were entered; library states themselves are not counted, the roots of their content are.
+    pub fn states_run(&self) -> u64 {
+        self.run.entered
+    }
+
+    /// The ids from the root down to this place; empty for a number that no event has named.
+    pub fn path_text(&self, path: PathId) -> StatePath {
+        self.run.places.text(path, &self.program)
+    }
+
+    /// The place around this one; `None` for the root.
+    pub fn path_parent(&self, path: PathId) -> Option<PathId> {
+        self.run.places.parent(path)
+    }
+
+    /// The state at this place.
+    pub fn path_node(&self, path: PathId) -> Option<NodeId> {
+        self.run.places.node(path)
+    }
+
+    /// The place of the child with this index; `None` if there is none, or the state at `path` was never entered.
+    pub fn path_child(&self, path: PathId, index: usize) -> Option<PathId> {
+        self.run.places.child(path, index, &self.program)
+    }
+}

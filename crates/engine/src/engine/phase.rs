@@ -1,0 +1,83 @@
+//! The life of one run of a state, as a table.
+
+use crate::WaitReason;
+
+/// What a frame does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// It was entered just now.
+    Begun,
+    /// Its script runs.
+    Script,
+    /// One child runs: in a hierarchy or library state.
+    Child,
+    /// A pause holds it before its next child.
+    Held,
+    /// It cannot go on by itself.
+    Waiting(WaitReason),
+    /// Its children run side by side.
+    Branches,
+    /// The decider of the barrier runs.
+    Deciding,
+}
+
+/// What can happen to a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cause {
+    /// Its script ended.
+    ScriptEnded,
+    /// One of its children ended.
+    ChildEnded,
+    /// It is asked to end.
+    Preempted,
+    /// A pause is over.
+    Resumed,
+}
+
+/// What the frame does about it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reaction {
+    /// It ends.
+    Leave,
+    /// It looks what is next.
+    Advance,
+    /// It goes on; what happened was noted down.
+    GoOn,
+    /// It cannot happen in this phase.
+    Refuse,
+}
+
+/// The table. The same rows stand in `docs/semantics.md`.
+pub(super) fn react(phase: &Phase, cause: Cause) -> Reaction {
+    match (phase, cause) {
+        (Phase::Script, Cause::ScriptEnded) => Reaction::Leave,
+        (Phase::Child | Phase::Branches | Phase::Deciding, Cause::ChildEnded)
+        | (Phase::Held | Phase::Waiting(_), Cause::Preempted)
+        | (Phase::Held, Cause::Resumed) => Reaction::Advance,
+        (
+            Phase::Begun | Phase::Script | Phase::Child | Phase::Branches | Phase::Deciding,
+            Cause::Preempted,
+        )
+        | (
+            Phase::Begun
+            | Phase::Script
+            | Phase::Child
+            | Phase::Waiting(_)
+            | Phase::Branches
+            | Phase::Deciding,
+            Cause::Resumed,
+        ) => Reaction::GoOn,
+        (
+            Phase::Begun
+            | Phase::Child
+            | Phase::Held
+            | Phase::Waiting(_)
+            | Phase::Branches
+            | Phase::Deciding,
+            Cause::ScriptEnded,
+        )
+        | (Phase::Begun | Phase::Script | Phase::Held | Phase::Waiting(_), Cause::ChildEnded) => {
+            Reaction::Refuse
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Asking active states to end. What is asked once stays asked, so that no request is ever lost.
+
+use super::frames::NONE;
+use super::phase::{Cause, Reaction, react};
+use super::step::{Step, Work};
+use crate::{Datum, Effect};
+
+impl<D: Datum> Step<'_, D> {
+    /// Preempts all active children of a state, in their order.
+    pub(super) fn preempt_children(&mut self, slot: u32) {
+        let children = self.run.frames.get(slot).children.clone();
+        let active = children.into_iter().filter(|&child| child != NONE);
+        let frames = active.flat_map(|child| self.run.frames.below(child)).collect::<Vec<_>>();
+        self.preempt(&frames);
+    }
+
+    /// Preempts these frames; those that stand still look what is next.
+    pub(super) fn preempt(&mut self, frames: &[u32]) {
+        for &slot in frames {
+            let frame = self.run.frames.get_mut(slot);
+            if !frame.preempted {
+                frame.preempted = true;
+                self.out.effects.push(Effect::Preempt(frame.path));
+            }
+        }
+        self.wake(frames, Cause::Preempted);
+    }
+
+    /// Lets those frames look what is next that do so for this cause, the first of them first.
+    pub(super) fn wake(&mut self, frames: &[u32], cause: Cause) {
+        for &slot in frames.iter().rev() {
+            let reaction = react(&self.run.frames.get(slot).phase, cause);
+            if reaction == Reaction::Advance {
+                self.run.work.push(Work::Advance(self.run.frames.id(slot)));
+            }
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Preemptive concurrency states: the first child to end wins, the others are preempted.
+
+use super::frames::{Ended, NONE};
+use super::phase::Cause;
+use super::step::Step;
+use crate::Datum;
+use crate::program::Inside;
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// A child ended; the first one wins.
+    pub(super) fn child_of_preemptive_ended(&mut self, slot: u32, child: u32, ended: Ended<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        frame.children[child as usize] = NONE;
+        frame.ended[child as usize] = Some(ended);
+        frame.open = frame.open.saturating_sub(1);
+        let is_first = frame.winner.is_none();
+        frame.winner.get_or_insert(child);
+        if frame.open == 0 {
+            self.wake(&[slot], Cause::ChildEnded);
+        } else if is_first {
+            self.preempt_children(slot);
+        }
+    }
+
+    /// All children have ended: their outputs in the order of children, those of the winner last; then its transition.
+    pub(super) fn advance_preemptive(&mut self, slot: u32, inside: &'s Inside<D>) {
+        if let Some(winner) = self.run.frames.get(slot).winner {
+            self.merge(slot, inside, winner);
+        }
+        self.conclude(slot, inside);
+    }
+
+    fn merge(&mut self, slot: u32, inside: &'s Inside<D>, winner: u32) {
+        let ended = std::mem::take(&mut self.run.frames.get_mut(slot).ended);
+        let others = (0..).zip(&ended).filter(|(child, _)| *child != winner);
+        let winners = (0..).zip(&ended).filter(|(child, _)| *child == winner);
+        for (child, ended) in others.chain(winners) {
+            if let Some(ended) = ended {
+                self.store_outputs(slot, inside, child, ended);
+            }
+        }
+        let won = ended.into_iter().nth(winner as usize).flatten();
+        let frame = self.run.frames.get_mut(slot);
+        if let Some(won) = won {
+            frame.last = Some((winner, won.outcome));
+            frame.last_error = won.error;
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! One call of the engine: everything that follows from one input.
+
+use super::Run;
+use super::frames::Ended;
+use crate::program::{Body, Concurrency, Inside};
+use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
+
+/// What is left to do, last in first out. Depth of the machine becomes length of this list, never depth of the stack.
+#[derive(Debug)]
+pub(super) enum Work<D> {
+    /// Enter a child.
+    Enter { parent: u32, child: u32 },
+    /// Look what is next in a container.
+    Advance(FrameId),
+    /// Leave a library state as its root ended.
+    Leave { slot: u32, ended: Ended<D> },
+}
+
+/// The engine at work, with all that it may touch.
+pub(super) struct Step<'s, D> {
+    pub(super) program: &'s Program<D>,
+    pub(super) run: &'s mut Run<D>,
+    pub(super) globals: &'s dyn Globals<D>,
+    pub(super) out: &'s mut Outbox<D>,
+}
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// Works until nothing is left.
+    pub(super) fn work(&mut self) {
+        while let Some(work) = self.run.work.pop() {
+            match work {
+                Work::Enter { parent, child } => self.enter(parent, child),
+                Work::Advance(frame) => self.advance(frame),
+                Work::Leave { slot, ended } => self.leave(slot, ended),
+            }
+        }
+    }
+
+    pub(super) fn body(&self, slot: u32) -> &'s Body<D> {
+        &self.program.node(self.run.frames.get(slot).node).body
+    }
+
+    pub(super) fn advance_later(&mut self, slot: u32) {
+        self.run.work.push(Work::Advance(self.run.frames.id(slot)));
+    }
+
+    /// Looks what is next in a container. Nothing, while a child of it is active.
+    fn advance(&mut self, frame: FrameId) {
+        let Some(slot) = self.run.frames.find(frame) else { return };
+        match self.body(slot) {
+            Body::Hierarchy(inside) => self.advance_hierarchy(slot, inside),
+            Body::Concurrency(kind, inside) => self.advance_concurrency(slot, *kind, inside),
+            Body::Script | Body::Library(_) => {}
+        }
+    }
+
+    fn advance_concurrency(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
+        if self.run.frames.get(slot).open > 0 {
+            return;
+        }
+        match kind {
+            Concurrency::Barrier(decider) => self.advance_barrier(slot, decider, inside),
+            Concurrency::Preemptive => self.advance_preemptive(slot, inside),
+        }
+    }
+
+    pub(super) fn note(&mut self, path: PathId, level: Level, note: Note) {
+        self.out.events.push(Event::Note { path, level, note });
+    }
+}

@@ -1,0 +1,251 @@
+//! From the model to nodes. Walks breadth first with a queue, so that depth costs no stack.
+
+use super::defaults::{self, ScopedVariables};
+use super::flows::{ChildWires, wires};
+use super::node::{
+    ABORTED, Body, Concurrency, Content, Exit, Fault, Initial, Inside, Node, PortMap,
+};
+use super::{Program, Wires};
+use crate::{Datum, Literals, NodeId};
+use rafcon_model::{
+    Container, Kind, Library, LibraryContent, Machine, Outcome, OutcomeId, Ports, RuntimeValues,
+    State, StateId, Target, Transition,
+};
+use smol_str::SmolStr;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+impl<D: Datum> Program<D> {
+    /// Compiles a machine. Never fails: what is wrong in the machine is noted, or aborts the state it is about, when it
+    /// runs.
+    pub fn compile(machine: &Machine, literals: &mut dyn Literals<D>) -> Self {
+        let mut compiler = Compiler { queue: Vec::new(), libraries: BTreeMap::new(), literals };
+        compiler.queue.push(Pending::root(&machine.root));
+        let mut nodes = Vec::new();
+        while nodes.len() < compiler.queue.len() {
+            nodes.push(compiler.node(nodes.len()));
+        }
+        Self { nodes }
+    }
+}
+
+/// A number of something that a machine has, as an index.
+pub(super) fn index(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
+struct Compiler<'l, D> {
+    /// One entry for each node, made or not.
+    queue: Vec<Pending>,
+    /// The root node of each library content, by its address. Never iterated.
+    libraries: BTreeMap<*const State, NodeId>,
+    literals: &'l mut dyn Literals<D>,
+}
+
+/// A node to be made, and what its parent knows about it.
+struct Pending {
+    state: Arc<State>,
+    parent: Option<NodeId>,
+    child_index: u32,
+    wires: ChildWires,
+    outcomes: Box<[Outcome]>,
+    exits: Box<[Exit]>,
+}
+
+impl Pending {
+    fn root(state: &Arc<State>) -> Self {
+        let outcomes = outcomes(state);
+        Self {
+            state: Arc::clone(state),
+            parent: None,
+            child_index: 0,
+            wires: ChildWires::default(),
+            exits: vec![Exit::Nowhere; outcomes.len()].into(),
+            outcomes,
+        }
+    }
+}
+
+/// Preempted, aborted, then the others by rising id; the first two also where the file lacks them.
+fn outcomes(state: &State) -> Box<[Outcome]> {
+    let mandatory = [(OutcomeId::PREEMPTED, "preempted"), (OutcomeId::ABORTED, "aborted")];
+    let first = mandatory.into_iter().map(|(id, name)| {
+        state.outcomes.get(id).cloned().unwrap_or_else(|| Outcome::new(id, name))
+    });
+    let others = state.outcomes.iter().filter(|outcome| !outcome.id.is_mandatory()).cloned();
+    first.chain(others).collect()
+}
+
+fn outcome_index(outcomes: &[Outcome], id: OutcomeId) -> Option<u32> {
+    outcomes.iter().position(|outcome| outcome.id == id).map(index)
+}
+
+impl<D: Datum> Compiler<'_, D> {
+    fn node(&mut self, number: usize) -> Node<D> {
+        let state = Arc::clone(&self.queue[number].state);
+        let body = self.body(NodeId(index(number)), &state);
+        let runtime = runtime_values(&state);
+        let inputs = defaults::inputs(&state.inputs, runtime.map(|r| r.0), self.literals);
+        let outputs = defaults::outputs(&state.outputs, runtime.map(|r| r.1), self.literals);
+        let pending = &mut self.queue[number];
+        let gather = std::mem::take(&mut pending.wires.gather);
+        let error_input = state.inputs.iter().position(|port| port.name == "error").map(index);
+        Node {
+            parent: pending.parent,
+            child_index: pending.child_index,
+            outcomes: std::mem::take(&mut pending.outcomes),
+            exits: std::mem::take(&mut pending.exits),
+            body,
+            constant_inputs: constant(&inputs, &gather),
+            inputs,
+            outputs: outputs.values,
+            bad_outputs: outputs.bad,
+            gather,
+            scatter: std::mem::take(&mut pending.wires.scatter),
+            typed_inputs: defaults::typed(&state.inputs),
+            typed_outputs: defaults::typed(&state.outputs),
+            error_input,
+            state,
+        }
+    }
+
+    fn body(&mut self, node: NodeId, state: &State) -> Body<D> {
+        match &state.kind {
+            Kind::Execution(_) | Kind::Decider(_) => Body::Script,
+            Kind::Hierarchy(container) => Body::Hierarchy(self.inside(node, state, container)),
+            Kind::Barrier(container) => {
+                let mut inside = self.inside(node, state, container);
+                let decider = container.states.keys().position(StateId::is_decider).map(index);
+                if decider.is_none() && inside.fault.is_none() {
+                    inside.fault = Some(self.no_decider());
+                }
+                Body::Concurrency(Concurrency::Barrier(decider), inside)
+            }
+            Kind::Preemptive(container) => {
+                let inside = self.inside(node, state, container);
+                Body::Concurrency(Concurrency::Preemptive, inside)
+            }
+            Kind::Library(library) => Body::Library(self.content(state, library)),
+        }
+    }
+
+    fn no_decider(&mut self) -> Fault<D> {
+        let reason = "the barrier has no decider; make it anew, or restore its decider's folder";
+        Fault { port: None, reason: reason.into(), error: defaults::error(reason, self.literals) }
+    }
+
+    fn inside(&mut self, node: NodeId, state: &State, container: &Container) -> Inside<D> {
+        let first_child = NodeId(index(self.queue.len()));
+        let wires = wires(state, container);
+        let children = container.states.values().zip(wires.children);
+        self.queue.extend((0..).zip(children).map(|(child_index, (child, wires))| Pending {
+            parent: Some(node),
+            child_index,
+            wires,
+            ..Pending::root(child)
+        }));
+        let start = self.connect(first_child, state, container);
+        let ScopedVariables { list, fault } =
+            defaults::scoped(&container.scoped_variables, self.literals);
+        Inside {
+            first_child,
+            children: index(container.states.len()),
+            start,
+            slots: wires.slots,
+            scoped: list,
+            scatter: wires.scatter,
+            gather: wires.gather,
+            fault,
+        }
+    }
+
+    /// Writes the transitions of a container into its children; gives back where it begins.
+    fn connect(&mut self, first_child: NodeId, state: &State, container: &Container) -> Exit {
+        let own_outcomes = outcomes(state);
+        let children: BTreeMap<_, _> = container.states.keys().zip(0..).collect();
+        let exit = |transition: &Transition| match transition.target(&state.id) {
+            Some(Target::State(id)) => children.get(&id).map_or(Exit::Nowhere, |&c| Exit::Child(c)),
+            Some(Target::Outcome(id)) => {
+                outcome_index(&own_outcomes, id).map_or(Exit::Nowhere, Exit::Outcome)
+            }
+            None => Exit::Nowhere,
+        };
+        let mut start = Exit::Nowhere;
+        for transition in container.transitions.iter() {
+            let place = match (&transition.from_state, transition.from_outcome) {
+                (None, None) => Some(&mut start),
+                (Some(from), Some(outcome)) => children.get(from).and_then(|&child| {
+                    let child = &mut self.queue[(first_child.0 + child) as usize];
+                    let outcome = outcome_index(&child.outcomes, outcome)?;
+                    child.exits.get_mut(outcome as usize)
+                }),
+                (None, Some(_)) | (Some(_), None) => None,
+            };
+            if let Some(place) = place.filter(|place| **place == Exit::Nowhere) {
+                *place = exit(transition);
+            }
+        }
+        start
+    }
+
+    fn content(&mut self, state: &State, library: &Library) -> Content<D> {
+        let root = match &library.content {
+            LibraryContent::Found(root) => root,
+            LibraryContent::Missing { reason } => return self.missing(reason),
+        };
+        let fresh = NodeId(index(self.queue.len()));
+        let root_node = *self.libraries.entry(Arc::as_ptr(root)).or_insert(fresh);
+        if root_node == fresh {
+            self.queue.push(Pending::root(root));
+        }
+        let own = outcomes(state);
+        let outcome = |outcome: &Outcome| outcome_index(&own, outcome.id).unwrap_or(ABORTED);
+        Content::Found {
+            root: root_node,
+            ports: port_map(state, root),
+            outcomes: outcomes(root).iter().map(outcome).collect(),
+        }
+    }
+
+    fn missing(&mut self, reason: &SmolStr) -> Content<D> {
+        Content::Missing { reason: reason.clone(), error: defaults::error(reason, self.literals) }
+    }
+}
+
+fn runtime_values(state: &State) -> Option<(&RuntimeValues, &RuntimeValues)> {
+    match &state.kind {
+        Kind::Library(library) => Some((&library.inputs, &library.outputs)),
+        Kind::Execution(_)
+        | Kind::Decider(_)
+        | Kind::Hierarchy(_)
+        | Kind::Barrier(_)
+        | Kind::Preemptive(_) => None,
+    }
+}
+
+/// Nothing if the ports of a library state and of its root are alike.
+fn port_map(state: &State, root: &State) -> Option<Box<PortMap>> {
+    let alike = |a: &Ports, b: &Ports| a.iter().map(|p| p.id).eq(b.iter().map(|p| p.id));
+    if alike(&state.inputs, &root.inputs) && alike(&state.outputs, &root.outputs) {
+        return None;
+    }
+    Some(Box::new(PortMap {
+        inputs: mapping(&root.inputs, &state.inputs),
+        defaults: mapping(&root.outputs, &state.outputs),
+        outputs: mapping(&state.outputs, &root.outputs),
+    }))
+}
+
+/// For each port of `to`, the index of the port with its id in `from`.
+fn mapping(to: &Ports, from: &Ports) -> Box<[Option<u32>]> {
+    let position = |id| from.iter().position(|port| port.id == id).map(index);
+    to.iter().map(|port| position(port.id)).collect()
+}
+
+fn constant<D: Datum>(inputs: &[Initial<D>], gather: &Wires) -> Option<Arc<[D]>> {
+    let value = |initial: &Initial<D>| match initial {
+        Initial::Is(value) => Some(value.clone()),
+        Initial::Global(_) | Initial::Bad(_) => None,
+    };
+    if gather.is_empty() { inputs.iter().map(value).collect() } else { None }
+}

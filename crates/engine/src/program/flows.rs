@@ -1,0 +1,180 @@
+//! The data flows of one container as lists of slots, so that moving a value is indexing.
+
+use super::compile::index;
+use rafcon_model::{Container, DataFlow, PortId, Ports, State, StateId};
+use std::collections::BTreeMap;
+
+/// For each port, the slots that flow into it, or the slots that it flows into.
+#[derive(Debug, Default)]
+pub(crate) struct Wires {
+    ends: Box<[u32]>,
+    slots: Box<[u32]>,
+}
+
+impl Wires {
+    /// From one list of slots for each port.
+    fn new(lists: &[Vec<u32>]) -> Self {
+        let ends = lists.iter().scan(0, |end, list| {
+            *end += list.len();
+            Some(index(*end))
+        });
+        Self { ends: ends.collect(), slots: lists.concat().into() }
+    }
+
+    /// The slots of the port with this index.
+    pub(crate) fn slots(&self, port: usize) -> &[u32] {
+        let Some(&end) = self.ends.get(port) else { return &[] };
+        let begin = if port == 0 { 0 } else { self.ends[port - 1] };
+        &self.slots[begin as usize..end as usize]
+    }
+
+    /// Whether no value flows at all.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.slots.is_empty()
+    }
+}
+
+/// The wires of a child: into its inputs, and out of its outputs.
+#[derive(Debug, Default)]
+pub(super) struct ChildWires {
+    pub(super) gather: Wires,
+    pub(super) scatter: Wires,
+}
+
+/// The wires of a container. Slots: its inputs, its scoped variables, then the outputs of children that flow somewhere.
+#[derive(Debug)]
+pub(super) struct ContainerWires {
+    pub(super) slots: u32,
+    pub(super) scatter: Wires,
+    pub(super) gather: Wires,
+    pub(super) children: Vec<ChildWires>,
+}
+
+/// Reads all data flows of `container`. Flows from or to ports that do not exist move nothing.
+pub(super) fn wires(state: &State, container: &Container) -> ContainerWires {
+    let mut plan = Plan::new(state, container);
+    for flow in container.data_flows.iter() {
+        plan.add(flow);
+    }
+    plan.finish()
+}
+
+struct Plan<'m> {
+    state: &'m State,
+    scoped: &'m Ports,
+    children: BTreeMap<&'m StateId, Child<'m>>,
+    /// For each input of the container.
+    scatter: Vec<Vec<u32>>,
+    /// For each output of the container.
+    gather: Vec<Vec<u32>>,
+    slots: u32,
+}
+
+struct Child<'m> {
+    state: &'m State,
+    gather: Vec<Vec<u32>>,
+    scatter: Vec<Vec<u32>>,
+    /// The slot of each output that flows to a port.
+    slots: Vec<Option<u32>>,
+}
+
+impl<'m> Plan<'m> {
+    fn new(state: &'m State, container: &'m Container) -> Self {
+        let child = |state: &'m State| Child {
+            state,
+            gather: vec![Vec::new(); state.inputs.len()],
+            scatter: vec![Vec::new(); state.outputs.len()],
+            slots: vec![None; state.outputs.len()],
+        };
+        Self {
+            state,
+            scoped: &container.scoped_variables,
+            children: container.states.iter().map(|(id, state)| (id, child(state))).collect(),
+            scatter: vec![Vec::new(); state.inputs.len()],
+            gather: vec![Vec::new(); state.outputs.len()],
+            slots: index(state.inputs.len() + container.scoped_variables.len()),
+        }
+    }
+
+    fn add(&mut self, flow: &DataFlow) {
+        match self.scoped_target(flow) {
+            Some(slot) => self.add_to_scoped(flow, slot),
+            None => self.add_to_port(flow),
+        }
+    }
+
+    fn scoped_slot(&self, port: PortId) -> Option<u32> {
+        Some(index(self.state.inputs.len()) + position(self.scoped, port)?)
+    }
+
+    fn scoped_target(&self, flow: &DataFlow) -> Option<u32> {
+        if flow.to_state == self.state.id { self.scoped_slot(flow.to_port) } else { None }
+    }
+
+    fn add_to_scoped(&mut self, flow: &DataFlow, slot: u32) {
+        let list = if flow.from_state == self.state.id {
+            let port = position(&self.state.inputs, flow.from_port);
+            port.and_then(|port| self.scatter.get_mut(port as usize))
+        } else {
+            self.children.get_mut(&flow.from_state).and_then(|child| {
+                let port = position(&child.state.outputs, flow.from_port)?;
+                child.scatter.get_mut(port as usize)
+            })
+        };
+        if let Some(list) = list {
+            list.push(slot);
+        }
+    }
+
+    fn add_to_port(&mut self, flow: &DataFlow) {
+        let Some(source) = self.source(flow) else { return };
+        let list = if flow.to_state == self.state.id {
+            let port = position(&self.state.outputs, flow.to_port);
+            port.and_then(|port| self.gather.get_mut(port as usize))
+        } else {
+            self.children.get_mut(&flow.to_state).and_then(|child| {
+                let port = position(&child.state.inputs, flow.to_port)?;
+                child.gather.get_mut(port as usize)
+            })
+        };
+        if let Some(list) = list {
+            list.push(source);
+        }
+    }
+
+    /// The slot of the source of a flow; made at the first flow from an output of a child.
+    fn source(&mut self, flow: &DataFlow) -> Option<u32> {
+        if flow.from_state == self.state.id {
+            let input = position(&self.state.inputs, flow.from_port);
+            return input.or_else(|| self.scoped_slot(flow.from_port));
+        }
+        let child = self.children.get_mut(&flow.from_state)?;
+        let port = position(&child.state.outputs, flow.from_port)? as usize;
+        if let Some(slot) = child.slots[port] {
+            return Some(slot);
+        }
+        let slot = self.slots;
+        self.slots += 1;
+        child.slots[port] = Some(slot);
+        child.scatter[port].push(slot);
+        Some(slot)
+    }
+
+    fn finish(self) -> ContainerWires {
+        let child = |child: Child<'_>| ChildWires {
+            gather: Wires::new(&child.gather),
+            scatter: Wires::new(&child.scatter),
+        };
+        ContainerWires {
+            slots: self.slots,
+            scatter: Wires::new(&self.scatter),
+            gather: Wires::new(&self.gather),
+            children: self.children.into_values().map(child).collect(),
+        }
+    }
+}
+
+/// The index of the port with this id.
+fn position(ports: &Ports, id: PortId) -> Option<u32> {
+    ports.as_slice().binary_search_by_key(&id, |port| port.id).ok().map(index)
+}

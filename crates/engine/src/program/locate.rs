@@ -1,0 +1,60 @@
+//! From a path of ids to the way down through the nodes.
+
+use super::{Body, Content, Program};
+use crate::NodeId;
+use rafcon_model::{StateId, StatePath};
+use thiserror::Error;
+
+/// No state stands at this path.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error(
+    "there is no state at '{path}': '{missing}' is not inside '{known}'; paths are state ids from the root down, joined by '/'"
+)]
+pub struct UnknownPath {
+    /// What was looked for.
+    pub path: StatePath,
+    /// The part of it that exists.
+    pub known: StatePath,
+    /// The first id that does not.
+    pub missing: StateId,
+}
+
+impl<D> Program<D> {
+    /// The node at this path.
+    pub fn find(&self, path: &StatePath) -> Result<NodeId, UnknownPath> {
+        Ok(self.descend(path)?.0)
+    }
+
+    /// The node at this path, and the index of a child for each step below the root.
+    pub(crate) fn descend(&self, path: &StatePath) -> Result<(NodeId, Vec<u32>), UnknownPath> {
+        let unknown = |depth: usize| UnknownPath {
+            path: path.clone(),
+            known: StatePath(path.0[..depth].to_vec()),
+            missing: path.0.get(depth).cloned().unwrap_or_else(|| StateId::new("")),
+        };
+        if path.0.first() != Some(self.node(Self::ROOT).id()) {
+            return Err(unknown(0));
+        }
+        let mut node = Self::ROOT;
+        let mut steps = Vec::new();
+        for (depth, id) in path.0.iter().enumerate().skip(1) {
+            let (child, step) = self.step(node, id).ok_or_else(|| unknown(depth))?;
+            node = child;
+            steps.push(step);
+        }
+        Ok((node, steps))
+    }
+
+    fn step(&self, node: NodeId, id: &StateId) -> Option<(NodeId, u32)> {
+        match &self.node(node).body {
+            Body::Script | Body::Library(Content::Missing { .. }) => None,
+            Body::Library(Content::Found { root, .. }) => {
+                (self.node(*root).id() == id).then_some((*root, 0))
+            }
+            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
+                let found = (0..inside.children).find(|&c| self.node(inside.child(c)).id() == id);
+                found.map(|child| (inside.child(child), child))
+            }
+        }
+    }
+}

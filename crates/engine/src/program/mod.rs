@@ -1,0 +1,46 @@
+//! A machine made ready to run: dense nodes with tables instead of names. Knows the model; must never know a run.
+
+mod compile;
+mod defaults;
+mod flows;
+mod locate;
+mod node;
+
+pub(crate) use flows::Wires;
+pub use locate::UnknownPath;
+pub use node::Node;
+pub(crate) use node::{ABORTED, Body, Concurrency, Content, Exit, Initial, Inside, PREEMPTED};
+
+use crate::NodeId;
+
+/// A compiled machine: one [`Node`] for each state of the machine and one set of nodes for each library content, shared
+/// by all states that use it.
+#[derive(Debug)]
+pub struct Program<D> {
+    nodes: Vec<Node<D>>,
+}
+
+impl<D> Program<D> {
+    /// The root state of the machine.
+    pub const ROOT: NodeId = NodeId(0);
+
+    /// The node with this number, which must come from this program.
+    pub fn node(&self, id: NodeId) -> &Node<D> {
+        &self.nodes[id.index()]
+    }
+
+    /// All nodes; the root is the first, and the children of a container follow one another in their order.
+    pub fn nodes(&self) -> impl Iterator<Item = (NodeId, &Node<D>)> {
+        (0..).map(NodeId).zip(&self.nodes)
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Never true: there is always a root.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+}

@@ -1,0 +1,234 @@
+//! One state of a program.
+
+use super::Wires;
+use crate::NodeId;
+use rafcon_model::{Outcome, OutcomeId, Port, State, StateId};
+use smol_str::SmolStr;
+use std::sync::Arc;
+
+/// Index of the outcome `preempted` in [`Node::outcomes`].
+pub(crate) const PREEMPTED: u32 = 0;
+/// Index of the outcome `aborted` in [`Node::outcomes`].
+pub(crate) const ABORTED: u32 = 1;
+
+/// One state of the program.
+#[derive(Debug)]
+pub struct Node<D> {
+    pub(super) state: Arc<State>,
+    pub(super) parent: Option<NodeId>,
+    pub(crate) child_index: u32,
+    pub(super) outcomes: Box<[Outcome]>,
+    /// Where the parent goes after each outcome.
+    pub(crate) exits: Box<[Exit]>,
+    pub(crate) body: Body<D>,
+    /// The value of each input port when nothing flows into it.
+    pub(crate) inputs: Box<[Initial<D>]>,
+    /// The same as one list, if it is the same for every run of the state.
+    pub(crate) constant_inputs: Option<Arc<[D]>>,
+    /// The default of each output port.
+    pub(crate) outputs: Arc<[D]>,
+    /// Output ports whose default could not be made, with the reason.
+    pub(crate) bad_outputs: Box<[(u32, SmolStr)]>,
+    /// Which slots of the parent flow into each input port.
+    pub(crate) gather: Wires,
+    /// Which slots of the parent each output port flows into.
+    pub(crate) scatter: Wires,
+    /// Ports whose values are checked against a type: indices of inputs and of outputs.
+    pub(crate) typed_inputs: Box<[u32]>,
+    pub(crate) typed_outputs: Box<[u32]>,
+    /// The input port with the name `error`.
+    pub(crate) error_input: Option<u32>,
+}
+
+/// What a transition leads to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// There is no transition (or none that means anything).
+    Nowhere,
+    /// The child with this index.
+    Child(u32),
+    /// The outcome of the container with this index.
+    Outcome(u32),
+}
+
+/// What is inside a state.
+#[derive(Debug)]
+pub(crate) enum Body<D> {
+    Script,
+    Hierarchy(Inside<D>),
+    Concurrency(Concurrency, Inside<D>),
+    Library(Content<D>),
+}
+
+/// The two kinds of concurrency states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Concurrency {
+    /// Waits for all children, then runs its decider: the child with this index.
+    Barrier(Option<u32>),
+    /// Ends with the first child.
+    Preemptive,
+}
+
+/// The inside of a container. Its values live in slots: first its inputs, then its scoped variables, then those outputs of
+/// children that flow somewhere.
+#[derive(Debug)]
+pub(crate) struct Inside<D> {
+    pub(crate) first_child: NodeId,
+    pub(crate) children: u32,
+    pub(crate) start: Exit,
+    pub(crate) slots: u32,
+    pub(crate) scoped: Box<[Scoped<D>]>,
+    /// From its inputs to its scoped variables.
+    pub(crate) scatter: Wires,
+    /// From its slots to its outputs.
+    pub(crate) gather: Wires,
+    /// Why it cannot run.
+    pub(crate) fault: Option<Fault<D>>,
+}
+
+impl<D> Inside<D> {
+    pub(crate) fn child(&self, index: u32) -> NodeId {
+        NodeId(self.first_child.0 + index)
+    }
+}
+
+/// One scoped variable.
+#[derive(Debug)]
+pub(crate) struct Scoped<D> {
+    pub(crate) port: Port,
+    /// Whether its values are checked against a type.
+    pub(crate) typed: bool,
+    pub(crate) initial: D,
+}
+
+/// A reason why a container aborts before anything in it runs.
+#[derive(Debug)]
+pub(crate) struct Fault<D> {
+    /// The scoped variable that cannot be made, if it is one.
+    pub(crate) port: Option<SmolStr>,
+    pub(crate) reason: SmolStr,
+    /// The reason as a value, for the entry `error`.
+    pub(crate) error: Option<D>,
+}
+
+/// What stands behind a library state.
+#[derive(Debug)]
+pub(crate) enum Content<D> {
+    /// The library's root; and for each outcome of it, the outcome of the library state.
+    Found { root: NodeId, ports: Option<Box<PortMap>>, outcomes: Box<[u32]> },
+    /// It is missing: why, and the same as a value.
+    Missing { reason: SmolStr, error: Option<D> },
+}
+
+/// Which ports are the same, where the lists of a library state and of its root differ.
+#[derive(Debug)]
+pub(crate) struct PortMap {
+    /// For each input of the root, the input of the library state.
+    pub(crate) inputs: Box<[Option<u32>]>,
+    /// For each output of the root, the output of the library state.
+    pub(crate) defaults: Box<[Option<u32>]>,
+    /// For each output of the library state, the output of the root.
+    pub(crate) outputs: Box<[Option<u32>]>,
+}
+
+/// The value of a port when nothing flows into it.
+#[derive(Debug)]
+pub(crate) enum Initial<D> {
+    /// A value.
+    Is(D),
+    /// The global variable with this name.
+    Global(SmolStr),
+    /// None, because its default could not be made.
+    Bad(SmolStr),
+}
+
+impl<D> Node<D> {
+    /// The state in the model.
+    pub fn state(&self) -> &Arc<State> {
+        &self.state
+    }
+
+    /// The state's id.
+    pub fn id(&self) -> &StateId {
+        &self.state.id
+    }
+
+    /// The state's name.
+    pub fn name(&self) -> &SmolStr {
+        &self.state.name
+    }
+
+    /// The state around it; `None` for the root of the machine and the roots of libraries.
+    pub fn parent(&self) -> Option<NodeId> {
+        self.parent
+    }
+
+    /// Its number among the children of its parent; 0 for roots.
+    pub fn child_index(&self) -> usize {
+        self.child_index as usize
+    }
+
+    /// The node of its child with this index. The root of its content is the only child of a library state.
+    pub fn child(&self, index: usize) -> Option<NodeId> {
+        let index = u32::try_from(index).ok()?;
+        match &self.body {
+            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
+                (index < inside.children).then(|| inside.child(index))
+            }
+            Body::Library(Content::Found { root, .. }) => (index == 0).then_some(*root),
+            Body::Library(Content::Missing { .. }) | Body::Script => None,
+        }
+    }
+
+    /// How many children it has; 1 for a library state whose library was found.
+    pub fn children(&self) -> usize {
+        self.child_count() as usize
+    }
+
+    pub(crate) fn child_count(&self) -> u32 {
+        match &self.body {
+            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => inside.children,
+            Body::Library(Content::Found { .. }) => 1,
+            Body::Library(Content::Missing { .. }) | Body::Script => 0,
+        }
+    }
+
+    /// Whether it runs a script: an execution state or a decider.
+    pub fn is_script(&self) -> bool {
+        matches!(self.body, Body::Script)
+    }
+
+    /// Its input ports; lists of inputs have one entry for each, in this order.
+    pub fn inputs(&self) -> &[Port] {
+        self.state.inputs.as_slice()
+    }
+
+    /// Its output ports; lists of outputs have one entry for each, in this order.
+    pub fn outputs(&self) -> &[Port] {
+        self.state.outputs.as_slice()
+    }
+
+    /// Its outcomes: preempted, aborted, then the user's by rising id.
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+
+    /// The outcome with this id.
+    pub fn outcome(&self, id: OutcomeId) -> Option<&Outcome> {
+        self.outcome_index(id.0).map(|index| &self.outcomes[index as usize])
+    }
+
+    pub(crate) fn outcome_index(&self, id: i64) -> Option<u32> {
+        let found = self.outcomes.iter().position(|outcome| outcome.id.0 == id)?;
+        u32::try_from(found).ok()
+    }
+
+    pub(crate) fn outcome_named(&self, name: &str) -> Option<u32> {
+        let found = self.outcomes.iter().position(|outcome| outcome.name == name)?;
+        u32::try_from(found).ok()
+    }
+
+    pub(crate) fn outcome_at(&self, index: u32) -> &Outcome {
+        &self.outcomes[index as usize]
+    }
+}
