@@ -15,7 +15,9 @@ pub const SLOTS: usize = 4096;
 /// is left out.
 pub fn running(slots: &[u8], paths: &str) -> Vec<String> {
     let lines: Vec<&str> = paths.lines().collect();
-    let numbers = slots.chunks_exact(4).map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+    let numbers = slots
+        .chunks_exact(4)
+        .map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
     let line = |number: u32| lines.get((number as usize).checked_sub(1)?).copied();
     let mut found: Vec<String> = numbers.filter_map(line).map(str::to_owned).collect();
     found.sort();
@@ -29,7 +31,8 @@ mod tests {
 
     #[test]
     fn numbers_without_a_line_are_left_out() {
-        let slots: Vec<u8> = [2_u32, 0, 9, 1, 2].iter().flat_map(|n| n.to_le_bytes()).chain([1]).collect();
+        let slots: Vec<u8> =
+            [2_u32, 0, 9, 1, 2].iter().flat_map(|n| n.to_le_bytes()).chain([1]).collect();
         assert_eq!(running(&slots, "A/B\nA/C\n"), ["A/B", "A/C"]);
     }
 }

@@ -16,6 +16,6 @@ pub mod message;
 pub use command::{Answer, Command, Envelope, Expiry};
 pub use event::{ActiveState, Event, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream};
 pub use frame::{FrameError, decode, encode};
-pub use hello::{Hello, VERSION};
+pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::Launch;
 pub use message::{ToRunner, ToViewer};

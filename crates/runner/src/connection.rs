@@ -1,0 +1,118 @@
+//! The talk with one viewer: lines in, lines out. Knows messages; must never know what they lead to.
+
+use parking_lot::Mutex;
+use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode};
+use serde::de::DeserializeOwned;
+use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
+use std::os::unix::net::UnixStream;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// No message of a viewer is longer.
+const LINE_BYTES_MAX: u64 = 16 << 20;
+
+/// Why a talk did not begin.
+#[derive(Debug, thiserror::Error)]
+pub enum TalkError {
+    /// The socket broke.
+    #[error("the connection to the viewer broke")]
+    Io(#[from] io::Error),
+    /// The viewer said something else.
+    #[error("the viewer's first lines are not those of this protocol")]
+    Frame(#[from] FrameError),
+    /// The viewer is of another version.
+    #[error(transparent)]
+    Version(#[from] rafcon_protocol::VersionMismatch),
+    /// The viewer went away before it said what to run.
+    #[error("the viewer went away before it said what to run")]
+    Gone,
+}
+
+/// The end that is written to; any thread may.
+#[derive(Debug)]
+pub(crate) struct Sender {
+    stream: Mutex<UnixStream>,
+    lost: AtomicBool,
+}
+
+/// The end that is read from.
+#[derive(Debug)]
+pub(crate) struct Receiver {
+    lines: BufReader<UnixStream>,
+    line: Vec<u8>,
+}
+
+/// One line that was read.
+#[derive(Debug)]
+pub(crate) enum Line {
+    /// A text, without its newline.
+    Text(String),
+    /// Something that is no line of text.
+    Nonsense,
+}
+
+/// Exchanges hellos over `stream`.
+pub(crate) fn open(stream: UnixStream) -> Result<(Sender, Receiver), TalkError> {
+    let reading = stream.try_clone()?;
+    let sender = Sender { stream: Mutex::new(stream), lost: AtomicBool::new(false) };
+    let mut receiver = Receiver { lines: BufReader::new(reading), line: Vec::new() };
+    sender.write(&encode(&Hello::ours())?)?;
+    receiver.message::<Hello>()?.check()?;
+    Ok((sender, receiver))
+}
+
+impl Sender {
+    /// Sends one message. A viewer that is gone is not an error: the run goes on.
+    pub(crate) fn send(&self, message: &ToViewer) {
+        if let Ok(line) = encode(message) {
+            self.send_lines(&line);
+        }
+    }
+
+    /// Sends lines that are encoded already.
+    pub(crate) fn send_lines(&self, lines: &[u8]) {
+        if !self.is_lost() && self.write(lines).is_err() {
+            self.lost.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether nobody listens any more.
+    pub(crate) fn is_lost(&self) -> bool {
+        self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Closes the talk from this side, so that a blocked write or read ends.
+    pub(crate) fn shut(stream: &UnixStream) {
+        // A socket that is closed already is as closed as it should be.
+        drop(stream.shutdown(std::net::Shutdown::Both));
+    }
+
+    fn write(&self, lines: &[u8]) -> io::Result<()> {
+        self.stream.lock().write_all(lines)
+    }
+}
+
+impl Receiver {
+    /// The next line; `None` when the viewer is gone.
+    pub(crate) fn line(&mut self) -> Option<Line> {
+        self.line.clear();
+        let mut limited = self.lines.by_ref().take(LINE_BYTES_MAX);
+        let count = limited.read_until(b'\n', &mut self.line).ok()?;
+        if count == 0 {
+            return None;
+        }
+        if self.line.pop() != Some(b'\n') {
+            return Some(Line::Nonsense);
+        }
+        let text = String::from_utf8(std::mem::take(&mut self.line));
+        Some(text.map_or(Line::Nonsense, Line::Text))
+    }
+
+    /// The next line as a message.
+    pub(crate) fn message<T: DeserializeOwned>(&mut self) -> Result<T, TalkError> {
+        match self.line() {
+            None => Err(TalkError::Gone),
+            Some(Line::Text(text)) => Ok(decode(&text)?),
+            Some(Line::Nonsense) => Ok(decode("(not a line of text)")?),
+        }
+    }
+}

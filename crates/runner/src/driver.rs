@@ -1,0 +1,370 @@
+//! Drives an engine with threads: every input goes through one lock, effects are carried out under it, and a branch's next
+//! script goes on inline on the thread that finished the last one.
+
+use crate::active::Active;
+use crate::branch::{self, Mail, Turn, Worker};
+use crate::recorder::{Record, Recorder};
+use crate::signals::{PAUSED, PREEMPTED, STARTED};
+use crate::{Clock, Place, Places, Scripts, tell};
+use parking_lot::{Condvar, Mutex};
+use rafcon_engine::{
+    BranchId, Effect, Engine, Event, Finish, Input, Job, NodeId, Outbox, PathId, Program, Refusal,
+    ScriptResult,
+};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::thread::JoinHandle;
+
+/// A run in progress.
+#[derive(Debug)]
+pub struct Driver<S: Scripts> {
+    scripts: S,
+    program: Arc<Program<S::Value>>,
+    places: Arc<Places>,
+    recorder: Arc<Recorder>,
+    clock: Clock,
+    core: Mutex<Core<S::Value>>,
+    end: Mutex<Option<Finish<S::Value>>>,
+    ended: Condvar,
+}
+
+/// What only the holder of the lock touches.
+#[derive(Debug)]
+pub(crate) struct Core<D> {
+    pub(crate) engine: Engine<D>,
+    outbox: Outbox<D>,
+    /// Answers for scripts that could not be run.
+    pending: VecDeque<(rafcon_engine::FrameId, ScriptResult<D>)>,
+    known: Vec<Option<Arc<Place>>>,
+    /// The thread that each active branch owns.
+    workers: BTreeMap<BranchId, Arc<Worker<D>>>,
+    idle: Vec<Arc<Worker<D>>>,
+    threads: Vec<JoinHandle<()>>,
+    active: Active,
+    /// The flags of every place that no script has been asked to end at.
+    flags: u8,
+}
+
+/// What one input came to, for the thread that gave it.
+type Next<D> = Option<Turn<D>>;
+
+impl<S: Scripts> Driver<S> {
+    /// A run that has not begun.
+    pub(crate) fn new(
+        program: Arc<Program<S::Value>>,
+        scripts: S,
+        clock: Clock,
+        active: Active,
+    ) -> Arc<Self> {
+        let core = Core {
+            engine: Engine::new(Arc::clone(&program)),
+            outbox: Outbox::default(),
+            pending: VecDeque::new(),
+            known: Vec::new(),
+            workers: BTreeMap::new(),
+            idle: Vec::new(),
+            threads: Vec::new(),
+            active,
+            flags: 0,
+        };
+        Arc::new(Self {
+            scripts,
+            program,
+            places: Arc::default(),
+            recorder: Arc::default(),
+            clock,
+            core: Mutex::new(core),
+            end: Mutex::new(None),
+            ended: Condvar::new(),
+        })
+    }
+
+    /// The host of the scripts.
+    pub fn scripts(&self) -> &S {
+        &self.scripts
+    }
+
+    /// What is run.
+    pub fn program(&self) -> &Arc<Program<S::Value>> {
+        &self.program
+    }
+
+    /// The places met so far.
+    pub fn places(&self) -> &Arc<Places> {
+        &self.places
+    }
+
+    pub(crate) fn recorder(&self) -> &Arc<Recorder> {
+        &self.recorder
+    }
+
+    pub(crate) fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// Gives the engine an input from outside its branches.
+    pub fn command(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), Refusal> {
+        self.submit(input, None).map(drop)
+    }
+
+    /// Gives the engine the end of a script; the answer is the next script of the same branch, if there is one now.
+    pub(crate) fn finished(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        branch: BranchId,
+    ) -> Next<S::Value> {
+        self.submit(input, Some(branch)).unwrap_or_else(|refusal| {
+            self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
+            None
+        })
+    }
+
+    /// Looks at the engine.
+    pub(crate) fn look<T: Send>(
+        &self,
+        look: impl FnOnce(&Core<S::Value>) -> T + Send,
+    ) -> Option<T> {
+        if let Some(core) = self.core.try_lock() {
+            return Some(look(&core));
+        }
+        let (mut look, mut seen) = (Some(look), None);
+        self.scripts.park(&mut || seen = look.take().map(|look| look(&self.core.lock())));
+        seen
+    }
+
+    /// Waits for the end of the run.
+    pub(crate) fn wait(&self) -> Option<Finish<S::Value>> {
+        let mut finish = None;
+        self.scripts.park(&mut || {
+            let mut end = self.end.lock();
+            while end.is_none() {
+                self.ended.wait(&mut end);
+            }
+            finish = end.take();
+        });
+        finish
+    }
+
+    /// Ends all threads of the run, which has to be over.
+    pub(crate) fn close(&self) {
+        let mut threads = Vec::new();
+        self.scripts.park(&mut || {
+            let mut core = self.core.lock();
+            let workers = std::mem::take(&mut core.workers).into_values();
+            for worker in workers.chain(std::mem::take(&mut core.idle)) {
+                worker.mailbox.post(Mail::End);
+            }
+            threads = std::mem::take(&mut core.threads);
+            drop(core);
+            for thread in threads.drain(..) {
+                if thread.join().is_err() {
+                    self.recorder
+                        .push(self.clock.now_ns(), [tell::defect("a branch's thread panicked")]);
+                }
+            }
+        });
+        self.scripts.settle();
+    }
+
+    fn submit(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+    ) -> Result<Next<S::Value>, Refusal> {
+        let answer = match self.core.try_lock() {
+            Some(mut core) => self.drive(&mut core, input, own),
+            None => self.submit_parked(input, own),
+        };
+        self.scripts.settle();
+        answer
+    }
+
+    /// The lock is taken: whoever holds it may need the interpreter, so it is not waited for from inside.
+    fn submit_parked(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+    ) -> Result<Next<S::Value>, Refusal> {
+        let (mut input, mut answer) = (Some(input), Ok(None));
+        self.scripts.park(&mut || {
+            if let Some(input) = input.take() {
+                answer = self.drive(&mut self.core.lock(), input, own);
+            }
+        });
+        answer
+    }
+
+    fn drive(
+        self: &Arc<Self>,
+        core: &mut Core<S::Value>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+    ) -> Result<Next<S::Value>, Refusal> {
+        let mut next = None;
+        core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
+        self.carry_out(core, own, &mut next);
+        while let Some((frame, result)) = core.pending.pop_front() {
+            let input = Input::Finished { frame, result };
+            core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
+            self.carry_out(core, own, &mut next);
+        }
+        if let (Some(branch), None) = (own, &next) {
+            core.rest(branch);
+        }
+        Ok(next)
+    }
+
+    fn carry_out(
+        self: &Arc<Self>,
+        core: &mut Core<S::Value>,
+        own: Option<BranchId>,
+        next: &mut Next<S::Value>,
+    ) {
+        self.record(core);
+        let mut effects = std::mem::take(&mut core.outbox.effects);
+        for effect in effects.drain(..) {
+            match effect {
+                Effect::Run(job) if own == Some(job.branch) => *next = self.begin(core, job),
+                Effect::Run(job) => self.post(core, job),
+                Effect::Fork { branch } => self.fork(core, branch),
+                Effect::EndBranch { branch } => core.end_branch(branch),
+                Effect::Preempt(path) => core.signal(path),
+                Effect::Paused(paused) => core.pause(paused),
+                Effect::Finish(finish) => self.finish(finish),
+            }
+        }
+        core.outbox.effects = effects;
+    }
+
+    /// Notes the events down, and makes the places that they are the first to name.
+    fn record(&self, core: &mut Core<S::Value>) {
+        if core.outbox.events.is_empty() {
+            return;
+        }
+        let now = self.clock.now_ns();
+        let events = std::mem::take(&mut core.outbox.events);
+        for event in &events {
+            match event {
+                Event::Entered { path, node, .. } => self.enter(core, *path, *node, now),
+                Event::Stopping => core.set_flags(0),
+                _ => {}
+            }
+        }
+        self.recorder.push(now, events.iter().filter_map(|event| self.told(core, event)));
+        core.outbox.events = events;
+        core.outbox.events.clear();
+    }
+
+    fn told(&self, core: &Core<S::Value>, event: &Event<S::Value>) -> Option<Record> {
+        match event {
+            Event::Entered { path, .. } => Some(Record::Entered(*path)),
+            Event::Left { path, outcome, .. } => Some(Record::Left(*path, *outcome)),
+            Event::Finished { .. } => None,
+            event => tell::rare(event, &core.engine),
+        }
+    }
+
+    fn enter(&self, core: &mut Core<S::Value>, path: PathId, node: NodeId, now: u64) {
+        let place = self.place(core, path, node);
+        place.entered_ns.store(now, Ordering::Relaxed);
+        place.signals.begin(false);
+    }
+
+    fn place<'c>(
+        &self,
+        core: &'c mut Core<S::Value>,
+        path: PathId,
+        node: NodeId,
+    ) -> &'c Arc<Place> {
+        let index = path.index();
+        if core.known.len() <= index {
+            core.known.resize(index + 1, None);
+        }
+        let (known, engine, flags) = (&mut core.known[index], &core.engine, core.flags);
+        known.get_or_insert_with(|| {
+            let text = engine.path_text(path).to_string();
+            let place = Arc::new(Place::new(path, node, text.into()));
+            place.signals.set(flags, true);
+            self.places.insert(Arc::clone(&place));
+            place
+        })
+    }
+
+    /// Makes ready what the script's thread needs.
+    fn begin(&self, core: &mut Core<S::Value>, job: Job<S::Value>) -> Next<S::Value> {
+        let place = Arc::clone(self.place(core, job.path, job.node));
+        place.signals.begin(job.preempted);
+        if let Some(worker) = core.workers.get(&job.branch) {
+            core.active.begin(worker.slot, &place);
+        }
+        Some(Turn { job, place })
+    }
+
+    fn post(&self, core: &mut Core<S::Value>, job: Job<S::Value>) {
+        let worker = core.workers.get(&job.branch).cloned();
+        match worker {
+            Some(worker) => {
+                if let Some(turn) = self.begin(core, job) {
+                    worker.mailbox.post(Mail::Run(turn));
+                }
+            }
+            None => {
+                let reason =
+                    "the system gave no thread for this branch; let fewer states run side by side";
+                core.pending.push_back((job.frame, self.scripts.failure(reason)));
+            }
+        }
+    }
+
+    fn fork(self: &Arc<Self>, core: &mut Core<S::Value>, branch: BranchId) {
+        if let Some(worker) = core.idle.pop().or_else(|| self.hire(core)) {
+            core.workers.insert(branch, worker);
+        }
+    }
+
+    fn hire(self: &Arc<Self>, core: &mut Core<S::Value>) -> Option<Arc<Worker<S::Value>>> {
+        let (worker, thread) = branch::start(self, core.threads.len()).ok()?;
+        core.threads.push(thread);
+        Some(worker)
+    }
+
+    fn finish(&self, finish: Finish<S::Value>) {
+        *self.end.lock() = Some(finish);
+        self.ended.notify_all();
+    }
+}
+
+impl<D: rafcon_engine::Datum> Core<D> {
+    fn pause(&mut self, paused: bool) {
+        self.set_flags(if paused { PAUSED } else { STARTED });
+    }
+
+    fn set_flags(&mut self, flags: u8) {
+        self.flags = flags;
+        for place in self.known.iter().flatten() {
+            place.signals.set((PAUSED | STARTED) & !flags, false);
+            place.signals.set(flags, true);
+        }
+    }
+
+    fn signal(&self, path: PathId) {
+        if let Some(place) = self.known.get(path.index()).and_then(Option::as_ref) {
+            place.signals.set(PREEMPTED, true);
+        }
+    }
+
+    /// The branch's thread runs no script now.
+    fn rest(&mut self, branch: BranchId) {
+        if let Some(worker) = self.workers.get(&branch) {
+            self.active.end(worker.slot);
+        }
+    }
+
+    fn end_branch(&mut self, branch: BranchId) {
+        if let Some(worker) = self.workers.remove(&branch) {
+            self.active.end(worker.slot);
+            self.idle.push(worker);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! From a launch to a machine that can be run. Knows where machines, libraries and the config come from.
+
+use crate::{Host, Settings, StateFiles};
+use rafcon_engine::Start;
+use rafcon_model::{Machine, StatePath};
+use rafcon_protocol::Launch;
+use rafcon_storage::{Libraries, config, load, roots};
+use std::sync::Arc;
+
+/// Everything that a run begins with.
+#[derive(Debug)]
+pub(crate) struct Prepared<D> {
+    pub(crate) machine: Machine,
+    pub(crate) files: StateFiles,
+    /// Faults that did not keep the machine from loading, one line each.
+    pub(crate) problems: Vec<String>,
+    pub(crate) start: Start<D>,
+    pub(crate) settings: Settings,
+}
+
+/// Reads config, libraries and machine; the error is for people.
+pub(crate) fn prepare<H: Host>(
+    host: &mut H,
+    launch: Launch,
+) -> Result<Prepared<crate::HostValue<H>>, String> {
+    let environment = |name: &str| std::env::var_os(name)?.into_string().ok();
+    let (config, _file) =
+        config::find(launch.config.as_deref(), &environment).map_err(|error| reason(&error))?;
+    let settings = Settings { recompile_scripts: config.recompile_scripts };
+    let (roots, notes) = roots(&config, &environment, &launch.libraries);
+    let libraries = Arc::new(Libraries::new(roots));
+    let loaded = load(&launch.machine, &libraries).map_err(|error| reason(&error))?;
+    let notes = notes.iter().map(ToString::to_string);
+    let problems = notes.chain(loaded.problems.iter().map(ToString::to_string)).collect();
+    let start = Start {
+        inputs: inputs(host, &launch)?,
+        start_from: launch.start_from.as_deref().map(StatePath::parse),
+    };
+    let files = StateFiles::new(loaded.saved, libraries);
+    Ok(Prepared { machine: loaded.machine, files, problems, start, settings })
+}
+
+type Inputs<H> = Vec<(smol_str::SmolStr, crate::HostValue<H>)>;
+
+fn inputs<H: Host>(host: &mut H, launch: &Launch) -> Result<Inputs<H>, String> {
+    let decode = |(name, json): &(String, serde_json::Value)| match host.value(json) {
+        Ok(value) => Ok((name.as_str().into(), value)),
+        Err(why) => Err(format!("the value for input \"{name}\" cannot be used: {why}")),
+    };
+    launch.inputs.iter().map(decode).collect()
+}
+
+/// An error with its causes, on one line.
+fn reason(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(source) = cause {
+        text = format!("{text}: {source}");
+        cause = source.source();
+    }
+    text
+}

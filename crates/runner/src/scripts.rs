@@ -1,0 +1,81 @@
+//! The port through which a run reaches whatever runs its scripts. Knows values as handles; must never know an interpreter.
+
+use crate::{Driver, Place, StateFiles};
+use rafcon_engine::{Datum, Globals, Job, Literals, Program, ScriptResult};
+use rafcon_model::Machine;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// A host of scripts: an interpreter, or plain Rust in tests.
+///
+/// A branch's thread is inside [`Scripts::inhabit`] for its whole life. Whatever drops a value may do so while the engine is
+/// locked, so a value's own clean-up must wait until [`Scripts::settle`].
+pub trait Scripts: Debug + Send + Sync + 'static {
+    /// A handle to a value.
+    type Value: Datum + Debug + Send + Sync + 'static;
+
+    /// Runs one script on this thread, to its end.
+    fn run(&self, job: Job<Self::Value>, place: &Arc<Place>) -> ScriptResult<Self::Value>;
+
+    /// The answer of a script that could not be run at all, with the reason as its error.
+    fn failure(&self, reason: &str) -> ScriptResult<Self::Value>;
+
+    /// Enters the interpreter for as long as `life` runs.
+    fn inhabit(&self, life: &mut (dyn FnMut() + Send));
+
+    /// Leaves the interpreter to others while `wait` runs; used for everything that may block.
+    fn park(&self, wait: &mut (dyn FnMut() + Send));
+
+    /// Called with no lock held after the engine was used on this thread: a chance to clean up dropped values.
+    fn settle(&self);
+
+    /// The run's global variables.
+    fn globals(&self) -> &dyn Globals<Self::Value>;
+
+    /// A value as `docs/protocol.md` encodes it.
+    fn encode(&self, value: &Self::Value) -> serde_json::Value;
+
+    /// All global variables, encoded.
+    fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value>;
+}
+
+/// An interpreter that can host the scripts of one machine.
+pub trait Host {
+    /// What it becomes once the machine is known.
+    type Scripts: Scripts;
+
+    /// Makes values from what files hold.
+    fn literals(&mut self) -> &mut dyn Literals<HostValue<Self>>;
+
+    /// Makes a value from JSON; the error is for people.
+    fn value(&mut self, json: &serde_json::Value) -> Result<HostValue<Self>, String>;
+
+    /// Opens the machine that is going to run.
+    fn open(self, opening: Opening<HostValue<Self>>) -> Self::Scripts;
+
+    /// The run is ready: scripts that ask about it ask `driver`.
+    fn opened(driver: &Arc<Driver<Self::Scripts>>);
+}
+
+/// The values of a host.
+pub type HostValue<H> = <<H as Host>::Scripts as Scripts>::Value;
+
+/// What a host gets to know before the first script runs.
+#[derive(Debug)]
+pub struct Opening<D> {
+    /// The machine.
+    pub machine: Machine,
+    /// The same, compiled.
+    pub program: Arc<Program<D>>,
+    /// Where its scripts lie.
+    pub files: StateFiles,
+    /// What the reference's config says about running.
+    pub settings: Settings,
+}
+
+/// What the reference's config says about running.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// Whether the body of a script's module runs at each entry of its state (else once).
+    pub recompile_scripts: bool,
+}

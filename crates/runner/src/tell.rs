@@ -1,0 +1,97 @@
+//! What the engine says, in the words of the protocol. Knows both vocabularies; must never know who listens.
+
+use crate::recorder::Record;
+use rafcon_engine::{Datum, Engine, Event, Level, Note, PathId, WaitReason};
+use rafcon_model::OutcomeId;
+use rafcon_protocol as protocol;
+use rafcon_protocol::{LogLevel, Stream};
+use std::sync::Arc;
+
+/// A line that reports a defect of this program.
+pub(crate) fn defect(what: &str) -> Record {
+    log(String::new(), LogLevel::Error, format!("a defect of RAFCON, please report it: {what}"))
+}
+
+/// A line of the engine's own.
+pub(crate) fn log(path: String, level: LogLevel, message: String) -> Record {
+    told(protocol::Event::Log { path, level, stream: Stream::Engine, message })
+}
+
+/// An event that is ready to be told.
+pub(crate) fn told(event: protocol::Event) -> Record {
+    Record::Told(Arc::new(event))
+}
+
+/// The record of any event that is not told as a number.
+pub(crate) fn rare<D: Datum>(event: &Event<D>, engine: &Engine<D>) -> Option<Record> {
+    Some(match event {
+        Event::Waiting { path, reason } => told(protocol::Event::Waiting {
+            path: engine.path_text(*path).to_string(),
+            reason: waiting(reason, engine),
+        }),
+        Event::Note { path, level, note: what } => {
+            log(engine.path_text(*path).to_string(), log_level(*level), note(what))
+        }
+        Event::Paused(paused) => told(protocol::Event::Paused { paused: *paused }),
+        Event::Stopping => told(protocol::Event::Stopping),
+        Event::Entered { .. }
+        | Event::Left { .. }
+        | Event::Scoped { .. }
+        | Event::Finished { .. } => {
+            return None;
+        }
+    })
+}
+
+fn log_level(level: Level) -> LogLevel {
+    match level {
+        Level::Warning => LogLevel::Warning,
+        Level::Error => LogLevel::Error,
+    }
+}
+
+fn waiting<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
+    match reason {
+        WaitReason::NoTransition { child, outcome } => format!(
+            "the outcome {} of {} leads nowhere: connect it, or stop the run",
+            outcome_text(*child, *outcome, engine),
+            engine.path_text(*child)
+        ),
+        WaitReason::NoStart => {
+            "there is no start state: connect the income, or stop the run".to_owned()
+        }
+        WaitReason::NoChildren => {
+            "a preemptive concurrency state without children never ends: add one, or stop the run"
+                .to_owned()
+        }
+    }
+}
+
+fn outcome_text<D: Datum>(path: PathId, outcome: OutcomeId, engine: &Engine<D>) -> String {
+    let node = engine.path_node(path).map(|node| engine.program().node(node));
+    let name = node.and_then(|node| node.outcome(outcome)).map(|found| found.name.clone());
+    name.map_or_else(|| outcome.to_string(), |name| format!("\"{name}\""))
+}
+
+fn note(note: &Note) -> String {
+    match note {
+        Note::TypeMismatch { port, expected, found } => format!(
+            "\"{port}\" got a value of type {found} but declares {expected}; the value is passed on all the same"
+        ),
+        Note::NoSuchOutcome { returned } => format!(
+            "the script returned {returned}, which is neither the id nor the name of an outcome; the state aborts"
+        ),
+        Note::NoSuchGlobal { name } => {
+            format!("there is no global variable \"{name}\"; None is used instead")
+        }
+        Note::BadDefault { port, reason } => {
+            format!("the default of \"{port}\" cannot be used: {reason}; None is used instead")
+        }
+        Note::MissingLibrary { reason } => {
+            format!("the library is missing: {reason}; the state aborts")
+        }
+        Note::NoSuchInput { name } => {
+            format!("the root state has no input port \"{name}\"; its start value is ignored")
+        }
+    }
+}
