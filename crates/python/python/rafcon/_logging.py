@@ -1,0 +1,67 @@
+"""What scripts log goes to the running machine, with the state that logged it."""
+
+import json
+import logging
+import logging.config
+import os
+
+from rafcon._bridge import native
+from rafcon.utils.log import VERBOSE, get_logger
+
+
+class Handler(logging.Handler):
+    """Sends each record of the logger ``rafcon`` as one message."""
+
+    def __init__(self):
+        logging.Handler.__init__(self)
+        self._forked = False
+
+    def emit(self, record):
+        """Sends the record, an exception's traceback after its text."""
+        try:
+            message = self.format(record)
+            if self._forked:
+                os.write(2, (message + "\n").encode("utf-8", "backslashreplace"))
+                return
+            native.emit(native.current_path(), "logger", record.levelno, _utf8(message))
+        except Exception:
+            self.handleError(record)
+
+    def released(self):
+        """Writes to the standard error from now on: the machine does not live in this process."""
+        self._forked = True
+
+
+def _utf8(text):
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def install():
+    """Sets up the logger ``rafcon``: every level down to VERBOSE, one handler.
+
+    ``RAFCON_LOGGING_CONF`` may name a JSON file for ``logging.config.dictConfig``: its levels, filters and files hold.
+    Handlers of the logger ``rafcon`` that would print to the terminal make way for ours, or each line came twice.
+    """
+    logger = get_logger("rafcon")
+    logger.setLevel(VERBOSE)
+    logger.propagate = False
+    problem = _configure(os.environ.get("RAFCON_LOGGING_CONF"))
+    for handler in [handler for handler in logger.handlers if type(handler) is logging.StreamHandler]:
+        logger.removeHandler(handler)
+    ours = Handler()
+    logger.addHandler(ours)
+    os.register_at_fork(after_in_child=ours.released)
+    if problem:
+        logger.warning(problem)
+
+
+def _configure(path):
+    """Applies the user's configuration; returns what is wrong with it, if anything is."""
+    if not path:
+        return None
+    try:
+        with open(path, encoding="utf-8") as file:
+            logging.config.dictConfig(json.load(file))
+    except Exception as error:
+        return "RAFCON_LOGGING_CONF: %s is left out: %s" % (path, error)
+    return None

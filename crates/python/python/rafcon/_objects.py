@@ -1,0 +1,65 @@
+"""The objects that stand for states: which class, and how one finds another.
+
+Rust keeps one object for each place in the machine and makes it here the first time it is wanted.
+"""
+
+from rafcon._bridge import native
+
+_KINDS = {
+    "execution": ("rafcon.core.states.execution_state", "ExecutionState"),
+    "decider": ("rafcon.core.states.barrier_concurrency_state", "DeciderState"),
+    "hierarchy": ("rafcon.core.states.hierarchy_state", "HierarchyState"),
+    "barrier": ("rafcon.core.states.barrier_concurrency_state", "BarrierConcurrencyState"),
+    "preemptive": ("rafcon.core.states.preemptive_concurrency_state", "PreemptiveConcurrencyState"),
+    "library": ("rafcon.core.states.library_state", "LibraryState"),
+}
+_classes = {}
+_machine = []
+
+
+def new_state(place, kind, signals):
+    """A new object for the state at a place; its class follows its kind."""
+    cls = _classes.get(kind) or _class(kind)
+    state = cls.__new__(cls)
+    state._bind(place, signals)
+    return state
+
+
+def _class(kind):
+    import importlib
+
+    module, name = _KINDS[kind]
+    cls = _classes[kind] = getattr(importlib.import_module(module), name)
+    return cls
+
+
+def state(place):
+    """The object for the state at a place, always the same one."""
+    return native.state_object(place)
+
+
+def current_state():
+    """The object of the state whose script runs on this thread, or None."""
+    place = native.current_path()
+    return state(place) if place >= 0 else None
+
+
+def machine():
+    """The object for the running state machine, always the same one."""
+    if not _machine:
+        from rafcon.core.state_machine import StateMachine
+
+        found = StateMachine.__new__(StateMachine)
+        found._bind(native.machine())
+        _machine.append(found)
+    return _machine[0]
+
+
+def port_type(name):
+    """The type of a port; its name, where it cannot be imported here."""
+    from rafcon._types import resolve_type
+
+    try:
+        return resolve_type(name)
+    except (ImportError, AttributeError, TypeError, ValueError):
+        return name

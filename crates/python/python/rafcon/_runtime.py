@@ -1,0 +1,67 @@
+"""All that the compiled module calls: the one list of names that Rust knows.
+
+Every function is called with the GIL held and never waits.
+"""
+
+import rafcon.utils.log  # noqa: F401, the level VERBOSE exists from here on
+from rafcon import _capture, _logging, _objects
+from rafcon._capture import flush_all, flush_capture, pending
+from rafcon._hooks import Hooks
+from rafcon._tracebacks import format_error
+from rafcon._types import convert, resolve_type
+from rafcon._values import decode, encode
+from rafcon.core.custom_exceptions import StatePreempted
+from rafcon.core.singleton import global_variable_manager
+
+__all__ = [
+    "StatePreempted",
+    "configure",
+    "convert",
+    "decode",
+    "encode",
+    "encode_globals",
+    "flush_all",
+    "flush_capture",
+    "format_error",
+    "global_variable_manager",
+    "hooks",
+    "install_capture",
+    "machine",
+    "new_state",
+    "pending",
+    "resolve_global",
+    "resolve_type",
+    "set_verdicts",
+    "state",
+]
+
+#: The hooks of the user's plugins.
+hooks = Hooks()
+
+new_state = _objects.new_state
+state = _objects.state
+machine = _objects.machine
+resolve_global = global_variable_manager._resolve
+
+
+def set_verdicts(decider, verdicts):
+    """Tells a decider how the states of its barrier ended: (id, name, outcome id, outcome name, error or None) each."""
+    decider._set_verdicts(verdicts)
+
+
+def encode_globals():
+    """The global variables as JSON has them: name to value."""
+    return {name: encode(value) for name, value in global_variable_manager._values().items()}
+
+
+def configure(values):
+    """Sets the configuration in force: key of ``config.yaml`` to value."""
+    from rafcon.core.config import global_config
+
+    global_config._replace(values)
+
+
+def install_capture():
+    """Sends what scripts print and log to the running machine from now on."""
+    _capture.install()
+    _logging.install()

@@ -1,0 +1,24 @@
+"""Tracebacks for users: their own frames, nothing of what called them."""
+
+import traceback
+
+#: How many frames are shown of a long traceback.
+_FRAMES_MAX = 40
+
+
+def format_error(error, filename):
+    """The traceback of an exception that a script raised, from the script's first frame on.
+
+    ``filename`` is the file that the script was compiled as. An exception that never reached the script (it does not
+    parse, has no ``execute``) is shown without frames.
+    """
+    shown = traceback.TracebackException(
+        type(error), error, _script_part(error.__traceback__, filename), limit=-_FRAMES_MAX
+    )
+    return "".join(shown.format()).rstrip("\n")
+
+
+def _script_part(frames, filename):
+    while frames is not None and frames.tb_frame.f_code.co_filename != filename:
+        frames = frames.tb_next
+    return frames

@@ -1,0 +1,94 @@
+"""Names of Python types, and values made from text.
+
+A port's type stands in a file as a dotted name, its default often as text; both are answered here, and only here.
+"""
+
+import ast
+import builtins
+import importlib
+
+_LITERAL_TYPES = (list, dict, tuple)
+
+
+def resolve_type(name):
+    """The type of a dotted name such as ``builtins.int``, ``numpy.ndarray`` or ``package.module.Outer.Inner``.
+
+    ``__builtin__.int`` and a bare ``int`` are understood too. Raises ``ImportError`` or ``AttributeError`` if there is
+    no such module or name, and ``TypeError`` if it is not a type.
+    """
+    if name == "None" or name.rpartition(".")[2] == "NoneType":
+        return type(None)
+    module, dot, attribute = name.rpartition(".")
+    if not dot or module in ("builtins", "__builtin__"):
+        found = getattr(builtins, attribute)
+    else:
+        found = _attribute(name)
+    if not isinstance(found, type):
+        raise TypeError("`%s` is a %s, not a type" % (name, type(found).__name__))
+    return found
+
+
+def _attribute(name):
+    """The object of a dotted name: the longest importable module, and attributes of it."""
+    parts = name.split(".")
+    for end in range(len(parts) - 1, 0, -1):
+        module = ".".join(parts[:end])
+        try:
+            found = importlib.import_module(module)
+        except ModuleNotFoundError as error:
+            if end > 1 and error.name and (module + ".").startswith(error.name + "."):
+                continue
+            raise
+        for part in parts[end:]:
+            found = getattr(found, part)
+        return found
+    raise ImportError("`%s` names no module" % name)
+
+
+def convert(value, type_name):
+    """The value that a text stands for in a port of this type; what is no text is returned as it is.
+
+    ``"None"`` is None, ``"$name"`` stays (a reference to a global variable). Raises ``ValueError`` with the reason if
+    the text is no value of the type.
+    """
+    if not isinstance(value, str):
+        return value
+    if value == "None":
+        return None
+    if len(value) > 1 and value.startswith("$"):
+        return value
+    return _from_text(value, resolve_type(type_name))
+
+
+def _from_text(text, data_type):
+    try:
+        return _rule(data_type)(text, data_type)
+    except Exception as error:
+        reason = str(error) or type(error).__name__
+        raise ValueError("%r is no %s: %s" % (text, data_type.__name__, reason)) from error
+
+
+def _rule(data_type):
+    if data_type in (str, type(None)):
+        return lambda text, _type: text
+    if data_type is bool:
+        return lambda text, _type: bool(ast.literal_eval(text))
+    if data_type in _LITERAL_TYPES:
+        return _literal
+    if data_type is object:
+        return _literal_or_text
+    return lambda text, constructor: constructor(text)
+
+
+def _literal(text, data_type):
+    value = ast.literal_eval(text)
+    if type(value) is not data_type:
+        raise TypeError("it is a %s" % type(value).__name__)
+    return value
+
+
+def _literal_or_text(text, _data_type):
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
+        return text

@@ -1,0 +1,106 @@
+"""Values as text: the encoding of state machine files, and the one in which results are shown.
+
+``decode`` reads what stands in files; ``encode`` makes JSON of anything for people and programs to look at.
+"""
+
+import json
+import math
+
+from rafcon._types import resolve_type
+
+#: How deep nested values are shown, and how much of a text representation.
+_DEPTH_MAX = 64
+_REPRESENTATION_MAX = 200
+
+
+def decode(text):
+    """The object of a JSON text in the encoding of state machine files.
+
+    ``{"__jsonqualname__": …}`` is a tuple, a set, an array or an object of a class with ``from_dict``;
+    ``{"__type__": …}`` is a type. Keys of a plain object become ``int`` if every one is the text of an integer.
+    Raises ``ValueError`` for what is no JSON, and ``ImportError`` or ``AttributeError`` for a class that is not there.
+    """
+    return json.loads(text, object_hook=_decode_object)
+
+
+def _decode_object(members):
+    if "__jsonqualname__" in members:
+        rest = {key: value for key, value in members.items() if key != "__jsonqualname__"}
+        return _decode_qualified(members["__jsonqualname__"], rest)
+    if "__type__" in members:
+        return resolve_type(members["__type__"])
+    if members and all(_is_integer(key) for key in members):
+        return {int(key): value for key, value in members.items()}
+    return members
+
+
+def _is_integer(key):
+    digits = key[1:] if key.startswith("-") else key
+    return digits.isascii() and digits.isdigit() and str(int(digits)) == digits and key != "-0"
+
+
+def _decode_qualified(name, members):
+    if name in ("__builtin__.tuple", "builtins.tuple"):
+        return tuple(members["items"])
+    if name in ("__builtin__.set", "builtins.set"):
+        return set(members["items"])
+    if name == "numpy.ndarray":
+        import numpy
+
+        return numpy.array(members["items"])
+    found = resolve_type(name)
+    return found.from_dict(members) if hasattr(found, "from_dict") else members
+
+
+def encode(value):
+    """The value as something that JSON has.
+
+    An exception is ``{"__exc__": class, "msg": text}``, a tuple ``{"__tuple__": […]}``, a type ``{"__type__": name}``,
+    anything else ``{"__repr__": first 200 characters, "__class__": class}``. Keys of a dictionary become texts.
+    """
+    return _encode(value, _DEPTH_MAX)
+
+
+def _encode(value, depth):
+    if value is None or isinstance(value, (bool, int, str)):
+        return _plain(value)
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else _represent(value)
+    if isinstance(value, BaseException):
+        return {"__exc__": type(value).__name__, "msg": _text(value, str)}
+    if isinstance(value, type):
+        return {"__type__": value.__name__}
+    if depth == 0:
+        return _represent(value)
+    if isinstance(value, tuple):
+        return {"__tuple__": [_encode(item, depth - 1) for item in value]}
+    if isinstance(value, list):
+        return [_encode(item, depth - 1) for item in value]
+    if isinstance(value, dict):
+        return {_text(key, str): _encode(item, depth - 1) for key, item in value.items()}
+    return _represent(value)
+
+
+def _plain(value):
+    """Without the class of a user's ``int`` or ``str``; texts that UTF-8 cannot carry are escaped."""
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, int):
+        return int(value)
+    return _utf8(str.__str__(value))
+
+
+def _represent(value):
+    return {"__repr__": _text(value, repr)[:_REPRESENTATION_MAX], "__class__": type(value).__name__}
+
+
+def _text(value, function):
+    """``str`` or ``repr`` of a user's object, which may itself fail."""
+    try:
+        return _utf8(function(value))
+    except Exception as error:
+        return "<%s whose %s fails: %s>" % (type(value).__name__, function.__name__, type(error).__name__)
+
+
+def _utf8(text):
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")

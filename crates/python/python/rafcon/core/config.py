@@ -1,0 +1,52 @@
+"""The configuration: the keys of ``config.yaml`` that scripts and plugins ask for."""
+
+import os
+
+DEFAULTS = {
+    "TYPE": "SM_CONFIG",
+    "LIBRARY_PATHS": {},
+    "LIBRARY_RECOVERY_MODE": False,
+    "LOAD_SM_WITH_CHECKS": True,
+    "STORAGE_PATH_WITH_STATE_NAME": True,
+    "MAX_LENGTH_FOR_STATE_NAME_IN_STORAGE_PATH": None,
+    "NO_PROGRAMMATIC_CHANGE_OF_LIBRARY_STATES_PERFORMED": False,
+    "IN_MEMORY_EXECUTION_HISTORY_ENABLE": True,
+    "FILE_SYSTEM_EXECUTION_HISTORY_ENABLE": False,
+    "EXECUTION_LOG_PATH": "%RAFCON_TEMP_PATH_BASE/execution_logs",
+    "EXECUTION_LOG_SET_READ_AND_WRITABLE_FOR_ALL": False,
+    "SCRIPT_RECOMPILATION_ON_STATE_EXECUTION": True,
+    "RAISE_ERROR_ON_MISSING_LIBRARY_STATES": False,
+    "DEFAULT_LOG_PATH": os.path.join("~", ".log", "rafcon"),
+}
+
+
+class Config:
+    """Key to value. In a running machine it holds the configuration in force; changes last until the process ends."""
+
+    def __init__(self):
+        self._values = dict(DEFAULTS)
+
+    def get_config_value(self, key, default=None):
+        """The value of a key, or ``default`` if the key is not known."""
+        return self._values.get(key, default)
+
+    def set_config_value(self, key, value):
+        """Changes a value for other scripts to see; files and the machine that runs stay as they are."""
+        self._values[key] = value
+
+    def get_all_keys(self):
+        """All keys."""
+        return list(self._values)
+
+    keys = property(get_all_keys, doc="All keys.")
+
+    def as_dict(self):
+        """A copy: key to value."""
+        return dict(self._values)
+
+    def _replace(self, values):
+        self._values = {**DEFAULTS, **values}
+
+
+#: The configuration of this process.
+global_config = Config()

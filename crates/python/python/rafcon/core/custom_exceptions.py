@@ -1,0 +1,55 @@
+"""The exceptions that scripts may meet."""
+
+
+class LibraryNotFoundException(Exception):
+    """A library is not below any of the library roots."""
+
+
+class LibraryNotFoundSkipException(Exception):
+    """A library is missing and was chosen to be left out."""
+
+
+class RecoveryModeException(ValueError):
+    """An element is not valid, and the machine is loaded all the same.
+
+    ``do_delete_item`` says whether the element is to be left out.
+    """
+
+    def __init__(self, message, do_delete_item=False):
+        ValueError.__init__(self, message)
+        self.do_delete_item = do_delete_item
+
+
+class MachineChangeNotSupported(RuntimeError):
+    """A script called something that changes the machine that runs.
+
+    Changing a running machine comes with on-the-fly editing; this version refuses it, and nothing has changed.
+    """
+
+    def __init__(self, call):
+        RuntimeError.__init__(
+            self,
+            "`%s` changes the state machine while it runs, which this version of rafcon does not do: it comes with "
+            "on-the-fly editing. Nothing was changed; edit the machine's files instead." % call,
+        )
+        self.call = call
+
+
+class CommandNotSupported(RuntimeError):
+    """A script gave the engine a command that this version does not know."""
+
+    def __init__(self, call):
+        RuntimeError.__init__(
+            self,
+            "`%s` is not known to this version of rafcon; a script can pause, resume and stop the machine" % call,
+        )
+        self.call = call
+
+
+class StatePreempted(BaseException):
+    """Ends a script that was blocked on a locked global variable when its state was preempted.
+
+    It is raised once in a run of a state, and only if the script has not yet seen that it is preempted
+    (``self.preempted`` or a wait said so). Calls made afterwards, in ``finally`` or ``except``, wait as usual. The
+    state leaves by *preempted*. It is no ``Exception``, so that ``except Exception`` lets it pass.
+    """

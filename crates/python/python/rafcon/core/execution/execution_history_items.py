@@ -1,0 +1,5 @@
+"""Kinds of history entries."""
+
+from enum import Enum
+
+CallType = Enum("METHOD_NAME", "EXECUTE CONTAINER", module=__name__)

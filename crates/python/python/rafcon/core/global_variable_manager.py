@@ -1,0 +1,304 @@
+"""Global variables: ``gvm`` in scripts. They outlive the runs of a machine, and end with the process."""
+
+import copy
+import secrets
+import string
+import threading
+import types
+from collections import deque
+
+from rafcon.core._waiting import Waiter
+from rafcon.utils.log import get_logger
+
+logger = get_logger(__name__)
+
+_UNTYPED = type(None)
+_KEY_LENGTH = 10
+#: What nobody can change is never copied.
+_IMMUTABLE = frozenset(
+    (int, str, float, bool, type(None), bytes, complex, type, types.FunctionType, types.BuiltinFunctionType)
+)
+
+
+class _Variable:
+    """A variable: its value, whether that is the user's own object, its type, and the key of who has locked it."""
+
+    __slots__ = ("value", "by_reference", "data_type", "access_key")
+
+    def __init__(self):
+        self.value = None
+        self.by_reference = False
+        self.data_type = _UNTYPED
+        self.access_key = None
+
+
+class GlobalVariableManager:
+    """Named values that all states share.
+
+    A value is kept as a deep copy, or as the object itself (``per_reference``). A locked variable is read and written
+    by whoever has its access key; a call without a key waits for the end of the lock, first come, first served. Such a
+    wait ends with :class:`~rafcon.core.custom_exceptions.StatePreempted` if the state of the script is preempted.
+    """
+
+    def __init__(self):
+        # Guards the table and the variables. Never held while waiting, copying, or asking the running machine.
+        self._lock = threading.RLock()
+        self._variables = {}
+        # Name of a locked variable to the calls that wait for it, in the order of their arrival.
+        self._queues = {}
+
+    @staticmethod
+    def instance():
+        """The manager of this process, the one that scripts get as ``gvm``."""
+        from rafcon.core.singleton import global_variable_manager
+
+        return global_variable_manager
+
+    # ---- reading and writing
+
+    def set_variable(self, key, value, per_reference=False, access_key=None, data_type=None):
+        """Writes a variable; makes it if there is none.
+
+        ``key`` is turned into a ``str``. ``data_type`` declares its type; without one it keeps the type that it has.
+        Waits while the variable is locked, unless the ``access_key`` is given. Raises ``TypeError`` for a value that is
+        not of the type, ``RuntimeError`` for a wrong key, and what ``copy.deepcopy`` raises; nothing is changed then.
+        """
+        key = str(key)
+        if data_type is not None and not isinstance(data_type, type):
+            raise TypeError("data_type must be a type, not %r" % (data_type,))
+        kept = value if per_reference else _copied(value)
+
+        def write(variable):
+            declared = data_type or (_UNTYPED if variable is None else variable.data_type)
+            self.check_value_and_type(kept, declared)
+            if variable is None:
+                variable = self._variables.setdefault(key, _Variable())
+            variable.value, variable.by_reference, variable.data_type = kept, bool(per_reference), declared
+
+        self._when_allowed(key, access_key, write)
+
+    def get_variable(self, key, per_reference=None, access_key=None, default=None):
+        """The value of a variable, or ``default`` if there is none.
+
+        A deep copy if it is kept as a copy, the object itself if it is kept by reference; ``per_reference=False`` asks
+        for a copy of that too. Waits while the variable is locked, unless the ``access_key`` is given. Raises
+        ``RuntimeError`` for a wrong key, and for ``per_reference=True`` on a variable that is kept as a copy.
+        """
+        key = str(key)
+        found = self._when_allowed(key, access_key, _content)
+        if found is None:
+            return default
+        value, by_reference = found
+        if by_reference:
+            return _copied(value) if per_reference is False else value
+        if per_reference:
+            raise RuntimeError("the global variable `%s` is kept as a copy; it cannot be had by reference" % key)
+        return _copied(value)
+
+    def set_locked_variable(self, key, access_key, value):
+        """Writes a variable that the caller has locked."""
+        return self.set_variable(key, value, per_reference=False, access_key=access_key)
+
+    def get_locked_variable(self, key, access_key):
+        """The value of a variable that the caller has locked."""
+        return self.get_variable(key, per_reference=False, access_key=access_key)
+
+    def get_representation(self, key):
+        """The object that is kept, locked or not, never a copy; None if there is no such variable."""
+        variable = self._variables.get(str(key))
+        return None if variable is None else variable.value
+
+    # ---- locks
+
+    def lock_variable(self, key, block=False):
+        """Locks a variable and returns the access key (``str``).
+
+        If it is locked already: waits with ``block``, else logs a warning and returns False. False, too, with an
+        error in the log, if there is no such variable.
+        """
+        key = str(key)
+        access_key = self._when_allowed(key, None, _locked) if block else self._lock_now(key)
+        if access_key is None:
+            logger.error("Global variable '%s' does not exist, so it cannot be locked", key)
+        elif access_key is False:
+            logger.warning("Global variable '%s' is locked already", key)
+        return access_key or False
+
+    def _lock_now(self, key):
+        with self._lock:
+            variable = self._variables.get(key)
+            if variable is not None and variable.access_key is not None:
+                return False
+            return _locked(variable)
+
+    def unlock_variable(self, key, access_key, force=False):
+        """Ends a lock and serves those who wait; True if it was locked.
+
+        ``force`` needs no key. Raises ``KeyError`` if there is no such variable, ``RuntimeError`` for a wrong key.
+        """
+        key = str(key)
+        with self._lock:
+            variable = self._variables.get(key)
+            if variable is None:
+                raise KeyError("there is no global variable `%s`" % key)
+            locked = variable.access_key is not None
+            if locked:
+                if not force:
+                    _check_key(key, variable, access_key)
+                variable.access_key = None
+                self._serve(key)
+        if not locked:
+            logger.error("Global variable '%s' is not locked, so it cannot be unlocked", key)
+        return locked
+
+    def is_locked(self, key):
+        """Whether the variable is locked; False if there is none."""
+        variable = self._variables.get(str(key))
+        return variable is not None and variable.access_key is not None
+
+    # ---- the table
+
+    def delete_variable(self, key):
+        """Removes a variable and its type; ``AttributeError`` if there is none, ``RuntimeError`` if it is locked."""
+        key = str(key)
+        with self._lock:
+            variable = self._variables.get(key)
+            if variable is None:
+                raise AttributeError("there is no global variable `%s`" % key)
+            if variable.access_key is not None:
+                raise RuntimeError("the global variable `%s` is locked, so it cannot be deleted" % key)
+            del self._variables[key]
+
+    def reset(self):
+        """Removes all variables, locked ones too; who waits for one finds that it is gone."""
+        with self._lock:
+            self._variables = {}
+            for key in list(self._queues):
+                self._serve(key)
+
+    destroy_all_variables = reset
+
+    def variable_exist(self, key):
+        """Whether there is such a variable."""
+        return str(key) in self._variables
+
+    variable_exists = variable_exist
+
+    def variable_can_be_referenced(self, key):
+        """Whether there is such a variable and it is kept by reference."""
+        variable = self._variables.get(str(key))
+        return variable is not None and variable.by_reference
+
+    def data_type_exist(self, key):
+        """Whether there is such a variable, so that it has a type."""
+        return self.variable_exist(key)
+
+    def get_data_type(self, key):
+        """The declared type of a variable, ``NoneType`` if none was declared; None if there is no such variable."""
+        variable = self._variables.get(str(key))
+        return None if variable is None else variable.data_type
+
+    def get_all_keys(self):
+        """The names of all variables, in the order in which they were made."""
+        return list(self._variables)
+
+    def get_all_keys_starting_with(self, start_key):
+        """The names that begin with a text."""
+        return [key for key in self._variables.copy() if key.startswith(start_key)]
+
+    @staticmethod
+    def check_value_and_type(value, data_type):
+        """Raises ``TypeError`` unless the value may be kept in a variable of this type.
+
+        None always may, and everything if no type was declared. Else the value is of the type or of a subclass; an
+        ``int`` is a ``float`` too. Because machines rely on it, a value of a base class is let through as well (an
+        ``int`` in a ``bool`` variable).
+        """
+        if value is None or data_type is _UNTYPED or isinstance(value, data_type):
+            return
+        given = type(value)
+        if (data_type is float and given is int) or (given is not object and issubclass(data_type, given)):
+            return
+        raise TypeError(
+            "a value of type %s cannot be kept in a global variable of type %s" % (given.__name__, data_type.__name__)
+        )
+
+    # ---- for the runner
+
+    def _resolve(self, name):
+        """(found, value) for a port default `$name`: never waits, for a locked variable neither."""
+        with self._lock:
+            found = _content(self._variables.get(name))
+        if found is None:
+            return False, None
+        value, by_reference = found
+        return True, value if by_reference else _copied(value)
+
+    def _values(self):
+        """Name to value, the kept objects themselves."""
+        with self._lock:
+            return {key: variable.value for key, variable in self._variables.items()}
+
+    def _after_fork_in_child(self):
+        """The lock may have been held by a thread that does not exist in the child."""
+        self._lock = threading.RLock()
+
+    # ---- waiting
+
+    def _when_allowed(self, key, access_key, act):
+        """``act(variable)`` as soon as the variable is not locked, or at once with its key."""
+        with self._lock:
+            variable = self._variables.get(key)
+            if variable is None or variable.access_key is None:
+                return act(variable)
+            if access_key is not None:
+                _check_key(key, variable, access_key)
+                return act(variable)
+        return self._wait(key, Waiter(act))
+
+    def _wait(self, key, waiter):
+        with self._lock:
+            self._queues.setdefault(key, deque()).append(waiter)
+            self._serve(key)
+        while not waiter.done:
+            if waiter.sleep() and self._give_up(key, waiter):
+                raise waiter.preemption(key)
+        return waiter.result()
+
+    def _give_up(self, key, waiter):
+        """Takes a call out of the queue; False if its turn has come meanwhile."""
+        with self._lock:
+            if not waiter.done:
+                self._queues[key].remove(waiter)
+        return not waiter.done
+
+    def _serve(self, key):
+        """Carries out the waiting calls in turn, until one of them locks the variable (again)."""
+        queue = self._queues.get(key, ())
+        while queue:
+            variable = self._variables.get(key)
+            if variable is not None and variable.access_key is not None:
+                return
+            queue.popleft().finish(variable)
+        self._queues.pop(key, None)
+
+
+def _content(variable):
+    return None if variable is None else (variable.value, variable.by_reference)
+
+
+def _locked(variable):
+    """Locks a free variable; its access key, or None if there is no variable."""
+    if variable is None:
+        return None
+    variable.access_key = "".join(secrets.choice(string.ascii_uppercase) for _ in range(_KEY_LENGTH))
+    return variable.access_key
+
+
+def _check_key(key, variable, access_key):
+    if access_key != variable.access_key:
+        raise RuntimeError("wrong access key for the locked global variable `%s`" % key)
+
+
+def _copied(value):
+    return value if type(value) in _IMMUTABLE else copy.deepcopy(value)

@@ -1,0 +1,90 @@
+"""Where libraries are found, for scripts to look at."""
+
+import os
+
+from rafcon.core._refusals import refuses
+from rafcon.core.config import global_config
+from rafcon.core.custom_exceptions import LibraryNotFoundException
+
+_MACHINE_FILE = "statemachine.json"
+
+
+@refuses("remove_library_from_file_system", "get_library_instance", "get_library_state_copy_instance")
+class LibraryManager:
+    """The library roots: folders with state machines below them, each under a key."""
+
+    @staticmethod
+    def instance():
+        """The manager of this process."""
+        from rafcon.core.singleton import library_manager
+
+        return library_manager
+
+    def initialize(self):
+        """Nothing to do: the folders are read whenever they are asked for."""
+
+    refresh_libraries = initialize
+    clean_loaded_libraries = initialize
+
+    @property
+    def library_root_paths(self):
+        """Key to absolute folder, from the configuration and ``RAFCON_LIBRARY_PATH`` (which wins)."""
+        configured = global_config.get_config_value("LIBRARY_PATHS").items()
+        roots = {key: _absolute(folder) for key, folder in configured}
+        for folder in os.environ.get("RAFCON_LIBRARY_PATH", "").split(os.pathsep):
+            if folder:
+                roots[os.path.basename(_absolute(folder))] = _absolute(folder)
+        return {key: folder for key, folder in roots.items() if os.path.isdir(folder)}
+
+    @property
+    def libraries(self):
+        """Nested dictionaries: root key, folders, and at last the library's name to its absolute folder."""
+        return {key: _tree(folder) for key, folder in self.library_root_paths.items()}
+
+    def get_os_path_to_library(self, library_path, library_name, allow_user_interaction=True):
+        """The folder of a library, its path (again) and its name (again).
+
+        ``LibraryNotFoundException`` if it is not there; nobody is asked.
+        """
+        root, *folders = library_path.split("/")
+        if "" in folders or root not in self.library_root_paths:
+            raise LibraryNotFoundException("there is no library root for `%s`" % library_path)
+        folder = os.path.join(self.library_root_paths[root], *folders, library_name)
+        if not os.path.isfile(os.path.join(folder, _MACHINE_FILE)):
+            raise LibraryNotFoundException("`%s` has no library named `%s`" % (library_path, library_name))
+        return folder, library_path, library_name
+
+    def is_library_in_libraries(self, library_path, library_name):
+        """Whether the library is there."""
+        try:
+            self.get_os_path_to_library(library_path, library_name)
+        except LibraryNotFoundException:
+            return False
+        return True
+
+    def get_library_path_and_name_for_os_path(self, path):
+        """The library path and name of a folder; (None, None) if it is below no root."""
+        path = _absolute(path)
+        for key, root in self.library_root_paths.items():
+            if path != root and os.path.commonpath([root, path]) == root:
+                folder, name = os.path.split(os.path.relpath(path, root))
+                return "/".join([key, *filter(None, folder.split(os.sep))]), name
+        return None, None
+
+    def is_os_path_within_library_root_paths(self, path):
+        """Whether a folder is below a root."""
+        return self.get_library_path_and_name_for_os_path(path) != (None, None)
+
+
+def _absolute(folder):
+    return os.path.realpath(os.path.expandvars(os.path.expanduser(str(folder).strip("'\""))))
+
+
+def _tree(folder):
+    found = {}
+    for entry in sorted(os.scandir(folder), key=lambda entry: entry.name):
+        if entry.name.startswith(".") or not entry.is_dir():
+            continue
+        is_library = os.path.isfile(os.path.join(entry.path, _MACHINE_FILE))
+        found[entry.name] = entry.path if is_library else _tree(entry.path)
+    return found

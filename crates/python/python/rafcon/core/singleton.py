@@ -1,0 +1,32 @@
+"""The running objects, one of each in a process."""
+
+import argparse
+import os
+import threading
+
+from rafcon.core.execution.execution_engine import ExecutionEngine
+from rafcon.core.global_variable_manager import GlobalVariableManager
+from rafcon.core.library_manager import LibraryManager
+from rafcon.core.state_machine_manager import StateMachineManager
+
+#: The variables that all states share; scripts get it as ``gvm``.
+global_variable_manager = GlobalVariableManager()
+os.register_at_fork(after_in_child=global_variable_manager._after_fork_in_child)
+
+#: The state machines of this process.
+state_machine_manager = StateMachineManager()
+
+#: Where libraries are found.
+library_manager = LibraryManager()
+
+#: Pauses, resumes and stops the machine.
+state_machine_execution_engine = ExecutionEngine(state_machine_manager)
+
+#: For programs that add their own options to a command line; empty.
+argument_parser = argparse.ArgumentParser(description="Start RAFCON")
+
+#: The number of the signal that ends the process, if one does.
+shut_down_signal = None
+
+#: The thread that imported this module first.
+thread_identifier = threading.get_ident()

@@ -1,0 +1,46 @@
+"""Containers that wait for all their states, and the decider that judges them."""
+
+from rafcon.core.state_elements.logical_port import Outcome
+from rafcon.core.states.concurrency_state import ConcurrencyState
+from rafcon.core.states.execution_state import ExecutionState
+
+#: The id of the decider in every barrier.
+UNIQUE_DECIDER_STATE_ID = "unique_decider_state_id"
+
+
+class BarrierConcurrencyState(ConcurrencyState):
+    """A container that runs all its states at the same time, waits for all, and lets its decider choose the outcome."""
+
+
+class DeciderState(ExecutionState):
+    """Runs last in a barrier; its script sees how the others ended.
+
+    ``final_outcomes_dict`` is state id to (name, :class:`Outcome`) of every state, ``child_errors`` state id to
+    (name, error) of those that left an error.
+    """
+
+    def _bind(self, place, signals):
+        ExecutionState._bind(self, place, signals)
+        self.child_errors = {}
+        self.final_outcomes_dict = {}
+
+    def _set_verdicts(self, verdicts):
+        self.final_outcomes_dict = {
+            state_id: (name, Outcome(outcome_id, outcome_name))
+            for state_id, name, outcome_id, outcome_name, _error in verdicts
+        }
+        self.child_errors = {
+            state_id: (name, error) for state_id, name, _id, _outcome, error in verdicts if error is not None
+        }
+
+    def get_outcome_for_state_name(self, name):
+        """The :class:`Outcome` of the first state of this name, or None."""
+        return next((outcome for found, outcome in self.final_outcomes_dict.values() if found == name), None)
+
+    def get_outcome_for_state_id(self, state_id):
+        """The :class:`Outcome` of the state of this id, or None."""
+        return self.final_outcomes_dict.get(state_id, (None, None))[1]
+
+    def get_errors_for_state_name(self, name):
+        """The error of the first state of this name that left one, or None."""
+        return next((error for found, error in self.child_errors.values() if found == name), None)

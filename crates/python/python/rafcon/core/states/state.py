@@ -1,0 +1,374 @@
+"""What every state offers to scripts; ``self`` in ``execute`` is one.
+
+The objects are live: they hold no copy of the machine, they ask it.
+"""
+
+import os
+from enum import Enum
+from functools import cached_property
+
+from rafcon import _objects, _signals
+from rafcon._bridge import native
+from rafcon.core._refusals import NoConstructor, fixed, refuses
+from rafcon.core.execution.execution_history import ExecutionHistory
+from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
+from rafcon.core.state_elements.logical_port import Income, Outcome
+from rafcon.core.states._semantic_data import SemanticData
+from rafcon.utils.log import get_logger
+
+#: Separates the state ids (or names) of a path.
+PATH_SEPARATOR = "/"
+#: How many letters the id of a new state has.
+STATE_ID_LENGTH = 6
+
+StateExecutionStatus = Enum(
+    "STATE_EXECUTION_STATUS", "INACTIVE ACTIVE EXECUTE_CHILDREN WAIT_FOR_NEXT_STATE", module=__name__
+)
+StateType = Enum(
+    "STATE_TYPE",
+    "EXECUTION HIERARCHY BARRIER_CONCURRENCY PREEMPTION_CONCURRENCY LIBRARY DECIDER_STATE",
+    module=__name__,
+)
+
+_PHASES = {
+    "inactive": StateExecutionStatus.INACTIVE,
+    "active": StateExecutionStatus.ACTIVE,
+    "children": StateExecutionStatus.EXECUTE_CHILDREN,
+    "waiting": StateExecutionStatus.WAIT_FOR_NEXT_STATE,
+}
+#: Distinguishes the run ids of this process from those of others.
+_PROCESS = os.urandom(8).hex()
+
+
+@refuses(
+    "add_outcome",
+    "remove_outcome",
+    "add_input_data_port",
+    "remove_input_data_port",
+    "add_output_data_port",
+    "remove_output_data_port",
+    "remove_income",
+    "remove",
+    "change_state_id",
+    "destroy",
+)
+class State(NoConstructor, SemanticData):
+    """A state of the running machine.
+
+    ``preempted``, ``paused`` and ``started`` may be set. Any further attribute that a script puts on the object stays
+    there until the process ends, and so does ``persistent_variables``.
+    """
+
+    def _bind(self, place, signals):
+        self._place = place
+        self._signals = signals
+        self._told = 0
+        #: A dictionary of the user's, kept from one run of the state to the next.
+        self.persistent_variables = {}
+
+    @cached_property
+    def _facts(self):
+        return native.describe(self._place)
+
+    def _live(self):
+        return native.status(self._place)
+
+    # ---- who it is
+
+    @fixed
+    def name(self):
+        """The name (``str``)."""
+        return self._facts["name"]
+
+    @fixed
+    def state_id(self):
+        """The id (``str``), unique in its container."""
+        return self._facts["state_id"]
+
+    @property
+    def core_element_id(self):
+        """The same as ``state_id``."""
+        return self.state_id
+
+    @fixed
+    def description(self):
+        """The description (``str``), or None."""
+        return self._facts["description"] or None
+
+    @cached_property
+    def logger(self):
+        """The logger ``rafcon.<name>``, with ``verbose`` below ``debug``."""
+        return get_logger("rafcon." + self.name)
+
+    @property
+    def file_system_path(self):
+        """The folder (``str``) where the state is stored, or None."""
+        return self._facts["file_system_path"]
+
+    def get_path(self, appendix=None, by_name=False):
+        """The ids (or names) from the root to here, joined by ``/``; ``appendix`` is put behind."""
+        path = self._facts["path_by_name" if by_name else "path"]
+        return path if appendix is None else path + PATH_SEPARATOR + appendix
+
+    def __str__(self):
+        return "{0} with name '{1}' and id '{2}'".format(type(self).__name__, self.name, self.state_id)
+
+    def __repr__(self):
+        return "<%s %s>" % (type(self).__name__, self.get_path())
+
+    # ---- around it
+
+    @fixed
+    def parent(self):
+        """The container, the library state around a library's root, or the state machine."""
+        above = self._facts["parent"]
+        return _objects.state(above) if above >= 0 else _objects.machine()
+
+    def get_state_machine(self):
+        """The state machine that runs."""
+        return _objects.machine()
+
+    @property
+    def is_root_state(self):
+        """Whether the state machine is the parent."""
+        return self._facts["parent"] < 0
+
+    @property
+    def is_root_state_of_library(self):
+        """Whether a library state is the parent."""
+        from rafcon.core.states.library_state import LibraryState
+
+        return isinstance(self.parent, LibraryState)
+
+    def get_next_upper_library_root_state(self):
+        """The root of the innermost library that this state is in (perhaps itself), or None."""
+        roots = self._library_roots()
+        return roots[0] if roots else None
+
+    def get_uppermost_library_root_state(self):
+        """The root of the outermost library that this state is in (perhaps itself), or None."""
+        roots = self._library_roots()
+        return roots[-1] if roots else None
+
+    def _library_roots(self):
+        roots, state = [], self
+        while True:
+            if state.is_root_state_of_library:
+                roots.append(state)
+            if state.is_root_state:
+                return roots
+            state = state.parent
+
+    def get_previously_executed_state(self):
+        """The state that ran before this one in the same container, or None."""
+        before = native.last_left(self._place)
+        return _objects.state(before) if before >= 0 else None
+
+    # ---- its parts
+
+    @cached_property
+    def _outcomes(self):
+        facts = self._facts["outcomes"]
+        return {key: Outcome(key, name, self) for key, name in facts.items()}
+
+    @fixed
+    def outcomes(self):
+        """Outcome id to :class:`Outcome`; -1 is *aborted*, -2 *preempted*."""
+        return self._outcomes
+
+    @cached_property
+    def _income(self):
+        return Income(self)
+
+    @fixed
+    def income(self):
+        """Where the state is entered."""
+        return self._income
+
+    def _ports(self, kind, cls):
+        found = self._facts[kind].items()
+        return {key: cls(name, _objects.port_type(t), default, key, self) for key, (name, t, default) in found}
+
+    @cached_property
+    def _inputs(self):
+        return self._ports("inputs", InputDataPort)
+
+    @fixed
+    def input_data_ports(self):
+        """Port id to :class:`InputDataPort`."""
+        return self._inputs
+
+    @cached_property
+    def _outputs(self):
+        return self._ports("outputs", OutputDataPort)
+
+    @fixed
+    def output_data_ports(self):
+        """Port id to :class:`OutputDataPort`."""
+        return self._outputs
+
+    def get_data_port_ids(self):
+        """The ids of all inputs and outputs."""
+        return list(self._inputs) + list(self._outputs)
+
+    def get_data_port_by_id(self, data_port_id):
+        """The input or output of this id, or None."""
+        return self._inputs.get(data_port_id) or self._outputs.get(data_port_id)
+
+    def get_io_data_port_id_from_name_and_type(self, name, data_port_type, throw_exception=True):
+        """The id of the port of this name; ``data_port_type`` is ``InputDataPort`` or ``OutputDataPort``.
+
+        Without one, ``AttributeError``, or None if ``throw_exception`` is False.
+        """
+        ports = self._inputs if data_port_type is InputDataPort else self._outputs
+        for key, port in ports.items():
+            if port.name == name:
+                return key
+        if throw_exception:
+            raise AttributeError("%s has no %s named `%s`" % (self, data_port_type.__name__, name))
+        return None
+
+    def __contains__(self, item):
+        return any(item is part for group in self._groups() for part in group)
+
+    def _groups(self):
+        return [self._outcomes.values(), self._inputs.values(), self._outputs.values(), [self._income]]
+
+    # ---- its run
+
+    @property
+    def preempted(self):
+        """Whether this run is to end early. True counts as told: see ``StatePreempted``."""
+        if self._signals.preempted:
+            self._told = self._live()["run_count"]
+            return True
+        return False
+
+    @preempted.setter
+    def preempted(self, preempted):
+        self._signals.preempted = _flag_value(preempted)
+
+    @property
+    def paused(self):
+        """Whether the machine is held."""
+        return self._signals.paused
+
+    @paused.setter
+    def paused(self, paused):
+        self._signals.paused = _flag_value(paused)
+
+    @property
+    def started(self):
+        """Whether the machine was resumed since it was last held."""
+        return self._signals.started
+
+    @started.setter
+    def started(self, started):
+        self._signals.started = _flag_value(started)
+
+    @property
+    def _preempted(self):
+        return _signals.Flag(self, "preempted")
+
+    @property
+    def _paused(self):
+        return _signals.Flag(self, "paused")
+
+    @property
+    def _started(self):
+        return _signals.Flag(self, "started")
+
+    @property
+    def _interrupted(self):
+        return _signals.AnyFlag(self, "preempted", "paused")
+
+    @property
+    def _unpaused(self):
+        return _signals.AnyFlag(self, "preempted", "started")
+
+    def _wait(self, mask, timeout):
+        come = self._signals.wait(mask, _signals.seconds(timeout))
+        if come and mask & _signals.PREEMPTED:
+            self.preempted  # noqa: B018, reading it notes that the script has been told
+        return come
+
+    def _told_preempted(self):
+        """Whether the script of this run knows that it is preempted."""
+        return self._told == self._live()["run_count"]
+
+    def preemptive_wait(self, time=None):
+        """Waits for a time (s) or for ever; True if the state was preempted, False if the time is over."""
+        return self._wait(_signals.PREEMPTED, time)
+
+    def wait_for_interruption(self, timeout=None):
+        """Waits until the state is preempted or paused; False if the time (s) ran out."""
+        return self._wait(_signals.PREEMPTED | _signals.PAUSED, timeout)
+
+    def wait_for_unpause(self, timeout=None):
+        """Waits until the state is preempted or the machine resumed; False if the time (s) ran out."""
+        return self._wait(_signals.PREEMPTED | _signals.STARTED, timeout)
+
+    def recursively_preempt_states(self):
+        """Preempts this state and all states inside."""
+        self.preempted = True
+
+    def recursively_pause_states(self):
+        """Holds this state and all states inside."""
+        self.started = False
+        self.paused = True
+
+    def recursively_resume_states(self):
+        """Lets this state and all states inside go on."""
+        self.paused = False
+        self.started = True
+
+    @property
+    def state_execution_status(self):
+        """What the state does at this moment, a ``StateExecutionStatus``."""
+        live = self._live()
+        if not live["active"]:
+            return StateExecutionStatus.INACTIVE
+        return _PHASES.get(live["phase"], StateExecutionStatus.ACTIVE)
+
+    @property
+    def active(self):
+        """Whether the state runs."""
+        return self._live()["active"]
+
+    @property
+    def input_data(self):
+        """The inputs of the last run: name of the port to value."""
+        return self._live()["input_data"]
+
+    @property
+    def output_data(self):
+        """The outputs of the last run: name of the port to value."""
+        return self._live()["output_data"]
+
+    @property
+    def final_outcome(self):
+        """The :class:`Outcome` by which it was last left, or None."""
+        left_by = self._live()["final_outcome"]
+        return None if left_by is None else Outcome(left_by[0], left_by[1], self)
+
+    @property
+    def run_id(self):
+        """Tells this run of the state from all others (``str``); None before the first."""
+        count = self._live()["run_count"]
+        return "%s.run_id.%010d%010d" % (_PROCESS, self._place, count) if count else None
+
+    @property
+    def backward_execution(self):
+        """Whether ``backward_execute`` runs; always False in this version."""
+        return False
+
+    @property
+    def execution_history(self):
+        """What ran before, as far as scripts can see it."""
+        return ExecutionHistory(self)
+
+
+def _flag_value(value):
+    if not isinstance(value, bool):
+        raise TypeError("a flag is True or False, not %s" % type(value).__name__)
+    return value

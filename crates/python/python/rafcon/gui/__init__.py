@@ -1,0 +1,23 @@
+"""The desktop program of old is not part of this package; scripts that need it learn so when they import it."""
+
+import importlib.abc
+import importlib.util
+import sys
+
+_PRESENT = ("rafcon.gui.utils",)
+
+
+class _NoDesktop(importlib.abc.MetaPathFinder):
+    """Answers imports of ``rafcon.gui.…`` as an installation without a desktop does."""
+
+    def find_spec(self, fullname, path=None, target=None):
+        if not fullname.startswith("rafcon.gui.") or fullname in _PRESENT:
+            return None
+        if importlib.util.find_spec("gi") is None:
+            raise ModuleNotFoundError("No module named 'gi'", name="gi")
+        raise ModuleNotFoundError(
+            "No module named '%s': the desktop program is not part of this rafcon" % fullname, name=fullname
+        )
+
+
+sys.meta_path.insert(0, _NoDesktop())

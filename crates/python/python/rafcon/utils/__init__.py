@@ -1,0 +1,1 @@
+"""Small helpers that scripts import: logging, constants, nested dictionaries."""

@@ -1,0 +1,49 @@
+"""Loggers of a machine: below the logger ``rafcon``, with the level VERBOSE under DEBUG."""
+
+import functools
+import logging
+
+#: Below ``logging.DEBUG``; ``logger.verbose(…)`` logs at it.
+VERBOSE = 5
+
+
+class RAFCONDeprecationWarning(DeprecationWarning):
+    """Something still works, and will go."""
+
+
+def _verbose(self, message, *arguments, **named):
+    """Logs at level VERBOSE."""
+    if self.isEnabledFor(VERBOSE):
+        self._log(VERBOSE, message, arguments, **named)
+
+
+logging.addLevelName(VERBOSE, "VERBOSE")
+logging.VERBOSE = VERBOSE
+logging.Logger.verbose = _verbose
+
+
+def get_logger(name):
+    """The logger ``rafcon.<name>``; a name that begins with ``rafcon`` is taken as it is."""
+    if name == "rafcon" or name.startswith("rafcon."):
+        return logging.getLogger(name)
+    return logging.getLogger("rafcon." + name)
+
+
+def log_exceptions(logger=None, gtk_quit=False):
+    """Decorator: an exception of the function is logged, and raised again.
+
+    ``gtk_quit`` is accepted for old scripts; there is no GTK main loop to end.
+    """
+
+    def decorate(function):
+        @functools.wraps(function)
+        def wrapper(*arguments, **named):
+            try:
+                return function(*arguments, **named)
+            except Exception:
+                (logger or get_logger(function.__module__)).exception("%s failed", function.__name__)
+                raise
+
+        return wrapper
+
+    return decorate

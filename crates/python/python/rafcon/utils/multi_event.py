@@ -1,0 +1,31 @@
+"""One event that is set as long as one of several is."""
+
+import threading
+
+
+def create(events):
+    """A ``threading.Event`` that follows the ``threading.Event`` objects of an iterable: set if one of them is."""
+    events = list(events)
+    combined = threading.Event()
+    lock = threading.Lock()
+
+    def update():
+        with lock:
+            (combined.set if any(event.is_set() for event in events) else combined.clear)()
+
+    for event in events:
+        _follow(event, update)
+    update()
+    return combined
+
+
+def _follow(event, update):
+    def following(method):
+        def call():
+            method()
+            update()
+
+        return call
+
+    event.set = following(event.set)
+    event.clear = following(event.clear)
