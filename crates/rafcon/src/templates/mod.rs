@@ -5,6 +5,7 @@
 
 mod empty;
 mod hello;
+mod mission;
 
 use anyhow::{Result, bail};
 use rafcon_model::State;
@@ -32,7 +33,7 @@ pub(crate) struct Template {
 }
 
 /// Every template, in the order in which help shows them.
-pub(crate) const ALL: &[Template] = &[hello::TEMPLATE, empty::TEMPLATE];
+pub(crate) const ALL: &[Template] = &[hello::TEMPLATE, mission::TEMPLATE, empty::TEMPLATE];
 
 /// The template with this name.
 pub(crate) fn find(name: &str) -> Option<&'static Template> {

@@ -1,0 +1,107 @@
+//! Where the parts of a generated machine stand on the screen.
+//!
+//! Knows numbers and the file's layout entries (`docs/format.md`, layout). Children stand in columns by how many steps
+//! it takes to get to them; a long row of columns is broken into lines.
+
+use rafcon_model::Layout;
+use rafcon_model::json::Json;
+
+/// Left and top, or width and height.
+pub(super) type Pair = (f64, f64);
+
+/// Size of a state without children.
+pub(super) const LEAF: Pair = (120.0, 72.0);
+/// Free space between columns, and between the children of a column.
+const GAP: Pair = (60.0, 40.0);
+/// Free space between the border of a container and its children.
+const MARGIN: f64 = 50.0;
+/// The same above them, where the name stands.
+const HEADING: f64 = 60.0;
+/// After this many columns a new line begins.
+const COLUMNS: usize = 8;
+
+/// The children of a sequence by steps from the first one; `lines` are its transitions, from child to child.
+pub(super) fn by_steps(children: usize, lines: &[(usize, usize)]) -> Vec<Vec<usize>> {
+    let mut found = vec![false; children];
+    let mut columns = Vec::new();
+    let mut column: Vec<usize> = (0..children.min(1)).collect();
+    while !column.is_empty() {
+        column.retain(|&child| !std::mem::replace(&mut found[child], true));
+        let next = column
+            .iter()
+            .flat_map(|&from| lines.iter().filter(move |line| line.0 == from).map(|line| line.1));
+        let next = next.collect();
+        columns.push(std::mem::replace(&mut column, next));
+    }
+    columns.push((0..children).filter(|&child| !found[child]).collect());
+    columns.retain(|column| !column.is_empty());
+    columns
+}
+
+/// Places for children of these sizes, and the size of the container around them.
+pub(super) fn arrange(columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pair) {
+    let mut places = vec![(MARGIN, HEADING); sizes.len()];
+    let (mut right, mut top) = (0.0f64, HEADING);
+    for line in columns.chunks(COLUMNS) {
+        let (mut x, mut bottom) = (MARGIN, top);
+        for column in line {
+            let mut y = top;
+            for &child in column {
+                places[child] = (x, y);
+                y += sizes[child].1 + GAP.1;
+            }
+            bottom = bottom.max(y);
+            x += column.iter().map(|&child| sizes[child].0).fold(0.0, f64::max) + GAP.0;
+        }
+        right = right.max(x);
+        top = bottom;
+    }
+    (places, (right - GAP.0 + MARGIN, top - GAP.1 + MARGIN))
+}
+
+/// The layout of a state: its place in its parent, its size, and the place of its name if children stand below it.
+pub(super) fn entry(at: Pair, size: Pair, has_children: bool) -> Layout {
+    let mut state = object([("rel_pos", tuple(at)), ("size", tuple(size))]);
+    if has_children {
+        let name = [("rel_pos", tuple((10.0, 8.0))), ("size", tuple((size.0 - 20.0, 30.0)))];
+        if let Json::Object(members) = &mut state {
+            members.insert(0, ("name".into(), object(name)));
+        }
+    }
+    Layout::from_json(&object([("gui", object([("editor_gaphas", state)]))]))
+}
+
+fn object<const N: usize>(members: [(&str, Json); N]) -> Json {
+    Json::Object(members.into_iter().map(|(key, value)| (key.into(), value)).collect())
+}
+
+fn tuple(pair: Pair) -> Json {
+    object([
+        ("__jsonqualname__", Json::Str("__builtin__.tuple".into())),
+        ("items", Json::List(vec![Json::Float(pair.0), Json::Float(pair.1)])),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LEAF, arrange, by_steps};
+
+    #[test]
+    fn columns_follow_the_steps_and_keep_what_is_out_of_reach() {
+        assert_eq!(by_steps(4, &[(0, 1), (0, 2), (1, 0), (2, 1)]), [vec![0], vec![1, 2], vec![3]]);
+        assert!(by_steps(0, &[]).is_empty());
+    }
+
+    #[test]
+    fn children_never_overlap_and_stand_inside() {
+        let sizes = vec![LEAF; 20];
+        let columns = (0..10).map(|column| vec![2 * column, 2 * column + 1]).collect::<Vec<_>>();
+        let (places, size) = arrange(&columns, &sizes);
+        for (one, a) in places.iter().enumerate() {
+            assert!(a.0 + LEAF.0 <= size.0 && a.1 + LEAF.1 <= size.1);
+            let overlaps =
+                |b: &(f64, f64)| (a.0 - b.0).abs() < LEAF.0 && (a.1 - b.1).abs() < LEAF.1;
+            assert!(!places[one + 1..].iter().any(overlaps));
+        }
+    }
+}

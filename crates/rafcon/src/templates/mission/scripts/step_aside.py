@@ -1,0 +1,7 @@
+"""A little further along a spiral."""
+
+
+def execute(self, inputs, outputs, gvm):
+    if self.preemptive_wait(1.0 * gvm.get_variable("time_scale")):
+        return "preempted"
+    return "success"
