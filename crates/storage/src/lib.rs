@@ -8,9 +8,11 @@ pub mod libraries;
 pub mod place;
 pub mod problem;
 pub mod read;
+pub mod write;
 
-pub use config::{Config, Environment};
+pub use config::{Config, Environment, Naming};
 pub use libraries::{Libraries, Root, roots};
 pub use place::{Place, Saved};
 pub use problem::{Fault, LoadProblem, Wrong};
 pub use read::{LoadError, Loaded, load};
+pub use write::{FormatError, Formatted, SaveError, format, save};

@@ -34,6 +34,11 @@ impl Place {
         Self { folder: folder.into_boxed_os_str(), extra: None, children }
     }
 
+    /// The same place in a folder of this name.
+    pub(crate) fn in_folder(self, folder: OsString) -> Self {
+        Self { folder: folder.into_boxed_os_str(), ..self }
+    }
+
     /// The same place with other things that only its files tell.
     pub(crate) fn with(mut self, oddities: Oddities) -> Self {
         self.extra = (oddities != Oddities::default()).then(|| Box::new(oddities));
@@ -74,6 +79,8 @@ pub struct Saved {
     pub(crate) place: Place,
     /// The files are of an older layout, or their header could not be read: a save writes all of them anew.
     pub(crate) outdated: bool,
+    /// Some state differs from its file because its id was repaired.
+    pub(crate) stale: bool,
 }
 
 impl Saved {

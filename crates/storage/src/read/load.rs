@@ -9,6 +9,7 @@ use crate::files::{HEADER, MACHINE_LAYOUT, Part, YAML_HEADER};
 use crate::libraries::{Libraries, Loading};
 use crate::place::Saved;
 use crate::problem::{Fault, LoadProblem};
+use crate::write::settle_before_reading;
 use rafcon_model::{Header, Layout, Machine, StatePath};
 use rustix::fd::OwnedFd;
 use rustix::io::Errno;
@@ -98,9 +99,27 @@ pub(crate) fn load_folder(
     loading: &Loading<'_>,
 ) -> Result<Loaded, LoadError> {
     let fd = folder::open(dir).map_err(|error| LoadError::io(dir, error))?;
+    let settled = settle_before_reading(&fd, dir);
+    settled.map_err(|source| LoadError::Recovery { path: dir.to_owned(), source })?;
+    load_open(fd, dir, libraries, loading)
+}
+
+/// Reads the machine in the folder `dir`, without libraries, for one who holds its lock.
+pub(crate) fn load_locked(dir: &Path) -> Result<Loaded, LoadError> {
+    let fd = folder::open(dir).map_err(|error| LoadError::io(dir, error))?;
+    load_open(fd, dir, &Libraries::default(), &Loading::first(dir.to_owned()))
+}
+
+fn load_open(
+    fd: OwnedFd,
+    dir: &Path,
+    libraries: &Libraries,
+    loading: &Loading<'_>,
+) -> Result<Loaded, LoadError> {
     let head = read_header(&fd, dir)?;
     let mut problems = head.problems;
     let (nodes, elsewhere) = find_root(&fd, dir, &head.root_folder)?;
+    drop(fd);
     if elsewhere {
         problems.push(about_machine(Fault::RootElsewhere(head.root_folder.to_string_lossy().into())));
     }
@@ -112,7 +131,8 @@ pub(crate) fn load_folder(
         header: machine.header.clone(),
         root: machine.root.clone(),
         place,
-        outdated: head.outdated,
+        outdated: head.outdated || elsewhere,
+        stale: problems.iter().any(|problem| matches!(problem.fault, Fault::TakenId { .. })),
     };
     Ok(Loaded { machine, problems, saved })
 }

@@ -14,7 +14,7 @@ mod load;
 mod queue;
 mod walk;
 
-pub(crate) use load::load_folder;
+pub(crate) use load::{load_folder, load_locked, machine_folder};
 pub use load::{LoadError, Loaded, load};
 
 #[cfg(test)]

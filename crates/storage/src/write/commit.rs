@@ -1,0 +1,102 @@
+//! Does what a plan says so that a kill at any moment leaves the old or the new: prepare beside, make durable, list the
+//! last steps, do them. Knows files, nothing of machines.
+
+use super::disk::Disk;
+use super::manifest::Manifest;
+use super::plan::Plan;
+use crate::files::STAGING;
+use std::collections::BTreeSet;
+use std::io;
+use std::path::{Path, PathBuf};
+
+const MANIFEST: &str = "manifest";
+const UNFINISHED: &str = "manifest.unfinished";
+
+/// Carries the plan out in the machine's folder `dir`.
+pub(crate) fn commit(disk: &dyn Disk, dir: &Path, plan: &Plan) -> io::Result<()> {
+    if plan.manifest.is_empty() {
+        return Ok(());
+    }
+    let staging = dir.join(STAGING);
+    let prepared = prepare(disk, dir, &staging, plan);
+    if prepared.is_err() {
+        // The first error counts; what is left is dropped by the next load or save.
+        drop(disk.remove_tree(&staging));
+        return prepared;
+    }
+    finish(disk, dir, &plan.manifest)
+}
+
+/// Writes everything into the staging folder; at the end the manifest is there, whole and durable. One move alone needs
+/// no manifest: it happens or not.
+fn prepare(disk: &dyn Disk, dir: &Path, staging: &Path, plan: &Plan) -> io::Result<()> {
+    disk.create_dir(staging)?;
+    let mut durable = Vec::with_capacity(plan.files.len() + plan.folders.len() + 1);
+    for folder in &plan.folders {
+        let path = dir.join(folder);
+        disk.create_dir(&path)?;
+        durable.push(path);
+    }
+    for file in &plan.files {
+        let path = dir.join(&file.path);
+        let like = file.like.as_ref().map(|like| dir.join(like));
+        disk.write(&path, &file.bytes, like.as_deref())?;
+        durable.push(path);
+    }
+    if plan.manifest.is_single_move() {
+        return disk.sync(&durable);
+    }
+    let unfinished = staging.join(UNFINISHED);
+    disk.write(&unfinished, &plan.manifest.encode(), None)?;
+    durable.push(unfinished.clone());
+    durable.push(staging.to_owned());
+    disk.sync(&durable)?;
+    disk.rename(&unfinished, &staging.join(MANIFEST))?;
+    disk.sync(&[staging.to_owned()])
+}
+
+/// Does the steps of a manifest that have not been done, makes them durable, and removes the staging folder.
+fn finish(disk: &dyn Disk, dir: &Path, manifest: &Manifest) -> io::Result<()> {
+    let mut touched = BTreeSet::new();
+    for (from, to) in &manifest.moves {
+        let (from, to) = (dir.join(from), dir.join(to));
+        if disk.exists(&from) {
+            disk.rename(&from, &to)?;
+        }
+        touched.insert(parent(&from));
+        touched.insert(parent(&to));
+    }
+    for path in &manifest.removed {
+        disk.remove_file(&dir.join(path))?;
+        touched.insert(parent(&dir.join(path)));
+    }
+    for path in &manifest.emptied {
+        disk.remove_dir(&dir.join(path))?;
+        touched.insert(parent(&dir.join(path)));
+    }
+    let staging = dir.join(STAGING);
+    touched.remove(&staging);
+    let touched: Vec<PathBuf> = touched.into_iter().filter(|path| disk.exists(path)).collect();
+    disk.sync(&touched)?;
+    disk.remove_file(&staging.join(MANIFEST))?;
+    disk.remove_tree(&staging)
+}
+
+fn parent(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(path).to_owned()
+}
+
+/// Whether a save was interrupted here.
+pub(crate) fn is_interrupted(disk: &dyn Disk, dir: &Path) -> bool {
+    disk.exists(&dir.join(STAGING))
+}
+
+/// Finishes the interrupted save if it was prepared, drops it if not. True if the machine on disk is now another.
+pub(crate) fn recover(disk: &dyn Disk, dir: &Path) -> io::Result<bool> {
+    let staging = dir.join(STAGING);
+    let manifest = disk.read(&staging.join(MANIFEST))?;
+    match manifest.as_deref().and_then(Manifest::decode) {
+        Some(manifest) => finish(disk, dir, &manifest).map(|()| true),
+        None => disk.remove_tree(&staging).map(|()| false),
+    }
+}

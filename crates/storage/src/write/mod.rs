@@ -1,0 +1,20 @@
+//! Writes a machine: only what changed, in one step that is never half done. Knows the current layout; the older ones are
+//! only read.
+
+mod commit;
+mod disk;
+mod encode;
+mod format;
+mod lock;
+mod manifest;
+mod naming;
+mod parts;
+mod plan;
+mod save;
+
+pub use format::{FormatError, Formatted, format};
+pub(crate) use lock::settle_before_reading;
+pub use save::{SaveError, save};
+
+#[cfg(test)]
+mod tests;

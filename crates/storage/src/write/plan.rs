@@ -1,0 +1,316 @@
+//! What has to be done on a disk so that it holds a machine: which files are new, which folders move, what goes.
+//! Knows both trees and where the old one lies; reads names of folders, writes nothing.
+
+use super::disk::Disk;
+use super::manifest::Manifest;
+use super::naming::{folder_name, free_name};
+use super::parts::{self, Old};
+use crate::config::Naming;
+use crate::files::{Part, STAGING};
+use crate::place::Place;
+use rafcon_model::{State, StateId};
+use std::collections::BTreeSet;
+use std::ffi::{OsStr, OsString};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What a save does. Paths are relative to the machine's folder.
+#[derive(Debug, Default)]
+pub(crate) struct Plan {
+    /// Folders to be prepared, outer ones first.
+    pub(crate) folders: Vec<PathBuf>,
+    /// Files to be prepared.
+    pub(crate) files: Vec<NewFile>,
+    /// What is done with them.
+    pub(crate) manifest: Manifest,
+    /// What a person would say has changed.
+    pub(crate) changed: Vec<PathBuf>,
+}
+
+/// A file in the staging folder.
+#[derive(Debug)]
+pub(crate) struct NewFile {
+    pub(crate) path: PathBuf,
+    pub(crate) bytes: Vec<u8>,
+    /// The file that it replaces, whose permissions it takes.
+    pub(crate) like: Option<PathBuf>,
+}
+
+/// How eagerly to write.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mode {
+    pub(crate) naming: Naming,
+    /// Compare every file with what is on disk, and give every folder its usual name.
+    pub(crate) rewrite: bool,
+    /// Some state in memory differs from its file although it is the one that was read.
+    pub(crate) stale: bool,
+    /// The old tree lies in the folder that is written to.
+    pub(crate) here: bool,
+}
+
+/// Makes the plan of one save.
+pub(crate) struct Planner<'p> {
+    disk: &'p dyn Disk,
+    dir: &'p Path,
+    mode: Mode,
+    pub(crate) plan: Plan,
+    staged: usize,
+}
+
+/// Where a state's folder is, seen from the machine's folder.
+#[derive(Debug, Clone)]
+struct Spot {
+    /// Where its files lie now; `None` if it is not on this disk.
+    now: Option<PathBuf>,
+    /// The same after the folders around it have moved.
+    moved: PathBuf,
+    /// Where its files are to be written: the folder itself, or a staged one.
+    path: PathBuf,
+    /// The folder does not exist yet; it is prepared as a whole.
+    staged: bool,
+}
+
+impl<'p> Planner<'p> {
+    pub(crate) fn new(disk: &'p dyn Disk, dir: &'p Path, mode: Mode) -> Self {
+        Self { disk, dir, mode, plan: Plan::default(), staged: 0 }
+    }
+
+    /// Plans for the whole tree; gives where everything will be.
+    pub(crate) fn root(&mut self, new: &Arc<State>, old: Option<Old<'_>>) -> io::Result<Place> {
+        let lies = old.map(|old| PathBuf::from(&*old.place.folder)).unwrap_or_default();
+        let now = self.mode.here.then(|| lies.clone());
+        let moved = if self.mode.here { lies.clone() } else { PathBuf::new() };
+        let spot = Spot { now, moved, path: PathBuf::new(), staged: false };
+        let place = self.state(new, old, &spot)?;
+        if self.mode.here && !lies.as_os_str().is_empty() {
+            self.remove_files(&lies);
+        }
+        Ok(place.in_folder(OsString::new()))
+    }
+
+    /// Plans for one of the machine's own files.
+    pub(crate) fn machine_file(&mut self, name: &str, bytes: Option<Vec<u8>>, is_same: bool) -> io::Result<()> {
+        let path = PathBuf::from(name);
+        let on_disk = if self.mode.rewrite { self.disk.read(&self.dir.join(name))? } else { None };
+        let skip = if self.mode.rewrite { on_disk == bytes } else { is_same };
+        match bytes {
+            _ if skip => {}
+            Some(bytes) => self.replace(path, bytes),
+            None => {
+                self.plan.changed.push(path.clone());
+                self.plan.manifest.removed.push(path);
+            }
+        }
+        Ok(())
+    }
+
+    fn state(&mut self, new: &Arc<State>, old: Option<Old<'_>>, spot: &Spot) -> io::Result<Place> {
+        let is_shared = old.is_some_and(|old| Arc::ptr_eq(old.state, new));
+        if let Some(old) = old.filter(|_| is_shared && self.mode.here)
+            && !self.mode.rewrite
+            && !self.mode.stale
+        {
+            return Ok(old.place.clone());
+        }
+        for part in Part::ALL {
+            self.part(new, old, spot, part)?;
+        }
+        let children = self.children(new, old, spot)?;
+        let place = Place::new(OsString::new(), children).with(parts::oddities(new, old));
+        Ok(place)
+    }
+
+    fn part(&mut self, new: &State, old: Option<Old<'_>>, spot: &Spot, part: Part) -> io::Result<()> {
+        let bytes = parts::bytes(new, old, part);
+        let file = part.file_name();
+        let at = spot.path.join(file);
+        if spot.staged {
+            self.plan.files.extend(bytes.map(|bytes| NewFile { path: at, bytes, like: None }));
+            return Ok(());
+        }
+        if self.is_there(new, old, spot, part, bytes.as_deref())? {
+            return Ok(());
+        }
+        match bytes {
+            Some(bytes) => self.replace(at, bytes),
+            None if spot.now.is_some() => {
+                self.plan.changed.push(at.clone());
+                self.plan.manifest.removed.push(at);
+            }
+            None => {}
+        }
+        Ok(())
+    }
+
+    /// Whether the file is on disk as it should be.
+    fn is_there(
+        &self,
+        new: &State,
+        old: Option<Old<'_>>,
+        spot: &Spot,
+        part: Part,
+        bytes: Option<&[u8]>,
+    ) -> io::Result<bool> {
+        let (Some(old), Some(now)) = (old, &spot.now) else { return Ok(false) };
+        if self.mode.rewrite {
+            if spot.moved != spot.path {
+                return Ok(bytes.is_none());
+            }
+            let found = self.disk.read(&self.dir.join(now).join(part.file_name()))?;
+            return Ok(found.as_deref() == bytes);
+        }
+        let is_stale = part == Part::Core && old.place.is_stale();
+        let same_text = || parts::text(new, part) == parts::text(old.state, part);
+        Ok(!is_stale && (parts::is_same(new, old.state, part) || (part == Part::Semantic && same_text())))
+    }
+
+    /// Prepares a file that takes the place of another.
+    fn replace(&mut self, to: PathBuf, bytes: Vec<u8>) {
+        let path = self.staged_path();
+        self.plan.files.push(NewFile { path: path.clone(), bytes, like: Some(to.clone()) });
+        self.plan.changed.push(to.clone());
+        self.plan.manifest.moves.push((path, to));
+    }
+
+    fn staged_path(&mut self) -> PathBuf {
+        self.staged += 1;
+        Path::new(STAGING).join(self.staged.to_string())
+    }
+
+    fn children(
+        &mut self,
+        new: &State,
+        old: Option<Old<'_>>,
+        spot: &Spot,
+    ) -> io::Result<Vec<(StateId, Place)>> {
+        let Some(container) = new.container() else {
+            self.remove_children(new, old, spot);
+            return Ok(Vec::new());
+        };
+        self.remove_children(new, old, spot);
+        let mut names = Names { taken: None };
+        let mut places = Vec::with_capacity(container.states.len());
+        for (id, child) in container.states.iter() {
+            let before = old.and_then(|old| old.child(id));
+            let (folder, inside) = self.child(child, before, spot, &mut names)?;
+            let place = self.state(child, before, &inside)?;
+            places.push((id.clone(), place.in_folder(folder)));
+        }
+        Ok(places)
+    }
+
+    /// The child's folder, and where its files are.
+    fn child(
+        &mut self,
+        child: &State,
+        before: Option<Old<'_>>,
+        spot: &Spot,
+        names: &mut Names,
+    ) -> io::Result<(OsString, Spot)> {
+        if spot.staged {
+            let folder = names.free(child, self.mode.naming);
+            let path = spot.path.join(&folder);
+            self.plan.folders.push(path.clone());
+            return Ok((folder, Spot { now: None, moved: path.clone(), path, staged: true }));
+        }
+        let here = before.zip(spot.now.as_ref());
+        let Some((before, now)) = here else {
+            return self.new_child(child, spot, names);
+        };
+        let lies = &before.place.folder;
+        let stays = spot.moved == spot.path && !self.is_renamed(child, before);
+        let folder = if stays {
+            lies.to_os_string()
+        } else {
+            self.take_names(spot, names)?;
+            names.free_but(child, self.mode.naming, lies)
+        };
+        let (from, to) = (spot.moved.join(Path::new(lies)), spot.path.join(&folder));
+        if from != to {
+            self.plan.changed.push(to.clone());
+            self.plan.manifest.moves.push((from, to.clone()));
+        }
+        Ok((folder, Spot { now: Some(now.join(Path::new(lies))), moved: to.clone(), path: to, staged: false }))
+    }
+
+    fn is_renamed(&self, child: &State, before: Old<'_>) -> bool {
+        let usual = folder_name(child, self.mode.naming);
+        let renamed = self.mode.rewrite || child.name != before.state.name;
+        renamed && *before.place.folder != *OsStr::new(&usual)
+    }
+
+    fn new_child(
+        &mut self,
+        child: &State,
+        spot: &Spot,
+        names: &mut Names,
+    ) -> io::Result<(OsString, Spot)> {
+        self.take_names(spot, names)?;
+        let folder = names.free(child, self.mode.naming);
+        let path = self.staged_path();
+        let to = spot.path.join(&folder);
+        self.plan.folders.push(path.clone());
+        self.plan.changed.push(to.clone());
+        self.plan.manifest.moves.push((path.clone(), to));
+        Ok((folder, Spot { now: None, moved: path.clone(), path, staged: true }))
+    }
+
+    /// Names that are in the folder already, once somebody asks.
+    fn take_names(&self, spot: &Spot, names: &mut Names) -> io::Result<()> {
+        if names.taken.is_none() {
+            let mut taken: BTreeSet<OsString> = BTreeSet::new();
+            for folder in spot.now.iter().chain([&spot.path]) {
+                taken.extend(self.disk.list(&self.dir.join(folder))?);
+            }
+            names.taken = Some(taken);
+        }
+        Ok(())
+    }
+
+    /// States that are no longer in `new`, with all that was in them.
+    fn remove_children(&mut self, new: &State, old: Option<Old<'_>>, spot: &Spot) {
+        let Some(old) = old.filter(|_| spot.now.is_some()) else { return };
+        let states = new.container().map(|container| &container.states);
+        for (id, place) in old.place.children() {
+            if states.is_none_or(|states| !states.contains_key(id)) {
+                self.remove_tree(place, &spot.moved.join(Path::new(&*place.folder)));
+            }
+        }
+    }
+
+    fn remove_tree(&mut self, place: &Place, at: &Path) {
+        for (_, inner) in place.children() {
+            self.remove_tree(inner, &at.join(Path::new(&*inner.folder)));
+        }
+        self.remove_files(at);
+    }
+
+    fn remove_files(&mut self, at: &Path) {
+        let files = Part::ALL.iter().map(|part| at.join(part.file_name()));
+        self.plan.manifest.removed.extend(files);
+        self.plan.manifest.emptied.push(at.to_owned());
+        self.plan.changed.push(at.to_owned());
+    }
+}
+
+/// Names of folders in one folder.
+struct Names {
+    taken: Option<BTreeSet<OsString>>,
+}
+
+impl Names {
+    /// A name that nothing has yet.
+    fn free(&mut self, state: &State, naming: Naming) -> OsString {
+        self.free_but(state, naming, OsStr::new(""))
+    }
+
+    /// The same for something that may keep the name it has.
+    fn free_but(&mut self, state: &State, naming: Naming, own: &OsStr) -> OsString {
+        let taken = self.taken.get_or_insert_default();
+        let is_taken = |name: &OsStr| name != own && taken.contains(name);
+        let name = free_name(&folder_name(state, naming), is_taken);
+        taken.insert(name.clone());
+        name
+    }
+}
