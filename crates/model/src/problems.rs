@@ -1,0 +1,124 @@
+//! Everything that is wrong with a machine. Knows the way through the tree; the rules themselves stand in
+//! [`rules`](crate::rules).
+
+use crate::rules::{Fault, MAX_NESTING, Part, Rule, Severity, faults_of, parts};
+use crate::{Kind, LibraryContent, Machine, State, StatePath, Types};
+use std::collections::BTreeSet;
+use std::fmt;
+use std::sync::Arc;
+
+/// A rule that a part of the machine breaks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The state. Inside a library: below the first state that uses it.
+    pub path: StatePath,
+    /// Which part of the state.
+    pub part: Part,
+    /// The rule.
+    pub rule: Rule,
+    /// What is wrong, in words for the user.
+    pub what: String,
+}
+
+impl Problem {
+    /// How bad it is.
+    pub fn severity(&self) -> Severity {
+        self.rule.severity()
+    }
+
+    /// What the user can do.
+    pub fn way_out(&self) -> &'static str {
+        self.rule.way_out()
+    }
+
+    pub(crate) fn new(path: &StatePath, part: Part, fault: Fault) -> Self {
+        Self { path: path.clone(), part, rule: fault.rule, what: fault.what }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { path, part, what, .. } = self;
+        write!(f, "{path}, {part}: {what}; {}", self.way_out())
+    }
+}
+
+/// Every rule that the machine breaks, state by state from the root down. Never fails and never panics, whatever the
+/// machine looks like. The content of a library is looked at once, however many states use it.
+///
+/// ```
+/// use rafcon_model::{BuiltinTypes, notation, problems};
+///
+/// let machine = notation::parse("hierarchy ROOT\n  start -> AAAAAA")?;
+/// let problems = problems(&machine, &BuiltinTypes);
+/// assert_eq!(
+///     problems[0].to_string(),
+///     "ROOT, transition 1: it leads to AAAAAA, which does not exist; \
+///      connect the end with a child or an outcome of the container, or remove the transition"
+/// );
+/// # Ok::<(), notation::NotationError>(())
+/// ```
+pub fn problems(machine: &Machine, types: &dyn Types) -> Vec<Problem> {
+    let mut found = Vec::new();
+    let mut seen = BTreeSet::new();
+    let mut open = vec![Visit {
+        path: StatePath::root(machine.root.id.clone()),
+        parent: None,
+        state: &machine.root,
+    }];
+    while let Some(visit) = open.pop() {
+        visit.look(types, &mut found);
+        if visit.path.0.len() < MAX_NESTING {
+            visit.go_on(&mut seen, &mut open);
+        }
+    }
+    found
+}
+
+struct Visit<'m> {
+    path: StatePath,
+    parent: Option<&'m State>,
+    state: &'m State,
+}
+
+impl Visit<'_> {
+    fn look(&self, types: &dyn Types, found: &mut Vec<Problem>) {
+        if let Some(fault) = self.nesting_fault() {
+            found.push(Problem::new(&self.path, Part::State, fault));
+        }
+        for part in parts(self.state) {
+            let faults = faults_of(self.parent, self.state, part, types);
+            found.extend(faults.into_iter().map(|fault| Problem::new(&self.path, part, fault)));
+        }
+    }
+
+    fn nesting_fault(&self) -> Option<Fault> {
+        let full = self.path.0.len() >= MAX_NESTING;
+        let inner = self.state.container().is_some_and(|c| !c.states.is_empty());
+        let what = || format!("its children are nested deeper than {MAX_NESTING} levels");
+        (full && inner).then(|| Fault::new(Rule::Nesting, what()))
+    }
+
+    fn children(&self, open: &mut Vec<Self>) {
+        let children = self.state.container().into_iter().flat_map(|c| c.states.values().rev());
+        open.extend(children.map(|child| Self {
+            path: self.path.child(child.id.clone()),
+            parent: Some(self.state),
+            state: child,
+        }));
+    }
+
+    fn go_on(&self, seen: &mut BTreeSet<*const State>, open: &mut Vec<Self>) {
+        self.children(open);
+        if let Kind::Library(library) = &self.state.kind
+            && let LibraryContent::Found(root) = &library.content
+            && seen.insert(Arc::as_ptr(root))
+        {
+            let path = self.path.child(root.id.clone());
+            open.push(Self { path, parent: Some(self.state), state: root });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
