@@ -17,6 +17,7 @@ pub(crate) struct Cli {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    Run(Run),
     Completions(Completions),
     Man(Man),
 }

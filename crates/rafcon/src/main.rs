@@ -1,12 +1,22 @@
 //! The `rafcon` command. Knows how the program begins and ends; each command knows itself.
 
 mod cli;
+mod clock;
 mod commands;
+mod environment;
+mod failure;
+mod machine;
+mod runner;
+mod supervisor;
 mod templates;
+mod view;
 
 use clap::Parser as _;
 use std::process::ExitCode;
 
-fn main() -> anyhow::Result<ExitCode> {
-    commands::main(cli::Cli::parse())
+fn main() -> ExitCode {
+    let clock = clock::Clock::start();
+    let environment = environment::Environment::read();
+    commands::main(cli::Cli::parse(), &environment, clock)
+        .unwrap_or_else(|error| failure::show(&error))
 }

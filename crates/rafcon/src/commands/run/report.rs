@@ -1,0 +1,100 @@
+//! What is said on the error output about a run that did not come to its end.
+
+use crate::failure::complain;
+use crate::supervisor::{Death, End};
+use crate::view::Names;
+
+/// Tells the user; a run that finished has been shown already.
+pub(super) fn end(end: &End, names: impl FnOnce() -> Names) {
+    if !matches!(end, End::Finished { timed_out: false, .. }) {
+        complain(&text(end, &mut names()));
+    }
+}
+
+fn text(end: &End, names: &mut Names) -> String {
+    match end {
+        End::Finished { timed_out: false, .. } => String::new(),
+        End::Finished { timed_out: true, .. } => {
+            "error: the time given by --timeout was over; the machine was stopped".to_owned()
+        }
+        End::LoadFailed { reason } => format!("error: {reason}"),
+        End::NotStarted { reason, said } => format!(
+            "error: the Python interpreter did not become a runner: {reason}{}",
+            block("its last words:", said)
+        ),
+        End::Killed { timed_out: true, active } => format!(
+            "error: the time given by --timeout was over and the machine did not stop, so it was killed{}",
+            block("what did not end:", &named(active, names))
+        ),
+        End::Killed { timed_out: false, active } => {
+            format!("error: killed{}", block("what was running:", &named(active, names)))
+        }
+        End::Died(Death { reason, active, said }) => format!(
+            "error: the Python process that ran the machine died: {reason}{}{}",
+            block("what was running:", &named(active, names)),
+            block("its last words:", said)
+        ),
+    }
+}
+
+fn named(paths: &[String], names: &mut Names) -> Vec<String> {
+    let named = |path: &String| {
+        let name = names.path(path);
+        if *name == **path { path.clone() } else { format!("{name} ({path})") }
+    };
+    paths.iter().map(named).collect()
+}
+
+fn block(head: &str, lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let lines = lines.iter().map(|line| format!("\n    {line}"));
+    format!("\n  {head}{}", lines.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::text;
+    use crate::supervisor::{Death, End};
+    use crate::view::Names;
+    use expect_test::{Expect, expect};
+    use rafcon_model::notation;
+
+    fn check(end: &End, expect: &Expect) {
+        let machine = "hierarchy ROOT \"Mission\"\n  execution SCANID \"Scan\"\n";
+        let mut names = Names::new(move || notation::parse(machine).ok());
+        expect.assert_eq(&text(end, &mut names));
+    }
+
+    #[test]
+    fn a_death_names_the_signal_the_states_and_the_last_words() {
+        let death = Death {
+            reason: "killed by signal 11 (SIGSEGV)".to_owned(),
+            active: vec!["ROOT/SCANID".to_owned(), "ROOT/X".to_owned()],
+            said: vec!["Fatal Python error: Segmentation fault".to_owned()],
+        };
+        check(
+            &End::Died(death),
+            &expect![[r"
+            error: the Python process that ran the machine died: killed by signal 11 (SIGSEGV)
+              what was running:
+                Mission/Scan (ROOT/SCANID)
+                ROOT/X
+              its last words:
+                Fatal Python error: Segmentation fault"]],
+        );
+    }
+
+    #[test]
+    fn a_machine_that_did_not_stop_is_named() {
+        let end = End::Killed { timed_out: true, active: vec!["ROOT/SCANID".to_owned()] };
+        check(
+            &end,
+            &expect![[r"
+            error: the time given by --timeout was over and the machine did not stop, so it was killed
+              what did not end:
+                Mission/Scan (ROOT/SCANID)"]],
+        );
+    }
+}

@@ -1,0 +1,70 @@
+//! Reading a machine and its libraries, the same way for every command. Knows what the command line says about that.
+
+use crate::cli;
+use crate::environment::variable;
+use crate::failure::{Usage, complain};
+use anyhow::{Context as _, Result};
+use rafcon_storage::{Libraries, Loaded, config, load, roots};
+use std::path::{Path, PathBuf};
+
+/// Where a machine and its libraries come from.
+#[derive(Debug, Clone)]
+pub(crate) struct Source {
+    /// Folder of the machine or a file in it.
+    pub(crate) machine: PathBuf,
+    /// Library roots of the command line.
+    pub(crate) libraries: Vec<(String, PathBuf)>,
+    /// The config that was named.
+    pub(crate) config: Option<PathBuf>,
+}
+
+impl Source {
+    /// Reads what the user wrote.
+    pub(crate) fn new(machine: &Path, libraries: &cli::Libraries) -> Result<Self> {
+        Ok(Self {
+            machine: absolute(machine)?,
+            libraries: libraries.roots.iter().map(|text| root(text)).collect::<Result<_>>()?,
+            config: libraries.config.as_deref().map(absolute).transpose()?,
+        })
+    }
+
+    /// Reads the machine; whatever is wrong with the libraries' roots is told at once.
+    pub(crate) fn load(&self) -> Result<Loaded> {
+        let (config, _file) = config::find(self.config.as_deref(), &variable)?;
+        let (roots, notes) = roots(&config, &variable, &self.libraries);
+        for note in notes {
+            complain(&format!("warning: {note}"));
+        }
+        for note in config.notes {
+            complain(&format!("warning: {note}"));
+        }
+        self.load_with(&Libraries::new(roots))
+    }
+
+    /// Reads the machine and says nothing.
+    pub(crate) fn load_quietly(&self) -> Result<Loaded> {
+        let (config, _file) = config::find(self.config.as_deref(), &variable)?;
+        let (roots, _notes) = roots(&config, &variable, &self.libraries);
+        self.load_with(&Libraries::new(roots))
+    }
+
+    fn load_with(&self, libraries: &Libraries) -> Result<Loaded> {
+        load(&self.machine, libraries).map_err(Into::into)
+    }
+}
+
+fn absolute(path: &Path) -> Result<PathBuf> {
+    std::path::absolute(path).with_context(|| format!("cannot find the path {}", path.display()))
+}
+
+fn root(text: &str) -> Result<(String, PathBuf)> {
+    match text.split_once('=') {
+        Some((name, folder)) if !name.is_empty() && !folder.is_empty() => {
+            Ok((name.to_owned(), absolute(Path::new(folder))?))
+        }
+        _ => Err(Usage(format!(
+            "--library-path {text}: write a name and a folder, such as --library-path generic=/opt/libraries"
+        ))
+        .into()),
+    }
+}

@@ -1,0 +1,117 @@
+//! Which Python runs the scripts: the one that was named, else the active virtual environment's, else `python3`.
+
+use crate::environment::Environment;
+use anyhow::{Result, bail};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A chosen interpreter and the reason of the choice, for messages.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Interpreter {
+    /// A file, or a name that is looked for on the PATH.
+    pub(crate) program: PathBuf,
+    reason: Reason,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reason {
+    Named,
+    VirtualEnvironment,
+    Default,
+}
+
+impl Interpreter {
+    /// Chooses. `named` is `--python` or `RAFCON_PYTHON`.
+    pub(crate) fn choose(named: Option<&Path>, environment: &Environment) -> Result<Self> {
+        if let Some(program) = named {
+            return Ok(Self { program: program.to_path_buf(), reason: Reason::Named });
+        }
+        let Some(folder) = &environment.virtual_env else {
+            return Ok(Self { program: "python3".into(), reason: Reason::Default });
+        };
+        let candidates = ["bin/python3", "bin/python"].map(|name| folder.join(name));
+        match candidates.into_iter().find(|program| program.exists()) {
+            Some(program) => Ok(Self { program, reason: Reason::VirtualEnvironment }),
+            None => bail!(
+                "the active virtual environment {} has no bin/python3: leave it (`deactivate`), make it \
+                 again, or name an interpreter with --python",
+                folder.display()
+            ),
+        }
+    }
+
+    /// What to do if it cannot be started.
+    pub(crate) fn way_out(&self) -> &'static str {
+        match self.reason {
+            Reason::Named => "--python or RAFCON_PYTHON must name a Python 3.9 or newer",
+            Reason::VirtualEnvironment => "VIRTUAL_ENV is set: leave or repair that environment",
+            Reason::Default => "install Python 3.9 or newer, or name one with --python",
+        }
+    }
+}
+
+impl fmt::Display for Interpreter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.program.display().fmt(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Interpreter;
+    use crate::environment::Environment;
+    use expect_test::{Expect, expect};
+    use std::path::Path;
+
+    fn check(named: Option<&str>, virtual_env: Option<&Path>, expect: &Expect) {
+        let environment =
+            Environment { virtual_env: virtual_env.map(Into::into), ..Environment::default() };
+        let chosen = Interpreter::choose(named.map(Path::new), &environment);
+        expect.assert_eq(&match chosen {
+            Ok(interpreter) => format!("{interpreter}; {}", interpreter.way_out()),
+            Err(error) => error.to_string(),
+        });
+    }
+
+    #[test]
+    fn the_one_that_was_named_wins() {
+        check(
+            Some("python3.12"),
+            Some(Path::new("/nowhere")),
+            &expect!["python3.12; --python or RAFCON_PYTHON must name a Python 3.9 or newer"],
+        );
+    }
+
+    #[test]
+    fn then_the_active_virtual_environment() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("bin")).unwrap();
+        std::fs::write(folder.path().join("bin/python"), "").unwrap();
+        let environment = Environment {
+            virtual_env: Some(folder.path().to_path_buf()),
+            ..Environment::default()
+        };
+        let chosen = Interpreter::choose(None, &environment).unwrap();
+        assert_eq!(chosen.program, folder.path().join("bin/python"));
+    }
+
+    #[test]
+    fn a_virtual_environment_without_python_is_an_error_and_not_skipped() {
+        check(
+            None,
+            Some(Path::new("/nowhere")),
+            &expect![
+                "the active virtual environment /nowhere has no bin/python3: leave it (`deactivate`), make it again, or name an interpreter with --python"
+            ],
+        );
+    }
+
+    #[test]
+    fn then_python3() {
+        check(
+            None,
+            None,
+            &expect!["python3; install Python 3.9 or newer, or name one with --python"],
+        );
+    }
+}

@@ -1,0 +1,82 @@
+//! How a run can end, and what the program's exit code says about it.
+
+use rafcon_protocol::{Answer, Outcome};
+
+/// Why there is nothing more to do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum End {
+    /// The machine came to its end.
+    Finished {
+        /// The root's outcome.
+        outcome: Outcome,
+        /// Whether `--timeout` made it stop.
+        timed_out: bool,
+    },
+    /// The machine could not be loaded.
+    LoadFailed {
+        /// What, where, and the way out.
+        reason: String,
+    },
+    /// The interpreter ended before it was a runner.
+    NotStarted {
+        /// How it ended, or what is wrong with it.
+        reason: String,
+        /// Its last lines on the error output.
+        said: Vec<String>,
+    },
+    /// We killed it: the user asked twice, or it went on after its time was over.
+    Killed {
+        /// Whether `--timeout` was the reason.
+        timed_out: bool,
+        /// Paths of the states that were active.
+        active: Vec<String>,
+    },
+    /// The runner ended in the middle of the run.
+    Died(Death),
+}
+
+/// What is known about a runner that ended in the middle of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Death {
+    /// Signal or exit status.
+    pub(crate) reason: String,
+    /// Paths of the states that were active, as far as it told.
+    pub(crate) active: Vec<String>,
+    /// Its last lines on the error output.
+    pub(crate) said: Vec<String>,
+}
+
+impl End {
+    /// The states that were active when the run was cut off.
+    pub(crate) fn active_mut(&mut self) -> Option<&mut Vec<String>> {
+        match self {
+            Self::Killed { active, .. } | Self::Died(Death { active, .. }) => Some(active),
+            Self::Finished { .. } | Self::LoadFailed { .. } | Self::NotStarted { .. } => None,
+        }
+    }
+
+    /// The program's exit code, as `rafcon run --help` lists them.
+    pub(crate) fn code(&self) -> u8 {
+        match self {
+            Self::Finished { timed_out: true, .. } | Self::Killed { timed_out: true, .. } => 6,
+            Self::Finished { outcome, timed_out: false } => match outcome.id {
+                0 => 0,
+                -1 => 4,
+                -2 => 5,
+                _ => 3,
+            },
+            Self::LoadFailed { .. } | Self::NotStarted { .. } => 1,
+            Self::Killed { timed_out: false, .. } => 5,
+            Self::Died(_) => 7,
+        }
+    }
+}
+
+/// What the user should know about the answer to a command of ours.
+pub(super) fn refusal(answer: Answer) -> Option<String> {
+    match answer {
+        Answer::Applied => None,
+        Answer::Refused { reason } => Some(format!("the runner refused: {reason}")),
+        Answer::Expired => Some("the command came too late".to_owned()),
+    }
+}

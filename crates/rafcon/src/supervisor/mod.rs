@@ -1,0 +1,301 @@
+//! The life of one run as the command line sees it: what is to be done when something happens.
+//!
+//! Knows phases, deadlines and the reasons of an end. Must never know processes, terminals or clocks: causes and the time
+//! come in, actions go out.
+
+mod end;
+
+use crate::runner::{Cause, Exit};
+pub(crate) use end::{Death, End};
+use rafcon_protocol::{
+    Command, Envelope, Event, Hello, Launch, LogLevel, Snapshot, Stream, ToRunner, ToViewer,
+};
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// How long a machine may take to stop after its time is over, before it is killed.
+const GRACE: Duration = Duration::from_secs(3);
+/// How long a process may outlive its own end, or its last word its process.
+const SETTLE: Duration = Duration::from_secs(2);
+/// How long the last words of a dead process are waited for.
+const LAST_WORDS: Duration = Duration::from_millis(500);
+/// How many lines of a dead process's error output are shown.
+const TAIL: usize = 12;
+
+/// What is to be done.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Action {
+    /// Say this to the runner.
+    Send(ToRunner),
+    /// End the runner's process group at once.
+    Kill,
+    /// The run begins.
+    Loaded {
+        /// Name of the root.
+        name: String,
+        /// Number of states.
+        states: u64,
+    },
+    /// Something happened in the run, so long after its start.
+    Event(Duration, Event),
+    /// How things stand.
+    Snapshot(Snapshot),
+    /// Something about this program that the user should know.
+    Note(String),
+}
+
+/// Where a run is.
+///
+/// `Starting --(Hello)--> Loading --(Loaded)--> Running --(Finished | LoadFailed | Exited | kill)--> Ending`; `Ending` is
+/// over when the process is gone and has said its last word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Starting,
+    Loading,
+    Running,
+    Ending,
+}
+
+/// Follows one run.
+#[derive(Debug)]
+pub(crate) struct Supervisor {
+    phase: Phase,
+    launch: Option<Launch>,
+    /// When the machine is stopped because its time is over.
+    deadline: Option<Duration>,
+    timed_out: bool,
+    /// How often the user asked to stop.
+    interrupts: u32,
+    /// When patience ends and the process is killed.
+    kill_at: Option<Duration>,
+    exit: Option<Exit>,
+    silent: bool,
+    /// When waiting for last words ends.
+    settled_at: Option<Duration>,
+    end: Option<End>,
+    active: Vec<String>,
+    /// The last moment in the run's own time.
+    run_time: Duration,
+    tail: VecDeque<String>,
+}
+
+impl Supervisor {
+    /// A run that is about to begin; `timeout` counts from now on.
+    pub(crate) fn new(launch: Launch, now: Duration, timeout: Option<Duration>) -> Self {
+        Self {
+            phase: Phase::Starting,
+            launch: Some(launch),
+            deadline: timeout.map(|timeout| now.saturating_add(timeout)),
+            timed_out: false,
+            interrupts: 0,
+            kill_at: None,
+            exit: None,
+            silent: false,
+            settled_at: None,
+            end: None,
+            active: Vec::new(),
+            run_time: Duration::ZERO,
+            tail: VecDeque::new(),
+        }
+    }
+
+    /// Takes one cause in.
+    pub(crate) fn handle(&mut self, now: Duration, cause: Cause, out: &mut Vec<Action>) {
+        match cause {
+            Cause::Hello(hello) => self.hello(&hello, out),
+            Cause::Messages(messages) => {
+                for message in messages {
+                    self.message(now, message, out);
+                }
+            }
+            Cause::Nonsense(what) => out.push(Action::Note(format!("the runner sent {what}"))),
+            Cause::Silence => self.silence(now),
+            Cause::Raw(stream, line) => self.raw(stream, line, out),
+            Cause::Exited(exit) => self.exited(now, exit),
+            Cause::Interrupt => self.interrupt(out),
+            Cause::HungUp | Cause::Suspend | Cause::Tick => {}
+        }
+        self.watch(now, out);
+    }
+
+    /// The reason of the end, once there is nothing more to wait for.
+    pub(crate) fn end(&self, now: Duration) -> Option<&End> {
+        let settled = self.silent || self.settled_at.is_some_and(|at| now >= at);
+        let over = self.exit.is_some() && settled;
+        self.end.as_ref().filter(|_| over)
+    }
+
+    /// When the next tick is needed at the latest.
+    pub(crate) fn wake_at(&self) -> Option<Duration> {
+        [self.deadline, self.kill_at, self.settled_at].into_iter().flatten().min()
+    }
+
+    fn hello(&mut self, hello: &Hello, out: &mut Vec<Action>) {
+        if let Err(mismatch) = hello.check() {
+            self.finish(End::NotStarted { reason: mismatch.to_string(), said: Vec::new() });
+            out.push(Action::Kill);
+            return;
+        }
+        if let Some(launch) = self.launch.take() {
+            self.phase = Phase::Loading;
+            out.push(Action::Send(ToRunner::Launch(launch)));
+        }
+    }
+
+    fn message(&mut self, now: Duration, message: ToViewer, out: &mut Vec<Action>) {
+        match message {
+            ToViewer::LoadFailed { reason } => self.finish(End::LoadFailed { reason }),
+            ToViewer::Loaded { name, states, problems } => {
+                self.loaded(name, states, problems, out);
+            }
+            ToViewer::Event { sequence: _, t_ns, event } => {
+                self.run_time = Duration::from_nanos(t_ns);
+                self.event(now, event, out);
+            }
+            ToViewer::Snapshot(snapshot) => {
+                self.active = snapshot.active.iter().map(|state| state.path.clone()).collect();
+                out.push(Action::Snapshot(snapshot));
+            }
+            ToViewer::Answer { id: _, answer } => {
+                out.extend(end::refusal(answer).map(Action::Note))
+            }
+        }
+    }
+
+    fn loaded(&mut self, name: String, states: u64, problems: Vec<String>, out: &mut Vec<Action>) {
+        self.phase = Phase::Running;
+        out.push(Action::Loaded { name, states });
+        let warning = |message| Event::Log {
+            path: String::new(),
+            level: LogLevel::Warning,
+            stream: Stream::Engine,
+            message,
+        };
+        out.extend(
+            problems.into_iter().map(|problem| Action::Event(Duration::ZERO, warning(problem))),
+        );
+    }
+
+    fn event(&mut self, now: Duration, event: Event, out: &mut Vec<Action>) {
+        match &event {
+            Event::Entered { path } => self.active.push(path.clone()),
+            Event::Left { path, .. } => {
+                if let Some(index) = self.active.iter().rposition(|active| active == path) {
+                    self.active.remove(index);
+                }
+            }
+            Event::Finished { outcome, .. } => {
+                self.finish(End::Finished { outcome: outcome.clone(), timed_out: self.timed_out });
+                self.kill_at = Some(now + SETTLE);
+            }
+            Event::Log { .. } | Event::Waiting { .. } | Event::Paused { .. } | Event::Stopping => {}
+        }
+        out.push(Action::Event(self.run_time, event));
+    }
+
+    /// Output that no script was caught writing: a line of the log, without a state.
+    fn raw(&mut self, stream: Stream, line: String, out: &mut Vec<Action>) {
+        let level = if stream == Stream::Stderr { LogLevel::Error } else { LogLevel::Info };
+        if stream == Stream::Stderr {
+            self.tail.push_back(line.clone());
+            if self.tail.len() > TAIL {
+                self.tail.pop_front();
+            }
+        }
+        if self.phase != Phase::Starting {
+            let event = Event::Log { path: String::new(), level, stream, message: line };
+            out.push(Action::Event(self.run_time, event));
+        }
+    }
+
+    fn interrupt(&mut self, out: &mut Vec<Action>) {
+        self.interrupts += 1;
+        let may_stop = matches!(self.phase, Phase::Loading | Phase::Running);
+        if self.interrupts == 1 && may_stop {
+            out.push(Action::Note("stopping; press Ctrl-C again to kill".to_owned()));
+            out.push(Action::Send(command("stop", Command::Stop)));
+        } else {
+            self.finish(self.killed());
+            out.push(Action::Kill);
+        }
+    }
+
+    fn exited(&mut self, now: Duration, exit: Exit) {
+        self.exit = Some(exit);
+        self.settled_at = Some(now + LAST_WORDS);
+    }
+
+    /// The control socket is closed: normal at the end, and a defect of a script before.
+    fn silence(&mut self, now: Duration) {
+        self.silent = true;
+        self.kill_at.get_or_insert(now + SETTLE);
+    }
+
+    /// What the time alone brings about, and the death of a process that has said its last word.
+    fn watch(&mut self, now: Duration, out: &mut Vec<Action>) {
+        let settled = self.silent || self.settled_at.is_some_and(|at| now >= at);
+        if let Some(exit) = self.exit.filter(|_| settled && self.end.is_none()) {
+            self.finish(self.death(exit.to_string()));
+        }
+        if self.deadline.is_some_and(|at| now >= at) {
+            self.deadline = None;
+            self.time_is_over(now, out);
+        }
+        if self.kill_at.is_some_and(|at| now >= at) && self.exit.is_none() {
+            self.kill_at = None;
+            if self.end.is_none() {
+                self.finish(if self.timed_out {
+                    self.killed()
+                } else {
+                    self.death("it closed its control connection and went on".to_owned())
+                });
+            }
+            out.push(Action::Kill);
+        }
+    }
+
+    fn time_is_over(&mut self, now: Duration, out: &mut Vec<Action>) {
+        if self.end.is_some() {
+            return;
+        }
+        self.timed_out = true;
+        if self.phase == Phase::Starting {
+            self.kill_at = Some(now);
+            return;
+        }
+        self.kill_at = Some(now + GRACE);
+        out.push(Action::Note("the time is over; stopping".to_owned()));
+        out.push(Action::Send(command("timeout", Command::Stop)));
+    }
+
+    /// The first reason counts.
+    fn finish(&mut self, end: End) {
+        self.phase = Phase::Ending;
+        self.end.get_or_insert(end);
+    }
+
+    fn killed(&self) -> End {
+        End::Killed { timed_out: self.timed_out, active: self.active.clone() }
+    }
+
+    fn death(&self, reason: String) -> End {
+        let said = self.tail.iter().cloned().collect();
+        if self.phase == Phase::Starting {
+            return End::NotStarted { reason, said };
+        }
+        End::Died(Death { reason, active: self.active.clone(), said })
+    }
+}
+
+fn command(id: &str, command: Command) -> ToRunner {
+    ToRunner::Command(Envelope {
+        id: id.to_owned(),
+        author: String::new(),
+        decided_on: None,
+        expiry: None,
+        command,
+    })
+}
+
+#[cfg(test)]
+mod tests;

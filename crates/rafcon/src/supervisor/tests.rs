@@ -1,0 +1,297 @@
+//! The life of a run as text: causes in, actions and exit code out.
+
+use super::{Action, Supervisor};
+use crate::runner::{Cause, Exit};
+use expect_test::{Expect, expect};
+use rafcon_protocol::{Event, Hello, Launch, Outcome, Stream, ToRunner, ToViewer};
+use std::fmt::Write as _;
+use std::os::unix::process::ExitStatusExt as _;
+use std::process::ExitStatus;
+use std::time::Duration;
+
+/// Runs a script of `seconds word argument`, with a timeout of ten seconds.
+fn check(script: &str, expect: &Expect) {
+    let mut run = Supervisor::new(Launch::default(), Duration::ZERO, Some(Duration::from_secs(10)));
+    let mut seen = String::new();
+    for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
+        let (seconds, what) = line.split_once(' ').unwrap();
+        let now = Duration::from_secs_f64(seconds.parse().unwrap());
+        let mut actions = Vec::new();
+        run.handle(now, cause(what), &mut actions);
+        for action in actions {
+            writeln!(seen, "{seconds}: {}", shown(&action)).unwrap();
+        }
+        if let Some(end) = run.end(now) {
+            writeln!(seen, "{seconds}: {end:?}, exit code {}", end.code()).unwrap();
+        }
+    }
+    expect.assert_eq(&seen);
+}
+
+fn cause(text: &str) -> Cause {
+    let (word, argument) = text.split_once(' ').unwrap_or((text, ""));
+    match word {
+        "hello" => Cause::Hello(Hello::ours()),
+        "stranger" => Cause::Hello(Hello { protocol: 99, program: "9.9".to_owned() }),
+        "loaded" => message(ToViewer::Loaded { name: "M".to_owned(), states: 2, problems: vec![] }),
+        "load-failed" => message(ToViewer::LoadFailed { reason: argument.to_owned() }),
+        "entered" => event(Event::Entered { path: argument.to_owned() }),
+        "left" => event(Event::Left { path: argument.to_owned(), outcome: outcome(0) }),
+        "finished" => event(Event::Finished {
+            outcome: outcome(argument.parse().unwrap()),
+            outputs: serde_json::Map::default(),
+            globals: serde_json::Map::default(),
+            scoped_variables: serde_json::Map::default(),
+            states_run: 2,
+        }),
+        "stderr" => Cause::Raw(Stream::Stderr, argument.to_owned()),
+        "silence" => Cause::Silence,
+        "exited" => Cause::Exited(Exit(ExitStatus::from_raw(argument.parse().unwrap()))),
+        "interrupt" => Cause::Interrupt,
+        "tick" => Cause::Tick,
+        other => panic!("no cause {other}"),
+    }
+}
+
+fn message(message: ToViewer) -> Cause {
+    Cause::Messages(vec![message])
+}
+
+fn event(event: Event) -> Cause {
+    message(ToViewer::Event { sequence: 1, t_ns: 0, event })
+}
+
+fn outcome(id: i64) -> Outcome {
+    Outcome { id, name: "done".to_owned() }
+}
+
+fn shown(action: &Action) -> String {
+    match action {
+        Action::Send(ToRunner::Launch(_)) => "send launch".to_owned(),
+        Action::Send(ToRunner::Command(envelope)) => format!("send {:?}", envelope.command),
+        Action::Event(_, Event::Finished { .. }) => "show finished".to_owned(),
+        Action::Event(_, event) => format!("show {event:?}"),
+        other => format!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_run_ends_by_its_outcome() {
+    check(
+        "0 hello
+         0 loaded
+         1 entered A
+         1 left A
+         2 finished 3
+         2 silence
+         2 exited 0",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            1: show Entered { path: "A" }
+            1: show Left { path: "A", outcome: Outcome { id: 0, name: "done" } }
+            2: show finished
+            2: Finished { outcome: Outcome { id: 3, name: "done" }, timed_out: false }, exit code 3
+        "#]],
+    );
+}
+
+#[test]
+fn ctrl_c_stops_and_a_second_one_kills() {
+    check(
+        "0 hello
+         0 loaded
+         1 interrupt
+         2 interrupt
+         2 silence
+         2 exited 9",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            1: Note("stopping; press Ctrl-C again to kill")
+            1: send Stop
+            2: Kill
+            2: Killed { timed_out: false, active: [] }, exit code 5
+        "#]],
+    );
+}
+
+#[test]
+fn a_machine_that_stops_after_ctrl_c_was_preempted() {
+    check(
+        "0 hello
+         0 loaded
+         1 interrupt
+         2 finished -2
+         2 exited 0
+         3 tick",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            1: Note("stopping; press Ctrl-C again to kill")
+            1: send Stop
+            2: show finished
+            3: Finished { outcome: Outcome { id: -2, name: "done" }, timed_out: false }, exit code 5
+        "#]],
+    );
+}
+
+#[test]
+fn a_machine_that_hangs_is_stopped_when_its_time_is_over_and_then_killed() {
+    check(
+        "0 hello
+         0 loaded
+         9 tick
+         10 tick
+         12 tick
+         13 tick
+         13 silence
+         13 exited 9",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            10: Note("the time is over; stopping")
+            10: send Stop
+            13: Kill
+            13: Killed { timed_out: true, active: [] }, exit code 6
+        "#]],
+    );
+}
+
+#[test]
+fn a_machine_that_stops_in_time_was_timed_out_all_the_same() {
+    check(
+        "0 hello
+         0 loaded
+         10 tick
+         11 finished -2
+         11 silence
+         11 exited 0",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            10: Note("the time is over; stopping")
+            10: send Stop
+            11: show finished
+            11: Finished { outcome: Outcome { id: -2, name: "done" }, timed_out: true }, exit code 6
+        "#]],
+    );
+}
+
+#[test]
+fn a_runner_that_dies_leaves_what_was_active_and_what_it_said() {
+    check(
+        "0 hello
+         0 loaded
+         1 entered A
+         1 entered A/B
+         1 entered A/C
+         1 left A/B
+         2 stderr Fatal Python error: Segmentation fault
+         2 exited 11
+         2 silence",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            1: show Entered { path: "A" }
+            1: show Entered { path: "A/B" }
+            1: show Entered { path: "A/C" }
+            1: show Left { path: "A/B", outcome: Outcome { id: 0, name: "done" } }
+            2: show Log { path: "", level: Error, stream: Stderr, message: "Fatal Python error: Segmentation fault" }
+            2: Died(Death { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"] }), exit code 7
+        "#]],
+    );
+}
+
+#[test]
+fn a_child_that_holds_the_socket_does_not_keep_us_waiting() {
+    check(
+        "0 hello
+         0 loaded
+         1 exited 256
+         2 tick",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            2: Died(Death { reason: "exit status 1", active: [], said: [] }), exit code 7
+        "#]],
+    );
+}
+
+#[test]
+fn an_interpreter_that_never_becomes_a_runner_is_a_run_that_did_not_begin() {
+    check(
+        "0 stderr No module named encodings
+         0 silence
+         0 exited 256",
+        &expect![[r#"
+            0: NotStarted { reason: "exit status 1", said: ["No module named encodings"] }, exit code 1
+        "#]],
+    );
+}
+
+#[test]
+fn a_stranger_is_not_spoken_with() {
+    check(
+        "0 stranger
+         0 silence
+         0 exited 9",
+        &expect![[r#"
+            0: Kill
+            0: NotStarted { reason: "the other side (version 9.9) speaks protocol 99, this one speaks 1: install the rafcon binary and its extension from the same build", said: [] }, exit code 1
+        "#]],
+    );
+}
+
+#[test]
+fn a_machine_that_does_not_load() {
+    check(
+        "0 hello
+         0 load-failed there is no machine in /x
+         0 silence
+         0 exited 0",
+        &expect![[r#"
+            0: send launch
+            0: LoadFailed { reason: "there is no machine in /x" }, exit code 1
+        "#]],
+    );
+}
+
+#[test]
+fn a_runner_that_stays_after_its_end_is_killed() {
+    check(
+        "0 hello
+         0 loaded
+         1 finished 0
+         2 tick
+         4 tick
+         4 silence
+         4 exited 9",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            1: show finished
+            4: Kill
+            4: Finished { outcome: Outcome { id: 0, name: "done" }, timed_out: false }, exit code 0
+        "#]],
+    );
+}
+
+#[test]
+fn a_script_that_closes_the_connection_ends_the_run() {
+    check(
+        "0 hello
+         0 loaded
+         1 entered A
+         1 silence
+         4 tick
+         4 exited 9",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            1: show Entered { path: "A" }
+            4: Kill
+            4: Died(Death { reason: "it closed its control connection and went on", active: ["A"], said: [] }), exit code 7
+        "#]],
+    );
+}

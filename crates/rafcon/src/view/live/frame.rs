@@ -1,0 +1,236 @@
+//! The picture of a running machine as lines: what is active, how long, how it stands. Pure; knows no terminal.
+
+use crate::view::text::{Line, Style, count, harmless, time};
+use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
+use std::time::Duration;
+
+/// What is drawn.
+#[derive(Debug)]
+pub(super) struct Picture<'a> {
+    /// The machine's name.
+    pub(super) machine: &'a str,
+    /// How things stood.
+    pub(super) snapshot: &'a Snapshot,
+    /// How long ago that was.
+    pub(super) age: Duration,
+    /// Characters beyond ASCII may be drawn.
+    pub(super) unicode: bool,
+}
+
+/// The picture in at most `height` lines of at most `width` columns.
+pub(super) fn draw(picture: &Picture<'_>, width: usize, height: usize) -> Vec<Line> {
+    let rows = rows(&picture.snapshot.active);
+    let room = height.saturating_sub(1);
+    let all = rows.len() <= room;
+    let shown = if all { rows.len() } else { room.saturating_sub(1) };
+    let mut lines = vec![head(picture, width)];
+    lines.extend(rows.iter().take(shown).map(|row| state(picture, row, width)));
+    if !all && room > 0 {
+        let rest = format!("   and {} more", rows.len() - shown);
+        lines.push(Line::of(Style::Dim, rest).cut(width));
+    }
+    lines.truncate(height);
+    lines
+}
+
+fn head(picture: &Picture<'_>, width: usize) -> Line {
+    let snapshot = picture.snapshot;
+    let (style, word) = match snapshot.status {
+        RunStatus::Running => (Style::Good, "running"),
+        RunStatus::Paused => (Style::Warning, "paused"),
+        RunStatus::Stopping => (Style::Warning, "stopping"),
+        RunStatus::Finished => (Style::Dim, "finished"),
+    };
+    let elapsed = Duration::from_millis(snapshot.elapsed_ms) + picture.age;
+    let left =
+        Line::of(Style::Strong, harmless(picture.machine)).and(Style::Plain, "  ").and(style, word);
+    let states = format!("{} states run  ", count(snapshot.states_run));
+    let right = Line::of(Style::Dim, states).and(Style::Strong, time(elapsed));
+    if left.width() + right.width() < width {
+        return left.with_right(right, width);
+    }
+    left.with_right(Line::of(Style::Strong, time(elapsed)), width)
+}
+
+/// One line of the tree.
+#[derive(Debug)]
+struct Row<'a> {
+    state: &'a ActiveState,
+    /// For each level below the root: whether a sibling follows further below.
+    followed: Vec<bool>,
+}
+
+/// The active states in the order of the tree, a library and its content as one. The root has the line above all.
+fn rows(active: &[ActiveState]) -> Vec<Row<'_>> {
+    let mut sorted: Vec<&ActiveState> =
+        active.iter().filter(|state| state.path.contains('/')).collect();
+    sorted.sort_by(|a, b| a.path.split('/').cmp(b.path.split('/')));
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    let mut levels: Vec<&str> = Vec::new();
+    for state in sorted {
+        while levels.last().is_some_and(|above| !is_inside(&state.path, above)) {
+            levels.pop();
+        }
+        let alone = rows.last().filter(|row| is_inside(&state.path, &row.state.path));
+        if alone.is_some_and(|row| row.state.name == state.name) {
+            if let Some(row) = rows.last_mut() {
+                row.state = state;
+            }
+            continue;
+        }
+        rows.push(Row { state, followed: vec![false; levels.len() + 1] });
+        levels.push(&state.path);
+    }
+    mark_followed(&mut rows);
+    rows
+}
+
+fn is_inside(path: &str, above: &str) -> bool {
+    path.strip_prefix(above).is_some_and(|rest| rest.starts_with('/'))
+}
+
+/// Finds out, from the last row up, where a line must go on to a later sibling.
+fn mark_followed(rows: &mut [Row<'_>]) {
+    let mut below: Vec<bool> = Vec::new();
+    for row in rows.iter_mut().rev() {
+        let depth = row.followed.len();
+        below.resize(depth, false);
+        row.followed.copy_from_slice(&below);
+        if let Some(last) = below.last_mut() {
+            *last = true;
+        }
+    }
+}
+
+fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> Line {
+    let (style, word) = match row.state.phase {
+        Phase::Running => (Style::Plain, ""),
+        Phase::Waiting => (Style::Warning, "waiting  "),
+        Phase::Held => (Style::Warning, "held  "),
+        Phase::Preempted => (Style::Warning, "preempted  "),
+    };
+    let since = Duration::from_millis(row.state.since_ms) + picture.age;
+    let time = Line::of(Style::Dim, format!("{:>6}", time(since)));
+    let right = Line::of(style, word).followed_by(time.clone());
+    let left = Line::of(Style::Dim, branch(&row.followed, picture.unicode))
+        .and(style, harmless(&row.state.name));
+    let fits = left.width() + right.width() < width;
+    left.with_right(if fits { right } else { time }, width)
+}
+
+/// The lines that lead to a state.
+fn branch(followed: &[bool], unicode: bool) -> String {
+    let [go_on, nothing, more, last] =
+        if unicode { ["│  ", "   ", "├─ ", "└─ "] } else { ["|  ", "   ", "|- ", "`- "] };
+    let Some((own, above)) = followed.split_last() else { return String::new() };
+    let above = above.iter().map(|followed| if *followed { go_on } else { nothing });
+    above.chain([if *own { more } else { last }]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Picture, draw};
+    use crate::view::text::Paint;
+    use expect_test::{Expect, expect};
+    use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
+    use std::time::Duration;
+
+    const STATES: &str = "
+        R|Mission|running|12300
+        R/A|Explore|running|8100
+        R/A/L|Drive|running|2000
+        R/A/L/X|Drive|running|2000
+        R/A/L/X/M|Move to waypoint|waiting|1900
+        R/A/S|Scan|preempted|100
+        R/B|Watch battery|held|12300";
+
+    fn check(width: usize, height: usize, unicode: bool, expect: &Expect) {
+        let states = STATES.trim().lines().map(|line| {
+            let [path, name, phase, since_ms] =
+                line.trim().split('|').collect::<Vec<_>>().try_into().unwrap();
+            let phase = match phase {
+                "running" => Phase::Running,
+                "waiting" => Phase::Waiting,
+                "held" => Phase::Held,
+                _ => Phase::Preempted,
+            };
+            let (path, name) = (path.to_owned(), name.to_owned());
+            ActiveState { path, name, phase, since_ms: since_ms.parse().unwrap() }
+        });
+        let snapshot = Snapshot {
+            status: RunStatus::Running,
+            active: states.collect(),
+            states_run: 1234,
+            elapsed_ms: 12300,
+        };
+        let age = Duration::from_millis(100);
+        let picture = Picture { machine: "Mission", snapshot: &snapshot, age, unicode };
+        let lines = draw(&picture, width, height);
+        assert!(lines.len() <= height && lines.iter().all(|line| line.width() <= width));
+        let paint = Paint { colour: false, unicode };
+        let text = lines.iter().map(|line| line.render(paint) + "\n").collect::<String>();
+        expect.assert_eq(&text);
+    }
+
+    #[test]
+    fn the_tree_of_active_states() {
+        check(
+            60,
+            20,
+            true,
+            &expect![[r"
+                Mission  running                    1,234 states run  12.4 s
+                ├─ Explore                                             8.2 s
+                │  ├─ Drive                                            2.1 s
+                │  │  └─ Move to waypoint                    waiting   2.0 s
+                │  └─ Scan                                 preempted   0.2 s
+                └─ Watch battery                                held  12.4 s
+            "]],
+        );
+    }
+
+    #[test]
+    fn a_small_terminal_shows_what_fits() {
+        check(
+            26,
+            5,
+            true,
+            &expect![[r"
+                Mission  running    12.4 s
+                ├─ Explore           8.2 s
+                │  ├─ Drive          2.1 s
+                │  │  └─ Move to w…  2.0 s
+                   and 2 more
+            "]],
+        );
+    }
+
+    #[test]
+    fn a_terminal_without_unicode() {
+        check(
+            40,
+            20,
+            false,
+            &expect![[r"
+                Mission  running                  12.4 s
+                |- Explore                         8.2 s
+                |  |- Drive                        2.1 s
+                |  |  `- Move to waypoint          2.0 s
+                |  `- Scan             preempted   0.2 s
+                `- Watch battery            held  12.4 s
+            "]],
+        );
+    }
+
+    #[test]
+    fn a_terminal_without_room() {
+        check(
+            3,
+            1,
+            true,
+            &expect![[r"
+                12…
+            "]],
+        );
+    }
+}

@@ -1,0 +1,112 @@
+//! The terminal as a place for a picture below a scrolling text. Knows escape sequences and modes, nothing of runs.
+//!
+//! The picture stands in the last lines that were written. To draw anew the cursor goes up to its first line and all below
+//! is erased, so what scrolls by stays in the terminal's own history. However this ends, the modes are put back.
+
+use crate::view::text::{Line, Paint};
+use crossterm::cursor::{Hide, MoveToColumn, MoveUp, Show};
+use crossterm::queue;
+use crossterm::terminal::{self, BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate};
+use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
+use std::io::{self, Stdout, Write as _};
+
+/// Where the picture stands.
+#[derive(Debug)]
+pub(super) struct Screen {
+    out: Stdout,
+    paint: Paint,
+    /// Widths of the lines of the picture, as they were drawn.
+    drawn: Vec<usize>,
+    keyboard: Option<Keyboard>,
+}
+
+impl Screen {
+    /// The standard output. From the first drawing on the terminal is quiet: no cursor, no echo of keys; Ctrl-C and Ctrl-Z
+    /// go on working.
+    pub(super) fn new(paint: Paint) -> Self {
+        Self { out: io::stdout(), paint, drawn: Vec::new(), keyboard: None }
+    }
+
+    /// Columns and rows.
+    pub(super) fn size() -> (usize, usize) {
+        let (columns, rows) = terminal::size().unwrap_or((80, 24));
+        (usize::from(columns.max(1)), usize::from(rows.max(1)))
+    }
+
+    /// Writes `above` where it stays, and the picture below it.
+    pub(super) fn draw(&mut self, above: &[Line], picture: &[Line]) -> io::Result<()> {
+        if self.keyboard.is_none() {
+            self.keyboard = Some(Keyboard::quiet());
+            queue!(self.out, Hide)?;
+        }
+        queue!(self.out, BeginSynchronizedUpdate)?;
+        self.erase()?;
+        let mut text = String::new();
+        for line in above {
+            text += &line.render(self.paint);
+            text += "\r\n";
+        }
+        let picture_text: Vec<String> =
+            picture.iter().map(|line| line.render(self.paint)).collect();
+        text += &picture_text.join("\r\n");
+        self.out.write_all(text.as_bytes())?;
+        self.drawn = picture.iter().map(Line::width).collect();
+        queue!(self.out, EndSynchronizedUpdate)?;
+        self.out.flush()
+    }
+
+    /// Takes the picture away and puts the modes back; drawing again brings both back.
+    pub(super) fn leave(&mut self) -> io::Result<()> {
+        if self.keyboard.take().is_none() {
+            return Ok(());
+        }
+        self.erase()?;
+        queue!(self.out, Show)?;
+        self.out.flush()
+    }
+
+    /// The cursor goes to the picture's first line, all below is erased. A terminal that became narrower has folded lines.
+    fn erase(&mut self) -> io::Result<()> {
+        let (columns, rows) = Self::size();
+        let folded = |width: &usize| width.div_ceil(columns).max(1);
+        let lines: usize = self.drawn.drain(..).map(|width| folded(&width)).sum();
+        let up = lines.saturating_sub(1).min(rows.saturating_sub(1));
+        if let Some(up) = u16::try_from(up).ok().filter(|up| *up > 0) {
+            queue!(self.out, MoveUp(up))?;
+        }
+        queue!(self.out, MoveToColumn(0), Clear(ClearType::FromCursorDown))
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        // A terminal that is gone needs nothing put back.
+        self.leave().unwrap_or_default();
+    }
+}
+
+/// The keyboard without echo, until dropped.
+#[derive(Debug)]
+struct Keyboard {
+    before: Option<Termios>,
+}
+
+impl Keyboard {
+    fn quiet() -> Self {
+        let before = tcgetattr(io::stdin()).ok();
+        if let Some(before) = &before {
+            let mut modes = before.clone();
+            modes.local_modes -= LocalModes::ECHO;
+            tcsetattr(io::stdin(), OptionalActions::Now, &modes).unwrap_or_default();
+        }
+        Self { before }
+    }
+}
+
+impl Drop for Keyboard {
+    fn drop(&mut self) {
+        if let Some(before) = &self.before {
+            tcsetattr(io::stdin(), OptionalActions::Flush, before).unwrap_or_default();
+        }
+    }
+}

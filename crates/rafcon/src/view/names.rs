@@ -1,0 +1,84 @@
+//! Names of states by path: people read names, the protocol says ids. Loads the machine by itself, beside the runner.
+
+use rafcon_model::{Kind, Machine, StatePath};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+/// Names, once the machine is loaded; ids for what it does not have.
+#[derive(Debug)]
+pub(crate) struct Names {
+    loading: Option<JoinHandle<Option<Machine>>>,
+    machine: Option<Machine>,
+    known: BTreeMap<String, Arc<str>>,
+}
+
+impl Names {
+    /// Names that `load` finds out on a thread of its own; if it finds nothing, ids are shown.
+    pub(crate) fn new(load: impl FnOnce() -> Option<Machine> + Send + 'static) -> Self {
+        let loading = std::thread::Builder::new().name("names".to_owned()).spawn(load).ok();
+        Self { loading, machine: None, known: BTreeMap::new() }
+    }
+
+    /// The names along a path, joined by `/`. A library state and the root of its content are one name
+    /// if they are called the same.
+    pub(crate) fn path(&mut self, path: &str) -> Arc<str> {
+        if let Some(loading) = self.loading.take() {
+            self.machine = loading.join().unwrap_or(None);
+        }
+        if let Some(known) = self.known.get(path) {
+            return Arc::clone(known);
+        }
+        let found: Arc<str> = self.find(path).unwrap_or_else(|| path.to_owned()).into();
+        self.known.insert(path.to_owned(), Arc::clone(&found));
+        found
+    }
+
+    fn find(&self, path: &str) -> Option<String> {
+        let machine = self.machine.as_ref()?;
+        let ids = StatePath::parse(path);
+        let mut names: Vec<&str> = Vec::new();
+        let mut content_of = None;
+        for end in 1..=ids.0.len() {
+            let state = machine.state(&StatePath(ids.0[..end].to_vec()))?;
+            if content_of != Some(&state.name) {
+                names.push(&state.name);
+            }
+            content_of = matches!(state.kind, Kind::Library(_)).then_some(&state.name);
+        }
+        Some(names.join("/"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Names;
+    use rafcon_model::notation;
+
+    const MACHINE: &str = r#"
+hierarchy ROOT "Mission"
+  outcome done
+  execution WAITED "Wait a bit"
+    outcome done
+"#;
+
+    fn check(path: &str, expected: &str) {
+        let mut names = Names::new(|| notation::parse(MACHINE).ok());
+        assert_eq!(&*names.path(path), expected);
+    }
+
+    #[test]
+    fn a_path_becomes_names() {
+        check("ROOT/WAITED", "Mission/Wait a bit");
+    }
+
+    #[test]
+    fn what_nobody_knows_keeps_its_ids() {
+        check("ROOT/NOBODY", "ROOT/NOBODY");
+    }
+
+    #[test]
+    fn a_machine_that_does_not_load_has_ids() {
+        assert_eq!(&*Names::new(|| None).path("A/B"), "A/B");
+    }
+}

@@ -1,0 +1,215 @@
+//! Lines of styled text: how wide they are, how they are cut, and how they look with and without colour.
+
+use std::fmt::Write as _;
+use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
+
+/// How a piece of text looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Style {
+    /// As it comes.
+    Plain,
+    /// Less important.
+    Dim,
+    /// More important.
+    Strong,
+    /// As wanted.
+    Good,
+    /// Worth a look.
+    Warning,
+    /// Wrong.
+    Bad,
+}
+
+impl Style {
+    fn code(self) -> Option<&'static str> {
+        match self {
+            Self::Plain => None,
+            Self::Dim => Some("2"),
+            Self::Strong => Some("1"),
+            Self::Good => Some("32"),
+            Self::Warning => Some("33"),
+            Self::Bad => Some("31"),
+        }
+    }
+}
+
+/// What the output can show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Paint {
+    /// Colours and weights.
+    pub(crate) colour: bool,
+    /// Characters beyond ASCII for pictures.
+    pub(crate) unicode: bool,
+}
+
+/// One line.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Line {
+    pieces: Vec<(Style, String)>,
+}
+
+impl Line {
+    /// A line with one piece.
+    pub(crate) fn of(style: Style, text: impl Into<String>) -> Self {
+        Self::default().and(style, text)
+    }
+
+    /// The same line with one piece more.
+    #[must_use]
+    pub(crate) fn and(mut self, style: Style, text: impl Into<String>) -> Self {
+        self.pieces.push((style, text.into()));
+        self
+    }
+
+    /// The same line with another behind it.
+    #[must_use]
+    pub(crate) fn followed_by(mut self, mut other: Self) -> Self {
+        self.pieces.append(&mut other.pieces);
+        self
+    }
+
+    /// Columns of a terminal that it takes.
+    pub(crate) fn width(&self) -> usize {
+        self.pieces.iter().map(|(_, text)| text.width()).sum()
+    }
+
+    /// The line with `right` at the right border of `width` columns; what does not fit is cut from the left part.
+    #[must_use]
+    pub(crate) fn with_right(self, right: Self, width: usize) -> Self {
+        let room = width.saturating_sub(right.width());
+        let mut line = self.cut(room.saturating_sub(1));
+        let gap = room.saturating_sub(line.width());
+        line.pieces.push((Style::Plain, " ".repeat(gap)));
+        line.pieces.extend(right.pieces);
+        line.cut(width)
+    }
+
+    /// At most `width` columns; a cut is shown by an ellipsis.
+    #[must_use]
+    pub(crate) fn cut(self, width: usize) -> Self {
+        if self.width() <= width {
+            return self;
+        }
+        let mut room = width.saturating_sub(1);
+        let mut pieces = Vec::new();
+        for (style, text) in self.pieces {
+            let kept = prefix(&text, room);
+            room -= kept.width();
+            let complete = kept.len() == text.len();
+            pieces.push((style, kept.to_owned()));
+            if !complete {
+                break;
+            }
+        }
+        if width > 0 {
+            pieces.push((Style::Dim, "…".to_owned()));
+        }
+        Self { pieces }
+    }
+
+    /// The line as it is written.
+    pub(crate) fn render(&self, paint: Paint) -> String {
+        let mut text = String::new();
+        for (style, piece) in &self.pieces {
+            match style.code().filter(|_| paint.colour && !piece.is_empty()) {
+                Some(code) => write!(text, "\x1b[{code}m{piece}\x1b[0m").unwrap_or_default(),
+                None => text.push_str(piece),
+            }
+        }
+        if paint.unicode { text } else { text.replace('…', "~") }
+    }
+}
+
+/// The longest start of `text` that fits `width` columns.
+fn prefix(text: &str, width: usize) -> &str {
+    let mut used = 0;
+    for (index, c) in text.char_indices() {
+        used += c.width().unwrap_or(0);
+        if used > width {
+            return &text[..index];
+        }
+    }
+    text
+}
+
+/// Text that cannot do anything to a terminal: control characters become visible, tabs become spaces.
+pub(crate) fn harmless(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\t' => out.push_str("    "),
+            c if c.is_control() => out.extend(c.escape_default()),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// A time as people say it: `0.4 s`, `12.3 s`, `2:05`, `1:02:05`.
+pub(crate) fn time(time: std::time::Duration) -> String {
+    let seconds = time.as_secs();
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, _) => format!("{:.1} s", time.as_secs_f64()),
+        (0, minutes, seconds) => format!("{minutes}:{seconds:02}"),
+        (hours, minutes, seconds) => format!("{hours}:{minutes:02}:{seconds:02}"),
+    }
+}
+
+/// A number with thin groups of three: `1,234,567`.
+pub(crate) fn count(number: u64) -> String {
+    let digits = number.to_string();
+    let groups = digits.as_bytes().rchunks(3).rev();
+    let groups = groups.map(|group| String::from_utf8_lossy(group).into_owned());
+    groups.collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Line, Paint, Style, count, harmless, time};
+    use std::time::Duration;
+
+    const PLAIN: Paint = Paint { colour: false, unicode: true };
+
+    fn check(line: Line, width: usize, expected: &str) {
+        let line = line.cut(width);
+        assert!(line.width() <= width);
+        assert_eq!(line.render(PLAIN), expected);
+    }
+
+    #[test]
+    fn a_line_is_cut_by_columns_and_not_by_bytes() {
+        check(Line::of(Style::Plain, "prüfen"), 6, "prüfen");
+        check(Line::of(Style::Plain, "prüfen"), 5, "prüf…");
+        check(Line::of(Style::Plain, "日本語"), 5, "日本…");
+        check(Line::of(Style::Plain, "日本語"), 4, "日…");
+        check(Line::of(Style::Dim, "ab").and(Style::Plain, "cdef"), 4, "abc…");
+        check(Line::of(Style::Plain, "ab"), 0, "");
+    }
+
+    #[test]
+    fn the_right_part_stays_when_there_is_no_room() {
+        let line =
+            Line::of(Style::Plain, "a long name").with_right(Line::of(Style::Dim, "1 s"), 10);
+        assert_eq!(line.render(PLAIN), "a lon… 1 s");
+    }
+
+    #[test]
+    fn colour_is_only_where_it_is_wanted() {
+        let line = Line::of(Style::Bad, "no").and(Style::Plain, " way");
+        let paint = Paint { colour: true, unicode: true };
+        assert_eq!(line.render(paint), "\x1b[31mno\x1b[0m way");
+        assert_eq!(line.render(PLAIN), "no way");
+    }
+
+    #[test]
+    fn a_script_cannot_move_the_cursor() {
+        assert_eq!(harmless("a\x1b[2Jb\tc"), "a\\u{1b}[2Jb    c");
+    }
+
+    #[test]
+    fn times_and_counts_are_for_people() {
+        let times = [400, 12_345, 125_000, 3_725_000].map(Duration::from_millis).map(time);
+        assert_eq!(times, ["0.4 s", "12.3 s", "2:05", "1:02:05"]);
+        assert_eq!([7, 1_234, 1_234_567].map(count), ["7", "1,234", "1,234,567"]);
+    }
+}
