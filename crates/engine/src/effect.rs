@@ -8,18 +8,19 @@ use std::sync::Arc;
 /// Work for whoever drives the engine, to be done in order.
 #[derive(Debug, Clone)]
 pub enum Effect<D> {
-    /// A branch begins; its first job follows.
+    /// A branch begins; its first job follows. Branch 0 is there from the start and ends with [`Effect::Finish`].
     Fork {
-        /// The new branch.
+        /// The new branch. Its number may be that of a branch that ended in an earlier answer.
         branch: BranchId,
     },
     /// Run a script on its branch and answer with [`crate::Input::Finished`].
     Run(Job<D>),
-    /// The state at this place (and whatever script it runs) is asked to end.
+    /// The active state at this place (and the script that it runs) is asked to end. Each active state is named once,
+    /// parents before children; states that begin later are not meant.
     Preempt(PathId),
     /// All states see `paused` (true) or unpaused (false).
     Paused(bool),
-    /// A branch has nothing more to do, ever.
+    /// A branch has nothing more to do.
     EndBranch {
         /// The branch.
         branch: BranchId,

@@ -20,3 +20,7 @@ pub use event::{Event, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{Input, Returned, ScriptResult, Start};
 pub use program::{Node, Program, UnknownPath};
+pub use values::ModelLiterals;
+
+#[cfg(test)]
+mod tests;

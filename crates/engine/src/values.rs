@@ -1,8 +1,33 @@
 //! The model's own values as handles: for native states and tests.
 
-use crate::Datum;
-use rafcon_model::{Answer, DataType, Value};
-use smol_str::SmolStr;
+use crate::{Datum, Literals};
+use rafcon_model::{Answer, Conversion, DataType, Value, convert, convert_runtime_value};
+use smol_str::{SmolStr, format_smolstr};
+
+/// Literals of the model as values of the model. What only Python can read has no value here.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ModelLiterals;
+
+impl Literals<Value> for ModelLiterals {
+    fn literal(&mut self, value: &Value, data_type: &DataType) -> Result<Value, SmolStr> {
+        made(convert(value, data_type), value, data_type)
+    }
+
+    fn runtime_literal(&mut self, value: &Value, data_type: &DataType) -> Result<Value, SmolStr> {
+        made(convert_runtime_value(value, data_type), value, data_type)
+    }
+}
+
+fn made(conversion: Conversion, value: &Value, data_type: &DataType) -> Result<Value, SmolStr> {
+    match conversion {
+        Conversion::Value(value) => Ok(value),
+        Conversion::Global(_) => Ok(value.clone()),
+        Conversion::NeedsPython => {
+            Err(format_smolstr!("only Python can make a value of the type {data_type}"))
+        }
+        Conversion::Fails(reason) => Err(reason),
+    }
+}
 
 impl Datum for Value {
     fn none() -> Self {

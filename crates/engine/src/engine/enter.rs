@@ -69,8 +69,7 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     fn fork(&mut self) -> BranchId {
-        self.run.branches = self.run.branches.wrapping_add(1).max(1);
-        let branch = BranchId(self.run.branches);
+        let branch = self.run.branches.begin();
         self.out.effects.push(Effect::Fork { branch });
         branch
     }

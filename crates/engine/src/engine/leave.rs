@@ -106,6 +106,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let branch = self.run.frames.get(slot).branch;
         self.run.frames.remove(slot);
         if branch != self.run.frames.get(parent).branch {
+            self.run.branches.end(branch);
             self.out.effects.push(Effect::EndBranch { branch });
         }
         match self.body(parent) {

@@ -1,6 +1,7 @@
 //! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
 
 mod barrier;
+mod branches;
 mod control;
 mod data;
 mod enter;
@@ -20,6 +21,7 @@ pub use refusal::{Command, Refusal, Status};
 pub use snapshot::{Active, Activity};
 
 use crate::{Datum, Globals, Input, NodeId, Outbox, PathId, Program};
+use branches::Branches;
 use frames::Frames;
 use places::Places;
 use rafcon_model::StatePath;
@@ -46,7 +48,7 @@ struct Run<D> {
     /// The child to begin at, for each container on the start path.
     start_from: Vec<u32>,
     sequence: u64,
-    branches: u32,
+    branches: Branches,
     /// States entered, without library states.
     entered: u64,
 }
@@ -62,7 +64,7 @@ impl<D: Datum> Engine<D> {
             root: None,
             start_from: Vec::new(),
             sequence: 0,
-            branches: 0,
+            branches: Branches::default(),
             entered: 0,
         };
         Self { program, run }
@@ -78,6 +80,7 @@ impl<D: Datum> Engine<D> {
         let mut step = Step { program: &self.program, run: &mut self.run, globals, out };
         step.take(input)?;
         step.work();
+        self.run.branches.settle();
         Ok(())
     }
 

@@ -1,0 +1,24 @@
+//! The rules of `docs/semantics.md`: a machine in, a script of inputs in, what the engine did out.
+
+mod barrier;
+mod data;
+mod deep;
+mod errors;
+mod hierarchy;
+mod library;
+mod life;
+mod outcomes;
+mod preemption;
+mod world;
+
+use expect_test::Expect;
+use world::World;
+
+/// Runs `script`, one input a line or after `;`, against the machine, and compares everything that the engine did.
+///
+/// Inputs: `start`, `start x=1`, `start at ROOT/A`, `pause`, `resume`, `stop`; for a script that runs (named by the end of
+/// its path) `A done` (an outcome's name), `A 3` (an id), `A other "text"`, `A raises "boom"`, with outputs behind it:
+/// `A done y=2 -z error="boom"` (`-z` leaves an output out); `global x=5`.
+fn check(machine: &str, script: &str, expect: &Expect) {
+    expect.assert_eq(&World::new(machine).play(script));
+}

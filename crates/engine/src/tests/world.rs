@@ -1,0 +1,283 @@
+//! A driver for tests: reads inputs as text, and writes what the engine did as text.
+
+use crate::{
+    Effect, Engine, Event, Finish, FrameId, Globals, Input, Job, ModelLiterals, Note, Outbox,
+    PathId, Program, Returned, ScriptResult, Start, WaitReason,
+};
+use rafcon_model::{OutcomeId, Port, StatePath, Value, literal, notation};
+use smol_str::SmolStr;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+#[derive(Default)]
+struct Variables(BTreeMap<String, Value>);
+
+impl Globals<Value> for Variables {
+    fn get(&self, name: &str) -> Option<Value> {
+        self.0.get(name).cloned()
+    }
+}
+
+/// A run with the scripts that it has started.
+pub(super) struct World {
+    engine: Engine<Value>,
+    program: Arc<Program<Value>>,
+    running: Vec<Job<Value>>,
+    globals: Variables,
+    text: String,
+}
+
+impl World {
+    pub(super) fn new(machine: &str) -> Self {
+        let machine = notation::parse(machine).expect("a machine in text notation");
+        let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
+        Self {
+            engine: Engine::new(Arc::clone(&program)),
+            program,
+            running: Vec::new(),
+            globals: Variables::default(),
+            text: String::new(),
+        }
+    }
+
+    pub(super) fn play(mut self, script: &str) -> String {
+        for line in script.split(['\n', ';']).map(str::trim).filter(|line| !line.is_empty()) {
+            self.line(line);
+        }
+        self.text
+    }
+
+    fn line(&mut self, line: &str) {
+        self.say(&format!("> {line}"));
+        let (head, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let input = match head {
+            "global" => {
+                self.globals
+                    .0
+                    .extend(assignments(rest).into_iter().map(|(k, v)| (k.to_owned(), v)));
+                return;
+            }
+            "active" => return self.show_active(),
+            "start" => Input::Start(start(rest)),
+            "pause" => Input::Pause,
+            "resume" => Input::Resume,
+            "stop" => Input::Stop,
+            state => self.finished(state, rest),
+        };
+        self.feed(input);
+    }
+
+    fn feed(&mut self, input: Input<Value>) {
+        let mut out = Outbox::default();
+        match self.engine.handle(input, &self.globals, &mut out) {
+            Ok(()) => {
+                out.events.iter().for_each(|event| self.event(event));
+                out.effects.iter().for_each(|effect| self.effect(effect));
+            }
+            Err(refusal) => {
+                assert!(out.events.is_empty() && out.effects.is_empty());
+                self.say(&format!("refused: {refusal}"));
+            }
+        }
+    }
+
+    /// The end of the script at a path that ends with `state`; of a frame that never was, if it does not run.
+    fn finished(&mut self, state: &str, how: &str) -> Input<Value> {
+        let ends = |job: &Job<Value>| {
+            let path = self.path(job.path);
+            path == state || path.ends_with(&format!("/{state}"))
+        };
+        let Some(index) = self.running.iter().position(ends) else {
+            let result =
+                ScriptResult { returned: Returned::Id(0), outputs: Vec::new(), error: None };
+            return Input::Finished { frame: FrameId { slot: 77, generation: 0 }, result };
+        };
+        let job = self.running.remove(index);
+        let ports = self.program.node(job.node).outputs();
+        Input::Finished { frame: job.frame, result: result(how, ports, &job.outputs) }
+    }
+
+    fn show_active(&mut self) {
+        for active in self.engine.snapshot() {
+            let flag = if active.preempted { " preempted" } else { "" };
+            let line = format!("{} {:?}{flag}", self.path(active.path), active.activity);
+            self.say(&line);
+        }
+        let line = format!("{:?}, {} states run", self.engine.status(), self.engine.states_run());
+        self.say(&line);
+    }
+
+    fn path(&self, path: PathId) -> String {
+        self.engine.path_text(path).to_string()
+    }
+
+    fn outcome(&self, path: PathId, outcome: OutcomeId) -> SmolStr {
+        let node = self.engine.path_node(path).map(|node| self.program.node(node));
+        node.and_then(|node| Some(node.outcome(outcome)?.name.clone())).unwrap_or_default()
+    }
+
+    fn event(&mut self, event: &Event<Value>) {
+        let line = match event {
+            Event::Entered { path, node, inputs } => {
+                let ports = self.program.node(*node).inputs();
+                format!("enter {}{}", self.path(*path), values(ports, inputs))
+            }
+            Event::Left { path, node, outcome, outputs, error } => {
+                let ports = self.program.node(*node).outputs();
+                let outputs = values(ports, outputs);
+                let (path, outcome) = (self.path(*path), self.outcome(*path, *outcome));
+                format!("leave {path} {outcome}{outputs}{}", shown_error(error.as_ref()))
+            }
+            Event::Scoped { path, port, value } => {
+                let place = self.engine.path_node(*path).map(|node| self.program.node(node));
+                let container = place.and_then(|node| node.state().container());
+                let port = container.and_then(|c| c.scoped_variables.get(*port));
+                let name = port.map(|port| port.name.clone()).unwrap_or_default();
+                format!("set {}.{name} = {}", self.path(*path), shown(value))
+            }
+            Event::Waiting { path, reason } => {
+                format!("wait {}: {}", self.path(*path), self.reason(reason))
+            }
+            Event::Note { path, level, note } => {
+                format!("{level:?} {}: {}", self.path(*path), noted(note)).to_lowercase()
+            }
+            Event::Paused(true) => "paused".to_owned(),
+            Event::Paused(false) => "goes on".to_owned(),
+            Event::Stopping => "stopping".to_owned(),
+            Event::Finished { .. } => "finished".to_owned(),
+        };
+        self.say(&line);
+    }
+
+    fn reason(&self, reason: &WaitReason) -> String {
+        match reason {
+            WaitReason::NoTransition { child, outcome } => {
+                format!(
+                    "no transition from {} {}",
+                    self.path(*child),
+                    self.outcome(*child, *outcome)
+                )
+            }
+            WaitReason::NoStart => "no start".to_owned(),
+            WaitReason::NoChildren => "no children".to_owned(),
+        }
+    }
+
+    fn effect(&mut self, effect: &Effect<Value>) {
+        let line = match effect {
+            Effect::Fork { branch } => format!("  fork {}", branch.0),
+            Effect::Run(job) => {
+                self.running.push(job.clone());
+                self.job(job)
+            }
+            Effect::Preempt(path) => format!("  preempt {}", self.path(*path)),
+            Effect::Paused(paused) => format!("  paused {paused}"),
+            Effect::EndBranch { branch } => format!("  end {}", branch.0),
+            Effect::Finish(finish) => format!("  {}", finished(finish)),
+        };
+        self.say(&line);
+    }
+
+    fn job(&self, job: &Job<Value>) -> String {
+        let mut line = format!("  run {}", self.path(job.path));
+        if job.branch.0 != 0 {
+            let _ = write!(line, " on {}", job.branch.0);
+        }
+        line += &shown_error(job.error.as_ref());
+        if job.preempted {
+            line += " preempted";
+        }
+        for verdict in job.verdicts.iter().flat_map(|verdicts| &verdicts.children) {
+            let error = shown_error(verdict.error.as_ref());
+            let _ = write!(line, " [{} {}{error}]", verdict.name, verdict.outcome_name);
+        }
+        line
+    }
+
+    fn say(&mut self, line: &str) {
+        self.text += line;
+        self.text.push('\n');
+    }
+}
+
+fn start(text: &str) -> Start<Value> {
+    match text.strip_prefix("at ") {
+        Some(path) => Start { start_from: Some(StatePath::parse(path)), ..Start::default() },
+        None => {
+            let inputs = assignments(text).into_iter().map(|(k, v)| (k.into(), v));
+            Start { inputs: inputs.collect(), start_from: None }
+        }
+    }
+}
+
+fn result(how: &str, ports: &[Port], defaults: &[Value]) -> ScriptResult<Value> {
+    let (first, rest) = how.split_once(' ').unwrap_or((how, ""));
+    let (quoted, after) =
+        rest.strip_prefix('"').and_then(|r| r.split_once('"')).unwrap_or(("", rest));
+    let text = Value::str(quoted);
+    let (returned, rest, raised) = match first {
+        "raises" => (Returned::Raised, after, Some(text)),
+        "other" => (Returned::Other(quoted.into()), after, None),
+        word => match word.parse() {
+            Ok(id) => (Returned::Id(id), rest, None),
+            Err(_) => (Returned::Name(word.into()), rest, None),
+        },
+    };
+    let given = assignments(rest);
+    let find = |name: &str| given.iter().find(|(key, _)| *key == name).map(|(_, v)| v.clone());
+    let output = |(port, default): (&Port, &Value)| {
+        let left_out = rest.split(' ').any(|word| word.strip_prefix('-') == Some(&port.name));
+        (!left_out).then(|| find(&port.name).unwrap_or_else(|| default.clone()))
+    };
+    ScriptResult {
+        returned,
+        outputs: ports.iter().zip(defaults).map(output).collect(),
+        error: raised.or_else(|| find("error")),
+    }
+}
+
+/// `x=1 y="a"`: a value ends at a blank.
+fn assignments(text: &str) -> Vec<(&str, Value)> {
+    let pairs = text.split(' ').filter_map(|word| word.split_once('='));
+    pairs.map(|(name, value)| (name, literal::parse(value).expect("a literal"))).collect()
+}
+
+fn shown(value: &Value) -> String {
+    literal::write(value).unwrap_or_else(|| format!("{value:?}"))
+}
+
+fn shown_error(error: Option<&Value>) -> String {
+    error.map(|error| format!(" error={}", shown(error))).unwrap_or_default()
+}
+
+fn values(ports: &[Port], values: &[Value]) -> String {
+    let pairs = ports.iter().zip(values);
+    pairs.map(|(port, value)| format!(" {}={}", port.name, shown(value))).collect()
+}
+
+fn named(values: &[(SmolStr, Value)]) -> String {
+    values.iter().map(|(name, value)| format!(" {name}={}", shown(value))).collect()
+}
+
+fn finished(finish: &Finish<Value>) -> String {
+    let (name, id) = (&finish.outcome_name, finish.outcome);
+    let (outputs, variables) = (named(&finish.outputs), named(&finish.scoped_variables));
+    let count = finish.states_run;
+    let variables =
+        if variables.is_empty() { variables } else { format!(" variables:{variables}") };
+    format!("end of run: {name} ({id}){outputs}{variables}, {count} states")
+}
+
+fn noted(note: &Note) -> String {
+    match note {
+        Note::TypeMismatch { port, expected, found } => {
+            format!("{port} is {found}, not {expected}")
+        }
+        Note::NoSuchOutcome { returned } => format!("{returned} is no outcome"),
+        Note::NoSuchGlobal { name } => format!("no global {name}"),
+        Note::BadDefault { port, reason } => format!("default of {port}: {reason}"),
+        Note::MissingLibrary { reason } => format!("missing library: {reason}"),
+        Note::NoSuchInput { name } => format!("no input {name}"),
+    }
+}
