@@ -15,7 +15,7 @@ mod values;
 
 pub use datum::{Datum, Globals, Literals, NoGlobals};
 pub use effect::{Effect, Finish, Job, Outbox, Verdict, Verdicts};
-pub use engine::{Active, Activity, Command, Engine, Refusal, Status};
+pub use engine::{Active, Activity, Command, Engine, Inspection, Refusal, Status};
 pub use event::{Event, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{Input, Returned, ScriptResult, Start};

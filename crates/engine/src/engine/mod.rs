@@ -7,6 +7,7 @@ mod data;
 mod enter;
 mod frames;
 mod hierarchy;
+mod inspect;
 mod leave;
 mod library;
 mod phase;
@@ -17,6 +18,7 @@ mod refusal;
 mod snapshot;
 mod step;
 
+pub use inspect::Inspection;
 pub use refusal::{Command, Refusal, Status};
 pub use snapshot::{Active, Activity};
 

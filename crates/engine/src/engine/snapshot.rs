@@ -50,7 +50,7 @@ impl<D: Datum> Engine<D> {
     }
 }
 
-fn activity(phase: &Phase) -> Activity {
+pub(super) fn activity(phase: &Phase) -> Activity {
     match phase {
         Phase::Script => Activity::Script,
         Phase::Begun | Phase::Child | Phase::Branches | Phase::Deciding => Activity::Inside,
