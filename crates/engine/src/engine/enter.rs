@@ -15,6 +15,7 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(super) fn enter_root(&mut self, given: &[(SmolStr, D)]) {
         let node = self.program.node(Program::<D>::ROOT);
         let path = PathId(0);
+        let entered_at = self.out.events.len();
         let ports = node.inputs();
         for (name, _) in given.iter().filter(|(name, _)| !ports.iter().any(|p| p.name == *name)) {
             self.note(path, Level::Warning, Note::NoSuchInput { name: name.clone() });
@@ -35,6 +36,7 @@ impl<'s, D: Datum> Step<'s, D> {
             inputs,
             outputs: Arc::clone(&node.outputs),
             error: None,
+            entered_at,
         };
         let slot = self.begin(seed, node, None);
         self.run.root = Some(slot);
@@ -78,6 +80,7 @@ impl<'s, D: Datum> Step<'s, D> {
     fn seed(&mut self, parent: u32, child: u32, id: NodeId, error: Option<D>) -> Seed<D> {
         let node = self.program.node(id);
         let path = self.child_path(parent, child);
+        let entered_at = self.out.events.len();
         let inputs = self.child_inputs(parent, node, (path, error.as_ref()));
         let frame = self.run.frames.get(parent);
         Seed {
@@ -90,6 +93,7 @@ impl<'s, D: Datum> Step<'s, D> {
             inputs,
             outputs: Arc::clone(&node.outputs),
             error,
+            entered_at,
         }
     }
 
@@ -132,13 +136,14 @@ impl<'s, D: Datum> Step<'s, D> {
         verdicts: Option<Arc<Verdicts<D>>>,
     ) -> u32 {
         let (path, inputs) = (seed.path, Arc::clone(&seed.inputs));
+        let entered = Event::Entered { path, node: seed.node, inputs: Arc::clone(&inputs) };
+        self.out.events.insert(seed.entered_at, entered);
         self.check(path, (node.inputs(), &node.typed_inputs), &inputs);
         for (port, reason) in &node.bad_outputs {
             let port = node.outputs().get(*port as usize).map(|port| port.name.clone());
             let note = Note::BadDefault { port: port.unwrap_or_default(), reason: reason.clone() };
             self.note(path, Level::Error, note);
         }
-        self.out.events.push(Event::Entered { path, node: seed.node, inputs });
         let slot = self.run.frames.add(seed);
         self.run.entered += u64::from(!matches!(node.body, Body::Library(_)));
         match &node.body {
@@ -168,17 +173,17 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     fn begin_container(&mut self, slot: u32, inside: &'s Inside<D>) {
-        self.fill(slot, inside);
         if !self.fails_to_begin(slot, inside) {
+            self.fill(slot, inside);
             self.advance_later(slot);
         }
     }
 
     fn begin_concurrency(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
-        self.fill(slot, inside);
         if self.fails_to_begin(slot, inside) {
             return;
         }
+        self.fill(slot, inside);
         if self.run.frames.get(slot).preempted {
             return self.leave_container_later(slot, inside, PREEMPTED);
         }

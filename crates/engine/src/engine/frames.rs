@@ -82,6 +82,8 @@ pub(super) struct Seed<D> {
     pub(super) inputs: Arc<[D]>,
     pub(super) outputs: Arc<[D]>,
     pub(super) error: Option<D>,
+    /// Where among the events of this answer the state is entered: before the notes about its inputs.
+    pub(super) entered_at: usize,
 }
 
 impl<D> Frames<D> {

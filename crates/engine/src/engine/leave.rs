@@ -58,8 +58,10 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(slot);
         let path = frame.path;
         frame.last_error.clone_from(&fault.error);
-        let port = fault.port.clone().unwrap_or_default();
-        self.note(path, Level::Error, Note::BadDefault { port, reason: fault.reason.clone() });
+        if let Some(port) = fault.port.clone() {
+            let reason = fault.reason.clone();
+            self.note(path, Level::Error, Note::BadDefault { port, reason });
+        }
         self.leave_container_later(slot, inside, ABORTED);
         true
     }

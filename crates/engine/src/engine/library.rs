@@ -31,6 +31,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let Content::Found { root, ports, .. } = content else { return };
         let node = self.program.node(*root);
         let path = self.child_path(parent, 0);
+        let entered_at = self.out.events.len();
         let frame = self.run.frames.get_mut(parent);
         let error = frame.error.take();
         let (mut inputs, mut outputs) = (Arc::clone(&frame.inputs), Arc::clone(&frame.outputs));
@@ -51,6 +52,7 @@ impl<'s, D: Datum> Step<'s, D> {
             inputs,
             outputs,
             error,
+            entered_at,
         };
         self.enter_with(seed, 0, None);
     }

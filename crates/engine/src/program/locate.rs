@@ -3,13 +3,12 @@
 use super::{Body, Content, Program};
 use crate::NodeId;
 use rafcon_model::{StateId, StatePath};
+use smol_str::{SmolStr, format_smolstr};
 use thiserror::Error;
 
 /// No state stands at this path.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error(
-    "there is no state at '{path}': '{missing}' is not inside '{known}'; paths are state ids from the root down, joined by '/'"
-)]
+#[error("there is no state at '{path}': {}; paths are state ids from the root down, joined by '/'", self.where_it_ends())]
 pub struct UnknownPath {
     /// What was looked for.
     pub path: StatePath,
@@ -17,6 +16,16 @@ pub struct UnknownPath {
     pub known: StatePath,
     /// The first id that does not.
     pub missing: StateId,
+}
+
+impl UnknownPath {
+    fn where_it_ends(&self) -> SmolStr {
+        let Self { missing, known, .. } = self;
+        if known.0.is_empty() {
+            return format_smolstr!("the root is not '{missing}'");
+        }
+        format_smolstr!("'{missing}' is not inside '{known}'")
+    }
 }
 
 impl<D> Program<D> {

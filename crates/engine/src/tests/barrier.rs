@@ -65,7 +65,10 @@ fn the_decider_sees_outcomes_errors_and_data() {
 
 #[test]
 fn the_last_to_end_writes_last() {
-    check(BARRIER, "start; A ok y=1; B ok y=2", &expect![[r#"
+    check(
+        BARRIER,
+        "start; A ok y=1; B ok y=2",
+        &expect![[r"
         > start
         enter ROOT
         set ROOT.v = 0
@@ -85,8 +88,12 @@ fn the_last_to_end_writes_last() {
         enter ROOT/unique_decider_state_id a=1 b=2 last=2
           end 2
           run ROOT/unique_decider_state_id [First ok] [Second ok]
-    "#]]);
-    check(BARRIER, "start; B ok y=2; A ok y=1", &expect![[r#"
+    "]],
+    );
+    check(
+        BARRIER,
+        "start; B ok y=2; A ok y=1",
+        &expect![[r"
         > start
         enter ROOT
         set ROOT.v = 0
@@ -106,13 +113,17 @@ fn the_last_to_end_writes_last() {
         enter ROOT/unique_decider_state_id a=1 b=2 last=1
           end 1
           run ROOT/unique_decider_state_id [First ok] [Second ok]
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn outcomes_of_children_never_decide() {
     let machine = BARRIER.replace("A.ok ->", "A.aborted -> .aborted ; A.ok ->");
-    check(&machine, "start; A aborted; B ok", &expect![[r#"
+    check(
+        &machine,
+        "start; A aborted; B ok",
+        &expect![[r"
         > start
         enter ROOT
         set ROOT.v = 0
@@ -132,7 +143,8 @@ fn outcomes_of_children_never_decide() {
         enter ROOT/unique_decider_state_id a=None b=None last=None
           end 2
           run ROOT/unique_decider_state_id [First aborted] [Second ok]
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -209,7 +221,7 @@ fn an_unconnected_outcome_of_the_decider_waits_until_it_is_stopped() {
     check(
         BARRIER,
         "start; A ok y=1; B ok y=2; unique_decider_state_id unsure d=3; stop",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             set ROOT.v = 0
@@ -238,13 +250,16 @@ fn an_unconnected_outcome_of_the_decider_waits_until_it_is_stopped() {
             finished
               preempt ROOT
               end of run: preempted (-2) z=3 variables: v=2, 4 states
-        "#]],
+        "]],
     );
 }
 
 #[test]
 fn a_preempted_barrier_skips_its_decider() {
-    check(BARRIER, "start; A ok y=1; stop; B ok y=2", &expect![[r#"
+    check(
+        BARRIER,
+        "start; A ok y=1; stop; B ok y=2",
+        &expect![[r"
         > start
         enter ROOT
         set ROOT.v = 0
@@ -269,7 +284,8 @@ fn a_preempted_barrier_skips_its_decider() {
         finished
           end 2
           end of run: preempted (-2) z=0 variables: v=2, 3 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -277,7 +293,7 @@ fn a_barrier_preempted_while_it_decides_ends_preempted() {
     check(
         BARRIER,
         "start; A ok y=1; B ok y=2; stop; unique_decider_state_id yes d=3",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             set ROOT.v = 0
@@ -306,7 +322,7 @@ fn a_barrier_preempted_while_it_decides_ends_preempted() {
             leave ROOT preempted z=3
             finished
               end of run: preempted (-2) z=3 variables: v=2, 4 states
-        "#]],
+        "]],
     );
 }
 
@@ -321,7 +337,7 @@ barrier ROOT
     outcome yes
 ",
         "start; unique_decider_state_id yes",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/unique_decider_state_id
@@ -331,20 +347,23 @@ barrier ROOT
             leave ROOT good
             finished
               end of run: good (0), 2 states
-        "#]],
+        "]],
     );
 }
 
 #[test]
 fn a_barrier_without_a_decider_aborts() {
-    check("barrier ROOT\n  execution A", "start", &expect![[r#"
-        > start
-        enter ROOT
-        error root: default of : the barrier has no decider; make it anew, or restore its decider's folder
-        leave ROOT aborted error="the barrier has no decider; make it anew, or restore its decider's folder"
-        finished
-          end of run: aborted (-1) error="the barrier has no decider; make it anew, or restore its decider's folder", 1 states
-    "#]]);
+    check(
+        "barrier ROOT\n  execution A",
+        "start",
+        &expect![[r#"
+            > start
+            enter ROOT
+            leave ROOT aborted error="the barrier has no decider; make it anew, or restore its decider's folder"
+            finished
+              end of run: aborted (-1) error="the barrier has no decider; make it anew, or restore its decider's folder", 1 states
+        "#]],
+    );
 }
 
 #[test]
@@ -365,7 +384,7 @@ barrier ROOT
     outcome yes
 ",
         "start; A 0 y=5",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT x=3
             enter ROOT/A x=3
@@ -375,16 +394,19 @@ barrier ROOT
               fork 2
               run ROOT/B on 2
             > A 0 y=5
-            error root/a: 0 is no outcome
+            error ROOT/A: 0 is no outcome
             leave ROOT/A aborted y=5
               end 1
-        "#]],
+        "]],
     );
 }
 
 #[test]
 fn a_pause_does_not_hold_the_decider() {
-    check(BARRIER, "start; pause; A ok y=1; B ok y=2", &expect![[r#"
+    check(
+        BARRIER,
+        "start; pause; A ok y=1; B ok y=2",
+        &expect![[r"
         > start
         enter ROOT
         set ROOT.v = 0
@@ -407,7 +429,8 @@ fn a_pause_does_not_hold_the_decider() {
         enter ROOT/unique_decider_state_id a=1 b=2 last=2
           end 2
           run ROOT/unique_decider_state_id [First ok] [Second ok]
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -426,7 +449,7 @@ hierarchy ROOT
       outcome yes
 ",
         "start; A ok; unique_decider_state_id yes; A ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/W
@@ -450,6 +473,6 @@ hierarchy ROOT
             enter ROOT/W/unique_decider_state_id
               end 1
               run ROOT/W/unique_decider_state_id [A ok]
-        "#]],
+        "]],
     );
 }

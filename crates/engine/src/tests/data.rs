@@ -11,17 +11,25 @@ execution ROOT
   in x: int = 1
   in s: str = \"a\"
 ";
-    check(machine, "start", &expect![[r#"
+    check(
+        machine,
+        "start",
+        &expect![[r#"
         > start
         enter ROOT x=1 s="a"
           run ROOT
-    "#]]);
-    check(machine, "start x=5 nonsense=3", &expect![[r#"
-        > start x=5 nonsense=3
-        warning root: no input nonsense
-        enter ROOT x=5 s="a"
-          run ROOT
-    "#]]);
+    "#]],
+    );
+    check(
+        machine,
+        "start x=5 nonsense=3",
+        &expect![[r#"
+            > start x=5 nonsense=3
+            enter ROOT x=5 s="a"
+            warning ROOT: no input nonsense
+              run ROOT
+        "#]],
+    );
 }
 
 #[test]
@@ -29,40 +37,52 @@ fn raw_text_is_converted_to_the_type_of_its_port() {
     check(
         "execution ROOT\n  in x: int = \"41\"\n  in f: float = \"1.5\"\n  in l: list = \"[1]\"",
         "start",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT x=41 f=1.5 l=[1]
+              run ROOT
+        "]],
+    );
+}
+
+#[test]
+fn a_default_that_cannot_be_made_is_none_with_a_note() {
+    check(
+        "execution ROOT\n  in x: int = \"abc\"\n  out y: int = \"z\"",
+        "start",
+        &expect![[r#"
+            > start
+            enter ROOT x=None
+            error ROOT: default of x: "abc" is not of the type int
+            error ROOT: default of y: "z" is not of the type int
               run ROOT
         "#]],
     );
 }
 
 #[test]
-fn a_default_that_cannot_be_made_is_none_with_a_note() {
-    check("execution ROOT\n  in x: int = \"abc\"\n  out y: int = \"z\"", "start", &expect![[r#"
-        > start
-        error root: default of x: "abc" is not of the type int
-        error root: default of y: "z" is not of the type int
-        enter ROOT x=None
-          run ROOT
-    "#]]);
-}
-
-#[test]
 fn a_default_may_name_a_global_variable() {
     let machine = "execution ROOT\n  in x: int = \"$speed\"";
-    check(machine, "global speed=3; start", &expect![[r#"
+    check(
+        machine,
+        "global speed=3; start",
+        &expect![[r"
         > global speed=3
         > start
         enter ROOT x=3
           run ROOT
-    "#]]);
-    check(machine, "start", &expect![[r#"
-        > start
-        error root: no global speed
-        enter ROOT x=None
-          run ROOT
-    "#]]);
+    "]],
+    );
+    check(
+        machine,
+        "start",
+        &expect![[r"
+            > start
+            enter ROOT x=None
+            error ROOT: no global speed
+              run ROOT
+        "]],
+    );
 }
 
 #[test]
@@ -77,7 +97,7 @@ hierarchy ROOT
     in x: int = \"$speed\"
 ",
         "global speed=3; start; global speed=4; A ok",
-        &expect![[r#"
+        &expect![[r"
             > global speed=3
             > start
             enter ROOT
@@ -88,7 +108,7 @@ hierarchy ROOT
             leave ROOT/A ok
             enter ROOT/A x=4
               run ROOT/A
-        "#]],
+        "]],
     );
 }
 
@@ -134,7 +154,7 @@ hierarchy ROOT
     out y: int
 ",
         "start; A ok y=5; B ok y=6",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -148,7 +168,7 @@ hierarchy ROOT
             leave ROOT done z=6
             finished
               end of run: done (0) z=6, 3 states
-        "#]],
+        "]],
     );
 }
 
@@ -174,7 +194,10 @@ hierarchy ROOT
 
 #[test]
 fn the_newest_value_wins() {
-    check(RACE, "start; A ok y=1; B ok y=2; C ok; A skip y=3; C done", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok y=1; B ok y=2; C ok; A skip y=3; C done",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -200,12 +223,16 @@ fn the_newest_value_wins() {
         leave ROOT done z=3
         finished
           end of run: done (0) z=3, 6 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn none_never_reaches_an_input_over_a_data_flow() {
-    check(RACE, "start; A ok y=1; B ok y=None; C ok", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok y=1; B ok y=None; C ok",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -222,8 +249,12 @@ fn none_never_reaches_an_input_over_a_data_flow() {
         leave ROOT/C ok
         enter ROOT/A
           run ROOT/A
-    "#]]);
-    check(RACE, "start; A ok y=None; B ok y=None", &expect![[r#"
+    "]],
+    );
+    check(
+        RACE,
+        "start; A ok y=None; B ok y=None",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -236,12 +267,16 @@ fn none_never_reaches_an_input_over_a_data_flow() {
         leave ROOT/B ok y=None
         enter ROOT/C x=9
           run ROOT/C
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn none_overrides_an_output_of_a_container() {
-    check(RACE, "start; A ok y=1; B ok y=None; C done", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok y=1; B ok y=None; C done",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -259,12 +294,16 @@ fn none_overrides_an_output_of_a_container() {
         leave ROOT done z=None
         finished
           end of run: done (0) z=None, 4 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn an_output_without_a_value_keeps_its_default() {
-    check(RACE, "start; A ok -y; B ok -y; C done", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok -y; B ok -y; C done",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -282,12 +321,16 @@ fn an_output_without_a_value_keeps_its_default() {
         leave ROOT done z=100
         finished
           end of run: done (0) z=100, 4 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn an_output_that_is_left_out_flows_nowhere() {
-    check(RACE, "start; A ok y=1; B ok -y", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok y=1; B ok -y",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -300,179 +343,8 @@ fn an_output_that_is_left_out_flows_nowhere() {
         leave ROOT/B ok y=None
         enter ROOT/C x=1
           run ROOT/C
-    "#]]);
-}
-
-const SCOPED: &str = "
-hierarchy ROOT
-  outcome done
-  in a: int = 7
-  var v: int = 5
-  out z: int
-  start -> A
-  A.ok -> .done
-  flow .v -> A.x ; A.y -> .v ; .v -> .z
-  execution A
-    outcome ok
-    in x: int = 9
-    out y: int
-";
-
-#[test]
-fn scoped_variables_begin_with_their_default_and_keep_what_is_put_in() {
-    check(SCOPED, "start; A ok y=6", &expect![[r#"
-        > start
-        enter ROOT a=7
-        set ROOT.v = 5
-        enter ROOT/A x=5
-          run ROOT/A
-        > A ok y=6
-        leave ROOT/A ok y=6
-        set ROOT.v = 6
-        leave ROOT done z=6
-        finished
-          end of run: done (0) z=6 variables: v=6, 2 states
-    "#]]);
-}
-
-#[test]
-fn none_overrides_a_scoped_variable() {
-    check(SCOPED, "start; A ok y=None", &expect![[r#"
-        > start
-        enter ROOT a=7
-        set ROOT.v = 5
-        enter ROOT/A x=5
-          run ROOT/A
-        > A ok y=None
-        leave ROOT/A ok y=None
-        set ROOT.v = None
-        leave ROOT done z=None
-        finished
-          end of run: done (0) z=None variables: v=None, 2 states
-    "#]]);
-}
-
-#[test]
-fn inputs_reach_scoped_variables_before_the_first_child() {
-    let machine = SCOPED.replace("flow .v", "flow .a -> .v ; .v");
-    check(&machine, "start", &expect![[r#"
-        > start
-        enter ROOT a=7
-        set ROOT.v = 5
-        set ROOT.v = 7
-        enter ROOT/A x=7
-          run ROOT/A
-    "#]]);
-    check(&machine, "start a=None", &expect![[r#"
-        > start a=None
-        enter ROOT a=None
-        set ROOT.v = 5
-        set ROOT.v = None
-        enter ROOT/A x=9
-          run ROOT/A
-    "#]]);
-}
-
-#[test]
-fn scoped_variables_begin_anew_at_each_entry() {
-    check(
-        "
-hierarchy ROOT
-  start -> H
-  H.ok -> H
-  hierarchy H
-    outcome ok
-    var v: int = 5
-    start -> A
-    A.ok -> .ok
-    flow .v -> A.x ; A.y -> .v
-    execution A
-      outcome ok
-      in x: int
-      out y: int
-",
-        "start; A ok y=6",
-        &expect![[r#"
-            > start
-            enter ROOT
-            enter ROOT/H
-            set ROOT/H.v = 5
-            enter ROOT/H/A x=5
-              run ROOT/H/A
-            > A ok y=6
-            leave ROOT/H/A ok y=6
-            set ROOT/H.v = 6
-            leave ROOT/H ok
-            enter ROOT/H
-            set ROOT/H.v = 5
-            enter ROOT/H/A x=5
-              run ROOT/H/A
-        "#]],
+    "]],
     );
-}
-
-#[test]
-fn a_scoped_variable_that_cannot_be_made_aborts_its_container() {
-    let machine = |variable: &str| {
-        format!(
-            "
-hierarchy ROOT
-  outcome saved
-  start -> H
-  H.aborted -> A ; A.ok -> .saved
-  hierarchy H
-    outcome ok
-    var v: {variable}
-    start -> B
-    execution B
-  execution A
-    outcome ok
-"
-        )
-    };
-    check(&machine("int = \"abc\""), "start; A ok", &expect![[r#"
-        > start
-        enter ROOT
-        enter ROOT/H
-        set ROOT/H.v = None
-        error root/h: default of v: "abc" is not of the type int
-        leave ROOT/H aborted error="scoped variable 'v' cannot be made: \"abc\" is not of the type int"
-        enter ROOT/A
-          run ROOT/A error="scoped variable 'v' cannot be made: \"abc\" is not of the type int"
-        > A ok
-        leave ROOT/A ok
-        leave ROOT saved
-        finished
-          end of run: saved (0), 3 states
-    "#]]);
-    check(&machine("int = [1]"), "start", &expect![[r#"
-        > start
-        enter ROOT
-        enter ROOT/H
-        set ROOT/H.v = None
-        error root/h: default of v: [1] is not of the type int
-        leave ROOT/H aborted error="scoped variable 'v' cannot be made: [1] is not of the type int"
-        enter ROOT/A
-          run ROOT/A error="scoped variable 'v' cannot be made: [1] is not of the type int"
-    "#]]);
-    check(&machine("int = \"$name\""), "start", &expect![[r#"
-        > start
-        enter ROOT
-        enter ROOT/H
-        set ROOT/H.v = None
-        error root/h: default of v: its default is of type str, not int; change one of them
-        leave ROOT/H aborted error="scoped variable 'v' cannot be made: its default is of type str, not int; change one of them"
-        enter ROOT/A
-          run ROOT/A error="scoped variable 'v' cannot be made: its default is of type str, not int; change one of them"
-    "#]]);
-    check(&machine("int = None"), "start", &expect![[r#"
-        > start
-        enter ROOT
-        enter ROOT/H
-        set ROOT/H.v = None
-        enter ROOT/H/B
-          run ROOT/H/B
-    "#]]);
 }
 
 #[test]
@@ -480,13 +352,13 @@ fn an_input_may_flow_straight_to_an_output() {
     check(
         "hierarchy ROOT\n  outcome done\n  in x: int = 4\n  out y: int\n  start -> .done\n  flow .x -> .y",
         "start x=8",
-        &expect![[r#"
+        &expect![[r"
             > start x=8
             enter ROOT x=8
             leave ROOT done y=8
             finished
               end of run: done (0) y=8, 1 states
-        "#]],
+        "]],
     );
 }
 
@@ -504,7 +376,7 @@ hierarchy ROOT
     out y: int
 ",
         "start; A ok y=1; A ok y=2",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A x=0
@@ -517,7 +389,7 @@ hierarchy ROOT
             leave ROOT/A ok y=2
             enter ROOT/A x=2
               run ROOT/A
-        "#]],
+        "]],
     );
 }
 
@@ -527,7 +399,7 @@ fn a_value_of_the_wrong_type_passes_with_a_note() {
         "
 hierarchy ROOT
   outcome done
-  var v: str = \"a\"
+  var v: int = 3
   out z: float
   start -> A
   A.ok -> .done
@@ -540,25 +412,30 @@ hierarchy ROOT
         &expect![[r#"
             > start
             enter ROOT
-            set ROOT.v = "a"
+            set ROOT.v = 3
             enter ROOT/A
               run ROOT/A
             > A ok y="no"
-            error root/a: y is str, not float
+            error ROOT/A: y is str, not float
             leave ROOT/A ok y="no"
+            error ROOT: v is str, not int
             set ROOT.v = "no"
-            error root: z is str, not float
+            error ROOT: z is str, not float
             leave ROOT done z="no"
             finished
               end of run: done (0) z="no" variables: v="no", 2 states
         "#]],
     );
-    check("execution ROOT\n  in x: int = 1", "start x=\"no\"", &expect![[r#"
-        > start x="no"
-        error root: x is str, not int
-        enter ROOT x="no"
-          run ROOT
-    "#]]);
+    check(
+        "execution ROOT\n  in x: int = 1",
+        "start x=\"no\"",
+        &expect![[r#"
+            > start x="no"
+            enter ROOT x="no"
+            error ROOT: x is str, not int
+              run ROOT
+        "#]],
+    );
 }
 
 #[test]
@@ -566,7 +443,7 @@ fn int_and_float_pass_for_each_other() {
     check(
         "execution ROOT\n  outcome ok\n  in x: float = 0.0\n  out y: int",
         "start x=1; ROOT ok y=2.5",
-        &expect![[r#"
+        &expect![[r"
             > start x=1
             enter ROOT x=1
               run ROOT
@@ -574,7 +451,7 @@ fn int_and_float_pass_for_each_other() {
             leave ROOT ok y=2.5
             finished
               end of run: ok (0) y=2.5, 1 states
-        "#]],
+        "]],
     );
 }
 
@@ -583,7 +460,7 @@ fn none_fits_every_type() {
     check(
         "execution ROOT\n  outcome ok\n  in x: float = 0.0\n  out y: int",
         "start x=None; ROOT ok y=None",
-        &expect![[r#"
+        &expect![[r"
             > start x=None
             enter ROOT x=None
               run ROOT
@@ -591,7 +468,7 @@ fn none_fits_every_type() {
             leave ROOT ok y=None
             finished
               end of run: ok (0) y=None, 1 states
-        "#]],
+        "]],
     );
 }
 
@@ -608,7 +485,7 @@ hierarchy ROOT
     out y: int
 ",
         "start; A ok y=5",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A x=1
@@ -616,6 +493,6 @@ hierarchy ROOT
             > A ok y=5
             leave ROOT/A ok y=5
             wait ROOT: no transition from ROOT/A ok
-        "#]],
+        "]],
     );
 }

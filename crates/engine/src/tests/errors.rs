@@ -18,7 +18,10 @@ hierarchy ROOT
 
 #[test]
 fn an_error_reaches_the_next_state_only() {
-    check(RECOVERY, "start; A raises \"boom\"; B ok; C ok", &expect![[r#"
+    check(
+        RECOVERY,
+        "start; A raises \"boom\"; B ok; C ok",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/A
@@ -36,12 +39,16 @@ fn an_error_reaches_the_next_state_only() {
         leave ROOT done
         finished
           end of run: done (0), 4 states
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn a_script_may_name_its_own_error() {
-    check(RECOVERY, "start; A aborted error=\"mine\"", &expect![[r#"
+    check(
+        RECOVERY,
+        "start; A aborted error=\"mine\"",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/A
@@ -50,12 +57,16 @@ fn a_script_may_name_its_own_error() {
         leave ROOT/A aborted error="mine"
         enter ROOT/B
           run ROOT/B error="mine"
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn an_abort_without_an_error_hands_none_on() {
-    check(RECOVERY, "start; A aborted", &expect![[r#"
+    check(
+        RECOVERY,
+        "start; A aborted",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -64,7 +75,8 @@ fn an_abort_without_an_error_hands_none_on() {
         leave ROOT/A aborted
         enter ROOT/B
           run ROOT/B
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -160,7 +172,7 @@ hierarchy ROOT
     execution A
 ",
         "start; A preempted",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/H
@@ -172,7 +184,7 @@ hierarchy ROOT
             leave ROOT done
             finished
               end of run: done (0), 3 states
-        "#]],
+        "]],
     );
 }
 

@@ -20,7 +20,7 @@ fn children_run_one_after_the_other() {
     check(
         TWO,
         "start; A ok; B ok",
-        &expect![[r#"
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -34,7 +34,7 @@ fn children_run_one_after_the_other() {
         leave ROOT success
         finished
           end of run: success (0), 3 states
-    "#]],
+    "]],
     );
 }
 
@@ -50,13 +50,13 @@ hierarchy ROOT
   flow .x -> .y
 ",
         "start",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT x=4
             leave ROOT done y=4
             finished
               end of run: done (0) y=4, 1 states
-        "#]],
+        "]],
     );
 }
 
@@ -77,7 +77,7 @@ hierarchy ROOT
     out n: int
 ",
         "start; A more n=1; A more n=2; A done n=3",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             set ROOT.n = 0
@@ -99,7 +99,7 @@ hierarchy ROOT
             leave ROOT done
             finished
               end of run: done (0) variables: n=3, 4 states
-        "#]],
+        "]],
     );
 }
 
@@ -114,7 +114,7 @@ hierarchy ROOT
     outcome ok
 ",
         "start; A ok; active; stop",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -131,7 +131,7 @@ hierarchy ROOT
             finished
               preempt ROOT
               end of run: preempted (-2), 2 states
-        "#]],
+        "]],
     );
 }
 
@@ -140,7 +140,7 @@ fn a_missing_start_waits_until_it_is_stopped() {
     check(
         "hierarchy ROOT\n  outcome success",
         "start; active; stop",
-        &expect![[r#"
+        &expect![[r"
         > start
         enter ROOT
         wait ROOT: no start
@@ -153,7 +153,7 @@ fn a_missing_start_waits_until_it_is_stopped() {
         finished
           preempt ROOT
           end of run: preempted (-2), 1 states
-    "#]],
+    "]],
     );
 }
 
@@ -162,7 +162,7 @@ fn a_pause_holds_before_the_next_child() {
     check(
         TWO,
         "start; pause; A ok; active; resume; B ok",
-        &expect![[r#"
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -185,7 +185,7 @@ fn a_pause_holds_before_the_next_child() {
         leave ROOT success
         finished
           end of run: success (0), 3 states
-    "#]],
+    "]],
     );
 }
 
@@ -194,7 +194,7 @@ fn a_pause_does_not_hold_the_end_of_a_hierarchy() {
     check(
         TWO,
         "start; A ok; pause; B ok",
-        &expect![[r#"
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -211,7 +211,7 @@ fn a_pause_does_not_hold_the_end_of_a_hierarchy() {
         leave ROOT success
         finished
           end of run: success (0), 3 states
-    "#]],
+    "]],
     );
 }
 
@@ -220,7 +220,7 @@ fn a_stop_ends_a_pause() {
     check(
         TWO,
         "start; pause; A ok; stop",
-        &expect![[r#"
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -238,14 +238,11 @@ fn a_stop_ends_a_pause() {
           paused false
           preempt ROOT
           end of run: preempted (-2), 2 states
-    "#]],
+    "]],
     );
 }
 
-#[test]
-fn branches_are_held_one_by_one() {
-    check(
-        "
+const TWO_BRANCHES: &str = "
 preemptive ROOT
   outcome won
   H.success -> .won ; I.success -> .won
@@ -263,9 +260,14 @@ preemptive ROOT
       outcome ok
     execution B
       outcome ok
-",
+";
+
+#[test]
+fn branches_are_held_one_by_one() {
+    check(
+        TWO_BRANCHES,
         "start; pause; H/A ok; active; I/A ok; active; resume; H/B ok; I/B ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/H
@@ -314,7 +316,7 @@ preemptive ROOT
             finished
               end 2
               end of run: won (0), 7 states
-        "#]],
+        "]],
     );
 }
 

@@ -25,7 +25,10 @@ hierarchy ROOT
 
 #[test]
 fn a_library_is_a_state_around_its_root() {
-    check(LIBRARY, "start; L/R ok; M/R ok answer=\"b\"", &expect![[r#"
+    check(
+        LIBRARY,
+        "start; L/R ok; M/R ok answer=\"b\"",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/L question="which way"
@@ -43,12 +46,16 @@ fn a_library_is_a_state_around_its_root() {
         leave ROOT done
         finished
           end of run: done (0), 3 states
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn runtime_values_go_before_defaults_and_flows_before_both() {
-    check(LIBRARY, "start; L/R ok answer=\"from-L\"", &expect![[r#"
+    check(
+        LIBRARY,
+        "start; L/R ok answer=\"from-L\"",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/L question="which way"
@@ -60,9 +67,13 @@ fn runtime_values_go_before_defaults_and_flows_before_both() {
         enter ROOT/M question="from-L"
         enter ROOT/M/R question="from-L"
           run ROOT/M/R
-    "#]]);
+    "#]],
+    );
     let unconnected = LIBRARY.replace("flow L.answer -> M.question", "");
-    check(&unconnected, "start; L/R ok", &expect![[r#"
+    check(
+        &unconnected,
+        "start; L/R ok",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/L question="which way"
@@ -74,12 +85,16 @@ fn runtime_values_go_before_defaults_and_flows_before_both() {
         enter ROOT/M question="?"
         enter ROOT/M/R question="?"
           run ROOT/M/R
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn a_library_ends_as_its_root_does_with_its_error() {
-    check(LIBRARY, "start; L/R ok; M/R raises \"boom\"", &expect![[r#"
+    check(
+        LIBRARY,
+        "start; L/R ok; M/R raises \"boom\"",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/L question="which way"
@@ -97,7 +112,8 @@ fn a_library_ends_as_its_root_does_with_its_error() {
         leave ROOT done error="boom"
         finished
           end of run: done (0) error="boom", 3 states
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
@@ -143,7 +159,7 @@ hierarchy ROOT
             > start
             enter ROOT
             enter ROOT/L x=3
-            error root/l: missing library: there is no folder generic/gone
+            error ROOT/L: missing library: there is no folder generic/gone
             leave ROOT/L aborted error="there is no folder generic/gone"
             enter ROOT/A
               run ROOT/A error="there is no folder generic/gone"
@@ -173,7 +189,7 @@ library ROOT from \"outer\"
   content OUTER
 ",
         "start; I ok y=7",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT x=1
             enter ROOT/R x=1
@@ -185,7 +201,7 @@ library ROOT from \"outer\"
             leave ROOT ok y=7
             finished
               end of run: ok (0) y=7, 1 states
-        "#]],
+        "]],
     );
 }
 
@@ -207,7 +223,7 @@ library ROOT from \"x\"
       out 3 d: int = 4
 ",
         "start; R ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT b=11
             enter ROOT/R a=1 b=11
@@ -217,6 +233,6 @@ library ROOT from \"x\"
             leave ROOT ok d=13
             finished
               end of run: ok (0) d=13, 1 states
-        "#]],
+        "]],
     );
 }

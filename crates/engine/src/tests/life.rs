@@ -7,7 +7,10 @@ const LEAF: &str = "execution ROOT\n  outcome ok";
 
 #[test]
 fn a_command_out_of_place_is_refused_and_changes_nothing() {
-    check(LEAF, "pause; resume; stop; ROOT ok", &expect![[r#"
+    check(
+        LEAF,
+        "pause; resume; stop; ROOT ok",
+        &expect![[r"
         > pause
         refused: cannot pause: the run has not started; start it first
         > resume
@@ -16,8 +19,12 @@ fn a_command_out_of_place_is_refused_and_changes_nothing() {
         refused: cannot stop: the run has not started; start it first
         > ROOT ok
         refused: frame 77.0 runs no script; a result is given once, with the frame of its job
-    "#]]);
-    check(LEAF, "start; start; resume; pause; pause; start", &expect![[r#"
+    "]],
+    );
+    check(
+        LEAF,
+        "start; start; resume; pause; pause; start",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -32,8 +39,16 @@ fn a_command_out_of_place_is_refused_and_changes_nothing() {
         refused: cannot pause: the run is paused; it can be resumed or stopped
         > start
         refused: cannot start: the run is paused; it can be resumed or stopped
-    "#]]);
-    check(LEAF, "start; stop; pause; resume; start", &expect![[r#"
+    "]],
+    );
+}
+
+#[test]
+fn a_run_that_stops_or_has_ended_takes_no_command_but_stop() {
+    check(
+        LEAF,
+        "start; stop; pause; resume; start",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -46,8 +61,12 @@ fn a_command_out_of_place_is_refused_and_changes_nothing() {
         refused: cannot resume: the run is stopping; it ends when its scripts do; stop again to preempt their handlers too
         > start
         refused: cannot start: the run is stopping; it ends when its scripts do; stop again to preempt their handlers too
-    "#]]);
-    check(LEAF, "start; ROOT ok; start; stop; pause; resume; ROOT ok", &expect![[r#"
+    "]],
+    );
+    check(
+        LEAF,
+        "start; ROOT ok; start; stop; pause; resume; ROOT ok",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -65,12 +84,16 @@ fn a_command_out_of_place_is_refused_and_changes_nothing() {
         refused: cannot resume: the run has finished; begin a new run
         > ROOT ok
         refused: frame 77.0 runs no script; a result is given once, with the frame of its job
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn a_stop_may_be_repeated() {
-    check(LEAF, "start; stop; stop; ROOT ok", &expect![[r#"
+    check(
+        LEAF,
+        "start; stop; stop; ROOT ok",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -83,12 +106,16 @@ fn a_stop_may_be_repeated() {
         leave ROOT preempted
         finished
           end of run: preempted (-2), 1 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn a_root_may_be_any_state() {
-    check(LEAF, "start; ROOT ok", &expect![[r#"
+    check(
+        LEAF,
+        "start; ROOT ok",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -96,15 +123,20 @@ fn a_root_may_be_any_state() {
         leave ROOT ok
         finished
           end of run: ok (0), 1 states
-    "#]]);
-    check("library ROOT from \"x\"\n  missing \"gone\"", "start", &expect![[r#"
-        > start
-        enter ROOT
-        error root: missing library: gone
-        leave ROOT aborted error="gone"
-        finished
-          end of run: aborted (-1) error="gone", 0 states
-    "#]]);
+    "]],
+    );
+    check(
+        "library ROOT from \"x\"\n  missing \"gone\"",
+        "start",
+        &expect![[r#"
+            > start
+            enter ROOT
+            error ROOT: missing library: gone
+            leave ROOT aborted error="gone"
+            finished
+              end of run: aborted (-1) error="gone", 0 states
+        "#]],
+    );
 }
 
 const NESTED: &str = "
@@ -140,7 +172,10 @@ hierarchy ROOT
 
 #[test]
 fn a_run_may_start_inside() {
-    check(NESTED, "start at ROOT/H/L/R/D; D ok; Z ok", &expect![[r#"
+    check(
+        NESTED,
+        "start at ROOT/H/L/R/D; D ok; Z ok",
+        &expect![[r"
         > start at ROOT/H/L/R/D
         enter ROOT
         enter ROOT/H x=4
@@ -160,24 +195,33 @@ fn a_run_may_start_inside() {
         enter ROOT/H x=4
         enter ROOT/H/B
           run ROOT/H/B
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn a_run_may_start_at_a_container_or_at_the_root() {
-    check(NESTED, "start at ROOT/H", &expect![[r#"
+    check(
+        NESTED,
+        "start at ROOT/H",
+        &expect![[r"
         > start at ROOT/H
         enter ROOT
         enter ROOT/H x=4
         enter ROOT/H/B
           run ROOT/H/B
-    "#]]);
-    check(NESTED, "start at ROOT", &expect![[r#"
+    "]],
+    );
+    check(
+        NESTED,
+        "start at ROOT",
+        &expect![[r"
         > start at ROOT
         enter ROOT
         enter ROOT/A
           run ROOT/A
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -185,24 +229,27 @@ fn a_start_at_an_unknown_state_is_refused() {
     check(
         NESTED,
         "start at ROOT/H/X/D; start at OTHER/H; start at ROOT/A/B; start",
-        &expect![[r#"
+        &expect![[r"
             > start at ROOT/H/X/D
             refused: there is no state at 'ROOT/H/X/D': 'X' is not inside 'ROOT/H'; paths are state ids from the root down, joined by '/'
             > start at OTHER/H
-            refused: there is no state at 'OTHER/H': 'OTHER' is not inside ''; paths are state ids from the root down, joined by '/'
+            refused: there is no state at 'OTHER/H': the root is not 'OTHER'; paths are state ids from the root down, joined by '/'
             > start at ROOT/A/B
             refused: there is no state at 'ROOT/A/B': 'B' is not inside 'ROOT/A'; paths are state ids from the root down, joined by '/'
             > start
             enter ROOT
             enter ROOT/A
               run ROOT/A
-        "#]],
+        "]],
     );
 }
 
 #[test]
 fn a_pause_at_the_start_keeps_the_place_to_start_at() {
-    check(NESTED, "start at ROOT/H/B; pause; B ok; resume", &expect![[r#"
+    check(
+        NESTED,
+        "start at ROOT/H/B; pause; B ok; resume",
+        &expect![[r"
         > start at ROOT/H/B
         enter ROOT
         enter ROOT/H x=4
@@ -220,7 +267,8 @@ fn a_pause_at_the_start_keeps_the_place_to_start_at() {
         enter ROOT/H/L/R/C
           paused false
           run ROOT/H/L/R/C
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -248,7 +296,7 @@ barrier ROOT
     outcome ok
 ",
         "start at ROOT/H/B",
-        &expect![[r#"
+        &expect![[r"
             > start at ROOT/H/B
             enter ROOT
             enter ROOT/H
@@ -259,7 +307,7 @@ barrier ROOT
               run ROOT/H/B on 1
               fork 2
               run ROOT/I/A on 2
-        "#]],
+        "]],
     );
 }
 
@@ -293,7 +341,10 @@ hierarchy ROOT
 
 #[test]
 fn a_result_is_taken_once() {
-    check(LEAF, "start; NOBODY ok; ROOT ok", &expect![[r#"
+    check(
+        LEAF,
+        "start; NOBODY ok; ROOT ok",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -303,5 +354,6 @@ fn a_result_is_taken_once() {
         leave ROOT ok
         finished
           end of run: ok (0), 1 states
-    "#]]);
+    "]],
+    );
 }

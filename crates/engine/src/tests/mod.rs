@@ -9,6 +9,7 @@ mod library;
 mod life;
 mod outcomes;
 mod preemption;
+mod scoped;
 mod world;
 
 use expect_test::Expect;

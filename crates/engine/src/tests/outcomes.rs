@@ -12,7 +12,10 @@ execution ROOT
 
 #[test]
 fn an_outcome_by_id() {
-    check(LEAF, "start; ROOT 7", &expect![[r#"
+    check(
+        LEAF,
+        "start; ROOT 7",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -20,12 +23,16 @@ fn an_outcome_by_id() {
         leave ROOT went well y=1
         finished
           end of run: went well (7) y=1, 1 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn an_outcome_by_name() {
-    check(LEAF, "start; ROOT ok y=2", &expect![[r#"
+    check(
+        LEAF,
+        "start; ROOT ok y=2",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -33,12 +40,16 @@ fn an_outcome_by_name() {
         leave ROOT ok y=2
         finished
           end of run: ok (0) y=2, 1 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn mandatory_outcomes_may_be_returned() {
-    check(LEAF, "start; ROOT aborted", &expect![[r#"
+    check(
+        LEAF,
+        "start; ROOT aborted",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -46,8 +57,12 @@ fn mandatory_outcomes_may_be_returned() {
         leave ROOT aborted y=1
         finished
           end of run: aborted (-1) y=1, 1 states
-    "#]]);
-    check(LEAF, "start; ROOT -2", &expect![[r#"
+    "]],
+    );
+    check(
+        LEAF,
+        "start; ROOT -2",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -55,46 +70,62 @@ fn mandatory_outcomes_may_be_returned() {
         leave ROOT preempted y=1
         finished
           end of run: preempted (-2) y=1, 1 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn an_unknown_outcome_aborts_without_an_error() {
-    check(LEAF, "start; ROOT nonsense", &expect![[r#"
-        > start
-        enter ROOT
-          run ROOT
-        > ROOT nonsense
-        error root: 'nonsense' is no outcome
-        leave ROOT aborted y=1
-        finished
-          end of run: aborted (-1) y=1, 1 states
-    "#]]);
-    check(LEAF, "start; ROOT 5", &expect![[r#"
-        > start
-        enter ROOT
-          run ROOT
-        > ROOT 5
-        error root: 5 is no outcome
-        leave ROOT aborted y=1
-        finished
-          end of run: aborted (-1) y=1, 1 states
-    "#]]);
-    check(LEAF, "start; ROOT other \"None\"", &expect![[r#"
-        > start
-        enter ROOT
-          run ROOT
-        > ROOT other "None"
-        error root: none is no outcome
-        leave ROOT aborted y=1
-        finished
-          end of run: aborted (-1) y=1, 1 states
-    "#]]);
+    check(
+        LEAF,
+        "start; ROOT nonsense",
+        &expect![[r"
+            > start
+            enter ROOT
+              run ROOT
+            > ROOT nonsense
+            error ROOT: 'nonsense' is no outcome
+            leave ROOT aborted y=1
+            finished
+              end of run: aborted (-1) y=1, 1 states
+        "]],
+    );
+    check(
+        LEAF,
+        "start; ROOT 5",
+        &expect![[r"
+            > start
+            enter ROOT
+              run ROOT
+            > ROOT 5
+            error ROOT: 5 is no outcome
+            leave ROOT aborted y=1
+            finished
+              end of run: aborted (-1) y=1, 1 states
+        "]],
+    );
+    check(
+        LEAF,
+        "start; ROOT other \"None\"",
+        &expect![[r#"
+            > start
+            enter ROOT
+              run ROOT
+            > ROOT other "None"
+            error ROOT: None is no outcome
+            leave ROOT aborted y=1
+            finished
+              end of run: aborted (-1) y=1, 1 states
+        "#]],
+    );
 }
 
 #[test]
 fn an_exception_aborts_with_itself_as_error() {
-    check(LEAF, "start; ROOT raises \"boom\"", &expect![[r#"
+    check(
+        LEAF,
+        "start; ROOT raises \"boom\"",
+        &expect![[r#"
         > start
         enter ROOT
           run ROOT
@@ -102,12 +133,16 @@ fn an_exception_aborts_with_itself_as_error() {
         leave ROOT aborted y=1 error="boom"
         finished
           end of run: aborted (-1) y=1 error="boom", 1 states
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn preempted_goes_before_what_the_script_returned() {
-    check(LEAF, "start; stop; ROOT ok y=5", &expect![[r#"
+    check(
+        LEAF,
+        "start; stop; ROOT ok y=5",
+        &expect![[r"
         > start
         enter ROOT
           run ROOT
@@ -118,12 +153,16 @@ fn preempted_goes_before_what_the_script_returned() {
         leave ROOT preempted y=5
         finished
           end of run: preempted (-2) y=5, 1 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn an_exception_goes_before_preempted() {
-    check(LEAF, "start; stop; ROOT raises \"boom\"", &expect![[r#"
+    check(
+        LEAF,
+        "start; stop; ROOT raises \"boom\"",
+        &expect![[r#"
         > start
         enter ROOT
           run ROOT
@@ -134,5 +173,6 @@ fn an_exception_goes_before_preempted() {
         leave ROOT aborted y=1 error="boom"
         finished
           end of run: aborted (-1) y=1 error="boom", 1 states
-    "#]]);
+    "#]],
+    );
 }

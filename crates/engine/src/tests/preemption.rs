@@ -21,7 +21,10 @@ preemptive ROOT
 
 #[test]
 fn the_first_to_end_preempts_the_others() {
-    check(RACE, "start; B ok y=2; active; A ok y=1", &expect![[r#"
+    check(
+        RACE,
+        "start; B ok y=2; active; A ok y=1",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -44,12 +47,16 @@ fn the_first_to_end_preempts_the_others() {
         finished
           end 1
           end of run: two (1) z=2, 3 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn the_winners_outputs_win() {
-    check(RACE, "start; A ok y=1; B ok y=2", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok y=1; B ok y=2",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -68,12 +75,16 @@ fn the_winners_outputs_win() {
         finished
           end 2
           end of run: one (0) z=1, 3 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn outputs_of_the_preempted_count_where_the_winner_gives_none() {
-    check(RACE, "start; A ok -y; B ok y=2", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok -y; B ok y=2",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -92,13 +103,17 @@ fn outputs_of_the_preempted_count_where_the_winner_gives_none() {
         finished
           end 2
           end of run: one (0) z=2, 3 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn a_winner_that_aborts_takes_its_transition_with_its_error() {
     let machine = RACE.replace("A.ok ->", "A.aborted ->");
-    check(&machine, "start; A raises \"boom\"; B ok", &expect![[r#"
+    check(
+        &machine,
+        "start; A raises \"boom\"; B ok",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/A
@@ -117,12 +132,16 @@ fn a_winner_that_aborts_takes_its_transition_with_its_error() {
         finished
           end 2
           end of run: one (0) z=None error="boom", 3 states
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn a_winner_that_aborts_unconnected_aborts_the_race() {
-    check(RACE, "start; A raises \"boom\"; B ok", &expect![[r#"
+    check(
+        RACE,
+        "start; A raises \"boom\"; B ok",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/A
@@ -141,12 +160,16 @@ fn a_winner_that_aborts_unconnected_aborts_the_race() {
         finished
           end 2
           end of run: aborted (-1) z=None error="boom", 3 states
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn an_error_of_a_loser_is_lost() {
-    check(RACE, "start; A ok y=1; B raises \"late\"", &expect![[r#"
+    check(
+        RACE,
+        "start; A ok y=1; B raises \"late\"",
+        &expect![[r#"
         > start
         enter ROOT
         enter ROOT/A
@@ -165,12 +188,16 @@ fn an_error_of_a_loser_is_lost() {
         finished
           end 2
           end of run: one (0) z=1, 3 states
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
 fn an_unconnected_outcome_of_the_winner_waits_until_it_is_stopped() {
-    check(RACE, "start; A lost y=1; B ok y=2; stop", &expect![[r#"
+    check(
+        RACE,
+        "start; A lost y=1; B ok y=2; stop",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -193,12 +220,16 @@ fn an_unconnected_outcome_of_the_winner_waits_until_it_is_stopped() {
         finished
           preempt ROOT
           end of run: preempted (-2) z=1, 3 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn a_race_without_children_waits_until_it_is_stopped() {
-    check("preemptive ROOT\n  outcome one", "start; active; stop", &expect![[r#"
+    check(
+        "preemptive ROOT\n  outcome one",
+        "start; active; stop",
+        &expect![[r"
         > start
         enter ROOT
         wait ROOT: no children
@@ -211,7 +242,8 @@ fn a_race_without_children_waits_until_it_is_stopped() {
         finished
           preempt ROOT
           end of run: preempted (-2), 1 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -235,7 +267,7 @@ preemptive ROOT
     decider unique_decider_state_id
 ",
         "start; B ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -259,7 +291,7 @@ preemptive ROOT
             finished
               end 2
               end of run: one (0), 5 states
-        "#]],
+        "]],
     );
 }
 
@@ -286,7 +318,7 @@ preemptive ROOT
       outcome ok
 ",
         "start; A ok; D ok; C ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -323,7 +355,7 @@ preemptive ROOT
               end 4
               end 2
               end of run: one (0), 6 states
-        "#]],
+        "]],
     );
 }
 
@@ -344,7 +376,10 @@ hierarchy ROOT
 
 #[test]
 fn one_handler_runs_after_preemption() {
-    check(HANDLER, "start; stop; A ok; active; H ok", &expect![[r#"
+    check(
+        HANDLER,
+        "start; stop; A ok; active; H ok",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -366,12 +401,16 @@ fn one_handler_runs_after_preemption() {
         leave ROOT preempted
         finished
           end of run: preempted (-2), 3 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn a_handler_may_leave_to_another_handler() {
-    check(HANDLER, "start; stop; A ok; H preempted; I ok", &expect![[r#"
+    check(
+        HANDLER,
+        "start; stop; A ok; H preempted; I ok",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -393,12 +432,16 @@ fn a_handler_may_leave_to_another_handler() {
         leave ROOT preempted
         finished
           end of run: preempted (-2), 4 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
 fn a_second_stop_preempts_the_handler_too() {
-    check(HANDLER, "start; stop; A ok; stop; H ok; I ok", &expect![[r#"
+    check(
+        HANDLER,
+        "start; stop; A ok; stop; H ok; I ok",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -423,7 +466,8 @@ fn a_second_stop_preempts_the_handler_too() {
         leave ROOT preempted
         finished
           end of run: preempted (-2), 4 states
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
@@ -431,7 +475,7 @@ fn a_handler_that_leads_out_still_ends_preempted() {
     check(
         &HANDLER.replace("H.ok -> B", "H.ok -> .done"),
         "start; stop; A ok; H ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -449,13 +493,16 @@ fn a_handler_that_leads_out_still_ends_preempted() {
             leave ROOT preempted
             finished
               end of run: preempted (-2), 3 states
-        "#]],
+        "]],
     );
 }
 
 #[test]
 fn an_outcome_preempted_is_followed_without_preemption() {
-    check(HANDLER, "start; A preempted; H ok; B ok", &expect![[r#"
+    check(
+        HANDLER,
+        "start; A preempted; H ok; B ok",
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/A
@@ -471,11 +518,12 @@ fn an_outcome_preempted_is_followed_without_preemption() {
         > B ok
         leave ROOT/B ok
         wait ROOT: no transition from ROOT/B ok
-    "#]]);
+    "]],
+    );
 }
 
 #[test]
-fn an_exception_while_preempted_needs_a_handler_behind_aborted_no_more() {
+fn an_abort_while_preempted_runs_no_handler() {
     check(
         &HANDLER.replace("A.ok ->", "A.aborted -> B ; A.ok ->"),
         "start; stop; A raises \"boom\"",
@@ -515,7 +563,7 @@ hierarchy ROOT
       outcome ok
 ",
         "start; stop; A 0; B ok; C ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -539,7 +587,7 @@ hierarchy ROOT
             leave ROOT preempted
             finished
               end of run: preempted (-2), 5 states
-        "#]],
+        "]],
     );
 }
 
@@ -561,7 +609,7 @@ preemptive ROOT
     outcome ok
 ",
         "start; C ok; A ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -589,7 +637,7 @@ preemptive ROOT
               end 2
               end 3
               end of run: one (0), 5 states
-        "#]],
+        "]],
     );
 }
 
@@ -610,7 +658,7 @@ preemptive ROOT
     execution D
 ",
         "start; pause; C ok; A ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -634,7 +682,7 @@ preemptive ROOT
               preempt ROOT/B
               end 2
               end of run: one (0), 4 states
-        "#]],
+        "]],
     );
 }
 
@@ -654,7 +702,7 @@ preemptive ROOT
       outcome ok
 ",
         "start; pause; A ok; C 0; active; resume; D ok",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/A
@@ -690,6 +738,6 @@ preemptive ROOT
             finished
               end 2
               end of run: one (0), 5 states
-        "#]],
+        "]],
     );
 }

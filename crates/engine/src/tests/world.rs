@@ -2,12 +2,11 @@
 
 use crate::{
     Effect, Engine, Event, Finish, FrameId, Globals, Input, Job, ModelLiterals, Note, Outbox,
-    PathId, Program, Returned, ScriptResult, Start, WaitReason,
+    PathId, Program, Returned, ScriptResult, Start, Verdict, WaitReason,
 };
 use rafcon_model::{OutcomeId, Port, StatePath, Value, literal, notation};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::sync::Arc;
 
 #[derive(Default)]
@@ -140,7 +139,8 @@ impl World {
                 format!("wait {}: {}", self.path(*path), self.reason(reason))
             }
             Event::Note { path, level, note } => {
-                format!("{level:?} {}: {}", self.path(*path), noted(note)).to_lowercase()
+                let level = format!("{level:?}").to_lowercase();
+                format!("{level} {}: {}", self.path(*path), noted(note))
             }
             Event::Paused(true) => "paused".to_owned(),
             Event::Paused(false) => "goes on".to_owned(),
@@ -180,19 +180,16 @@ impl World {
     }
 
     fn job(&self, job: &Job<Value>) -> String {
-        let mut line = format!("  run {}", self.path(job.path));
-        if job.branch.0 != 0 {
-            let _ = write!(line, " on {}", job.branch.0);
-        }
-        line += &shown_error(job.error.as_ref());
-        if job.preempted {
-            line += " preempted";
-        }
-        for verdict in job.verdicts.iter().flat_map(|verdicts| &verdicts.children) {
-            let error = shown_error(verdict.error.as_ref());
-            let _ = write!(line, " [{} {}{error}]", verdict.name, verdict.outcome_name);
-        }
-        line
+        let path = self.path(job.path);
+        let branch = match job.branch.0 {
+            0 => String::new(),
+            branch => format!(" on {branch}"),
+        };
+        let error = shown_error(job.error.as_ref());
+        let preempted = if job.preempted { " preempted" } else { "" };
+        let verdicts = job.verdicts.iter().flat_map(|verdicts| &verdicts.children).map(verdict);
+        let verdicts = verdicts.collect::<String>();
+        format!("  run {path}{branch}{error}{preempted}{verdicts}")
     }
 
     fn say(&mut self, line: &str) {
@@ -202,13 +199,11 @@ impl World {
 }
 
 fn start(text: &str) -> Start<Value> {
-    match text.strip_prefix("at ") {
-        Some(path) => Start { start_from: Some(StatePath::parse(path)), ..Start::default() },
-        None => {
-            let inputs = assignments(text).into_iter().map(|(k, v)| (k.into(), v));
-            Start { inputs: inputs.collect(), start_from: None }
-        }
+    if let Some(path) = text.strip_prefix("at ") {
+        return Start { start_from: Some(StatePath::parse(path)), ..Start::default() };
     }
+    let inputs = assignments(text).into_iter().map(|(name, value)| (name.into(), value));
+    Start { inputs: inputs.collect(), start_from: None }
 }
 
 fn result(how: &str, ports: &[Port], defaults: &[Value]) -> ScriptResult<Value> {
@@ -251,13 +246,21 @@ fn shown_error(error: Option<&Value>) -> String {
     error.map(|error| format!(" error={}", shown(error))).unwrap_or_default()
 }
 
+fn verdict(verdict: &Verdict<Value>) -> String {
+    let error = shown_error(verdict.error.as_ref());
+    format!(" [{} {}{error}]", verdict.name, verdict.outcome_name)
+}
+
+fn pair(name: &str, value: &Value) -> String {
+    format!(" {name}={}", shown(value))
+}
+
 fn values(ports: &[Port], values: &[Value]) -> String {
-    let pairs = ports.iter().zip(values);
-    pairs.map(|(port, value)| format!(" {}={}", port.name, shown(value))).collect()
+    ports.iter().zip(values).map(|(port, value)| pair(&port.name, value)).collect()
 }
 
 fn named(values: &[(SmolStr, Value)]) -> String {
-    values.iter().map(|(name, value)| format!(" {name}={}", shown(value))).collect()
+    values.iter().map(|(name, value)| pair(name, value)).collect()
 }
 
 fn finished(finish: &Finish<Value>) -> String {
