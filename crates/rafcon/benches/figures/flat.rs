@@ -10,7 +10,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 /// States run in one measurement.
-const STATES: i64 = 1_000_000;
+const STATES: u32 = 1_000_000;
 
 /// Two states; then a hundred and ten thousand of them, to see that neighbours cost nothing.
 pub(crate) fn measure() {
@@ -22,4 +22,60 @@ pub(crate) fn measure() {
     print("native_flat_states_per_s", speed(2), "states/s");
     let hundred = speed(100);
     print("native_flat_10000_over_100", speed(10_000) / hundred, "ratio");
+}
+
+fn program(siblings: usize) -> Arc<Program<Value>> {
+    let machine = notation::parse(&ring(siblings)).unwrap_or_else(|error| panic!("{error}"));
+    compile(&machine)
+}
+
+fn compile(machine: &Machine) -> Arc<Program<Value>> {
+    Arc::new(Program::compile(machine, &mut ModelLiterals))
+}
+
+/// A ring of states that pass a number on through a scoped variable.
+fn ring(siblings: usize) -> String {
+    let mut text =
+        "hierarchy ROOT\n  outcome done\n  out count: int\n  var now: int = 0\n".to_owned();
+    text += "  start -> S0\n  flow .now -> .count\n";
+    for this in 0..siblings {
+        let next = (this + 1) % siblings;
+        text += &format!("  S{this}.next -> S{next}\n  S{this}.done -> .done\n");
+        text += &format!("  flow .now -> S{this}.before\n  flow S{this}.after -> .now\n");
+        text += &format!("  execution S{this}\n    outcome next\n    outcome done\n");
+        text += "    in before: int = 0\n    out after: int = 0\n";
+    }
+    text
+}
+
+/// Runs the ring until the number is [`STATES`].
+fn states_per_s(program: &Arc<Program<Value>>) -> f64 {
+    let mut engine = Engine::new(Arc::clone(program));
+    let mut out = Outbox::default();
+    let mut history: Vec<Event<Value>> = Vec::new();
+    let (seconds, ()) = clock::seconds(|| {
+        let mut input = Some(Input::Start(Start::default()));
+        while let Some(cause) = input.take() {
+            if let Err(refusal) = engine.handle(cause, &NoGlobals, &mut out) {
+                panic!("{refusal}");
+            }
+            history.append(&mut out.events);
+            assert!(history.len() <= 4 * STATES as usize, "the ring does not count");
+            input = out.effects.drain(..).find_map(answer);
+        }
+    });
+    assert!(history.len() > STATES as usize, "the ring ran to its end");
+    f64::from(STATES) / seconds
+}
+
+/// What a native state does: one more than before.
+fn answer(effect: Effect<Value>) -> Option<Input<Value>> {
+    let Effect::Run(Job { frame, inputs, .. }) = effect else { return None };
+    let count = match inputs.first() {
+        Some(Value::Int(before)) => before + 1,
+        _ => 1,
+    };
+    let returned = Returned::Id(i64::from(count >= i64::from(STATES)));
+    let outputs = vec![Some(Value::Int(count))];
+    Some(Input::Finished { frame, result: ScriptResult { returned, outputs, error: None } })
 }

@@ -8,7 +8,7 @@ def execute(self, inputs, outputs, gvm):
     places = list(range(1, inputs["waypoints"] + 1))
     world.shuffle(places)
     hidden = {"battery": places[0], "mug": places[-1]}
-    rocks = [place for place in places[1:-1] if world.random() < 0.05]
+    rocks = places[1 : 1 + len(places) // 20]
     gvm.set_variable("time_scale", inputs["time_scale"])
     gvm.set_variable("seed", inputs["seed"])
     gvm.set_variable("hidden", hidden)
