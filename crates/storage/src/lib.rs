@@ -10,6 +10,9 @@ pub mod problem;
 pub mod read;
 pub mod write;
 
+#[cfg(test)]
+mod testing;
+
 pub use config::{Config, Environment, Naming};
 pub use libraries::{Libraries, Root, roots};
 pub use place::{Place, Saved};

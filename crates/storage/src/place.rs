@@ -14,7 +14,7 @@ pub struct Place {
     /// The folder's name in the parent's folder; empty for the root of the current layout.
     pub(crate) folder: Box<OsStr>,
     pub(crate) extra: Option<Box<Oddities>>,
-    children: Option<Arc<Vec<(StateId, Place)>>>,
+    children: Option<Arc<Vec<(StateId, Self)>>>,
 }
 
 /// What a folder holds that its state in memory does not tell.

@@ -136,17 +136,23 @@ impl Fault {
                 "correct the file by hand or restore it; it stays as it is until this part of the state is changed"
             }
             Self::Wrong(_) => "correct the key in the file, or change the state and save it",
-            Self::Element { wrong: Wrong::OtherId(_), .. } => "save the state to make both the same",
+            Self::Element { wrong: Wrong::OtherId(_), .. } => {
+                "save the state to make both the same"
+            }
             Self::Element { .. } => "correct it in the file; it is kept there, but has no effect",
             Self::UnknownClass(_) => {
                 "correct `__jsonqualname__`; the file stays as it is until the state is changed"
             }
-            Self::TakenId { .. } => "save the machine to keep the new id, or give it another in its file",
+            Self::TakenId { .. } => {
+                "save the machine to keep the new id, or give it another in its file"
+            }
             Self::MissingLibrary { .. } => {
                 "add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept"
             }
             Self::LibraryVersion { .. } => "check the instance against the library, then save it",
-            Self::ValueWithoutPort { .. } => "remove the value; until then it is kept and has no effect",
+            Self::ValueWithoutPort { .. } => {
+                "remove the value; until then it is kept and has no effect"
+            }
             Self::InLibrary { .. } => "open the library and correct it there",
             Self::Loop(_) => "remove the link; what lies behind it is not read",
             Self::TooDeep(_) => "move inner states into a library",

@@ -9,10 +9,6 @@ use std::path::{Path, PathBuf};
 pub struct Config {
     /// Root name and folder, in the order of the file.
     pub library_paths: Vec<(String, PathBuf)>,
-    /// Load a machine with invalid transitions. We always do; kept for `rafcon show` of the config.
-    pub library_recovery_mode: bool,
-    /// Validate when loading.
-    pub load_with_checks: bool,
     /// How folders of states are named.
     pub naming: Naming,
     /// Whether a run keeps its history in memory.
@@ -21,12 +17,8 @@ pub struct Config {
     pub file_history: bool,
     /// Where to, if the config says so.
     pub execution_log_path: Option<PathBuf>,
-    /// Whether those files are readable and writable for all.
-    pub execution_log_for_all: bool,
     /// Whether a script's text is compiled at each entry, not once.
     pub recompile_scripts: bool,
-    /// Whether a missing library is an error.
-    pub missing_library_is_error: bool,
     /// What was found wrong.
     pub notes: Vec<ConfigNote>,
 }
@@ -66,15 +58,11 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             library_paths: Vec::new(),
-            library_recovery_mode: false,
-            load_with_checks: true,
             naming: Naming::default(),
             in_memory_history: true,
             file_history: false,
             execution_log_path: None,
-            execution_log_for_all: false,
             recompile_scripts: true,
-            missing_library_is_error: false,
             notes: Vec::new(),
         }
     }
@@ -100,11 +88,8 @@ struct Reader<'r> {
 
 impl Reader<'_> {
     fn config(mut self) -> Config {
-        let default = Config::default();
         Config {
             library_paths: self.library_paths(),
-            library_recovery_mode: self.flag("LIBRARY_RECOVERY_MODE", default.library_recovery_mode),
-            load_with_checks: self.flag("LOAD_SM_WITH_CHECKS", default.load_with_checks),
             naming: Naming {
                 with_name: self.flag("STORAGE_PATH_WITH_STATE_NAME", true),
                 max_name_length: self.length("MAX_LENGTH_FOR_STATE_NAME_IN_STORAGE_PATH"),
@@ -112,9 +97,7 @@ impl Reader<'_> {
             in_memory_history: self.flag("IN_MEMORY_EXECUTION_HISTORY_ENABLE", true),
             file_history: self.flag("FILE_SYSTEM_EXECUTION_HISTORY_ENABLE", false),
             execution_log_path: self.path("EXECUTION_LOG_PATH"),
-            execution_log_for_all: self.flag("EXECUTION_LOG_SET_READ_AND_WRITABLE_FOR_ALL", false),
             recompile_scripts: self.flag("SCRIPT_RECOMPILATION_ON_STATE_EXECUTION", true),
-            missing_library_is_error: self.flag("RAISE_ERROR_ON_MISSING_LIBRARY_STATES", false),
             notes: self.notes,
         }
     }

@@ -82,7 +82,8 @@ impl Libraries {
         let wanted = parts(path);
         let root = self.roots.iter().filter(|root| wanted.starts_with(&parts(&root.name)));
         let root = root.max_by_key(|root| (root.name.len(), std::cmp::Reverse(self.rank(root))));
-        let root = root.ok_or_else(|| format_smolstr!("no library root is named `{}`", wanted[0]))?;
+        let root =
+            root.ok_or_else(|| format_smolstr!("no library root is named `{}`", wanted[0]))?;
         let inside = &wanted[parts(&root.name).len()..];
         Ok(inside.iter().fold(root.dir.clone(), |dir, part| dir.join(part)).join(name))
     }
@@ -95,7 +96,8 @@ impl Libraries {
     pub fn reference(&self, dir: &Path) -> Option<(SmolStr, SmolStr)> {
         let dir = fs::canonicalize(dir).ok()?;
         let below = |root: &Root| {
-            let inside = dir.strip_prefix(fs::canonicalize(&root.dir).ok()?).ok()?.to_str()?.to_owned();
+            let inside =
+                dir.strip_prefix(fs::canonicalize(&root.dir).ok()?).ok()?.to_str()?.to_owned();
             let (folder, name) = inside.rsplit_once('/').unwrap_or(("", &inside));
             let path = if folder.is_empty() {
                 root.name.clone()

@@ -29,6 +29,7 @@ struct Built {
     number: usize,
     state: State,
     place: Place,
+    linked: bool,
 }
 
 /// What is known of each node by its number, to tell where faults are.
@@ -77,7 +78,7 @@ fn build(
     trail: &mut Trail,
     contents: &mut Contents<'_>,
 ) -> Built {
-    let Node { number, folder, mut state, faults, oddities, .. } = node;
+    let Node { number, folder, mut state, faults, oddities, linked, .. } = node;
     trail.faults.extend(faults.into_iter().map(|(part, fault)| (number, part, fault)));
     if matches!(state.kind, Kind::Library(_)) {
         let faults = contents.fill(&mut state);
@@ -87,7 +88,7 @@ fn build(
     let mut places = Vec::with_capacity(children.len());
     if let Some(container) = state.container_mut() {
         let mut states = Vec::with_capacity(children.len());
-        for Built { mut state, place, number } in children {
+        for Built { mut state, place, number, .. } in children {
             super::library_content::ports_of_missing(&mut state, &container.data_flows);
             trail.ids[number] = state.id.clone();
             places.push((state.id.clone(), place));
@@ -96,7 +97,7 @@ fn build(
         container.states = states.into_iter().collect();
     }
     trail.ids[number] = state.id.clone();
-    Built { number, state, place: Place::new(folder, places).with(oddities) }
+    Built { number, state, place: Place::new(folder, places).with(oddities), linked }
 }
 
 /// Sorts by id; a state whose id is taken gets another one, the same at each load.
@@ -116,8 +117,10 @@ fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut Trail) {
         let new = fresh_id(&child.place.folder, &taken);
         taken.push(new.clone());
         trail.faults.push((child.number, Part::Core, Fault::TakenId { old, new: new.clone() }));
-        rename(&mut child.state, new);
-        child.place.mark_stale();
+        rename(&mut child.state, &new);
+        if !child.linked {
+            child.place.mark_stale();
+        }
     }
     children.sort_by(|a, b| a.state.id.cmp(&b.state.id));
 }
@@ -136,7 +139,8 @@ fn fresh_id(folder: &OsStr, taken: &[StateId]) -> StateId {
         hash = (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
     }
     loop {
-        let letter = |n: u32| char::from(b'A' + u8::try_from(hash / 26_u64.pow(n) % 26).unwrap_or(0));
+        let letter =
+            |n: u32| char::from(b'A' + u8::try_from(hash / 26_u64.pow(n) % 26).unwrap_or(0));
         let id = StateId::new((0..6).map(letter).collect::<String>());
         if !taken.contains(&id) {
             return id;
@@ -146,7 +150,7 @@ fn fresh_id(folder: &OsStr, taken: &[StateId]) -> StateId {
 }
 
 /// Gives the state another id, also where its own transitions and data flows name it.
-fn rename(state: &mut State, new: StateId) {
+fn rename(state: &mut State, new: &StateId) {
     let old = std::mem::replace(&mut state.id, new.clone());
     let Some(container) = state.container_mut() else { return };
     let swap = |id: &StateId| if *id == old { new.clone() } else { id.clone() };
@@ -191,7 +195,8 @@ impl Trail {
         let problem = |(number, part, fault)| {
             let chain = self.chain(number);
             let folder: PathBuf = chain.iter().map(|number| &self.folders[*number]).collect();
-            let state = StatePath(chain.into_iter().map(|number| self.ids[number].clone()).collect());
+            let state =
+                StatePath(chain.into_iter().map(|number| self.ids[number].clone()).collect());
             LoadProblem { state, file: file_of(&folder, part), fault }
         };
         let mut problems: Vec<_> = faults.into_iter().map(problem).collect();

@@ -56,7 +56,10 @@ mod tests {
 
     #[test]
     fn white_space_goes_and_strings_stay() {
-        check("{\n  \"a b\": [1, \n 2], \"\\\" c\": \" ü \"\n}\n", &expect![[r#"ok {"a b":[1,2],"\" c":" ü "}"#]]);
+        check(
+            "{\n  \"a b\": [1, \n 2], \"\\\" c\": \" ü \"\n}\n",
+            &expect![[r#"ok {"a b":[1,2],"\" c":" ü "}"#]],
+        );
     }
 
     #[test]

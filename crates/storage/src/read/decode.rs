@@ -8,14 +8,20 @@ use crate::problem::{Fault, Wrong};
 use rafcon_model::port::Extra;
 use rafcon_model::{
     Container, DECIDER_ID, DataFlows, Json, Kind, Layout, Outcome, OutcomeId, Outcomes, Ports,
-    Script, State, StateId, Transitions,
+    Script, State, StateId, States, Transitions,
 };
 use smol_str::{SmolStr, ToSmolStr as _};
 use std::sync::Arc;
 
 /// Keys of every state that has its own ports.
 const COMMON: [&str; 8] = [
-    "__jsonqualname__", "name", "state_id", "description", "income", "outcomes", "input_data_ports",
+    "__jsonqualname__",
+    "name",
+    "state_id",
+    "description",
+    "income",
+    "outcomes",
+    "input_data_ports",
     "output_data_ports",
 ];
 /// Further keys of hierarchies and concurrency states.
@@ -32,8 +38,7 @@ impl Decoder {
     /// The state that `document` describes; `Err` if it describes none. `folder` names it if it has no id.
     pub(crate) fn state(&mut self, document: &Json, folder: &str) -> Result<State, Fault> {
         let members = document.as_object();
-        let members =
-            members.ok_or_else(|| Fault::Wrong(Wrong::NotAnObject(document.kind())))?;
+        let members = members.ok_or_else(|| Fault::Wrong(Wrong::NotAnObject(document.kind())))?;
         let class = elements::text(document, "__jsonqualname__").map_err(Fault::Wrong)?;
         let short = class.rsplit('.').next().unwrap_or_default();
         let id = self.required_text(document, "state_id");
@@ -91,7 +96,7 @@ impl Decoder {
             data_flows.insert(flow);
         }
         let scoped_variables = self.ports(document, "scoped_variables", aside);
-        Container { states: Default::default(), transitions, data_flows, scoped_variables }
+        Container { states: States::default(), transitions, data_flows, scoped_variables }
     }
 
     fn outcomes(&mut self, document: &Json, aside: &mut Aside) -> Outcomes {
@@ -146,7 +151,8 @@ impl Decoder {
     }
 
     fn element_fault(&mut self, key: &str, text: &str, wrong: Wrong) {
-        self.faults.push(Fault::Element { element: smol_str::format_smolstr!("{key}.{text}"), wrong });
+        self.faults
+            .push(Fault::Element { element: smol_str::format_smolstr!("{key}.{text}"), wrong });
     }
 
     /// The text at `key`; a number counts as its digits, as the reference takes it.

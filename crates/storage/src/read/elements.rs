@@ -54,7 +54,7 @@ impl Ids {
 
     /// The id in a key, as Python's `int` reads it.
     pub(crate) fn read(&mut self, key: &str, value: &Json) -> Result<i64, Wrong> {
-        let id = key.trim().parse().map_err(|_: std::num::ParseIntError| Wrong::Key)?;
+        let id = key.trim().parse().map_err(|_not_a_number: std::num::ParseIntError| Wrong::Key)?;
         if value.as_object().is_none() {
             return Err(Wrong::NotAnObject(value.kind()));
         }
@@ -84,7 +84,11 @@ pub(crate) fn outcome(id: i64, json: &Json) -> Result<Outcome, Wrong> {
 /// The port or scoped variable with this id.
 pub(crate) fn port(id: i64, json: &Json) -> Result<Port, Wrong> {
     const KEYS: [&str; 6] = [
-        "__jsonqualname__", "name", "data_port_id", "scoped_variable_id", "data_type",
+        "__jsonqualname__",
+        "name",
+        "data_port_id",
+        "scoped_variable_id",
+        "data_type",
         "default_value",
     ];
     Ok(Port {
@@ -108,7 +112,12 @@ fn data_type(json: &Json) -> Result<DataType, Wrong> {
 /// The transition with this id.
 pub(crate) fn transition(id: i64, json: &Json) -> Result<Transition, Wrong> {
     const KEYS: [&str; 6] = [
-        "__jsonqualname__", "transition_id", "from_state", "from_outcome", "to_state", "to_outcome",
+        "__jsonqualname__",
+        "transition_id",
+        "from_state",
+        "from_outcome",
+        "to_state",
+        "to_outcome",
     ];
     Ok(Transition {
         id: TransitionId(id),

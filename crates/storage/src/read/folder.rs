@@ -13,7 +13,6 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Entry {
     pub(crate) name: OsString,
-    pub(crate) inode: u64,
     /// A link, or a file system that does not tell: only opening shows what it is.
     pub(crate) unclear: bool,
 }
@@ -49,7 +48,7 @@ pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<Entry>, Errno> {
         };
         if name != b"." && name != b".." {
             let name = OsString::from_vec(name.to_vec());
-            found.push(Entry { name, inode: entry.ino(), unclear });
+            found.push(Entry { name, unclear });
         }
     }
     Ok(found)
@@ -81,7 +80,9 @@ impl FileReader {
         }
         self.path.extend_from_slice(file.as_bytes());
         let flags = OFlags::RDONLY | OFlags::CLOEXEC;
-        match openat(dir, self.path.as_slice(), flags, Mode::empty()).and_then(|file| self.fill(&file)) {
+        match openat(dir, self.path.as_slice(), flags, Mode::empty())
+            .and_then(|file| self.fill(&file))
+        {
             Ok(length) => Ok(Some(&self.bytes[..length])),
             Err(Errno::NOENT | Errno::NOTDIR | Errno::ISDIR | Errno::LOOP) => Ok(None),
             Err(error) => Err(error),

@@ -89,7 +89,11 @@ pub(crate) fn ports_of_missing(state: &mut State, flows: &DataFlows) {
     state.outputs = known_ports("output", &library.outputs, from);
 }
 
-fn known_ports(side: &str, values: &RuntimeValues, connected: impl Iterator<Item = PortId>) -> Ports {
+fn known_ports(
+    side: &str,
+    values: &RuntimeValues,
+    connected: impl Iterator<Item = PortId>,
+) -> Ports {
     let ids: BTreeSet<PortId> = values.keys().copied().chain(connected).collect();
     let port = |id: PortId| {
         let value = values.get(&id).map_or(Value::None, |value| value.value.clone());

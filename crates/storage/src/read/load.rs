@@ -121,7 +121,8 @@ fn load_open(
     let (nodes, elsewhere) = find_root(&fd, dir, &head.root_folder)?;
     drop(fd);
     if elsewhere {
-        problems.push(about_machine(Fault::RootElsewhere(head.root_folder.to_string_lossy().into())));
+        problems
+            .push(about_machine(Fault::RootElsewhere(head.root_folder.to_string_lossy().into())));
     }
     let Assembled { root, place, problems: more } = assemble(nodes, libraries, loading);
     problems.extend(more);
@@ -168,10 +169,15 @@ fn read_header(fd: &OwnedFd, dir: &Path) -> Result<Head, LoadError> {
     let Some(bytes) = read(HEADER)? else {
         let path = dir.to_owned();
         let is_yaml = read(YAML_HEADER)?.is_some();
-        return Err(if is_yaml { LoadError::Yaml { path } } else { LoadError::NotAMachine { path } });
+        return Err(if is_yaml {
+            LoadError::Yaml { path }
+        } else {
+            LoadError::NotAMachine { path }
+        });
     };
     let mut problems = Vec::new();
-    let layout = match read(MACHINE_LAYOUT)?.map(|bytes| compact_layout(&bytes, &mut String::new())) {
+    let layout = match read(MACHINE_LAYOUT)?.map(|bytes| compact_layout(&bytes, &mut String::new()))
+    {
         Some(Ok(layout)) => layout,
         Some(Err(fault)) => {
             problems.push(LoadProblem { file: MACHINE_LAYOUT.into(), ..about_machine(fault) });

@@ -14,8 +14,8 @@ mod load;
 mod queue;
 mod walk;
 
-pub(crate) use load::{load_folder, load_locked, machine_folder};
 pub use load::{LoadError, Loaded, load};
+pub(crate) use load::{load_folder, load_locked, machine_folder};
 
 #[cfg(test)]
 mod tests;

@@ -35,6 +35,8 @@ pub(crate) struct Node {
     pub(crate) state: State,
     pub(crate) faults: Vec<(Part, Fault)>,
     pub(crate) oddities: Oddities,
+    /// Reached by a link, so that the same files may be another state, too.
+    pub(crate) linked: bool,
 }
 
 /// A folder to be read, and the open folder it lies in.
@@ -63,8 +65,9 @@ impl Dir {
         above.unwrap_or_default().join(name)
     }
 
-    fn contains_itself(&self, inode: u64) -> bool {
-        self.inode == inode || self.parent.as_ref().is_some_and(|above| above.contains_itself(inode))
+    /// Whether the folder with this number is this one or one around it.
+    fn is_in(&self, inode: u64) -> bool {
+        self.inode == inode || self.parent.as_ref().is_some_and(|around| around.is_in(inode))
     }
 }
 
@@ -103,7 +106,8 @@ struct Walk<'p> {
 impl Walk<'_> {
     /// Reads waiting folders until none is left, calling `between` before each.
     fn work(&self, mut between: impl FnMut()) -> Result<Vec<Node>, LoadError> {
-        let mut reader = Reader { files: FileReader::new(), decoder: Decoder::default(), text: String::new() };
+        let mut reader =
+            Reader { files: FileReader::new(), decoder: Decoder::default(), text: String::new() };
         let mut nodes = Vec::new();
         while let Some(item) = self.queue.next() {
             between();
@@ -149,10 +153,11 @@ impl Reader {
         state.layout = self.layout(item, &mut faults, &mut oddities)?;
         state.semantic_data = self.semantic(item, &mut faults, &mut oddities)?;
         if state.container().is_some() {
-            self.children(item, number, children, &mut faults)?;
+            self::children(item, number, children, &mut faults)?;
         }
         let folder = item.folder.clone();
-        Ok(Some(Node { number, parent: item.parent, folder, state, faults, oddities }))
+        let (parent, linked) = (item.parent, item.linked);
+        Ok(Some(Node { number, parent, folder, state, faults, oddities, linked }))
     }
 
     fn core(
@@ -161,7 +166,8 @@ impl Reader {
         faults: &mut Vec<(Part, Fault)>,
         oddities: &mut Oddities,
     ) -> Result<Option<State>, Errno> {
-        let Some(bytes) = self.files.read(&item.dir.fd, &item.folder, Part::Core.file_name())? else {
+        let Some(bytes) = self.files.read(&item.dir.fd, &item.folder, Part::Core.file_name())?
+        else {
             return Ok(None);
         };
         let folder = item.folder.to_string_lossy();
@@ -230,50 +236,52 @@ impl Reader {
             }
         }
     }
+}
 
-    fn children(
-        &mut self,
-        item: &Item,
-        number: usize,
-        children: &mut Vec<Item>,
-        faults: &mut Vec<(Part, Fault)>,
-    ) -> Result<(), Errno> {
-        let at: &OsStr = if item.folder.is_empty() { OsStr::new(".") } else { &item.folder };
-        let fd = folder::open_in(&item.dir.fd, at)?;
-        let inode = folder::inode(&fd)?;
-        if item.linked && item.dir.contains_itself(inode) {
-            let name = item.folder.to_string_lossy();
-            faults.push((Part::Core, Fault::Loop(name.as_ref().into())));
-            return Ok(());
-        }
-        let found: Vec<Entry> = folder::folders(&fd)?;
-        let depth = item.dir.depth + 1;
-        if depth >= MAX_DEPTH {
-            faults.push((Part::Core, Fault::TooDeep(MAX_DEPTH)));
-            return Ok(());
-        }
-        let parent = Some(Arc::clone(&item.dir));
-        let dir = Arc::new(Dir { fd, inode, depth, name: item.folder.clone(), parent });
-        let inside = found.into_iter().filter(|entry| entry.name != STAGING);
-        children.extend(inside.map(|entry| Item {
-            dir: Arc::clone(&dir),
-            folder: entry.name,
-            parent: Some(number),
-            linked: entry.unclear,
-        }));
-        Ok(())
+/// Adds the folders in that of `item`, which may hold its children.
+fn children(
+    item: &Item,
+    number: usize,
+    children: &mut Vec<Item>,
+    faults: &mut Vec<(Part, Fault)>,
+) -> Result<(), Errno> {
+    let at: &OsStr = if item.folder.is_empty() { OsStr::new(".") } else { &item.folder };
+    let fd = folder::open_in(&item.dir.fd, at)?;
+    let found: Vec<Entry> = folder::folders(&fd)?;
+    let depth = item.dir.depth + 1;
+    if depth >= MAX_DEPTH && !found.is_empty() {
+        faults.push((Part::Core, Fault::TooDeep(MAX_DEPTH)));
+        return Ok(());
     }
+    let inode = folder::inode(&fd)?;
+    let parent = Some(Arc::clone(&item.dir));
+    let dir = Arc::new(Dir { fd, inode, depth, name: item.folder.clone(), parent });
+    for entry in found.into_iter().filter(|entry| entry.name != STAGING) {
+        if entry.unclear && leads_back(&dir, &entry.name) {
+            faults.push((Part::Core, Fault::Loop(entry.name.to_string_lossy().as_ref().into())));
+            continue;
+        }
+        let Entry { name: folder, unclear: linked } = entry;
+        children.push(Item { dir: Arc::clone(&dir), folder, parent: Some(number), linked });
+    }
+    Ok(())
+}
+
+/// Whether the entry is a folder that contains it.
+fn leads_back(dir: &Dir, name: &OsStr) -> bool {
+    let inode = folder::open_in(&dir.fd, name).and_then(folder::inode);
+    inode.is_ok_and(|inode| dir.is_in(inode))
 }
 
 /// The document that a file holds.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Json, Fault> {
-    let text = std::str::from_utf8(bytes).map_err(|_| Fault::NotUtf8)?;
+    let text = std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?;
     json::parse(text).map_err(Fault::Malformed)
 }
 
 /// The layout that a file holds; `text` is scratch space.
 pub(crate) fn compact_layout(bytes: &[u8], text: &mut String) -> Result<Layout, Fault> {
-    let layout = std::str::from_utf8(bytes).map_err(|_| Fault::NotUtf8)?;
+    let layout = std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?;
     text.clear();
     if layout.trim_start().starts_with('{') && compact(layout, text).is_some() {
         return Ok(if text == "{}" { Layout::default() } else { Layout::from_text(text) });

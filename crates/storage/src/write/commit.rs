@@ -79,7 +79,9 @@ fn finish(disk: &dyn Disk, dir: &Path, manifest: &Manifest) -> io::Result<()> {
     let touched: Vec<PathBuf> = touched.into_iter().filter(|path| disk.exists(path)).collect();
     disk.sync(&touched)?;
     disk.remove_file(&staging.join(MANIFEST))?;
-    disk.remove_tree(&staging)
+    // All is done; an empty folder that stays is dropped by the next load or save.
+    drop(disk.remove_tree(&staging));
+    Ok(())
 }
 
 fn parent(path: &Path) -> PathBuf {

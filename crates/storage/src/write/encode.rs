@@ -33,7 +33,8 @@ pub(crate) fn header(header: &Header) -> String {
     let text = |text: &SmolStr| Json::Str(text.clone());
     object.put("creation_time", text(&header.creation_time));
     object.put("state_machine_version", header.version.as_ref().map_or(Json::Null, text));
-    object.put("used_rafcon_version", Json::Str(writer_version(header.used_rafcon_version.as_ref())));
+    object
+        .put("used_rafcon_version", Json::Str(writer_version(header.used_rafcon_version.as_ref())));
     object.text(header.extra.as_deref())
 }
 
@@ -50,9 +51,7 @@ fn class(kind: &Kind) -> &'static str {
         Kind::Execution(_) => "rafcon.core.states.execution_state.ExecutionState",
         Kind::Decider(_) => "rafcon.core.states.barrier_concurrency_state.DeciderState",
         Kind::Hierarchy(_) => "rafcon.core.states.hierarchy_state.HierarchyState",
-        Kind::Barrier(_) => {
-            "rafcon.core.states.barrier_concurrency_state.BarrierConcurrencyState"
-        }
+        Kind::Barrier(_) => "rafcon.core.states.barrier_concurrency_state.BarrierConcurrencyState",
         Kind::Preemptive(_) => {
             "rafcon.core.states.preemptive_concurrency_state.PreemptiveConcurrencyState"
         }
@@ -189,4 +188,3 @@ fn flags(values: &RuntimeValues) -> Json {
 pub(crate) fn document(text: &str) -> String {
     json::parse(text).map_or_else(|_| text.to_owned(), |document| json::write(&document))
 }
-

@@ -42,7 +42,9 @@ fn take(folder: &OwnedFd, operation: FlockOperation) -> io::Result<()> {
     loop {
         match flock(folder, operation) {
             Err(Errno::INTR) => {}
-            Ok(()) | Err(Errno::NOLCK | Errno::BADF | Errno::OPNOTSUPP | Errno::NOSYS) => return Ok(()),
+            Ok(()) | Err(Errno::NOLCK | Errno::BADF | Errno::OPNOTSUPP | Errno::NOSYS) => {
+                return Ok(());
+            }
             Err(error) => return Err(error.into()),
         }
     }

@@ -17,4 +17,6 @@ pub(crate) use lock::settle_before_reading;
 pub use save::{SaveError, save};
 
 #[cfg(test)]
+mod kill_tests;
+#[cfg(test)]
 mod tests;

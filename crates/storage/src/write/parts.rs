@@ -12,7 +12,7 @@ pub(crate) struct Old<'o> {
     pub(crate) place: &'o Place,
 }
 
-impl<'o> Old<'o> {
+impl Old<'_> {
     /// The state with this id in it, as it lies on the disk.
     pub(crate) fn child(self, id: &rafcon_model::StateId) -> Option<Self> {
         let state = self.state.container()?.states.get(id)?;

@@ -90,7 +90,12 @@ impl<'p> Planner<'p> {
     }
 
     /// Plans for one of the machine's own files.
-    pub(crate) fn machine_file(&mut self, name: &str, bytes: Option<Vec<u8>>, is_same: bool) -> io::Result<()> {
+    pub(crate) fn machine_file(
+        &mut self,
+        name: &str,
+        bytes: Option<Vec<u8>>,
+        is_same: bool,
+    ) -> io::Result<()> {
         let path = PathBuf::from(name);
         let on_disk = if self.mode.rewrite { self.disk.read(&self.dir.join(name))? } else { None };
         let skip = if self.mode.rewrite { on_disk == bytes } else { is_same };
@@ -121,7 +126,13 @@ impl<'p> Planner<'p> {
         Ok(place)
     }
 
-    fn part(&mut self, new: &State, old: Option<Old<'_>>, spot: &Spot, part: Part) -> io::Result<()> {
+    fn part(
+        &mut self,
+        new: &State,
+        old: Option<Old<'_>>,
+        spot: &Spot,
+        part: Part,
+    ) -> io::Result<()> {
         let bytes = parts::bytes(new, old, part);
         let file = part.file_name();
         let at = spot.path.join(file);
@@ -162,7 +173,8 @@ impl<'p> Planner<'p> {
         }
         let is_stale = part == Part::Core && old.place.is_stale();
         let same_text = || parts::text(new, part) == parts::text(old.state, part);
-        Ok(!is_stale && (parts::is_same(new, old.state, part) || (part == Part::Semantic && same_text())))
+        Ok(!is_stale
+            && (parts::is_same(new, old.state, part) || (part == Part::Semantic && same_text())))
     }
 
     /// Prepares a file that takes the place of another.
@@ -231,7 +243,15 @@ impl<'p> Planner<'p> {
             self.plan.changed.push(to.clone());
             self.plan.manifest.moves.push((from, to.clone()));
         }
-        Ok((folder, Spot { now: Some(now.join(Path::new(lies))), moved: to.clone(), path: to, staged: false }))
+        Ok((
+            folder,
+            Spot {
+                now: Some(now.join(Path::new(lies))),
+                moved: to.clone(),
+                path: to,
+                staged: false,
+            },
+        ))
     }
 
     fn is_renamed(&self, child: &State, before: Old<'_>) -> bool {

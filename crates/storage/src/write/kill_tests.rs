@@ -1,0 +1,250 @@
+//! A save is stopped at each thing that it does to the disk; what is read afterwards is exactly the old or exactly the new
+//! machine, and nothing of the save lies around.
+
+use super::commit::{is_interrupted, recover};
+use super::disk::{Disk, RealDisk};
+use super::save::save_on;
+use crate::testing::{EVERY_KIND, fingerprint, loaded, machine, make_files};
+use crate::{Naming, Saved};
+use rafcon_model::Machine;
+use std::cell::{Cell, RefCell};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A disk that works for so many operations, and then no more. The operation that fails may have done half of its work;
+/// what was not synced by then is gone, as after a power cut.
+struct DyingDisk {
+    left: Cell<usize>,
+    unsynced: RefCell<Vec<PathBuf>>,
+}
+
+impl DyingDisk {
+    fn after(operations: usize) -> Self {
+        Self { left: Cell::new(operations), unsynced: RefCell::default() }
+    }
+
+    fn is_dead(&self) -> bool {
+        self.left.get() == 0
+    }
+
+    fn step(&self) -> io::Result<()> {
+        match self.left.get() {
+            0 => Err(io::Error::other("the disk is dead")),
+            1 => {
+                self.left.set(0);
+                for path in self.unsynced.borrow().iter().filter(|path| path.is_file()) {
+                    fs::write(path, "")?;
+                }
+                Err(io::Error::other("the disk dies"))
+            }
+            more => {
+                self.left.set(more - 1);
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Disk for DyingDisk {
+    fn create_dir(&self, path: &Path) -> io::Result<()> {
+        self.step()?;
+        RealDisk.create_dir(path)
+    }
+
+    fn write(&self, path: &Path, bytes: &[u8], like: Option<&Path>) -> io::Result<()> {
+        let was_dead = self.is_dead();
+        self.unsynced.borrow_mut().push(path.to_owned());
+        if let Err(error) = self.step() {
+            if !was_dead {
+                RealDisk.write(path, &bytes[..bytes.len() / 2], like)?;
+            }
+            return Err(error);
+        }
+        RealDisk.write(path, bytes, like)
+    }
+
+    fn sync(&self, paths: &[PathBuf]) -> io::Result<()> {
+        self.step()?;
+        self.unsynced.borrow_mut().retain(|path| !paths.contains(path));
+        RealDisk.sync(paths)
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        self.step()?;
+        RealDisk.rename(from, to)?;
+        for path in self.unsynced.borrow_mut().iter_mut() {
+            if let Ok(inside) = path.strip_prefix(from) {
+                *path = to.join(inside);
+            }
+        }
+        Ok(())
+    }
+
+    fn remove_file(&self, path: &Path) -> io::Result<()> {
+        self.step()?;
+        RealDisk.remove_file(path)
+    }
+
+    fn remove_dir(&self, path: &Path) -> io::Result<()> {
+        self.step()?;
+        RealDisk.remove_dir(path)
+    }
+
+    fn remove_tree(&self, path: &Path) -> io::Result<()> {
+        self.step()?;
+        RealDisk.remove_tree(path)
+    }
+}
+
+/// What is on a disk.
+type Bytes = Vec<(String, Vec<u8>)>;
+
+/// A machine on disk that is to be replaced by another.
+struct Scenario<'s> {
+    make: &'s dyn Fn(&Path),
+    new: Machine,
+}
+
+impl Scenario<'_> {
+    fn start(&self) -> (tempfile::TempDir, Saved) {
+        let dir = tempfile::tempdir().unwrap();
+        (self.make)(dir.path());
+        let saved = loaded(dir.path()).saved;
+        (dir, saved)
+    }
+
+    /// Saves on `disk`, with a machine that shares nothing with the old one.
+    fn save(&self, disk: &dyn Disk, dir: &Path, saved: &Saved) -> bool {
+        let mut previous = saved.clone();
+        previous.dir = dir.to_owned();
+        save_on(disk, &self.new, dir, Some(&previous), Naming::default()).is_ok()
+    }
+
+    /// The bytes before, and after a save that nobody disturbs.
+    fn both(&self) -> (Bytes, Bytes) {
+        let (dir, saved) = self.start();
+        let old = fingerprint(dir.path());
+        assert!(self.save(&RealDisk, dir.path(), &saved));
+        let read = loaded(dir.path());
+        assert_eq!(read.machine, self.new);
+        assert_eq!(read.problems, []);
+        (old, fingerprint(dir.path()))
+    }
+
+    /// Stops the save, then the recovery, at every step.
+    fn check(&self) {
+        let (old, new) = self.both();
+        let mut seen = [false, false];
+        for operations in 1.. {
+            let (dir, saved) = self.start();
+            let done = self.save(&DyingDisk::after(operations), dir.path(), &saved);
+            self.check_recovery(dir.path(), operations);
+            loaded(dir.path());
+            let now = fingerprint(dir.path());
+            assert!(now == old || now == new, "neither old nor new after {operations} operations");
+            seen[usize::from(now == new)] = true;
+            if done {
+                assert!(now == new);
+                assert_eq!(seen, [true, true]);
+                return;
+            }
+        }
+    }
+
+    /// Stops the recovery of the save in `dir` at a step that changes with `operations`.
+    fn check_recovery(&self, dir: &Path, operations: usize) {
+        if is_interrupted(&RealDisk, dir) {
+            let stopped = recover(&DyingDisk::after(1 + operations % 7), dir);
+            assert!(stopped.is_ok() || is_interrupted(&RealDisk, dir));
+        }
+    }
+}
+
+fn saved_machine(text: &'static str) -> impl Fn(&Path) {
+    move |dir| {
+        save_on(&RealDisk, &machine(text), dir, None, Naming::default()).unwrap();
+        make_files(dir, "== notes.txt\nmine\n== all_at_once_BARRIE/.git/x\nmine\n");
+    }
+}
+
+/// [`EVERY_KIND`] with a state less, a state more, a state of another kind and another name, and less text.
+const CHANGED: &str = r#"
+machine
+  version "2"
+  created "2020-02-02 02:02:02"
+  writer "2.2.0"
+hierarchy ROOTID "The root"
+  outcome success
+  start -> FIRSTX
+  FIRSTX.done -> .success
+  hierarchy FIRSTX "first and last"
+    outcome done
+    hierarchy CCCCCC "slow"
+      execution DDDDDD "inner"
+        script "d = 2\n"
+  execution LASTXX "renamed"
+    in cup: str
+  execution NEWXXX "new"
+    script "n = 1\n"
+"#;
+
+#[test]
+fn a_kill_at_any_moment_leaves_the_old_or_the_new_machine() {
+    Scenario { make: &saved_machine(EVERY_KIND), new: machine(CHANGED) }.check();
+}
+
+#[test]
+fn a_kill_leaves_old_or_new_also_the_other_way_round() {
+    Scenario { make: &saved_machine(CHANGED), new: machine(EVERY_KIND) }.check();
+}
+
+#[test]
+fn a_kill_while_one_file_changes_leaves_old_or_new() {
+    let new = EVERY_KIND.replace("c = 1", "c = 2");
+    Scenario { make: &saved_machine(EVERY_KIND), new: machine(&new) }.check();
+}
+
+#[test]
+fn a_kill_while_an_old_layout_is_converted_leaves_old_or_new() {
+    let make = |dir: &Path| {
+        make_files(dir, crate::testing::VERSION_0_7_13);
+    };
+    let dir = tempfile::tempdir().unwrap();
+    make(dir.path());
+    let mut new = loaded(dir.path()).machine;
+    new.header.used_rafcon_version = Some("2.2.0".into());
+    Scenario { make: &make, new }.check();
+}
+
+#[test]
+fn a_first_save_is_whole_or_not_there() {
+    for operations in 1.. {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("new");
+        let new = machine(EVERY_KIND);
+        let disk = DyingDisk::after(operations);
+        let done = save_on(&disk, &new, &target, None, Naming::default()).is_ok();
+        match crate::load(&target, &crate::Libraries::default()) {
+            Ok(read) => assert_eq!(read.machine, new),
+            Err(_) => assert!(!done && fingerprint(dir.path()).is_empty()),
+        }
+        if done {
+            return;
+        }
+    }
+}
+
+#[test]
+fn a_save_after_an_interrupted_one_does_not_mix_them() {
+    let scenario = Scenario { make: &saved_machine(EVERY_KIND), new: machine(CHANGED) };
+    for operations in 1.. {
+        let (dir, saved) = scenario.start();
+        if scenario.save(&DyingDisk::after(operations), dir.path(), &saved) {
+            return;
+        }
+        let third = machine(&EVERY_KIND.replace("who is first", "third"));
+        save_on(&RealDisk, &third, dir.path(), Some(&saved), Naming::default()).unwrap();
+        assert_eq!(loaded(dir.path()).machine, third, "after {operations} operations");
+    }
+}
