@@ -18,6 +18,10 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Run(Run),
+    Check(Check),
+    Show(Show),
+    Fmt(Fmt),
+    New(New),
     Completions(Completions),
     Man(Man),
 }

@@ -1,7 +1,6 @@
 //! What the program takes from its environment, read once where it starts and passed on as a value.
 
 use std::env;
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// The variables that mean something here, and where this program stands.
@@ -35,7 +34,7 @@ impl Environment {
             extension: set("RAFCON_EXTENSION").map(PathBuf::from),
             program: env::current_exe().ok().map(|file| file.canonicalize().unwrap_or(file)),
             no_color: set("NO_COLOR").is_some(),
-            dumb_terminal: set("TERM").is_none_or(|term| term == OsString::from("dumb")),
+            dumb_terminal: set("TERM").is_none_or(|term| term == "dumb"),
             unicode: ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).is_some_and(
                 |locale| {
                     let locale = locale.to_string_lossy().to_ascii_lowercase();

@@ -1,7 +1,11 @@
 //! One module a command; each turns raw words into a checked request and carries it out.
 
+mod check;
+mod fmt;
+mod new;
 mod run;
 mod shell;
+mod show;
 
 use crate::cli::{Cli, Command};
 use crate::clock::Clock;
@@ -13,6 +17,10 @@ use std::process::ExitCode;
 pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<ExitCode> {
     match cli.command {
         Command::Run(request) => run::run(&request, environment, clock),
+        Command::Check(request) => check::check(&request, environment),
+        Command::Show(request) => show::show(&request, environment),
+        Command::Fmt(request) => fmt::fmt(&request),
+        Command::New(request) => new::new(&request),
         Command::Completions(request) => shell::completions(&request),
         Command::Man(_) => shell::man(),
     }

@@ -12,10 +12,11 @@ pub(crate) fn find(environment: &Environment) -> Result<PathBuf> {
     if let Some(found) = places.iter().find(|place| place.is_file()) {
         return Ok(found.clone());
     }
-    let tried = places.iter().map(|place| format!("\n  {}", place.display())).collect::<String>();
+    let tried: Vec<_> = places.iter().map(|place| format!("  {}", place.display())).collect();
     bail!(
-        "the extension that makes a Python a runner is missing. These places were tried:{tried}\n\
-         Build it (`cargo build --workspace`), unpack the whole archive, or set RAFCON_EXTENSION to the file"
+        "the extension that makes a Python a runner is missing. These places were tried:\n{}\n\
+         Build it (`cargo build --workspace`), unpack the whole archive, or set RAFCON_EXTENSION to the file",
+        tried.join("\n")
     )
 }
 

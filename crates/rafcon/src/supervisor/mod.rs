@@ -157,7 +157,7 @@ impl Supervisor {
                 out.push(Action::Snapshot(snapshot));
             }
             ToViewer::Answer { id: _, answer } => {
-                out.extend(end::refusal(answer).map(Action::Note))
+                out.extend(end::refusal(answer).map(Action::Note));
             }
         }
     }

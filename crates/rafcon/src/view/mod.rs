@@ -13,8 +13,8 @@ mod value;
 pub(crate) use json::Json;
 pub(crate) use lines::Lines;
 pub(crate) use live::Live;
-pub(crate) use names::Names;
-pub(crate) use text::Paint;
+pub(crate) use names::{Names, names_of};
+pub(crate) use text::{Line, Paint, Style, harmless};
 
 use crate::supervisor::End;
 use rafcon_protocol::{Event, Snapshot};

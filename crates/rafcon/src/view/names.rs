@@ -36,18 +36,22 @@ impl Names {
 
     fn find(&self, path: &str) -> Option<String> {
         let machine = self.machine.as_ref()?;
-        let ids = StatePath::parse(path);
-        let mut names: Vec<&str> = Vec::new();
-        let mut content_of = None;
-        for end in 1..=ids.0.len() {
-            let state = machine.state(&StatePath(ids.0[..end].to_vec()))?;
-            if content_of != Some(&state.name) {
-                names.push(&state.name);
-            }
-            content_of = matches!(state.kind, Kind::Library(_)).then_some(&state.name);
-        }
-        Some(names.join("/"))
+        names_of(machine, &StatePath::parse(path))
     }
+}
+
+/// The names along a path, joined by `/`; nothing if the machine does not have the path.
+pub(crate) fn names_of(machine: &Machine, path: &StatePath) -> Option<String> {
+    let mut names: Vec<&str> = Vec::new();
+    let mut content_of = None;
+    for end in 1..=path.0.len() {
+        let state = machine.state(&StatePath(path.0[..end].to_vec()))?;
+        if content_of != Some(&state.name) {
+            names.push(&state.name);
+        }
+        content_of = matches!(state.kind, Kind::Library(_)).then_some(&state.name);
+    }
+    Some(names.join("/"))
 }
 
 #[cfg(test)]

@@ -1,0 +1,49 @@
+//! `rafcon new`: a machine from a template.
+
+use crate::cli;
+use crate::clock;
+use crate::templates::{self, Wish};
+use anyhow::{Context as _, Result, bail};
+use rafcon_model::{Header, Machine};
+use rafcon_storage::{Naming, save};
+use std::io::{self, Write as _};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Makes the machine; a folder that has something in it is left alone.
+pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
+    let template = templates::find(&raw.template)
+        .with_context(|| format!("there is no template `{}`", raw.template))?;
+    let name = raw.path.file_name().and_then(|name| name.to_str());
+    let name = name.with_context(|| {
+        format!("{} does not end in a name: name the folder to make", raw.path.display())
+    })?;
+    check_free(&raw.path)?;
+    let root = template.root(&Wish { name: name.to_owned(), states: raw.states })?;
+    let header = Header { creation_time: clock::utc().into(), ..Header::default() };
+    let machine = Machine { header, root: Arc::new(root) };
+    save(&machine, &raw.path, None, Naming::default())?;
+    let path = raw.path.display();
+    let states = machine.count();
+    writeln!(
+        io::stdout(),
+        "made {name} with {states} states in {path}; run it: rafcon run {path}"
+    )?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn check_free(path: &Path) -> Result<()> {
+    let entries = match std::fs::read_dir(path) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => {
+            return Err(error)
+                .with_context(|| format!("cannot make a machine in {}", path.display()));
+        }
+    };
+    if entries.count() > 0 {
+        bail!("{} exists and is not empty: choose another folder, or remove it", path.display());
+    }
+    Ok(())
+}
