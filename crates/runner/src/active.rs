@@ -97,7 +97,7 @@ mod tests {
     fn what_runs_can_be_read_from_outside() {
         let folder = tempfile::tempdir().unwrap();
         let mut active = Active::open(folder.path()).unwrap();
-        let place = |text: &str| Place::new(PathId(7), NodeId(3), text.into());
+        let place = |text: &str| Place::new(PathId(7), NodeId(3), None, text.into());
         let (one, two) = (place("A/B"), place("A/C"));
         active.begin(0, &one);
         active.begin(2, &two);

@@ -36,11 +36,14 @@ pub(crate) struct Worker<D> {
     pub(crate) mailbox: Mailbox<Mail<D>>,
 }
 
+/// A thread just started: as others see it, and what ends with it.
+type Started<D> = (Arc<Worker<D>>, JoinHandle<()>);
+
 /// Starts a thread that lives in the interpreter and does what it is told.
 pub(crate) fn start<S: Scripts>(
     driver: &Arc<Driver<S>>,
     slot: usize,
-) -> io::Result<(Arc<Worker<S::Value>>, JoinHandle<()>)> {
+) -> io::Result<Started<S::Value>> {
     let worker = Arc::new(Worker { slot, mailbox: Mailbox::default() });
     let (driver, own) = (Arc::clone(driver), Arc::clone(&worker));
     let thread = thread::Builder::new()

@@ -59,7 +59,7 @@ impl<S: Scripts> Desk<'_, S> {
             return answer.clone();
         }
         let expired = envelope.expiry.is_some_and(|expiry| expiry.0 < Clock::epoch_ms());
-        let answer = if expired { Answer::Expired } else { self.carry_out(envelope.command) };
+        let answer = if expired { Answer::Expired } else { self.carry_out(&envelope.command) };
         if self.answered.len() == ANSWERS_MAX {
             self.answered.pop_front();
         }
@@ -67,7 +67,7 @@ impl<S: Scripts> Desk<'_, S> {
         answer
     }
 
-    fn carry_out(&self, command: Command) -> Answer {
+    fn carry_out(&self, command: &Command) -> Answer {
         let input = match command {
             Command::Pause => Input::Pause,
             Command::Resume => Input::Resume,

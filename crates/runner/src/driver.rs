@@ -8,12 +8,12 @@ use crate::signals::{PAUSED, PREEMPTED, STARTED};
 use crate::{Clock, Place, Places, Scripts, tell};
 use parking_lot::{Condvar, Mutex};
 use rafcon_engine::{
-    BranchId, Effect, Engine, Event, Finish, Input, Job, NodeId, Outbox, PathId, Program, Refusal,
-    ScriptResult,
+    BranchId, Datum, Effect, Engine, Event, Finish, Input, Job, NodeId, Outbox, PathId, Program,
+    Refusal, ScriptResult,
 };
+use rafcon_model::OutcomeId;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 
 /// A run in progress.
@@ -120,17 +120,17 @@ impl<S: Scripts> Driver<S> {
         })
     }
 
-    /// Looks at the engine.
-    pub(crate) fn look<T: Send>(
+    /// Does something with the engine that gives it no input.
+    pub(crate) fn with_core<T: Send>(
         &self,
-        look: impl FnOnce(&Core<S::Value>) -> T + Send,
+        act: impl FnOnce(&mut Core<S::Value>) -> T + Send,
     ) -> Option<T> {
-        if let Some(core) = self.core.try_lock() {
-            return Some(look(&core));
+        if let Some(mut core) = self.core.try_lock() {
+            return Some(act(&mut core));
         }
-        let (mut look, mut seen) = (Some(look), None);
-        self.scripts.park(&mut || seen = look.take().map(|look| look(&self.core.lock())));
-        seen
+        let (mut act, mut done) = (Some(act), None);
+        self.scripts.park(&mut || done = act.take().map(|act| act(&mut self.core.lock())));
+        done
     }
 
     /// Waits for the end of the run.
@@ -225,7 +225,7 @@ impl<S: Scripts> Driver<S> {
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {
             match effect {
-                Effect::Run(job) if own == Some(job.branch) => *next = self.begin(core, job),
+                Effect::Run(job) if own == Some(job.branch) => *next = Some(self.begin(core, job)),
                 Effect::Run(job) => self.post(core, job),
                 Effect::Fork { branch } => self.fork(core, branch),
                 Effect::EndBranch { branch } => core.end_branch(branch),
@@ -247,31 +247,23 @@ impl<S: Scripts> Driver<S> {
         for event in &events {
             match event {
                 Event::Entered { path, node, .. } => self.enter(core, *path, *node, now),
+                Event::Left { path, outcome, .. } => core.leave(*path, *outcome),
                 Event::Stopping => core.set_flags(0),
                 _ => {}
             }
         }
-        self.recorder.push(now, events.iter().filter_map(|event| self.told(core, event)));
+        self.recorder.push(now, events.iter().filter_map(|event| told(&core.engine, event)));
         core.outbox.events = events;
         core.outbox.events.clear();
     }
 
-    fn told(&self, core: &Core<S::Value>, event: &Event<S::Value>) -> Option<Record> {
-        match event {
-            Event::Entered { path, .. } => Some(Record::Entered(*path)),
-            Event::Left { path, outcome, .. } => Some(Record::Left(*path, *outcome)),
-            Event::Finished { .. } => None,
-            event => tell::rare(event, &core.engine),
-        }
-    }
-
     fn enter(&self, core: &mut Core<S::Value>, path: PathId, node: NodeId, now: u64) {
-        let place = self.place(core, path, node);
-        place.entered_ns.store(now, Ordering::Relaxed);
-        place.signals.begin(false);
+        let place = Arc::clone(self.place_of(core, path, node));
+        place.enter(now, core.around(&place));
     }
 
-    fn place<'c>(
+    /// The place with this number, made if it is new.
+    pub(crate) fn place_of<'c>(
         &self,
         core: &'c mut Core<S::Value>,
         path: PathId,
@@ -284,7 +276,7 @@ impl<S: Scripts> Driver<S> {
         let (known, engine, flags) = (&mut core.known[index], &core.engine, core.flags);
         known.get_or_insert_with(|| {
             let text = engine.path_text(path).to_string();
-            let place = Arc::new(Place::new(path, node, text.into()));
+            let place = Arc::new(Place::new(path, node, engine.path_parent(path), text.into()));
             place.signals.set(flags, true);
             self.places.insert(Arc::clone(&place));
             place
@@ -292,28 +284,22 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// Makes ready what the script's thread needs.
-    fn begin(&self, core: &mut Core<S::Value>, job: Job<S::Value>) -> Next<S::Value> {
-        let place = Arc::clone(self.place(core, job.path, job.node));
+    fn begin(&self, core: &mut Core<S::Value>, job: Job<S::Value>) -> Turn<S::Value> {
+        let place = Arc::clone(self.place_of(core, job.path, job.node));
         place.signals.begin(job.preempted);
         if let Some(worker) = core.workers.get(&job.branch) {
             core.active.begin(worker.slot, &place);
         }
-        Some(Turn { job, place })
+        Turn { job, place }
     }
 
     fn post(&self, core: &mut Core<S::Value>, job: Job<S::Value>) {
-        let worker = core.workers.get(&job.branch).cloned();
-        match worker {
-            Some(worker) => {
-                if let Some(turn) = self.begin(core, job) {
-                    worker.mailbox.post(Mail::Run(turn));
-                }
-            }
-            None => {
-                let reason =
-                    "the system gave no thread for this branch; let fewer states run side by side";
-                core.pending.push_back((job.frame, self.scripts.failure(reason)));
-            }
+        if let Some(worker) = core.workers.get(&job.branch).cloned() {
+            worker.mailbox.post(Mail::Run(self.begin(core, job)));
+        } else {
+            let reason =
+                "the system gave no thread for this branch; let fewer states run side by side";
+            core.pending.push_back((job.frame, self.scripts.failure(reason)));
         }
     }
 
@@ -335,7 +321,21 @@ impl<S: Scripts> Driver<S> {
     }
 }
 
-impl<D: rafcon_engine::Datum> Core<D> {
+impl<D: Datum> Core<D> {
+    fn at(&self, path: PathId) -> Option<&Arc<Place>> {
+        self.known.get(path.index()).and_then(Option::as_ref)
+    }
+
+    fn around(&self, place: &Place) -> Option<&Place> {
+        self.at(place.parent?).map(|around| &**around)
+    }
+
+    fn leave(&self, path: PathId, outcome: OutcomeId) {
+        if let Some(place) = self.at(path) {
+            place.leave(outcome, self.around(place));
+        }
+    }
+
     fn pause(&mut self, paused: bool) {
         self.set_flags(if paused { PAUSED } else { STARTED });
     }
@@ -349,7 +349,7 @@ impl<D: rafcon_engine::Datum> Core<D> {
     }
 
     fn signal(&self, path: PathId) {
-        if let Some(place) = self.known.get(path.index()).and_then(Option::as_ref) {
+        if let Some(place) = self.at(path) {
             place.signals.set(PREEMPTED, true);
         }
     }
@@ -366,5 +366,14 @@ impl<D: rafcon_engine::Datum> Core<D> {
             self.active.end(worker.slot);
             self.idle.push(worker);
         }
+    }
+}
+
+fn told<D: Datum>(engine: &Engine<D>, event: &Event<D>) -> Option<Record> {
+    match event {
+        Event::Entered { path, .. } => Some(Record::Entered(*path)),
+        Event::Left { path, outcome, .. } => Some(Record::Left(*path, *outcome)),
+        Event::Finished { .. } => None,
+        event => tell::rare(event, engine),
     }
 }

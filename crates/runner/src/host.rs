@@ -43,7 +43,7 @@ pub fn serve<H: Host>(stream: UnixStream, host: H) -> Result<(), ServeError> {
     let (sender, mut receiver) = connection::open(stream)?;
     let ToRunner::Launch(launch) = receiver.message()? else { return Err(ServeError::NoLaunch) };
     let every_event = launch.every_event;
-    match begin(host, launch, clock, &sender) {
+    match begin(host, &launch, clock, &sender) {
         Ok((driver, signals)) => {
             Talk { driver, sender, breaker, every_event }.run(receiver, signals)
         }
@@ -59,11 +59,10 @@ type Begun<H> = (Arc<Driver<<H as Host>::Scripts>>, (Signals, signal_hook::itera
 /// Loads the machine and begins the run.
 fn begin<H: Host>(
     mut host: H,
-    launch: rafcon_protocol::Launch,
+    launch: &rafcon_protocol::Launch,
     clock: Clock,
     sender: &Sender,
 ) -> Result<Begun<H>, ServeError> {
-    let run_folder = launch.run_folder.clone();
     let Prepared { machine, files, problems, start, settings } =
         prepare(&mut host, launch).map_err(ServeError::Load)?;
     let program = Arc::new(Program::compile(&machine, host.literals()));
@@ -73,8 +72,10 @@ fn begin<H: Host>(
         problems,
     };
     let opening = crate::Opening { machine, program: Arc::clone(&program), files, settings };
-    let active =
-        run_folder.map_or_else(|| Ok(Active::default()), |folder| Active::open(&folder))?;
+    let active = match &launch.run_folder {
+        Some(folder) => Active::open(folder)?,
+        None => Active::default(),
+    };
     let driver = Driver::new(program, host.open(opening), clock, active);
     H::opened(&driver);
     let signals = stop::take_over()?;

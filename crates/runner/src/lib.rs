@@ -11,6 +11,7 @@ mod connection;
 mod driver;
 mod files;
 mod host;
+mod inquiry;
 mod mailbox;
 mod place;
 mod prepare;

@@ -1,10 +1,16 @@
-//! Places of the machine as a run has met them: their names, flags and times. Knows no values.
+//! Places of the machine as a run has met them: their names, flags and latest numbers. Knows no values.
 
 use crate::Signals;
 use parking_lot::RwLock;
 use rafcon_engine::{NodeId, PathId};
+use rafcon_model::OutcomeId;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, AtomicU64};
+use std::sync::atomic::{AtomicI64, AtomicU32, AtomicU64, Ordering};
+
+/// No place, in a field that may hold the number of one.
+const NOWHERE: u32 = u32::MAX;
+/// No outcome, in a field that may hold one.
+const NEVER_LEFT: i64 = i64::MIN;
 
 /// One place where a state can run.
 #[derive(Debug)]
@@ -13,26 +19,79 @@ pub struct Place {
     pub path: PathId,
     /// Which state stands there.
     pub node: NodeId,
+    /// The place around it; `None` for the root.
+    pub parent: Option<PathId>,
     /// State ids from the root, joined by `/`.
     pub text: Arc<str>,
     /// What its script is asked to do.
     pub signals: Signals,
-    /// When its state was entered last, in ns since the start.
-    pub(crate) entered_ns: AtomicU64,
     /// Its line in the list of active scripts, counted from 1; 0 if it has none yet.
     pub(crate) line: AtomicU32,
+    entered_ns: AtomicU64,
+    runs: AtomicU32,
+    outcome: AtomicI64,
+    /// The child that was left last.
+    last_left: AtomicU32,
+    /// The sibling that was left last when this state was entered.
+    previous: AtomicU32,
 }
 
 impl Place {
     /// A place that nothing has happened at.
-    pub(crate) fn new(path: PathId, node: NodeId, text: Arc<str>) -> Self {
+    pub(crate) fn new(path: PathId, node: NodeId, parent: Option<PathId>, text: Arc<str>) -> Self {
         Self {
             path,
             node,
+            parent,
             text,
             signals: Signals::default(),
-            entered_ns: AtomicU64::new(0),
             line: AtomicU32::new(0),
+            entered_ns: AtomicU64::new(0),
+            runs: AtomicU32::new(0),
+            outcome: AtomicI64::new(NEVER_LEFT),
+            last_left: AtomicU32::new(NOWHERE),
+            previous: AtomicU32::new(NOWHERE),
+        }
+    }
+
+    /// How often its state was entered.
+    pub fn runs(&self) -> u32 {
+        self.runs.load(Ordering::Relaxed)
+    }
+
+    /// The outcome by which its state was left last.
+    pub fn outcome(&self) -> Option<OutcomeId> {
+        let outcome = self.outcome.load(Ordering::Relaxed);
+        (outcome != NEVER_LEFT).then_some(OutcomeId(outcome))
+    }
+
+    /// The sibling that ran before the state was entered last.
+    pub fn previous(&self) -> Option<PathId> {
+        let previous = self.previous.load(Ordering::Relaxed);
+        (previous != NOWHERE).then_some(PathId(previous))
+    }
+
+    /// When its state was entered last, in ms since the start.
+    pub(crate) fn entered_ms(&self) -> u64 {
+        self.entered_ns.load(Ordering::Relaxed) / 1_000_000
+    }
+
+    /// Its state is entered; `around` is the place around it. Only the holder of the engine writes.
+    pub(crate) fn enter(&self, now_ns: u64, around: Option<&Self>) {
+        self.entered_ns.store(now_ns, Ordering::Relaxed);
+        self.runs.store(self.runs().wrapping_add(1), Ordering::Relaxed);
+        if let Some(around) = around {
+            self.previous.store(around.last_left.load(Ordering::Relaxed), Ordering::Relaxed);
+        }
+        self.last_left.store(NOWHERE, Ordering::Relaxed);
+        self.signals.begin(false);
+    }
+
+    /// Its state is left.
+    pub(crate) fn leave(&self, outcome: OutcomeId, around: Option<&Self>) {
+        self.outcome.store(outcome.0, Ordering::Relaxed);
+        if let Some(around) = around {
+            around.last_left.store(self.path.0, Ordering::Relaxed);
         }
     }
 }

@@ -21,7 +21,7 @@ pub(crate) struct Prepared<D> {
 /// Reads config, libraries and machine; the error is for people.
 pub(crate) fn prepare<H: Host>(
     host: &mut H,
-    launch: Launch,
+    launch: &Launch,
 ) -> Result<Prepared<crate::HostValue<H>>, String> {
     let environment = |name: &str| std::env::var_os(name)?.into_string().ok();
     let (config, _file) =
@@ -33,7 +33,7 @@ pub(crate) fn prepare<H: Host>(
     let notes = notes.iter().map(ToString::to_string);
     let problems = notes.chain(loaded.problems.iter().map(ToString::to_string)).collect();
     let start = Start {
-        inputs: inputs(host, &launch)?,
+        inputs: inputs(host, launch)?,
         start_from: launch.start_from.as_deref().map(StatePath::parse),
     };
     let files = StateFiles::new(loaded.saved, libraries);

@@ -11,8 +11,10 @@ pub const PREEMPTED: u8 = 1;
 pub const PAUSED: u8 = 2;
 /// The run goes on after a pause.
 pub const STARTED: u8 = 4;
+/// Somebody has something for whoever waits; what it is, they know.
+pub const NUDGED: u8 = 8;
 
-/// The three flags of a place in the machine. A wait uses no processor time.
+/// The flags of a place in the machine. A wait uses no processor time.
 #[derive(Debug, Default)]
 pub struct Signals {
     flags: AtomicU8,

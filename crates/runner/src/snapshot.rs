@@ -4,14 +4,13 @@ use crate::Scripts;
 use crate::driver::Driver;
 use rafcon_engine::{Active, Activity, Status};
 use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
-use std::sync::atomic::Ordering;
 
 /// How things stand; the engine is held only while its active states are listed.
 pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
-    let look = |core: &crate::driver::Core<S::Value>| {
+    let look = |core: &mut crate::driver::Core<S::Value>| {
         (core.engine.snapshot(), core.engine.status(), core.engine.states_run())
     };
-    let (active, status, states_run) = driver.look(look)?;
+    let (active, status, states_run) = driver.with_core(look)?;
     let elapsed_ms = driver.clock().now_ms();
     let active = active.iter().filter_map(|active| state(driver, active, elapsed_ms)).collect();
     Some(Snapshot { status: run_status(status), active, states_run, elapsed_ms })
@@ -23,7 +22,7 @@ fn state<S: Scripts>(driver: &Driver<S>, active: &Active, now_ms: u64) -> Option
         path: place.text.to_string(),
         name,
         phase: phase(active),
-        since_ms: now_ms.saturating_sub(place.entered_ns.load(Ordering::Relaxed) / 1_000_000),
+        since_ms: now_ms.saturating_sub(place.entered_ms()),
     })
 }
 

@@ -1,0 +1,50 @@
+//! The run that this process hosts, for functions that Python calls. One process hosts one run.
+
+use crate::scripts::PythonScripts;
+use crate::thread;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use rafcon_protocol::{LogLevel, Stream};
+use rafcon_runner::Driver;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+static DRIVER: OnceLock<Arc<Driver<PythonScripts>>> = OnceLock::new();
+static FORKED: AtomicBool = AtomicBool::new(false);
+
+/// The run is ready.
+pub(crate) fn set(driver: &Arc<Driver<PythonScripts>>) {
+    // A second run in one process cannot happen: its host was used up by the first.
+    DRIVER.get_or_init(|| Arc::clone(driver));
+}
+
+/// The run; an error that says why there is none to talk to.
+pub(crate) fn driver() -> PyResult<&'static Arc<Driver<PythonScripts>>> {
+    if is_forked() {
+        let why =
+            "this is a forked process; only the process that runs the state machine can talk to it";
+        return Err(PyRuntimeError::new_err(why));
+    }
+    if thread::engine_waits() {
+        let why = "a global variable is being read for a port's default; the state machine cannot be asked meanwhile";
+        return Err(PyRuntimeError::new_err(why));
+    }
+    DRIVER.get().ok_or_else(|| PyRuntimeError::new_err("no state machine runs in this process"))
+}
+
+/// Notes down a line that RAFCON itself has to say about the state whose script runs on this thread.
+pub(crate) fn say(level: LogLevel, message: String) {
+    if let (false, Some(driver)) = (is_forked(), DRIVER.get()) {
+        driver.log(thread::current_path(), level, Stream::Engine, message);
+    }
+}
+
+/// Whether this process is a copy that a script made of the one that hosts the run.
+pub(crate) fn is_forked() -> bool {
+    FORKED.load(Ordering::Relaxed)
+}
+
+/// This process is such a copy.
+pub(crate) fn fork_happened() {
+    FORKED.store(true, Ordering::Relaxed);
+}

@@ -1,0 +1,48 @@
+//! The first thing that an interpreter calls: makes the module, or says why this interpreter cannot have it.
+#![expect(unsafe_code, reason = "an interpreter looks for a C function of this name")]
+
+use crate::{describe, fork, functions, process, status};
+use pyo3::ffi;
+use pyo3::prelude::*;
+use std::ffi::CStr;
+
+/// The module's content. Its own entry function is reached through [`PyInit__native`].
+#[pymodule]
+mod _rafcon {
+    #[pymodule_export]
+    use super::describe::describe;
+    #[pymodule_export]
+    use super::fork::after_fork_in_child;
+    #[pymodule_export]
+    use super::functions::{command, current_path, emit, last_left, machine, state_object};
+    #[pymodule_export]
+    use super::process::main;
+    #[pymodule_export]
+    use super::status::status;
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::process::fill(module)
+    }
+}
+
+const FREE_THREADED: &CStr =
+    c"rafcon needs a Python with the global interpreter lock; this is a free-threaded build. \
+    Choose another interpreter by --python or RAFCON_PYTHON.";
+
+/// Called by the interpreter when it loads the extension. A free-threaded build lays its objects out differently, so it is
+/// refused before anything else is touched.
+#[unsafe(no_mangle)]
+pub(crate) extern "C" fn PyInit__native() -> *mut ffi::PyObject {
+    // SAFETY: the interpreter calls this function with itself attached; its version is a constant text, and its exception
+    // classes are there.
+    unsafe {
+        let version = CStr::from_ptr(ffi::Py_GetVersion());
+        if version.to_bytes().windows(14).any(|part| part == b"free-threading") {
+            ffi::PyErr_SetString(ffi::PyExc_ImportError, FREE_THREADED.as_ptr());
+            return std::ptr::null_mut();
+        }
+        _rafcon::__pyo3_init()
+    }
+}

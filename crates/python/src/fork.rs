@@ -1,0 +1,30 @@
+//! Processes that scripts make by forking: they are copies that must never touch the run.
+
+use crate::current;
+use crate::handle::Handle;
+use pyo3::prelude::*;
+use rafcon_engine::{Returned, ScriptResult};
+
+/// Lets every forked copy know what it is.
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let options = pyo3::types::PyDict::new(module.py());
+    options.set_item("after_in_child", module.getattr("after_fork_in_child")?)?;
+    module.py().import("os")?.getattr("register_at_fork")?.call((), Some(&options))?;
+    Ok(())
+}
+
+/// This process is a copy from now on.
+#[pyfunction]
+pub(crate) fn after_fork_in_child() {
+    current::fork_happened();
+}
+
+/// Ends a copy whose script has returned: the state machine lives elsewhere. As Python does it for a child of
+/// `multiprocessing`, nothing is cleaned up that belongs to the parent.
+pub(crate) fn end(py: Python<'_>, result: &ScriptResult<Handle>) -> ! {
+    let flushed = ["stdout", "stderr"]
+        .iter()
+        .try_for_each(|name| py.import("sys")?.getattr(*name)?.call_method0("flush").map(drop));
+    let failed = flushed.is_err() || result.returned == Returned::Raised;
+    signal_hook::low_level::exit(i32::from(failed))
+}

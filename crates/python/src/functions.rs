@@ -1,0 +1,88 @@
+//! The small functions of `rafcon._native`.
+
+use crate::describe::ROOT;
+use crate::status::place;
+use crate::{current, thread};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rafcon_engine::{Input, PathId};
+use rafcon_protocol::{LogLevel, Stream};
+
+/// Notes a line down. `level` is a level of Python's `logging`.
+#[pyfunction]
+pub(crate) fn emit(
+    py: Python<'_>,
+    path: i64,
+    stream: &str,
+    level: i64,
+    message: String,
+) -> PyResult<()> {
+    let stream = match stream {
+        "stdout" => Stream::Stdout,
+        "stderr" => Stream::Stderr,
+        "logger" => Stream::Logger,
+        other => return Err(PyValueError::new_err(format!("no stream is named {other}"))),
+    };
+    let path = u32::try_from(path).ok().map(PathId);
+    let driver = current::driver()?;
+    thread::leave(py, || driver.log(path, log_level(level), stream, message));
+    Ok(())
+}
+
+fn log_level(level: i64) -> LogLevel {
+    match level {
+        40.. => LogLevel::Error,
+        30..40 => LogLevel::Warning,
+        20..30 => LogLevel::Info,
+        10..20 => LogLevel::Debug,
+        ..10 => LogLevel::Verbose,
+    }
+}
+
+/// The number of the place whose script runs on this thread; -1 if none does.
+#[pyfunction]
+pub(crate) fn current_path() -> i64 {
+    thread::current_path().map_or(-1, |path| i64::from(path.0))
+}
+
+/// The number of the place that ran before this one in the same container; -1 if none did.
+#[pyfunction]
+pub(crate) fn last_left(py: Python<'_>, path: u32) -> PyResult<i64> {
+    Ok(place(py, path)?.previous().map_or(-1, |previous| i64::from(previous.0)))
+}
+
+/// The object that stands for the state at a place, always the same one.
+#[pyfunction]
+pub(crate) fn state_object(py: Python<'_>, path: u32) -> PyResult<Py<PyAny>> {
+    let place = place(py, path)?;
+    let seat = current::driver()?.scripts().seat(py, &place)?;
+    Ok(seat.object.clone_ref(py))
+}
+
+/// What is known about the machine as a whole.
+#[pyfunction]
+pub(crate) fn machine(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let scripts = current::driver()?.scripts();
+    let header = &scripts.machine.header;
+    let facts = PyDict::new(py);
+    facts.set_item("file_system_path", scripts.files.machine())?;
+    facts.set_item("version", header.version.as_deref())?;
+    facts.set_item("creation_time", header.creation_time.as_str())?;
+    facts.set_item("root", ROOT.0)?;
+    Ok(facts)
+}
+
+/// Pauses, resumes or stops the run; an error with the reason if it cannot be done now.
+#[pyfunction]
+pub(crate) fn command(py: Python<'_>, name: &str) -> PyResult<()> {
+    let input = match name {
+        "pause" => Input::Pause,
+        "resume" => Input::Resume,
+        "stop" => Input::Stop,
+        other => return Err(PyValueError::new_err(format!("no command is named {other}"))),
+    };
+    let driver = current::driver()?;
+    let answer = thread::leave(py, || driver.command(input));
+    answer.map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))
+}

@@ -1,0 +1,76 @@
+//! Values of files as Python objects.
+
+use crate::handle::Handle;
+use crate::runtime::Runtime;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyString, PyTuple};
+use rafcon_engine::Literals;
+use rafcon_model::{Conversion, DataType, Value, convert, convert_runtime_value, json};
+use smol_str::SmolStr;
+
+/// Makes Python objects of the values in files; text that only Python can read is read by it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PythonLiterals;
+
+impl Literals<Handle> for PythonLiterals {
+    fn literal(&mut self, value: &Value, data_type: &DataType) -> Result<Handle, SmolStr> {
+        made(convert(value, data_type), value, data_type)
+    }
+
+    fn runtime_literal(&mut self, value: &Value, data_type: &DataType) -> Result<Handle, SmolStr> {
+        made(convert_runtime_value(value, data_type), value, data_type)
+    }
+}
+
+fn made(conversion: Conversion, value: &Value, data_type: &DataType) -> Result<Handle, SmolStr> {
+    let object = |py: Python<'_>| match &conversion {
+        Conversion::Value(converted) => object(py, converted).map(Handle::new),
+        Conversion::Global(_) => object(py, value).map(Handle::new),
+        Conversion::NeedsPython => by_python(py, value, data_type).map(Handle::new),
+        Conversion::Fails(_) => Ok(Handle::default()),
+    };
+    if let Conversion::Fails(reason) = conversion {
+        return Err(reason);
+    }
+    Python::attach(|py| object(py).map_err(|error| SmolStr::new(error.value(py).to_string())))
+}
+
+fn by_python<'py>(
+    py: Python<'py>,
+    value: &Value,
+    data_type: &DataType,
+) -> PyResult<Bound<'py, PyAny>> {
+    let name = data_type.python_name();
+    Runtime::get(py)?.convert.bind(py).call1((object(py, value)?, name.as_str()))
+}
+
+/// The Python object for a value.
+pub(crate) fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    let objects = |items: &[Value]| -> PyResult<Vec<Bound<'py, PyAny>>> {
+        items.iter().map(|item| object(py, item)).collect()
+    };
+    Ok(match value {
+        Value::None => py.None().into_bound(py),
+        Value::Bool(truth) => PyBool::new(py, *truth).to_owned().into_any(),
+        Value::Int(number) => PyInt::new(py, *number).into_any(),
+        Value::BigInt(digits) => py.get_type::<PyInt>().call1((digits.as_str(),))?,
+        Value::Float(number) => PyFloat::new(py, *number).into_any(),
+        Value::Str(text) => PyString::new(py, text).into_any(),
+        Value::List(items) => PyList::new(py, objects(items)?)?.into_any(),
+        Value::Tuple(items) => PyTuple::new(py, objects(items)?)?.into_any(),
+        Value::Set(items) => PySet::new(py, objects(items)?)?.into_any(),
+        Value::Dict(members) => dict(py, members)?,
+        Value::Type(name) => Runtime::get(py)?.resolve_type.bind(py).call1((name.as_str(),))?,
+        Value::Encoded(document) => {
+            Runtime::get(py)?.decode.bind(py).call1((json::write_compact(document),))?
+        }
+    })
+}
+
+fn dict<'py>(py: Python<'py>, members: &[(Value, Value)]) -> PyResult<Bound<'py, PyAny>> {
+    let dict = PyDict::new(py);
+    for (key, value) in members {
+        dict.set_item(object(py, key)?, object(py, value)?)?;
+    }
+    Ok(dict.into_any())
+}

@@ -1,0 +1,93 @@
+//! `rafcon._native.main`: this process becomes a runner.
+
+use crate::handle::Handle;
+use crate::literals::PythonLiterals;
+use crate::runtime::Runtime;
+use crate::scripts::PythonScripts;
+use crate::{current, fork, package};
+use pyo3::prelude::*;
+use pyo3::types::PyModule;
+use rafcon_engine::Literals;
+use rafcon_runner::{Driver, Host, Opening, ServeError, serve};
+use std::os::fd::{FromRawFd as _, OwnedFd, RawFd};
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+
+/// Python before it knows its machine.
+#[derive(Debug)]
+struct PythonHost {
+    literals: PythonLiterals,
+}
+
+impl Host for PythonHost {
+    type Scripts = PythonScripts;
+
+    fn literals(&mut self) -> &mut dyn Literals<Handle> {
+        &mut self.literals
+    }
+
+    fn value(&mut self, json: &serde_json::Value) -> Result<Handle, String> {
+        Python::attach(|py| {
+            let value = Runtime::get(py)
+                .and_then(|runtime| runtime.decode.bind(py).call1((json.to_string(),)));
+            value.map(Handle::new).map_err(|error| error.value(py).to_string())
+        })
+    }
+
+    fn open(self, opening: Opening<Handle>) -> PythonScripts {
+        PythonScripts::new(opening)
+    }
+
+    fn opened(driver: &Arc<Driver<PythonScripts>>) {
+        current::set(driver);
+    }
+}
+
+/// Runs what the viewer at the other end of the socket `fd` asks for; returns the process's exit code.
+#[pyfunction]
+pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
+    let stream = adopt(py, fd)?;
+    package::install(py)?;
+    let module = py.import("rafcon._native")?;
+    fork::register(&module)?;
+    let runtime = Runtime::get(py)?;
+    let signal = py.import("signal")?;
+    signal.call_method1("signal", (signal.getattr("SIGINT")?, signal.getattr("SIG_DFL")?))?;
+    runtime.install_capture.call0(py)?;
+    runtime.hooks.call_method0(py, "load")?;
+    let end = py.detach(|| serve(stream, PythonHost { literals: PythonLiterals }));
+    runtime.flush_all.call0(py)?;
+    runtime.hooks.call_method0(py, "shut_down")?;
+    Ok(exit_code(end))
+}
+
+/// The exit code is for whoever has no connection; a viewer knows more.
+#[expect(clippy::print_stderr, reason = "without a viewer there is nowhere else to say it")]
+fn exit_code(end: Result<(), ServeError>) -> i32 {
+    match end {
+        Ok(()) => 0,
+        Err(ServeError::Load(_told_already)) => 1,
+        Err(error) => {
+            eprintln!("rafcon: {error}");
+            1
+        }
+    }
+}
+
+/// Takes the socket over, and keeps it from programs that scripts start.
+#[expect(unsafe_code, reason = "an inherited descriptor has no safe door")]
+fn adopt(py: Python<'_>, fd: RawFd) -> PyResult<UnixStream> {
+    let os = py.import("os")?;
+    os.call_method1("set_inheritable", (fd, false))?;
+    // SAFETY: `set_inheritable` has just shown that the descriptor is open, and whoever started this process gave it to us
+    // alone.
+    Ok(UnixStream::from(unsafe { OwnedFd::from_raw_fd(fd) }))
+}
+
+/// The compiled module as Python code may import it.
+pub(crate) fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("VERSION", env!("CARGO_PKG_VERSION"))?;
+    module.add("PROTOCOL", rafcon_protocol::VERSION)?;
+    module.add_class::<crate::signals::Signals>()?;
+    module.add_class::<package::Importer>()
+}

@@ -1,0 +1,51 @@
+//! What a script's return value means: an outcome's id or name, by Python's own equality.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyInt, PyString};
+use rafcon_engine::Returned;
+use rafcon_model::Outcome;
+use smol_str::SmolStr;
+
+/// How much of a value's own text is shown.
+const SHOWN_MAX: usize = 200;
+
+/// Reads a return value. The error is what the value's own comparison raised, or that it cannot be a key.
+pub(crate) fn returned(value: &Bound<'_, PyAny>, outcomes: &[Outcome]) -> PyResult<Returned> {
+    if value.is_none() {
+        return Ok(Returned::Other("None".into()));
+    }
+    if value.is_exact_instance_of::<PyInt>() {
+        return Ok(value.extract().map_or_else(|_too_large| other(value), Returned::Id));
+    }
+    if let Ok(name) = value.cast_exact::<PyString>() {
+        return Ok(Returned::Name(SmolStr::new(name.to_string_lossy())));
+    }
+    if let Ok(truth) = value.cast_exact::<PyBool>() {
+        return Ok(Returned::Id(i64::from(truth.is_true())));
+    }
+    by_equality(value, outcomes)
+}
+
+/// As a look-up in a dictionary of ids and then of names would have it: the hash has to agree too.
+fn by_equality(value: &Bound<'_, PyAny>, outcomes: &[Outcome]) -> PyResult<Returned> {
+    let (py, hash) = (value.py(), value.hash()?);
+    for outcome in outcomes {
+        let id = PyInt::new(py, outcome.id.0);
+        if id.hash()? == hash && value.eq(&id)? {
+            return Ok(Returned::Id(outcome.id.0));
+        }
+    }
+    for outcome in outcomes {
+        let name = PyString::new(py, &outcome.name);
+        if name.hash()? == hash && value.eq(&name)? {
+            return Ok(Returned::Name(outcome.name.clone()));
+        }
+    }
+    Ok(other(value))
+}
+
+fn other(value: &Bound<'_, PyAny>) -> Returned {
+    let text = value.repr().map(|text| text.to_string_lossy().into_owned());
+    let text = text.unwrap_or_else(|_failing| "something that cannot be shown".to_owned());
+    Returned::Other(text.chars().take(SHOWN_MAX).collect())
+}

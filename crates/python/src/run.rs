@@ -1,0 +1,209 @@
+//! One script from its inputs to its result.
+
+use crate::copy::copied;
+use crate::handle::Handle;
+use crate::returned::returned;
+use crate::runtime::Runtime;
+use crate::script::Script;
+use crate::seat::Seat;
+use crate::{current, module, scripts};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+use rafcon_engine::{Job, Returned, ScriptResult, Verdicts};
+use rafcon_model::OutcomeId;
+use rafcon_protocol::LogLevel;
+use rafcon_runner::signals::PREEMPTED;
+
+/// Runs the script of the state at `seat`. Whatever it raises becomes its result.
+pub(crate) fn run(py: Python<'_>, seat: &Seat, job: &Job<Handle>) -> ScriptResult<Handle> {
+    let outcome = match (Runtime::get(py), &seat.script) {
+        (Ok(runtime), Some(script)) => {
+            let result = Call { py, runtime, script, seat, job }.run();
+            flush(py, runtime);
+            result
+        }
+        (Err(error), _) => Err(error),
+        (_, None) => Err(PyRuntimeError::new_err("a state without a script was asked to run one")),
+    };
+    outcome.unwrap_or_else(|error| scripts::failed(py, error))
+}
+
+/// Sends what the script printed without ending the line.
+fn flush(py: Python<'_>, runtime: &Runtime) {
+    if !runtime.pending.bind(py).is_empty()
+        && let Err(error) = runtime.flush_capture.call0(py)
+    {
+        current::say(LogLevel::Error, format!("what the script printed last is lost: {error}"));
+    }
+}
+
+/// A script about to run, with all that it needs.
+struct Call<'c, 'py> {
+    py: Python<'py>,
+    runtime: &'c Runtime,
+    script: &'c Script,
+    seat: &'c Seat,
+    job: &'c Job<Handle>,
+}
+
+impl<'py> Call<'_, 'py> {
+    fn run(&self) -> PyResult<ScriptResult<Handle>> {
+        let (inputs, outputs) = (self.inputs()?, self.outputs()?);
+        self.seat.begin(&inputs, &outputs);
+        if let Some(verdicts) = &self.job.verdicts {
+            self.tell_verdicts(verdicts)?;
+        }
+        let returned = self.call(&inputs, &outputs);
+        let (returned, raised) = match returned {
+            Ok(returned) => (returned, None),
+            Err(error) => self.raised(error),
+        };
+        let error = match raised {
+            Some(error) => Some(error),
+            None => self.declared_error(&outputs)?,
+        };
+        Ok(ScriptResult { returned, outputs: self.collect(&outputs)?, error })
+    }
+
+    fn inputs(&self) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(self.py);
+        for (name, value) in self.script.inputs.iter().zip(self.job.inputs.iter()) {
+            dict.set_item(name, self.for_script(name, value))?;
+        }
+        if let Some(error) = &self.job.error {
+            let name = intern!(self.py, "error");
+            dict.set_item(name, self.for_script(name.as_unbound(), error))?;
+        }
+        Ok(dict)
+    }
+
+    fn outputs(&self) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(self.py);
+        for (name, value) in self.script.outputs.iter().zip(self.job.outputs.iter()) {
+            dict.set_item(name, self.for_script(name, value))?;
+        }
+        Ok(dict)
+    }
+
+    /// A copy, or the object itself where it cannot be copied, which is reported once for each port.
+    fn for_script(&self, name: &Py<PyString>, value: &Handle) -> Bound<'py, PyAny> {
+        copied(self.py, value).unwrap_or_else(|error| {
+            let name = name.bind(self.py).to_string_lossy();
+            if self.script.is_news(&name) {
+                current::say(
+                    LogLevel::Warning,
+                    format!("the value of \"{name}\" cannot be copied ({error}); the script gets the object itself"),
+                );
+            }
+            value.bind(self.py)
+        })
+    }
+
+    fn tell_verdicts(&self, verdicts: &Verdicts<Handle>) -> PyResult<()> {
+        let tell = |verdict: &rafcon_engine::Verdict<Handle>| {
+            let error = verdict.error.as_ref().map(|error| error.bind(self.py));
+            let (state, outcome) = (verdict.state.as_str(), verdict.outcome_name.as_str());
+            (
+                state.to_owned(),
+                verdict.name.to_string(),
+                verdict.outcome.0,
+                outcome.to_owned(),
+                error,
+            )
+        };
+        let told: Vec<_> = verdicts.children.iter().map(tell).collect();
+        self.runtime.set_verdicts.call1(self.py, (&self.seat.object, told))?;
+        Ok(())
+    }
+
+    fn call(
+        &self,
+        inputs: &Bound<'py, PyDict>,
+        outputs: &Bound<'py, PyDict>,
+    ) -> PyResult<Returned> {
+        let hooks = self.hooks()?;
+        if let Some(hooks) = &hooks {
+            hooks.call_method0(intern!(self.py, "pre_script"))?;
+        }
+        let execute = self.script.execute(self.py)?;
+        let state = self.seat.object.bind(self.py);
+        let variables = self.runtime.global_variables.bind(self.py);
+        let value = module::call(&execute, [state, inputs, outputs, variables])?;
+        if let Some(hooks) = &hooks {
+            hooks.call_method0(intern!(self.py, "post_script"))?;
+        }
+        if self.seat.place.signals.any(PREEMPTED) {
+            return Ok(Returned::Id(OutcomeId::PREEMPTED.0));
+        }
+        returned(&value, &self.script.outcomes)
+    }
+
+    /// The plugins that want to be told about each script.
+    fn hooks(&self) -> PyResult<Option<&Bound<'py, PyAny>>> {
+        let hooks = self.runtime.hooks.bind(self.py);
+        let active = hooks.getattr(intern!(self.py, "active"))?.is_truthy()?;
+        Ok(active.then_some(hooks))
+    }
+
+    fn raised(&self, error: PyErr) -> (Returned, Option<Handle>) {
+        if error.matches(self.py, &self.runtime.state_preempted).unwrap_or(false) {
+            return (Returned::Id(OutcomeId::PREEMPTED.0), None);
+        }
+        let value = error.into_value(self.py).into_bound(self.py).into_any();
+        let shown = self.runtime.format_error.call1(self.py, (&value, &self.script.file));
+        let shown = shown.and_then(|text| text.extract::<String>(self.py));
+        let text =
+            shown.unwrap_or_else(|failing| format!("(its traceback cannot be shown: {failing})"));
+        current::say(LogLevel::Error, text);
+        (Returned::Raised, Some(Handle::new(value)))
+    }
+
+    /// The entry `error` of the outputs, if it is true.
+    fn declared_error(&self, outputs: &Bound<'py, PyDict>) -> PyResult<Option<Handle>> {
+        if outputs.len() <= self.script.outputs.len() && !self.script.has_error_output {
+            return Ok(None);
+        }
+        let error = outputs.get_item(intern!(self.py, "error"))?;
+        Ok(match error {
+            Some(error) if error.is_truthy()? => Some(Handle::new(error)),
+            _ => None,
+        })
+    }
+
+    fn collect(&self, outputs: &Bound<'py, PyDict>) -> PyResult<Vec<Option<Handle>>> {
+        let mut found = 0;
+        let mut values = Vec::with_capacity(self.script.outputs.len());
+        for (name, default) in self.script.outputs.iter().zip(self.job.outputs.iter()) {
+            let value = outputs.get_item(name)?;
+            found += usize::from(value.is_some());
+            values.push(value.map(|value| handle(value, default)));
+        }
+        if outputs.len() > found {
+            self.report_undeclared(outputs)?;
+        }
+        Ok(values)
+    }
+
+    fn report_undeclared(&self, outputs: &Bound<'py, PyDict>) -> PyResult<()> {
+        let declared = |key: &Bound<'py, PyAny>| {
+            self.script.outputs.iter().any(|name| key.eq(name).unwrap_or(false))
+        };
+        for (key, _) in outputs.iter() {
+            if !declared(&key) && !key.eq(intern!(self.py, "error"))? {
+                let name = key.str()?.to_string_lossy().into_owned();
+                let message = format!(
+                    "the script set the output \"{name}\", but the state has no such port; the value is lost"
+                );
+                current::say(LogLevel::Warning, message);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A handle for what a script left in its outputs; the default's own, if it left the default there.
+fn handle(value: Bound<'_, PyAny>, default: &Handle) -> Handle {
+    if default.is(&value) { default.clone() } else { Handle::new(value) }
+}

@@ -1,0 +1,86 @@
+//! The one list of what Rust calls in the Python package: the module `rafcon._runtime`, looked up once.
+
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+
+/// Functions and objects of `rafcon._runtime`.
+#[derive(Debug)]
+pub(crate) struct Runtime {
+    /// Makes the `self` of a script.
+    pub(crate) new_state: Py<PyAny>,
+    /// Tells a decider how its branches ended.
+    pub(crate) set_verdicts: Py<PyAny>,
+    /// The `gvm` of scripts.
+    pub(crate) global_variables: Py<PyAny>,
+    /// Looks a global variable up for a default.
+    pub(crate) resolve_global: Py<PyAny>,
+    /// The type of a dotted name.
+    pub(crate) resolve_type: Py<PyAny>,
+    /// The value of a text that only Python can read.
+    pub(crate) convert: Py<PyAny>,
+    /// An object from the encoding of files.
+    pub(crate) decode: Py<PyAny>,
+    /// An object as the protocol encodes it.
+    pub(crate) encode: Py<PyAny>,
+    /// All global variables as the protocol encodes them.
+    pub(crate) encode_globals: Py<PyAny>,
+    /// A traceback for users.
+    pub(crate) format_error: Py<PyAny>,
+    /// Sends the unfinished lines of this thread.
+    pub(crate) flush_capture: Py<PyAny>,
+    /// Sends the unfinished lines of all threads.
+    pub(crate) flush_all: Py<PyAny>,
+    /// Unfinished lines; empty if there is nothing to send.
+    pub(crate) pending: Py<PyDict>,
+    /// What plugins want to be told.
+    pub(crate) hooks: Py<PyAny>,
+    /// Ends a script that was preempted inside a call.
+    pub(crate) state_preempted: Py<PyAny>,
+    /// Replaces the configuration in force.
+    pub(crate) configure: Py<PyAny>,
+    /// Sends what scripts print and log to the run.
+    pub(crate) install_capture: Py<PyAny>,
+    /// `builtins.__dict__`
+    pub(crate) builtins: Py<PyAny>,
+    /// `copy.deepcopy`
+    pub(crate) deep_copy: Py<PyAny>,
+    /// `json.dumps`
+    pub(crate) write_json: Py<PyAny>,
+}
+
+static RUNTIME: PyOnceLock<Runtime> = PyOnceLock::new();
+
+impl Runtime {
+    /// The one there is; the first call imports it.
+    pub(crate) fn get(py: Python<'_>) -> PyResult<&Self> {
+        RUNTIME.get_or_try_init(py, || Self::import(py))
+    }
+
+    fn import(py: Python<'_>) -> PyResult<Self> {
+        let module = py.import("rafcon._runtime")?;
+        let get = |name: &str| module.getattr(name).map(Bound::unbind);
+        Ok(Self {
+            new_state: get("new_state")?,
+            set_verdicts: get("set_verdicts")?,
+            global_variables: get("global_variable_manager")?,
+            resolve_global: get("resolve_global")?,
+            resolve_type: get("resolve_type")?,
+            convert: get("convert")?,
+            decode: get("decode")?,
+            encode: get("encode")?,
+            encode_globals: get("encode_globals")?,
+            format_error: get("format_error")?,
+            flush_capture: get("flush_capture")?,
+            flush_all: get("flush_all")?,
+            pending: module.getattr("pending")?.cast_into::<PyDict>()?.unbind(),
+            hooks: get("hooks")?,
+            state_preempted: get("StatePreempted")?,
+            configure: get("configure")?,
+            install_capture: get("install_capture")?,
+            builtins: py.import("builtins")?.dict().into_any().unbind(),
+            deep_copy: py.import("copy")?.getattr("deepcopy")?.unbind(),
+            write_json: py.import("json")?.getattr("dumps")?.unbind(),
+        })
+    }
+}

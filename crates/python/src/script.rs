@@ -1,0 +1,128 @@
+//! The script of one state: compiled once, its module's body run at each entry.
+
+use crate::module;
+use crate::runtime::Runtime;
+use parking_lot::Mutex;
+use pyo3::exceptions::{PyAttributeError, PyRuntimeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyCode, PyDict, PyString};
+use rafcon_engine::{Node, NodeId, Program};
+use rafcon_model::{DataType, Outcome, Port};
+use smol_str::SmolStr;
+use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
+
+use crate::class;
+use crate::handle::Handle;
+
+/// What is needed to run the script of one node, found out once.
+#[derive(Debug)]
+pub(crate) struct Script {
+    /// The file that tracebacks name.
+    pub(crate) file: String,
+    text: Option<Arc<str>>,
+    /// Names of the input ports.
+    pub(crate) inputs: Box<[Py<PyString>]>,
+    /// Names of the output ports.
+    pub(crate) outputs: Box<[Py<PyString>]>,
+    /// Whether one of the output ports is named `error`.
+    pub(crate) has_error_output: bool,
+    /// The outcomes of the state.
+    pub(crate) outcomes: Box<[Outcome]>,
+    code: OnceLock<Py<PyCode>>,
+    /// The module's dictionary, if its body runs only once.
+    kept: Option<OnceLock<Py<PyDict>>>,
+    /// Ports whose value could not be copied, and were reported.
+    reported: Mutex<BTreeSet<SmolStr>>,
+}
+
+impl Script {
+    /// Makes ready what is known before the script runs. `recompile` tells whether the module's body runs at each entry.
+    pub(crate) fn new(
+        py: Python<'_>,
+        program: &Program<Handle>,
+        node: NodeId,
+        (file, recompile): (String, bool),
+    ) -> Self {
+        let node: &Node<Handle> = program.node(node);
+        declare_types(py, node.inputs());
+        declare_types(py, node.outputs());
+        Self {
+            file,
+            text: node.state().script().and_then(|script| script.text.clone()),
+            inputs: names(py, node.inputs()),
+            outputs: names(py, node.outputs()),
+            has_error_output: node.outputs().iter().any(|port| port.name == "error"),
+            outcomes: node.outcomes().into(),
+            code: OnceLock::new(),
+            kept: (!recompile).then(OnceLock::new),
+            reported: Mutex::default(),
+        }
+    }
+
+    /// The function `execute`, from a module whose body has just run (or ran once, if the configuration says so).
+    pub(crate) fn execute<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let globals = match &self.kept {
+            None => self.run_body(py)?,
+            Some(kept) => once(kept, || self.run_body(py).map(Bound::unbind))?.bind(py).clone(),
+        };
+        globals.get_item(pyo3::intern!(py, "execute"))?.ok_or_else(|| {
+            PyAttributeError::new_err(
+                "the script has no function execute(self, inputs, outputs, gvm)",
+            )
+        })
+    }
+
+    /// Whether the port's value was not reported before as one that cannot be copied.
+    pub(crate) fn is_news(&self, port: &str) -> bool {
+        self.reported.lock().insert(port.into())
+    }
+
+    fn run_body<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let code = once(&self.code, || self.compile(py))?;
+        module::run_body(code.bind(py), Runtime::get(py)?.builtins.bind(py))
+    }
+
+    fn compile(&self, py: Python<'_>) -> PyResult<Py<PyCode>> {
+        let text = self.text.as_deref().ok_or_else(|| {
+            PyRuntimeError::new_err("the state has no script: add a script.py to its folder")
+        })?;
+        let options = PyDict::new(py);
+        options.set_item("dont_inherit", true)?;
+        let compile = Runtime::get(py)?.builtins.bind(py).get_item("compile")?;
+        let code = compile.call((text, self.file.as_str(), "exec"), Some(&options))?;
+        Ok(code.cast_into::<PyCode>()?.unbind())
+    }
+}
+
+/// What is in `cell`; made at the first call. Making it may let other threads run, so two may make it and one is kept.
+fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> PyResult<T>) -> PyResult<&T> {
+    match cell.get() {
+        Some(made) => Ok(made),
+        None => {
+            let made = make()?;
+            Ok(cell.get_or_init(|| made))
+        }
+    }
+}
+
+fn names(py: Python<'_>, ports: &[Port]) -> Box<[Py<PyString>]> {
+    ports.iter().map(|port| PyString::intern(py, &port.name).unbind()).collect()
+}
+
+/// Finds out what the named types of ports are, so that type checks need no Python.
+fn declare_types(py: Python<'_>, ports: &[Port]) {
+    for port in ports {
+        if let DataType::Named(name) = &port.data_type {
+            class::declare(name, || real_name(py, name).ok().flatten());
+        }
+    }
+}
+
+/// The name that a type itself has; nothing for an abstract class, which takes objects of other classes too.
+fn real_name(py: Python<'_>, name: &str) -> PyResult<Option<SmolStr>> {
+    let found = Runtime::get(py)?.resolve_type.bind(py).call1((name,))?;
+    let abstract_class = py.import("abc")?.getattr("ABCMeta")?;
+    let is_abstract = found.is_instance(&abstract_class)?;
+    Ok((!is_abstract).then(|| class::dotted(&found)))
+}

@@ -1,0 +1,74 @@
+//! What Python keeps for a place in the machine, for the life of the process: the `self` of its scripts and the data of the
+//! last run.
+
+use crate::script::Script;
+use parking_lot::{Mutex, RwLock};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rafcon_engine::PathId;
+use rafcon_runner::Place;
+use std::sync::Arc;
+
+/// One place.
+#[derive(Debug)]
+pub(crate) struct Seat {
+    /// `self`, with whatever scripts put on it.
+    pub(crate) object: Py<PyAny>,
+    /// The script of the state that stands there, if it has one.
+    pub(crate) script: Option<Arc<Script>>,
+    /// The place in the run.
+    pub(crate) place: Arc<Place>,
+    data: Mutex<Data>,
+}
+
+/// The dictionaries of the last run of a script.
+#[derive(Debug, Default)]
+struct Data {
+    inputs: Option<Py<PyDict>>,
+    outputs: Option<Py<PyDict>>,
+}
+
+impl Seat {
+    pub(crate) fn new(object: Py<PyAny>, script: Option<Arc<Script>>, place: Arc<Place>) -> Self {
+        Self { object, script, place, data: Mutex::default() }
+    }
+
+    /// A script begins with these.
+    pub(crate) fn begin(&self, inputs: &Bound<'_, PyDict>, outputs: &Bound<'_, PyDict>) {
+        let new =
+            Data { inputs: Some(inputs.clone().unbind()), outputs: Some(outputs.clone().unbind()) };
+        let old = std::mem::replace(&mut *self.data.lock(), new);
+        drop(old);
+    }
+
+    /// The inputs and outputs of the last run of a script.
+    pub(crate) fn data<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> Option<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+        let data = self.data.lock();
+        let dict = |dict: &Option<Py<PyDict>>| dict.as_ref().map(|dict| dict.bind(py).clone());
+        Some((dict(&data.inputs)?, dict(&data.outputs)?))
+    }
+}
+
+/// All seats, by the number of the place.
+#[derive(Debug, Default)]
+pub(crate) struct Seats(RwLock<Vec<Option<Arc<Seat>>>>);
+
+impl Seats {
+    pub(crate) fn get(&self, path: PathId) -> Option<Arc<Seat>> {
+        self.0.read().get(path.index()).cloned().flatten()
+    }
+
+    /// Puts a seat at its place and gives it back; one that is there already stays.
+    pub(crate) fn insert(&self, seat: Seat) -> Arc<Seat> {
+        let index = seat.place.path.index();
+        let seat = Arc::new(seat);
+        let mut seats = self.0.write();
+        if seats.len() <= index {
+            seats.resize(index + 1, None);
+        }
+        Arc::clone(seats[index].get_or_insert_with(|| Arc::clone(&seat)))
+    }
+}

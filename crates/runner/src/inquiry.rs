@@ -1,0 +1,43 @@
+//! What scripts may ask about the run that they are part of. Called on any thread, never while the engine is locked.
+
+use crate::driver::{Core, Driver};
+use crate::{Place, Scripts, tell};
+use rafcon_engine::{Inspection, PathId};
+use rafcon_protocol::{Event, LogLevel, Stream};
+use std::sync::Arc;
+
+impl<S: Scripts> Driver<S> {
+    /// The place with this number, also if no state was entered there yet.
+    pub fn place(&self, path: PathId) -> Option<Arc<Place>> {
+        self.places().get(path).or_else(|| {
+            let make = |core: &mut Core<S::Value>| {
+                let node = core.engine.path_node(path)?;
+                Some(Arc::clone(self.place_of(core, path, node)))
+            };
+            self.with_core(make)?
+        })
+    }
+
+    /// The places of the states inside, in their order.
+    pub fn children(&self, path: PathId) -> Vec<PathId> {
+        let list = |core: &mut Core<S::Value>| {
+            let first = core.engine.first_child_place(path)?;
+            let node = core.engine.path_node(path)?;
+            let count = u32::try_from(self.program().node(node).children()).ok()?;
+            Some((first.0..first.0 + count).map(PathId).collect())
+        };
+        self.with_core(list).flatten().unwrap_or_default()
+    }
+
+    /// What the state at this place holds; `None` if it is not active.
+    pub fn inspect(&self, path: PathId) -> Option<Inspection<S::Value>> {
+        self.with_core(|core| core.engine.inspect(path))?
+    }
+
+    /// Notes a line down that a state wrote.
+    pub fn log(&self, path: Option<PathId>, level: LogLevel, stream: Stream, message: String) {
+        let path = path.and_then(|path| self.places().with(path, |place| place.text.to_string()));
+        let event = Event::Log { path: path.unwrap_or_default(), level, stream, message };
+        self.recorder().push(self.clock().now_ns(), [tell::told(event)]);
+    }
+}
