@@ -11,6 +11,8 @@ from rafcon._types import resolve_type
 #: How deep nested values are shown, and how much of a text representation.
 _DEPTH_MAX = 64
 _REPRESENTATION_MAX = 200
+#: A key with more digits stays a text.
+_DIGITS_MAX = 18
 
 
 def decode(text):
@@ -36,7 +38,9 @@ def _decode_object(members):
 
 def _is_integer(key):
     digits = key[1:] if key.startswith("-") else key
-    return digits.isascii() and digits.isdigit() and str(int(digits)) == digits and key != "-0"
+    if not (digits.isascii() and digits.isdigit()) or len(digits) > _DIGITS_MAX:
+        return False
+    return str(int(key)) == key
 
 
 def _decode_qualified(name, members):

@@ -1,8 +1,7 @@
 """Waiting for one's turn at a locked global variable, ended by the turn or by a preemption, and never by polling."""
 
-import threading
-
-from rafcon import _objects, _signals
+from rafcon import _objects
+from rafcon._wakeup import Wakeup
 from rafcon.core.custom_exceptions import StatePreempted
 
 
@@ -19,9 +18,7 @@ class Waiter:
         self._result = None
         self._error = None
         self._state = _objects.current_state()
-        self._turn = threading.Event()
-        if self._state is not None:
-            self._state._signals.nudged = False
+        self._wakeup = Wakeup(self._state)
 
     def finish(self, variable):
         """Carries the call out on a variable that is free (None: it is gone) and wakes the caller."""
@@ -30,20 +27,12 @@ class Waiter:
         except Exception as error:
             self._error = error
         self.done = True
-        if self._state is None:
-            self._turn.set()
-        else:
-            self._state._signals.nudged = True
+        self._wakeup.wake()
 
     def sleep(self):
-        """Until the turn has come (or perhaps earlier); True if the state was preempted first."""
-        if self._state is None:
-            self._turn.wait()
-            return False
-        signals = self._state._signals
-        told = self._state._told_preempted()
-        signals.wait(_signals.NUDGED if told else _signals.NUDGED | _signals.PREEMPTED, None)
-        return not told and signals.preempted
+        """Until the turn has come: True; False if the state was preempted first."""
+        told = self._state is None or self._state._told_preempted()
+        return self._wakeup.wait(heed_preemption=not told)
 
     def result(self):
         """What the call returns or raises."""

@@ -260,9 +260,8 @@ class GlobalVariableManager:
         with self._lock:
             self._queues.setdefault(key, deque()).append(waiter)
             self._serve(key)
-        while not waiter.done:
-            if waiter.sleep() and self._give_up(key, waiter):
-                raise waiter.preemption(key)
+        if not waiter.sleep() and self._give_up(key, waiter):
+            raise waiter.preemption(key)
         return waiter.result()
 
     def _give_up(self, key, waiter):

@@ -6,6 +6,9 @@ from contextlib import contextmanager
 from rafcon import _objects
 from rafcon.core._refusals import NoConstructor, fixed, refuses
 from rafcon.core.execution.execution_history import ExecutionHistory
+from rafcon.utils.log import get_logger
+
+logger = get_logger(__name__)
 
 
 @refuses("change_root_state_type", "start")
@@ -54,7 +57,7 @@ class StateMachine(NoConstructor):
     def get_state_by_path(self, path, as_check=False):
         """The state of a path of ids, such as ``state.get_path()`` gives.
 
-        If there is none: ``ValueError``, or None with ``as_check``.
+        None if there is no such state; that is an error in the log too, unless ``as_check`` is set.
         """
         first, *ids = path.split("/")
         state = self.root_state if first == self.root_state.state_id else None
@@ -62,7 +65,7 @@ class StateMachine(NoConstructor):
             places = state._facts["children"] if state is not None else {}
             state = _objects.state(places[state_id]) if state_id in places else None
         if state is None and not as_check:
-            raise ValueError("there is no state with the path `%s` in this state machine" % path)
+            logger.error("There is no state with the path '%s' in this state machine", path)
         return state
 
     def acquire_modification_lock(self, blocking=True):

@@ -29,11 +29,8 @@ def get_logger(name):
     return logging.getLogger("rafcon." + name)
 
 
-def log_exceptions(logger=None, gtk_quit=False):
-    """Decorator: an exception of the function is logged, and raised again.
-
-    ``gtk_quit`` is accepted for old scripts; there is no GTK main loop to end.
-    """
+def log_exceptions(logger=None):
+    """Decorator: an exception of the function is logged, and raised again."""
 
     def decorate(function):
         @functools.wraps(function)

@@ -9,8 +9,9 @@ from rafcon.utils.log import get_logger
 class Timer:
     """Context manager that logs how long its block took."""
 
-    def __init__(self, logger=None, name="timer"):
-        self._logger = logger or get_logger(__name__)
+    def __init__(self, logger, name="", continues=True):
+        """``continues`` is accepted for old scripts; each block is measured on its own."""
+        self._logger = logger
         self._name = name
         self._start_s = None
 
@@ -19,7 +20,7 @@ class Timer:
         return self
 
     def __exit__(self, *_exception):
-        self._logger.info("%s: %.6f s", self._name, time.perf_counter() - self._start_s)
+        self._logger.info("%s took %.6f s", self._name or "the block", time.perf_counter() - self._start_s)
 
 
 def measure_time(function):
@@ -27,7 +28,7 @@ def measure_time(function):
 
     @functools.wraps(function)
     def wrapper(*arguments, **named):
-        with Timer(name=function.__qualname__):
+        with Timer(get_logger(function.__module__), function.__qualname__):
             return function(*arguments, **named)
 
     return wrapper

@@ -23,32 +23,19 @@ class SemanticData:
         found = self._semantic_data
         for key in path_as_list:
             if key not in found:
-                raise KeyError(key)
+                raise KeyError("%s has no semantic data at the path %s" % (self, list(path_as_list)))
             found = found[key]
         return found
 
-    def add_semantic_data(self, path_as_list, value, key=None):
-        """Puts a value into the dictionary at a path; returns the path of the new entry.
-
-        Without a key, or if there is such an entry already, a new key is made.
-        """
-        target = self.get_semantic_data(path_as_list)
-        key = _free_key(target, key)
-        target[key] = value
+    def add_semantic_data(self, path_as_list, value, key):
+        """Puts a value into the dictionary at a path; returns the path of the entry."""
+        self.get_semantic_data(path_as_list)[key] = value
         return list(path_as_list) + [key]
 
     def remove_semantic_data(self, path_as_list):
-        """Removes the entry at a path."""
+        """Removes the entry at a path and returns it; ``KeyError`` if there is none."""
         if not path_as_list:
             raise AttributeError("the path is empty, so it names no entry")
+        found = self.get_semantic_data(path_as_list)
         del self.get_semantic_data(path_as_list[:-1])[path_as_list[-1]]
-
-
-def _free_key(target, key):
-    if key is not None and key not in target:
-        return key
-    stem = "semantic data key" if key is None else key
-    number = 1
-    while "%s %d" % (stem, number) in target:
-        number += 1
-    return "%s %d" % (stem, number)
+        return found

@@ -123,7 +123,7 @@ class ContainerState(State):
         return self if transition.to_outcome is not None else self._children[transition.to_state]
 
     def get_data_flow_id(self, from_data_port, to_data_port):
-        """The id of the flow between two ports, or None."""
+        """The id of the flow between two ports; ``AttributeError`` if there is none."""
         ends = (
             from_data_port.parent.state_id,
             from_data_port.data_port_id,
@@ -133,7 +133,7 @@ class ContainerState(State):
         for key, flow in self._data_flows.items():
             if (flow.from_state, flow.from_key, flow.to_state, flow.to_key) == ends:
                 return key
-        return None
+        raise AttributeError("there is no data flow from %s to %s in %s" % (from_data_port, to_data_port, self))
 
     def get_scoped_variable_from_name(self, name):
         """The id of the scoped variable of this name; ``AttributeError`` if there is none."""
@@ -158,15 +158,21 @@ class ContainerState(State):
         return None if state is None else state.outcomes.get(outcome_id)
 
     def get_connections_for_state(self, state_id):
-        """What is connected to a state inside.
+        """What is connected to a state inside: a pair, transitions first, then data flows.
 
-        A pair (transitions, data flows) of dictionaries with the keys ``internal`` (from the state to itself),
-        ``ingoing``, ``outgoing`` and ``enclosed`` (always empty for one state), each a list.
+        Each is a dictionary of lists: ``["external"]`` has the connections in this container as ``ingoing``,
+        ``outgoing`` and ``self`` (from the state to itself); ``["internal"]`` those inside the state, if it is a
+        container, as ``enclosed`` (between its children), ``ingoing``, ``outgoing`` and ``self``.
         """
+        state = self._children[state_id]
+        inside = isinstance(state, ContainerState)
         return (
-            _connections(self._transitions.values(), state_id),
-            _connections(self._data_flows.values(), state_id),
+            _connections(self._transitions, state._transitions if inside else {}, state_id),
+            _connections(self._data_flows, state._data_flows if inside else {}, state_id),
         )
+
+    def __str__(self):
+        return "%s [%d child states]" % (State.__str__(self), len(self._children))
 
     def recursively_preempt_states(self):
         """Preempts this state and all states inside."""
@@ -191,11 +197,18 @@ class ContainerState(State):
         return State._groups(self) + [group.values() for group in inside]
 
 
-def _connections(elements, state_id):
-    groups = {"enclosed": [], "internal": [], "ingoing": [], "outgoing": []}
-    for element in elements:
-        ends = (element.from_state == state_id, element.to_state == state_id)
-        kind = {(True, True): "internal", (True, False): "outgoing", (False, True): "ingoing"}.get(ends)
-        if kind:
-            groups[kind].append(element)
+def _connections(outside, inside, state_id):
+    external = _sorted_by_ends(outside, state_id)
+    del external["enclosed"]
+    internal = _sorted_by_ends(inside, state_id)
+    # Seen from inside, what begins at the state comes in.
+    internal["ingoing"], internal["outgoing"] = internal["outgoing"], internal["ingoing"]
+    return {"external": external, "internal": internal}
+
+
+def _sorted_by_ends(elements, state_id):
+    groups = {"enclosed": [], "ingoing": [], "outgoing": [], "self": []}
+    kinds = {(True, True): "self", (True, False): "outgoing", (False, True): "ingoing", (False, False): "enclosed"}
+    for element in elements.values():
+        groups[kinds[element.from_state == state_id, element.to_state == state_id]].append(element)
     return groups

@@ -8,6 +8,8 @@ STATEMACHINE_FILE = "statemachine.json"
 FILE_NAME_CORE_DATA = "core_data.json"
 #: The layout of a state.
 FILE_NAME_META_DATA = "meta_data.json"
+#: The layout of a state machine.
+FILE_NAME_META_DATA_SM = "sm_meta_data.json"
 #: The script of a state.
 SCRIPT_FILE = "script.py"
 #: The semantic data of a state.

@@ -1,0 +1,36 @@
+"""A wait that another thread ends, or the preemption of the waiting script's state."""
+
+import threading
+import time
+
+from rafcon import _signals
+
+
+class Wakeup:
+    """For one wait of one thread; ``state`` is the state whose script runs there, or None."""
+
+    def __init__(self, state):
+        self._signals = None if state is None else state._signals
+        self._event = threading.Event()
+
+    def wake(self):
+        """Ends the wait, also one that has not begun."""
+        self._event.set()
+        if self._signals is not None:
+            self._signals.nudged = True
+
+    def wait(self, timeout=None, heed_preemption=True):
+        """True once it is woken; False if the state was preempted or the time (s) is over before that."""
+        if self._signals is None:
+            return self._event.wait(timeout)
+        mask = _signals.NUDGED | (_signals.PREEMPTED if heed_preemption else 0)
+        end_s = None if timeout is None else time.monotonic() + timeout
+        # The flag is a bell that others may have rung: it is silenced before the event is looked at.
+        self._signals.nudged = False
+        while not self._event.is_set():
+            left_s = None if end_s is None else end_s - time.monotonic()
+            rung = self._signals.wait(mask, _signals.seconds(left_s))
+            if not rung or (heed_preemption and self._signals.preempted):
+                break
+            self._signals.nudged = False
+        return self._event.is_set()

@@ -1,0 +1,141 @@
+"""The package as a whole: it imports everywhere, everything public is described, and the list of files is right."""
+
+import ast
+import importlib
+import os
+import pathlib
+import pkgutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import stage
+import rafcon
+
+
+def files():
+    return sorted(path.relative_to(stage.PACKAGE).as_posix() for path in stage.PACKAGE.glob("rafcon/**/*.py"))
+
+
+def plain(program, **environment):
+    """Runs a program in an interpreter without a machine."""
+    return subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env={**os.environ, "PYTHONPATH": str(stage.PACKAGE), **environment},
+    )
+
+
+class Package(unittest.TestCase):
+    def test_every_module_is_imported(self):
+        for module in pkgutil.walk_packages(rafcon.__path__, "rafcon."):
+            try:
+                importlib.import_module(module.name)
+            except ModuleNotFoundError as error:
+                self.assertEqual((error.name.split(".")[0], module.name.rpartition(".")[0]), ("rclpy", "rafcon.utils.ros2"))
+
+    def test_the_list_of_files_is_right(self):
+        self.assertEqual((stage.PACKAGE / "MANIFEST").read_text().splitlines(), files())
+
+    def test_everything_public_is_described(self):
+        for file in files():
+            tree = ast.parse((stage.PACKAGE / file).read_text(encoding="utf-8"))
+            self.assertTrue(ast.get_docstring(tree), file)
+            for node in undescribed(tree):
+                self.fail("%s:%d: `%s` has no docstring" % (file, node.lineno, node.name))
+
+    def test_the_version_is_that_of_the_workspace(self):
+        workspace = (stage.PACKAGE.parents[2] / "Cargo.toml").read_text()
+        self.assertIn('version = "%s"' % rafcon.__version__, workspace)
+
+    def test_without_a_machine_it_says_so(self):
+        done = plain(
+            "import rafcon._runtime, rafcon.core.singleton as s\n"
+            "print(s.state_machine_manager.state_machines, s.state_machine_execution_engine.finished_or_stopped())\n"
+            "s.global_variable_manager.set_variable('a', 1)\n"
+            "s.state_machine_execution_engine.pause()\n"
+        )
+        self.assertEqual(done.stdout, "{} True\n")
+        self.assertIn("start the machine with `rafcon run PATH`", done.stderr.splitlines()[-1])
+
+    def test_the_desktop_is_missing_as_it_always_was(self):
+        done = plain(
+            "import rafcon.gui.utils\n"
+            "from rafcon.gui.utils import wait_for_gui\n"
+            "for name in ('rafcon.gui.singleton', 'rafcon.gui.utils.dialog', 'rafcon.gui.config'):\n"
+            "    try: __import__(name)\n"
+            "    except ModuleNotFoundError as error: print(error)\n",
+        )
+        self.assertEqual(done.stdout, "No module named 'gi'\n" * 3, done.stderr)
+
+
+def undescribed(tree):
+    """Public classes, functions and methods without a docstring; what overrides a standard class needs none."""
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    methods = [node for cls in classes for node in cls.body if isinstance(node, ast.FunctionDef) and not setter(node)]
+    named = [node for node in classes + functions + methods if not node.name.startswith("_")]
+    return [node for node in named if not ast.get_docstring(node)]
+
+
+def setter(function):
+    return any(isinstance(decorator, ast.Attribute) for decorator in function.decorator_list)
+
+
+PLUGIN = """
+def post_init(arguments):
+    print("init", arguments)
+def pre_script():
+    print("before")
+def post_script():
+    print("after")
+"""
+
+
+class Plugins(unittest.TestCase):
+    def test_hooks_are_called_and_broken_plugins_left_out(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in (("good_plugin", PLUGIN), ("bad_plugin", "1 / 0")):
+                package = pathlib.Path(folder) / name
+                package.mkdir()
+                (package / "__init__.py").write_text("")
+                (package / "hooks.py").write_text(text)
+            path = os.pathsep.join([os.path.join(folder, "bad_plugin"), os.path.join(folder, "good_plugin")])
+            done = plain(
+                "from rafcon._runtime import hooks\n"
+                "hooks.load()\n"
+                "print(hooks.active)\n"
+                "hooks.pre_script(); hooks.post_script(); hooks.finished(); hooks.shut_down()\n",
+                RAFCON_PLUGIN_PATH=path,
+            )
+        self.assertEqual(done.stdout, "init {}\nTrue\nbefore\nafter\n")
+        self.assertIn("bad_plugin is left out", done.stderr)
+
+
+class Libraries(unittest.TestCase):
+    def test_they_are_found_below_their_roots(self):
+        from rafcon import _runtime
+        from rafcon.core.custom_exceptions import LibraryNotFoundException
+        from rafcon.core.singleton import library_manager
+
+        with tempfile.TemporaryDirectory() as folder:
+            folder = os.path.realpath(folder)
+            machine = os.path.join(folder, "lib", "arm", "grasp")
+            os.makedirs(machine)
+            os.makedirs(os.path.join(folder, "lib_other", "x"))
+            pathlib.Path(machine, "statemachine.json").write_text("{}")
+            _runtime.configure({"LIBRARY_PATHS": {"own": os.path.join(folder, "lib")}})
+            self.addCleanup(_runtime.configure, {})
+            self.assertEqual(library_manager.libraries["own"], {"arm": {"grasp": machine}})
+            self.assertEqual(library_manager.get_os_path_to_library("own/arm", "grasp"), (machine, "own/arm", "grasp"))
+            self.assertEqual(library_manager.get_library_path_and_name_for_os_path(machine), ("own/arm", "grasp"))
+            self.assertFalse(library_manager.is_os_path_within_library_root_paths(os.path.join(folder, "lib_other", "x")))
+            with self.assertRaises(LibraryNotFoundException):
+                library_manager.get_os_path_to_library("own", "nothing")
+
+
+if __name__ == "__main__":
+    unittest.main()

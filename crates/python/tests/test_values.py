@@ -1,0 +1,153 @@
+"""Values: from files, for ports, and for people to look at."""
+
+import enum
+import json
+import unittest
+
+import stage
+from rafcon._runtime import convert, decode, encode, format_error, resolve_type
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+
+class Decode(unittest.TestCase):
+    def check(self, text, value):
+        found = decode(text)
+        self.assertEqual(found, value)
+        self.assertIs(type(found), type(value))
+
+    def test_plain(self):
+        for value in (None, True, 3, 0.5, "text", [1, [2]], {"a": {"b": 1}}):
+            self.check(json.dumps(value), value)
+
+    def test_special(self):
+        self.check('{"__jsonqualname__": "__builtin__.tuple", "items": [1, "a"]}', (1, "a"))
+        self.check('{"__jsonqualname__": "__builtin__.set", "items": [1, 1]}', {1})
+        self.assertIs(decode('{"__type__": "__builtin__.float"}'), float)
+        self.assertIs(decode('{"__type__": "types.NoneType"}'), type(None))
+        self.assertIs(decode('[{"__type__": "int"}]')[0], int)
+
+    def test_keys_become_integers_only_if_all_are(self):
+        self.check('{"1": "a", "-2": "b"}', {1: "a", -2: "b"})
+        self.check('{"1": 2, "01": 5}', {"1": 2, "01": 5})
+        self.check('{"1": 2, "x": 5}', {"1": 2, "x": 5})
+        self.check('{"%s": 1}' % ("9" * 5000), {"9" * 5000: 1})
+
+    def test_what_cannot_be_decoded(self):
+        with self.assertRaises(ValueError):
+            decode("{")
+        with self.assertRaises(ImportError):
+            decode('{"__jsonqualname__": "no_such_module.Thing"}')
+
+    @unittest.skipIf(numpy is None, "numpy is not installed")
+    def test_an_array(self):
+        found = decode('{"__jsonqualname__": "numpy.ndarray", "items": [[1, 2], [3, 4]]}')
+        self.assertEqual(found.tolist(), [[1, 2], [3, 4]])
+
+
+class Broken:
+    def __repr__(self):
+        raise RuntimeError("no")
+
+
+class Colour(enum.IntEnum):
+    RED = 1
+
+
+class Encode(unittest.TestCase):
+    def check(self, value, expected):
+        found = encode(value)
+        self.assertEqual(found, expected)
+        self.assertEqual(json.loads(json.dumps(found, allow_nan=False)), expected)
+
+    def test_what_json_has(self):
+        for value in (None, True, 3, 0.5, "text", [1, [2]], {"a": None}):
+            self.check(value, value)
+        self.check(Colour.RED, 1)
+
+    def test_what_json_lacks(self):
+        self.check({1: (2, "x")}, {"1": {"__tuple__": [2, "x"]}})
+        self.check(ValueError("bad"), {"__exc__": "ValueError", "msg": "bad"})
+        self.check(dict, {"__type__": "dict"})
+        self.check(float("nan"), {"__repr__": "nan", "__class__": "float"})
+        self.check(b"x" * 300, {"__repr__": repr(b"x" * 300)[:200], "__class__": "bytes"})
+
+    def test_what_resists(self):
+        self.assertIn("RuntimeError", encode(Broken())["__repr__"])
+        self.check("\ud800", "\\ud800")
+        endless = []
+        endless.append(endless)
+        json.dumps(encode(endless))
+
+
+class Types(unittest.TestCase):
+    def test_names(self):
+        self.assertIs(resolve_type("builtins.int"), int)
+        self.assertIs(resolve_type("str"), str)
+        self.assertEqual(resolve_type("collections.OrderedDict").__name__, "OrderedDict")
+        self.assertEqual(resolve_type("unittest.mock.Mock").__name__, "Mock")
+        self.assertIs(resolve_type("NoneType"), type(None))
+
+    def test_names_that_name_no_type(self):
+        with self.assertRaises(ImportError):
+            resolve_type("no_such_module.Thing")
+        with self.assertRaises(AttributeError):
+            resolve_type("collections.Thing")
+        with self.assertRaises(TypeError):
+            resolve_type("os.path")
+
+    def check(self, text, type_name, value):
+        found = convert(text, type_name)
+        self.assertEqual(found, value)
+        self.assertIs(type(found), type(value))
+
+    def test_texts_of_ports(self):
+        self.check("None", "builtins.str", None)
+        self.check("$name", "builtins.int", "$name")
+        self.check("$", "builtins.str", "$")
+        self.check("5", "builtins.int", 5)
+        self.check("5", "builtins.float", 5.0)
+        self.check("0", "builtins.bool", False)
+        self.check("[1, 2]", "builtins.list", [1, 2])
+        self.check("(1,)", "builtins.tuple", (1,))
+        self.check("5", "builtins.object", 5)
+        self.check('say "hi"', "builtins.object", 'say "hi"')
+        self.check("ff", "pathlib.PurePosixPath", __import__("pathlib").PurePosixPath("ff"))
+        self.check(7, "builtins.str", 7)
+
+    def test_texts_that_are_no_value(self):
+        for text, type_name in (("x", "builtins.int"), ("yes", "builtins.bool"), ("(1,)", "builtins.list")):
+            with self.assertRaises(ValueError):
+                convert(text, type_name)
+
+
+class Tracebacks(unittest.TestCase):
+    def run_script(self, text):
+        module = {}
+        try:
+            exec(compile(text, "/m/A/script.py", "exec"), module)
+            module["execute"]()
+        except BaseException as error:
+            return format_error(error, "/m/A/script.py")
+
+    def test_it_begins_in_the_script(self):
+        shown = self.run_script("import json\ndef execute():\n    json.loads('{')\n")
+        self.assertTrue(shown.startswith('Traceback (most recent call last):\n  File "/m/A/script.py", line 3'), shown)
+        self.assertNotIn("test_values", shown)
+        self.assertIn("json.decoder.JSONDecodeError", shown)
+
+    def test_a_script_that_does_not_parse(self):
+        shown = self.run_script("def execute(:\n")
+        self.assertIn('File "/m/A/script.py", line 1', shown)
+        self.assertIn("SyntaxError", shown)
+        self.assertNotIn("test_values", shown)
+
+    def test_a_script_without_execute(self):
+        self.assertEqual(self.run_script("x = 1\n"), "KeyError: 'execute'")
+
+
+if __name__ == "__main__":
+    unittest.main()
