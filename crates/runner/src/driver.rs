@@ -46,6 +46,9 @@ pub(crate) struct Core<D> {
     flags: u8,
 }
 
+/// The branch of the root state; it is there from the start.
+const ROOT_BRANCH: BranchId = BranchId(0);
+
 /// What one input came to, for the thread that gave it.
 type Next<D> = Option<Turn<D>>;
 
@@ -202,6 +205,9 @@ impl<S: Scripts> Driver<S> {
         own: Option<BranchId>,
     ) -> Result<Next<S::Value>, Refusal> {
         let mut next = None;
+        if matches!(input, Input::Start(_)) {
+            self.fork(core, ROOT_BRANCH);
+        }
         core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
         self.carry_out(core, own, &mut next);
         while let Some((frame, result)) = core.pending.pop_front() {
