@@ -1,8 +1,6 @@
 """What scripts log goes to the running machine, with the state that logged it."""
 
-import json
 import logging
-import logging.config
 import os
 
 from rafcon._bridge import native
@@ -59,6 +57,9 @@ def _configure(path):
     """Applies the user's configuration; returns what is wrong with it, if anything is."""
     if not path:
         return None
+    import json
+    import logging.config  # as late as this, for it takes long to load and is rarely wanted
+
     try:
         with open(path, encoding="utf-8") as file:
             logging.config.dictConfig(json.load(file))

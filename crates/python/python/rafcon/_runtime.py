@@ -11,7 +11,7 @@ from rafcon._tracebacks import format_error
 from rafcon._types import convert, resolve_type
 from rafcon._values import decode, encode
 from rafcon.core.custom_exceptions import StatePreempted
-from rafcon.core.singleton import global_variable_manager
+from rafcon.core.global_variable_manager import global_variables as global_variable_manager
 
 __all__ = [
     "StatePreempted",

@@ -3,7 +3,6 @@
 A port's type stands in a file as a dotted name, its default often as text; both are answered here, and only here.
 """
 
-import ast
 import builtins
 import importlib
 
@@ -72,7 +71,7 @@ def _rule(data_type):
     if data_type in (str, type(None)):
         return lambda text, _type: text
     if data_type is bool:
-        return lambda text, _type: bool(ast.literal_eval(text))
+        return lambda text, _type: bool(_evaluated(text))
     if data_type in _LITERAL_TYPES:
         return _literal
     if data_type is object:
@@ -81,7 +80,7 @@ def _rule(data_type):
 
 
 def _literal(text, data_type):
-    value = ast.literal_eval(text)
+    value = _evaluated(text)
     if type(value) is not data_type:
         raise TypeError("it is a %s" % type(value).__name__)
     return value
@@ -89,6 +88,12 @@ def _literal(text, data_type):
 
 def _literal_or_text(text, _data_type):
     try:
-        return ast.literal_eval(text)
+        return _evaluated(text)
     except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
         return text
+
+
+def _evaluated(text):
+    import ast  # as late as this, for it takes long to load and is rarely wanted
+
+    return ast.literal_eval(text)

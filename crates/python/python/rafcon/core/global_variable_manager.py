@@ -1,7 +1,7 @@
 """Global variables: ``gvm`` in scripts. They outlive the runs of a machine, and end with the process."""
 
 import copy
-import secrets
+import os
 import string
 import threading
 import types
@@ -50,9 +50,7 @@ class GlobalVariableManager:
     @staticmethod
     def instance():
         """The manager of this process, the one that scripts get as ``gvm``."""
-        from rafcon.core.singleton import global_variable_manager
-
-        return global_variable_manager
+        return global_variables
 
     # ---- reading and writing
 
@@ -290,7 +288,7 @@ def _locked(variable):
     """Locks a free variable; its access key, or None if there is no variable."""
     if variable is None:
         return None
-    variable.access_key = "".join(secrets.choice(string.ascii_uppercase) for _ in range(_KEY_LENGTH))
+    variable.access_key = "".join(string.ascii_uppercase[byte % 26] for byte in os.urandom(_KEY_LENGTH))
     return variable.access_key
 
 
@@ -301,3 +299,8 @@ def _check_key(key, variable, access_key):
 
 def _copied(value):
     return value if type(value) in _IMMUTABLE else copy.deepcopy(value)
+
+
+#: The variables of this process.
+global_variables = GlobalVariableManager()
+os.register_at_fork(after_in_child=global_variables._after_fork_in_child)

@@ -1,17 +1,15 @@
 """The running objects, one of each in a process."""
 
 import argparse
-import os
 import threading
 
 from rafcon.core.execution.execution_engine import ExecutionEngine
-from rafcon.core.global_variable_manager import GlobalVariableManager
+from rafcon.core.global_variable_manager import global_variables
 from rafcon.core.library_manager import LibraryManager
 from rafcon.core.state_machine_manager import StateMachineManager
 
 #: The variables that all states share; scripts get it as ``gvm``.
-global_variable_manager = GlobalVariableManager()
-os.register_at_fork(after_in_child=global_variable_manager._after_fork_in_child)
+global_variable_manager = global_variables
 
 #: The state machines of this process.
 state_machine_manager = StateMachineManager()
