@@ -107,10 +107,12 @@ pub(crate) fn show_files(dir: &Path, shown: &[&str]) -> String {
     files.sort();
     let mut out = String::new();
     for path in files {
-        out.push_str(&format!("{path}\n"));
+        out.push_str(&path);
+        out.push('\n');
         if shown.iter().any(|name| path.ends_with(name)) {
             let bytes = fs::read(dir.join(&path)).unwrap();
-            out.push_str(&format!("{}\n", String::from_utf8_lossy(&bytes)));
+            out.push_str(&String::from_utf8_lossy(&bytes));
+            out.push('\n');
         }
     }
     out
@@ -129,7 +131,7 @@ fn collect(top: &Path, dir: &Path, files: &mut Vec<String>) {
 
 /// The problems, one a line.
 pub(crate) fn show_problems(loaded: &Loaded) -> String {
-    loaded.problems.iter().map(|problem| format!("{problem}\n")).collect()
+    loaded.problems.iter().map(|problem| problem.to_string() + "\n").collect()
 }
 
 /// All bytes below `dir`, to tell whether anything changed.

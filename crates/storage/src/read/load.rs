@@ -195,7 +195,7 @@ fn read_header(fd: &OwnedFd, dir: &Path) -> Result<Head, LoadError> {
         Err(fault) => {
             faults.push(fault);
             let header = Header { layout, ..Header::default() };
-            Head { header, root_folder: OsString::new(), outdated: false, problems }
+            Head { header, root_folder: OsString::new(), outdated: true, problems }
         }
     };
     let faults = faults.into_iter().map(about_machine);

@@ -139,7 +139,7 @@ impl Scenario<'_> {
         for operations in 1.. {
             let (dir, saved) = self.start();
             let done = self.save(&DyingDisk::after(operations), dir.path(), &saved);
-            self.check_recovery(dir.path(), operations);
+            stop_recovery(dir.path(), operations);
             loaded(dir.path());
             let now = fingerprint(dir.path());
             assert!(now == old || now == new, "neither old nor new after {operations} operations");
@@ -151,13 +151,13 @@ impl Scenario<'_> {
             }
         }
     }
+}
 
-    /// Stops the recovery of the save in `dir` at a step that changes with `operations`.
-    fn check_recovery(&self, dir: &Path, operations: usize) {
-        if is_interrupted(&RealDisk, dir) {
-            let stopped = recover(&DyingDisk::after(1 + operations % 7), dir);
-            assert!(stopped.is_ok() || is_interrupted(&RealDisk, dir));
-        }
+/// Stops the recovery of the save in `dir` at a step that changes with `operations`.
+fn stop_recovery(dir: &Path, operations: usize) {
+    if is_interrupted(&RealDisk, dir) {
+        let stopped = recover(&DyingDisk::after(1 + operations % 7), dir);
+        assert!(stopped.is_ok() || is_interrupted(&RealDisk, dir));
     }
 }
 

@@ -71,6 +71,13 @@ struct Spot {
     staged: bool,
 }
 
+/// One state to be written.
+struct Job<'j> {
+    new: &'j State,
+    old: Option<Old<'j>>,
+    spot: &'j Spot,
+}
+
 impl<'p> Planner<'p> {
     pub(crate) fn new(disk: &'p dyn Disk, dir: &'p Path, mode: Mode) -> Self {
         Self { disk, dir, mode, plan: Plan::default(), staged: 0 }
@@ -119,33 +126,26 @@ impl<'p> Planner<'p> {
             return Ok(old.place.clone());
         }
         for part in Part::ALL {
-            self.part(new, old, spot, part)?;
+            self.part(&Job { new, old, spot }, part)?;
         }
         let children = self.children(new, old, spot)?;
         let place = Place::new(OsString::new(), children).with(parts::oddities(new, old));
         Ok(place)
     }
 
-    fn part(
-        &mut self,
-        new: &State,
-        old: Option<Old<'_>>,
-        spot: &Spot,
-        part: Part,
-    ) -> io::Result<()> {
-        let bytes = parts::bytes(new, old, part);
-        let file = part.file_name();
-        let at = spot.path.join(file);
-        if spot.staged {
+    fn part(&mut self, job: &Job<'_>, part: Part) -> io::Result<()> {
+        let bytes = parts::bytes(job.new, job.old, part);
+        let at = job.spot.path.join(part.file_name());
+        if job.spot.staged {
             self.plan.files.extend(bytes.map(|bytes| NewFile { path: at, bytes, like: None }));
             return Ok(());
         }
-        if self.is_there(new, old, spot, part, bytes.as_deref())? {
+        if self.is_there(job, part, bytes.as_deref())? {
             return Ok(());
         }
         match bytes {
             Some(bytes) => self.replace(at, bytes),
-            None if spot.now.is_some() => {
+            None if job.spot.now.is_some() => {
                 self.plan.changed.push(at.clone());
                 self.plan.manifest.removed.push(at);
             }
@@ -155,26 +155,17 @@ impl<'p> Planner<'p> {
     }
 
     /// Whether the file is on disk as it should be.
-    fn is_there(
-        &self,
-        new: &State,
-        old: Option<Old<'_>>,
-        spot: &Spot,
-        part: Part,
-        bytes: Option<&[u8]>,
-    ) -> io::Result<bool> {
-        let (Some(old), Some(now)) = (old, &spot.now) else { return Ok(false) };
+    fn is_there(&self, job: &Job<'_>, part: Part, bytes: Option<&[u8]>) -> io::Result<bool> {
+        let (Some(old), Some(now)) = (job.old, &job.spot.now) else { return Ok(false) };
         if self.mode.rewrite {
-            if spot.moved != spot.path {
+            if job.spot.moved != job.spot.path {
                 return Ok(bytes.is_none());
             }
             let found = self.disk.read(&self.dir.join(now).join(part.file_name()))?;
             return Ok(found.as_deref() == bytes);
         }
         let is_stale = part == Part::Core && old.place.is_stale();
-        let same_text = || parts::text(new, part) == parts::text(old.state, part);
-        Ok(!is_stale
-            && (parts::is_same(new, old.state, part) || (part == Part::Semantic && same_text())))
+        Ok(!is_stale && parts::is_same(job.new, old.state, part))
     }
 
     /// Prepares a file that takes the place of another.
@@ -196,11 +187,8 @@ impl<'p> Planner<'p> {
         old: Option<Old<'_>>,
         spot: &Spot,
     ) -> io::Result<Vec<(StateId, Place)>> {
-        let Some(container) = new.container() else {
-            self.remove_children(new, old, spot);
-            return Ok(Vec::new());
-        };
         self.remove_children(new, old, spot);
+        let Some(container) = new.container() else { return Ok(Vec::new()) };
         let mut names = Names { taken: None };
         let mut places = Vec::with_capacity(container.states.len());
         for (id, child) in container.states.iter() {
