@@ -1,0 +1,274 @@
+"""What scripts see in a real run: the package and the extension together."""
+
+import pathlib
+import tempfile
+import textwrap
+import unittest
+
+from support import container, run, save, script, sequence
+
+
+def execute(body, **state):
+    """A state with this body of ``execute``."""
+    head = "def execute(self, inputs, outputs, gvm):\n"
+    return script(head + textwrap.indent(textwrap.dedent(body).strip("\n"), "    ") + "\n", **state)
+
+
+class Scripts(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def run_machine(self, root, **options):
+        return run(save(self.folder / "machine", root), **options)
+
+    def check(self, body, *before, lines=(), outcome="success", error=None, **state):
+        """Runs a state, after others, and compares what it printed, how the machine ended and with which error."""
+        result = self.run_machine(sequence(*before, execute(body, **{"id": "X", **state})))
+        self.assertEqual(result.logged("stdout", "R/X"), list(lines), result.logged("logger"))
+        self.assertEqual(result.outcome, outcome, result.logged("logger"))
+        found = result.finished["outputs"].get("error")
+        self.assertEqual(found and found["__exc__"], error)
+        return result
+
+    def test_who_it_is(self):
+        self.check(
+            """
+            machine = self.get_state_machine()
+            print(self.name, self.state_id, self.get_path(), self.get_path(by_name=True), type(self).__name__)
+            print(self.parent.state_id, self.parent.parent is machine, machine.root_state is self.parent)
+            print(self.parent.states["X"] is self, machine.get_state_by_path("R/X") is self, self.is_root_state)
+            print(self.file_system_path == machine.file_system_path + "/x_X", self.description)
+            print(sorted(o.name for o in self.outcomes.values()), self.logger.name, self.run_id is not None)
+            print(type(self.parent).__name__, self.parent.start_state_id, self.script_text.startswith("def execute"))
+            return "success"
+            """,
+            lines=[
+                "x X R/X r/x ExecutionState",
+                "R True True",
+                "True True False",
+                "True None",
+                "['aborted', 'preempted', 'success'] rafcon.x True",
+                "HierarchyState X True",
+            ],
+        )
+
+    def test_ports_and_data(self):
+        self.check(
+            """
+            (port,) = self.input_data_ports.values()
+            print(port.name, port.data_type is int, port.default_value, inputs)
+            outputs["b"] = inputs["a"] + 1
+            print(self.input_data, self.output_data)
+            return 0
+            """,
+            inputs=[("a", "int", 3)],
+            outputs=[("b", "int", None)],
+            lines=["a True 3 {'a': 3}", "{'a': 3} {'b': 4}"],
+        )
+
+    def test_what_is_kept_from_run_to_run(self):
+        counts = execute(
+            """
+            n = self.persistent_variables.get("n", 0) + 1
+            self.persistent_variables["n"] = self.anything = n
+            print(n, self.anything)
+            return "again" if n < 3 else "success"
+            """,
+            outcomes=("success", "again"),
+        )
+        loop = container("hierarchy", [counts], [(None, None, "A"), ("A", 1, "A"), ("A", 0, 0)])
+        self.assertEqual(self.run_machine(loop).logged("stdout"), ["1 1", "2 2", "3 3"])
+
+    def test_what_ran_before(self):
+        self.check(
+            """
+            before = self.get_previously_executed_state()
+            print(before.state_id, before.final_outcome.name, before.output_data)
+            return 0
+            """,
+            execute("return 'success'"),
+            lines=["A success {}"],
+        )
+
+    def test_scoped_variables_of_the_container(self):
+        root = sequence(execute("print(self.parent.scoped_data['200R'].value)\nreturn 0"), scoped=[("n", "int", 5)])
+        self.assertEqual(self.run_machine(root).logged("stdout"), ["5"])
+
+    def test_changing_the_machine_is_refused(self):
+        for body in ("self.parent.add_state(None)", "self.add_outcome('new')", "self.parent.remove_state('X')"):
+            with self.subTest(body):
+                self.setUp()
+                self.check(body, outcome="aborted", error="MachineChangeNotSupported")
+
+    def test_a_decider_sees_the_others(self):
+        children = [
+            execute("return 'success'", id="A"),
+            execute("raise ValueError('no')", id="B"),
+            execute(
+                """
+                print(self.get_outcome_for_state_name("a").name, self.get_outcome_for_state_id("B").outcome_id)
+                print(repr(self.get_errors_for_state_name("b")), self.get_errors_for_state_name("a"))
+                print(sorted(self.final_outcomes_dict), sorted(self.child_errors))
+                return 0
+                """,
+                decider=True,
+            ),
+        ]
+        decider = children[-1]["id"]
+        transitions = [("A", 0, decider), ("B", 0, decider), (decider, 0, 0)]
+        result = self.run_machine(container("barrier", children, transitions))
+        lines = ["success -1", "ValueError('no') None", "['A', 'B'] ['B']"]
+        self.assertEqual((result.outcome, result.logged("stdout")), ("success", lines))
+
+    def first_of_two(self, loser, winner="gvm.get_variable('loser is there'); return 0"):
+        """What two children do of which the second wins once the first is there."""
+        there = "gvm.set_variable('n', 0)\nkey = gvm.lock_variable('n')\ngvm.set_variable('key', key)\nreturn 0"
+        both = container(
+            "preemptive",
+            [execute(loser, id="A"), execute(winner, id="B")],
+            [("A", 0, 0), ("B", 0, 0)],
+            id="P",
+        )
+        return self.run_machine(sequence(execute(there, id="L"), both))
+
+    def test_waits_end_by_preemption(self):
+        result = self.first_of_two(
+            """
+            gvm.unlock_variable("n", gvm.get_variable("key"))
+            print(self.preemptive_wait(), self.preempted, self.wait_for_interruption(1e9), self._preempted.wait())
+            return 0
+            """,
+            "gvm.get_variable('n')\nprint(self.preempted, self.preemptive_wait(0))\nreturn 0",
+        )
+        self.assertEqual(result.logged("stdout", "R/P/A"), ["True True True True"])
+        self.assertEqual(result.logged("stdout", "R/P/B"), ["False False"])
+        self.assertIn("-R/P/A=preempted", result.steps())
+        self.assertEqual(result.outcome, "success")
+
+    def test_a_wait_for_a_locked_variable_ends_by_preemption(self):
+        result = self.first_of_two(
+            """
+            try:
+                gvm.get_variable("n")
+            except Exception:
+                print("never")
+            finally:
+                print("cleaned up")
+            """,
+            "return 0",
+        )
+        self.assertEqual(result.logged("stdout"), ["cleaned up"])
+        self.assertIn("-R/P/A=preempted", result.steps())
+        self.assertEqual(result.outcome, "success")
+        self.assertNotIn("error", result.finished["outputs"])
+
+    def test_branches_count_together(self):
+        count = """
+            for _ in range(50):
+                key = gvm.lock_variable("n", block=True)
+                gvm.set_locked_variable("n", key, gvm.get_locked_variable("n", key) + 1)
+                gvm.unlock_variable("n", key)
+            return 0
+            """
+        names = ["A", "B", "C", "D"]
+        decider = execute("print(gvm.get_variable('n'))\nreturn 0", decider=True)
+        children = [execute(count, id=name) for name in names] + [decider]
+        transitions = [(name, 0, decider["id"]) for name in names] + [(decider["id"], 0, 0)]
+        barrier = container("barrier", children, transitions, id="P")
+        result = self.run_machine(sequence(execute("gvm.set_variable('n', 0)\nreturn 0", id="I"), barrier))
+        self.assertEqual(result.logged("stdout"), ["200"])
+        self.assertEqual(result.finished["globals"], {"n": 200})
+
+    def test_stop_from_a_script(self):
+        self.check(
+            """
+            from rafcon.core.singleton import state_machine_execution_engine as engine
+            print(engine.status.execution_mode.name, engine.finished_or_stopped())
+            engine.stop()
+            print(self.preemptive_wait(), engine.finished_or_stopped())
+            return "success"
+            """,
+            lines=["STARTED False", "True True"],
+            outcome="preempted",
+        )
+
+    def test_pause_and_resume_from_scripts(self):
+        self.check(
+            """
+            from rafcon.core.singleton import state_machine_execution_engine as engine
+            engine.pause()
+            print(self.wait_for_interruption(), self.paused, engine.status.execution_mode.name)
+            engine.start()
+            print(self.wait_for_unpause(), self.started, self.paused)
+            return 0
+            """,
+            lines=["True True PAUSED", "True True False"],
+        )
+
+    def test_the_desktop_is_missing_as_it_always_was(self):
+        self.check("from rafcon.gui.utils.dialog import X", outcome="aborted", error="ModuleNotFoundError")
+
+    def test_output_of_every_kind(self):
+        result = self.check(
+            """
+            import logging, sys, threading, warnings
+            print("one", end=" ")
+            print("line")
+            sys.stderr.write("to stderr\\n")
+            self.logger.verbose("quiet")
+            logging.getLogger("elsewhere").warning("from elsewhere")
+            thread = threading.Thread(target=print, args=("from a thread",))
+            thread.start()
+            thread.join()
+            sys.stdout.write("unfinished")
+            return 0
+            """,
+            lines=["one line", "unfinished"],
+        )
+        self.assertEqual(result.logged("stderr", "R/X"), ["to stderr", "from elsewhere"])
+        self.assertIn("quiet", result.logged("logger", "R/X"))
+        self.assertEqual(result.logged("stdout"), ["one line", "from a thread", "unfinished"])
+
+    def test_a_script_may_fork(self):
+        result = self.check(
+            """
+            import multiprocessing, os, sys
+            child = os.fork()
+            if child == 0:
+                print("from the child", flush=True)
+                gvm.set_variable("n", self.name)
+                os._exit(7)
+            print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+            with multiprocessing.get_context("fork").Pool(2) as pool:
+                print(pool.map(abs, [-1, -2]))
+            return 0
+            """,
+            lines=["7", "[1, 2]"],
+        )
+        self.assertEqual(result.printed["stdout"], "from the child\n")
+        self.assertEqual(result.finished["globals"], {})
+
+    def test_the_traceback_is_the_users(self):
+        result = self.check("import json\njson.loads('{')", outcome="aborted", error="JSONDecodeError")
+        (shown,) = [line for line in result.logged("engine", "R/X") if "Traceback" in line]
+        self.assertRegex(shown, r'Traceback \(most recent call last\):\n  File ".*/x_X/script.py", line 3, in execute')
+        self.assertNotIn("_native", shown)
+
+    def test_plugins_are_called_around_scripts(self):
+        plugin = self.folder / "plugin"
+        plugin.mkdir()
+        (plugin / "__init__.py").write_text("")
+        (plugin / "hooks.py").write_text(
+            "def pre_script(): print('before')\n"
+            "def post_script(): print('after')\n"
+            "def on_state_machine_execution_finished(): print('finished')\n"
+        )
+        machine = save(self.folder / "machine", sequence(execute("print('script')\nreturn 0", id="X")))
+        result = run(machine, env={"RAFCON_PLUGIN_PATH": str(plugin)})
+        self.assertEqual(result.logged("stdout"), ["before", "script", "after", "finished"])
+
+
+if __name__ == "__main__":
+    unittest.main()
