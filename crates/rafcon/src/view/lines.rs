@@ -114,15 +114,13 @@ pub(super) fn log_lines(time: Duration, name: &str, log: LogLevel, message: &str
         LogLevel::Warning => Style::Warning,
         LogLevel::Error => Style::Bad,
     };
-    let head = format!("{:8.3}  ", time.as_secs_f64());
-    let name = if name.is_empty() { String::new() } else { format!("{}  ", harmless(name)) };
+    let head = Line::of(Style::Dim, format!("{:8.3}  ", time.as_secs_f64()));
+    let gap = if name.is_empty() { "" } else { "  " };
+    let head = head.and(Style::Strong, format!("{}{gap}", harmless(name)));
+    let below = Line::of(Style::Plain, " ".repeat(head.width()));
+    let heads = std::iter::once(head).chain(std::iter::repeat(below));
     let text = if message.is_empty() { "\n" } else { message };
-    let line = |text: &str| {
-        Line::of(Style::Dim, head.clone())
-            .and(Style::Strong, name.clone())
-            .and(style, harmless(text))
-    };
-    text.lines().map(line).collect()
+    heads.zip(text.lines()).map(|(head, text)| head.and(style, harmless(text))).collect()
 }
 
 #[cfg(test)]

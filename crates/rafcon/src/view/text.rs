@@ -76,10 +76,20 @@ impl Line {
     /// The line with `right` at the right border of `width` columns; what does not fit is cut from the left part.
     #[must_use]
     pub(crate) fn with_right(self, right: Self, width: usize) -> Self {
+        self.with_right_after(' ', right, width)
+    }
+
+    /// The same with the space between both filled by `fill`, a character of one column.
+    #[must_use]
+    pub(crate) fn with_right_after(self, fill: char, right: Self, width: usize) -> Self {
         let room = width.saturating_sub(right.width());
         let mut line = self.cut(room.saturating_sub(1));
         let gap = room.saturating_sub(line.width());
-        line.pieces.push((Style::Plain, " ".repeat(gap)));
+        let filling = match gap {
+            0 | 1 => " ".repeat(gap),
+            _ => format!(" {} ", fill.to_string().repeat(gap - 2)),
+        };
+        line.pieces.push((Style::Dim, filling));
         line.pieces.extend(right.pieces);
         line.cut(width)
     }

@@ -24,8 +24,10 @@ pub(super) struct Finding {
     pub(super) path: String,
     /// The names along the path.
     pub(super) name: String,
-    /// A part of the state, or a file; empty for the state as a whole.
+    /// A part of the state; empty for the state as a whole.
     pub(super) part: String,
+    /// The file, relative to the machine's folder; empty if it is not about a file.
+    pub(super) file: String,
     /// What is wrong.
     pub(super) what: String,
     /// What can be done.
@@ -38,7 +40,7 @@ impl Finding {
         let level = if problem.fault.is_note() { Level::Note } else { Level::Error };
         Self {
             level,
-            part: problem.file.display().to_string(),
+            file: problem.file.display().to_string(),
             what: problem.fault.to_string(),
             remedy: problem.fault.remedy().to_owned(),
             ..Self::at(machine, &problem.state)
@@ -78,6 +80,7 @@ impl Finding {
             path: path.to_string(),
             name: names_of(machine, path).unwrap_or_default(),
             part: String::new(),
+            file: String::new(),
             what: String::new(),
             remedy: String::new(),
         }
@@ -100,12 +103,14 @@ impl fmt::Display for Finding {
             Level::Error => "error",
             Level::Note => "note",
         };
-        let name = if self.name.is_empty() { &self.path } else { &self.name };
-        let places = [name.as_str(), &self.part].into_iter().filter(|place| !place.is_empty());
-        writeln!(f, "{level}: {}: {}", places.collect::<Vec<_>>().join(", "), self.what)?;
+        let places = [self.name.as_str(), &self.part].into_iter().filter(|place| !place.is_empty());
+        let places = places.map(|place| format!("{place}: ")).collect::<Vec<_>>();
+        writeln!(f, "{level}: {}{}", places.concat(), self.what)?;
         writeln!(f, "    {}", self.remedy)?;
-        if !self.path.is_empty() && *name != self.path {
-            writeln!(f, "    at {}", self.path)?;
+        let at = [self.path.as_str(), &self.file].into_iter().filter(|place| !place.is_empty());
+        let at = at.collect::<Vec<_>>().join(", ");
+        if !at.is_empty() {
+            writeln!(f, "    at {at}")?;
         }
         Ok(())
     }

@@ -45,11 +45,11 @@ fn head(picture: &Picture<'_>, width: usize) -> Line {
     let left =
         Line::of(Style::Strong, harmless(picture.machine)).and(Style::Plain, "  ").and(style, word);
     let states = format!("{} states run  ", count(snapshot.states_run));
-    let right = Line::of(Style::Dim, states).and(Style::Strong, time(elapsed));
-    if left.width() + right.width() < width {
-        return left.with_right(right, width);
-    }
-    left.with_right(Line::of(Style::Strong, time(elapsed)), width)
+    let time = Line::of(Style::Strong, time(elapsed));
+    let right = Line::of(Style::Dim, states).followed_by(time.clone());
+    let fits = left.width() + right.width() < width;
+    let rule = if picture.unicode { '─' } else { '-' };
+    left.with_right_after(rule, if fits { right } else { time }, width)
 }
 
 /// One line of the tree.
@@ -179,7 +179,7 @@ mod tests {
             20,
             true,
             &expect![[r"
-                Mission  running                    1,234 states run  12.4 s
+                Mission  running ────────────────── 1,234 states run  12.4 s
                 ├─ Explore                                             8.2 s
                 │  ├─ Drive                                            2.1 s
                 │  │  └─ Move to waypoint                    waiting   2.0 s
@@ -196,7 +196,7 @@ mod tests {
             5,
             true,
             &expect![[r"
-                Mission  running    12.4 s
+                Mission  running ── 12.4 s
                 ├─ Explore           8.2 s
                 │  ├─ Drive          2.1 s
                 │  │  └─ Move to w…  2.0 s
@@ -212,7 +212,7 @@ mod tests {
             20,
             false,
             &expect![[r"
-                Mission  running                  12.4 s
+                Mission  running ---------------- 12.4 s
                 |- Explore                         8.2 s
                 |  |- Drive                        2.1 s
                 |  |  `- Move to waypoint          2.0 s
