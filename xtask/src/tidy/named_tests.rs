@@ -10,7 +10,8 @@ use anyhow::Result;
 use crate::workspace;
 
 /// The documents whose every rule names its tests.
-const DOCUMENTS: [&str; 3] = ["docs/format.md", "docs/semantics.md", "docs/differences.md"];
+const DOCUMENTS: [&str; 4] =
+    ["docs/format.md", "docs/semantics.md", "docs/scripts.md", "docs/differences.md"];
 
 /// A source file: its path and its text.
 type Source = (PathBuf, String);
