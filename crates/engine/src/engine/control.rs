@@ -88,6 +88,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     fn stop(&mut self) {
+        self.run.stopped_twice = self.run.status == Status::Stopping;
         self.run.status = Status::Stopping;
         self.out.events.push(Event::Stopping);
         let active = self.active();

@@ -50,6 +50,9 @@ pub(super) struct Frame<D> {
     pub(super) last_error: Option<D>,
     /// The child that ended last and the index of its outcome.
     pub(super) last: Option<(u32, u32)>,
+    /// The answer in which a child of a hierarchy ended last, and how many did in it.
+    pub(super) turn: u64,
+    pub(super) steps: u32,
     /// The values in a container.
     pub(super) slots: Vec<Slot<D>>,
     /// Active children: one entry for each child of a concurrency state, one entry for any other.
@@ -143,6 +146,8 @@ impl<D> Frames<D> {
             error: None,
             last_error: None,
             last: None,
+            turn: 0,
+            steps: 0,
             slots: Vec::new(),
             children: Vec::new(),
             ended: Vec::new(),
@@ -162,6 +167,7 @@ impl<D> Frames<D> {
         frame.error = None;
         frame.last_error = None;
         frame.last = None;
+        frame.steps = 0;
         frame.slots.clear();
         frame.children.clear();
         frame.ended.clear();

@@ -30,12 +30,12 @@ impl<'s, D: Datum> Step<'s, D> {
         self.program.node(inside.child(child)).exits[outcome as usize]
     }
 
-    /// The next child, unless the hierarchy was preempted (only a handler, behind the outcome preempted, runs then) or a
-    /// pause holds it.
+    /// The next child, unless the hierarchy was preempted (only a handler, behind the outcome preempted, runs then, and
+    /// none after a second stop) or a pause holds it.
     fn go_to(&mut self, slot: u32, inside: &'s Inside<D>, child: u32) {
         let frame = self.run.frames.get_mut(slot);
         let is_handler = frame.last.is_some_and(|(_, outcome)| outcome == PREEMPTED);
-        if frame.preempted && !is_handler {
+        if frame.preempted && (!is_handler || self.run.stopped_twice) {
             self.leave_container(slot, inside, PREEMPTED);
         } else if self.run.status == Status::Paused {
             frame.phase = Phase::Held;
@@ -80,6 +80,21 @@ impl<'s, D: Datum> Step<'s, D> {
         frame.children.clear();
         frame.last = Some((child, ended.outcome));
         frame.last_error = ended.error.filter(|_| ended.outcome == ABORTED);
+        if self.runs_in_a_circle(slot, inside) {
+            self.run.frames.get_mut(slot).last_error = self.program.circle.clone();
+            return self.leave_container_later(slot, inside, ABORTED);
+        }
         self.wake(&[slot], Cause::ChildEnded);
+    }
+
+    /// Whether more children ended within one answer than there are ways for a child to end: then no script runs between
+    /// them, nothing can ever change, and the circle would go on for good.
+    fn runs_in_a_circle(&mut self, slot: u32, inside: &Inside<D>) -> bool {
+        let frame = self.run.frames.get_mut(slot);
+        if frame.turn != self.run.turn {
+            (frame.turn, frame.steps) = (self.run.turn, 0);
+        }
+        frame.steps += 1;
+        frame.steps > inside.exits
     }
 }

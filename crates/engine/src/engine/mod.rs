@@ -51,6 +51,10 @@ struct Run<D> {
     start_from: Vec<u32>,
     sequence: u64,
     branches: Branches,
+    /// Stopped again: no handlers any more.
+    stopped_twice: bool,
+    /// How many inputs were taken.
+    turn: u64,
     /// States entered, without library states.
     entered: u64,
 }
@@ -67,6 +71,8 @@ impl<D: Datum> Engine<D> {
             start_from: Vec::new(),
             sequence: 0,
             branches: Branches::default(),
+            stopped_twice: false,
+            turn: 0,
             entered: 0,
         };
         Self { program, run }
@@ -81,6 +87,7 @@ impl<D: Datum> Engine<D> {
     ) -> Result<(), Refusal> {
         let mut step = Step { program: &self.program, run: &mut self.run, globals, out };
         step.take(input)?;
+        step.run.turn += 1;
         step.work();
         self.run.branches.settle();
         Ok(())

@@ -60,7 +60,7 @@ fn way_out(status: Status) -> &'static str {
         Status::Idle => "start it first",
         Status::Running => "it can be paused or stopped",
         Status::Paused => "it can be resumed or stopped",
-        Status::Stopping => "it ends when its scripts do; stop again to preempt their handlers too",
+        Status::Stopping => "it ends when its scripts do; stop again to run no more handlers",
         Status::Finished => "begin a new run",
     }
 }

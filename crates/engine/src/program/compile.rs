@@ -25,7 +25,8 @@ impl<D: Datum> Program<D> {
         while nodes.len() < compiler.queue.len() {
             nodes.push(compiler.node(nodes.len()));
         }
-        Self { nodes }
+        let circle = "its children run in a circle in which there is no script; break the circle";
+        Self { nodes, circle: defaults::error(circle, literals) }
     }
 }
 
@@ -147,7 +148,9 @@ impl<D: Datum> Compiler<'_, D> {
         let start = self.connect(first_child, state, container);
         let ScopedVariables { list, fault } =
             defaults::scoped(&container.scoped_variables, self.literals);
+        let exits = &self.queue[first_child.index()..];
         Inside {
+            exits: exits.iter().map(|child| index(child.exits.len())).sum(),
             first_child,
             children: index(container.states.len()),
             start,

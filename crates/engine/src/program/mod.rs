@@ -18,6 +18,8 @@ use crate::NodeId;
 #[derive(Debug)]
 pub struct Program<D> {
     nodes: Vec<Node<D>>,
+    /// The error of a hierarchy that runs in a circle without any script.
+    pub(crate) circle: Option<D>,
 }
 
 impl<D> Program<D> {

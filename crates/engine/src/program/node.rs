@@ -76,6 +76,8 @@ pub(crate) struct Inside<D> {
     pub(crate) first_child: NodeId,
     pub(crate) children: u32,
     pub(crate) start: Exit,
+    /// In how many ways its children can end, taken together.
+    pub(crate) exits: u32,
     pub(crate) slots: u32,
     pub(crate) scoped: Box<[Scoped<D>]>,
     /// From its inputs to its scoped variables.

@@ -324,3 +324,43 @@ fn branches_are_held_one_by_one() {
 fn nesting_of_ten_thousand_levels_is_no_matter() {
     super::deep::check_depth(10_000);
 }
+
+#[test]
+fn a_circle_without_a_script_aborts() {
+    check(
+        "
+hierarchy ROOT
+  outcome saved
+  start -> H
+  H.ok -> I ; I.ok -> H
+  hierarchy H
+    outcome ok
+    start -> .ok
+  hierarchy I
+    outcome ok
+    start -> .ok
+",
+        "start",
+        &expect![[r#"
+            > start
+            enter ROOT
+            enter ROOT/H
+            leave ROOT/H ok
+            enter ROOT/I
+            leave ROOT/I ok
+            enter ROOT/H
+            leave ROOT/H ok
+            enter ROOT/I
+            leave ROOT/I ok
+            enter ROOT/H
+            leave ROOT/H ok
+            enter ROOT/I
+            leave ROOT/I ok
+            enter ROOT/H
+            leave ROOT/H ok
+            leave ROOT aborted error="its children run in a circle in which there is no script; break the circle"
+            finished
+              end of run: aborted (-1) error="its children run in a circle in which there is no script; break the circle", 8 states
+        "#]],
+    );
+}

@@ -49,19 +49,19 @@ fn a_run_that_stops_or_has_ended_takes_no_command_but_stop() {
         LEAF,
         "start; stop; pause; resume; start",
         &expect![[r"
-        > start
-        enter ROOT
-          run ROOT
-        > stop
-        stopping
-          preempt ROOT
-        > pause
-        refused: cannot pause: the run is stopping; it ends when its scripts do; stop again to preempt their handlers too
-        > resume
-        refused: cannot resume: the run is stopping; it ends when its scripts do; stop again to preempt their handlers too
-        > start
-        refused: cannot start: the run is stopping; it ends when its scripts do; stop again to preempt their handlers too
-    "]],
+            > start
+            enter ROOT
+              run ROOT
+            > stop
+            stopping
+              preempt ROOT
+            > pause
+            refused: cannot pause: the run is stopping; it ends when its scripts do; stop again to run no more handlers
+            > resume
+            refused: cannot resume: the run is stopping; it ends when its scripts do; stop again to run no more handlers
+            > start
+            refused: cannot start: the run is stopping; it ends when its scripts do; stop again to run no more handlers
+        "]],
     );
     check(
         LEAF,

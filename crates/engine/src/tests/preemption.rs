@@ -437,36 +437,34 @@ fn a_handler_may_leave_to_another_handler() {
 }
 
 #[test]
-fn a_second_stop_preempts_the_handler_too() {
+fn a_second_stop_preempts_the_handler_and_runs_no_other() {
     check(
         HANDLER,
         "start; stop; A ok; stop; H ok; I ok",
         &expect![[r"
-        > start
-        enter ROOT
-        enter ROOT/A
-          run ROOT/A
-        > stop
-        stopping
-          preempt ROOT
-          preempt ROOT/A
-        > A ok
-        leave ROOT/A preempted
-        enter ROOT/H
-          run ROOT/H
-        > stop
-        stopping
-          preempt ROOT/H
-        > H ok
-        leave ROOT/H preempted
-        enter ROOT/I
-          run ROOT/I
-        > I ok
-        leave ROOT/I ok
-        leave ROOT preempted
-        finished
-          end of run: preempted (-2), 4 states
-    "]],
+            > start
+            enter ROOT
+            enter ROOT/A
+              run ROOT/A
+            > stop
+            stopping
+              preempt ROOT
+              preempt ROOT/A
+            > A ok
+            leave ROOT/A preempted
+            enter ROOT/H
+              run ROOT/H
+            > stop
+            stopping
+              preempt ROOT/H
+            > H ok
+            leave ROOT/H preempted
+            leave ROOT preempted
+            finished
+              end of run: preempted (-2), 3 states
+            > I ok
+            refused: frame 77.0 runs no script; a result is given once, with the frame of its job
+        "]],
     );
 }
 
