@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result};
 
 use crate::conformance;
 use crate::product::{Product, Profile};
+use crate::reference::Reference;
 use crate::{process, python, workspace};
 
 /// What the Python-side tests need besides the extension.
@@ -67,6 +68,7 @@ fn has_nextest() -> bool {
 
 /// `crates/python/tests/test_*.py`, once with each interpreter.
 fn python_side(product: &Product) -> Result<()> {
+    let reference = Reference::installed()?;
     for interpreter in python::all() {
         let folder = workspace::target()?.join("python-venvs").join(&interpreter.version);
         let python = python::environment(&interpreter, &folder, CONTENTS)?;
@@ -75,7 +77,8 @@ fn python_side(product: &Product) -> Result<()> {
         command
             .args(discover)
             .env("RAFCON_EXTENSION", &product.extension)
-            .env("RAFCON_BINARY", &product.binary);
+            .env("RAFCON_BINARY", &product.binary)
+            .env("RAFCON_REFERENCE_PYTHON", &reference.python);
         process::run(&mut command).with_context(|| format!("Python {}", interpreter.version))?;
     }
     Ok(())
