@@ -33,6 +33,11 @@ impl Product {
             cargo.arg("--release");
         }
         process::run(&mut cargo)?;
+        Self::built(profile)
+    }
+
+    /// What an earlier build made.
+    pub(crate) fn built(profile: Profile) -> Result<Self> {
         let folder = workspace::target()?.join(if profile == Profile::Release {
             "release"
         } else {

@@ -26,6 +26,7 @@ pub(crate) struct Difference {
 pub(crate) fn all(theirs: &Observed, ours: &Observed, expected: &Expected) -> Vec<Difference> {
     let mut found = Vec::from_iter(order(theirs, ours, &theirs.places, expected.endless));
     if expected.endless {
+        found.extend(end(theirs, ours));
         return found;
     }
     found.extend(ends(theirs, ours));
@@ -51,10 +52,6 @@ fn ends(theirs: &Observed, ours: &Observed) -> Vec<Difference> {
         ("globals", &theirs.globals, &ours.globals),
         ("scoped_variables", &theirs.scoped_variables, &ours.scoped_variables),
     ];
-    let end = (theirs.finished != ours.finished).then(|| Difference {
-        what: "end",
-        detail: format!("{} ≠ {}", theirs.finished, ours.finished),
-    });
     let runs = theirs.states_run.zip(ours.states_run).filter(|(theirs, ours)| theirs != ours);
     let runs = runs.map(|(theirs, ours)| Difference {
         what: "states_run",
@@ -63,7 +60,13 @@ fn ends(theirs: &Observed, ours: &Observed) -> Vec<Difference> {
     let differ = values.into_iter().filter(|(_, theirs, ours)| normal(theirs) != normal(ours));
     let values = differ
         .map(|(what, theirs, ours)| Difference { what, detail: format!("{theirs} ≠ {ours}") });
-    end.into_iter().chain(runs).chain(values).collect()
+    end(theirs, ours).into_iter().chain(runs).chain(values).collect()
+}
+
+/// Whether the two runs ended by themselves.
+fn end(theirs: &Observed, ours: &Observed) -> Option<Difference> {
+    let detail = format!("ended by itself: {} ≠ {}", theirs.finished, ours.finished);
+    (theirs.finished != ours.finished).then_some(Difference { what: "end", detail })
 }
 
 /// A value without what may differ: a leaf has no scoped variables or an empty set of them, and a syntax error names the
@@ -86,33 +89,33 @@ fn without_places(value: &Value) -> Value {
     }
 }
 
-/// The message without the script that Python adds to a syntax error.
+/// The message without the place that Python adds to a syntax error, which names the script.
 fn without_place(message: &str) -> &str {
-    let place = message
-        .find(" (")
-        .filter(|at| message[*at..].contains("script.py") && message.ends_with(')'));
-    place.map_or(message, |at| &message[..at])
+    let line = message.strip_suffix(')').and_then(|rest| rest.rsplit_once(", line "));
+    let Some((head, _)) = line.filter(|(_, number)| number.parse::<u32>().is_ok()) else {
+        return message;
+    };
+    head.find(" (script.py").or_else(|| head.rfind(" (")).map_or(message, |at| &message[..at])
 }
 
 /// The order of entered states, for each branch.
 fn order(theirs: &Observed, ours: &Observed, places: &Places, endless: bool) -> Option<Difference> {
     let (theirs, ours) = (branches(&theirs.entered, places), branches(&ours.entered, places));
-    let names = theirs.keys().chain(ours.keys());
-    let differing = names.filter_map(|name| {
-        let (theirs, ours) = (
-            theirs.get(name).map_or(&[][..], Vec::as_slice),
-            ours.get(name).map_or(&[][..], Vec::as_slice),
-        );
-        let compared =
-            if endless { theirs.len().min(ours.len()) } else { theirs.len().max(ours.len()) };
-        (0..compared).find(|at| theirs.get(*at) != ours.get(*at)).map(|at| {
-            let side = |side: &[&str]| {
-                side.get(at).map_or_else(|| "nothing".to_owned(), |path| (*path).to_owned())
-            };
-            format!("branch `{name}`, entry {}: {} ≠ {}", at + 1, side(theirs), side(ours))
-        })
+    let detail = theirs.keys().chain(ours.keys()).find_map(|name| {
+        let side = |side: &BTreeMap<&str, Vec<&str>>| side.get(name).cloned().unwrap_or_default();
+        let (theirs, ours) = (side(&theirs), side(&ours));
+        let at = first_difference(&theirs, &ours, endless)?;
+        let entry = |side: &[&str]| side.get(at).map_or("nothing", |path| *path).to_owned();
+        Some(format!("branch `{name}`, entry {}: {} ≠ {}", at + 1, entry(&theirs), entry(&ours)))
     });
-    differing.into_iter().next().map(|detail| Difference { what: "order", detail })
+    detail.map(|detail| Difference { what: "order", detail })
+}
+
+/// Where two orders part; endless ones may be cut anywhere, but have at least one entry in common.
+fn first_difference(theirs: &[&str], ours: &[&str], endless: bool) -> Option<usize> {
+    let (shorter, longer) = (theirs.len().min(ours.len()), theirs.len().max(ours.len()));
+    let compared = if endless { shorter.max(1) } else { longer };
+    (0..compared).find(|at| theirs.get(*at) != ours.get(*at))
 }
 
 /// The entered paths by branch, the innermost concurrent child above each; the main branch has no name.
@@ -202,11 +205,15 @@ mod tests {
         assert!(check(&theirs, &["R", "R/A"], true));
         assert!(!check(&theirs, &["R", "R/A"], false));
         assert!(!check(&theirs, &["R", "R/C"], true));
+        assert!(!check(&theirs, &[], true));
     }
 
     #[test]
     fn a_syntax_error_is_the_same_in_another_file() {
         assert_eq!(without_place("invalid syntax (script.py (2), line 2)"), "invalid syntax");
+        let place = "unterminated (detected at line 2) (script.py (2), line 2)";
+        assert_eq!(without_place(place), "unterminated (detected at line 2)");
+        assert_eq!(without_place("invalid syntax (a.py, line 2)"), "invalid syntax");
         assert_eq!(without_place("open failed (13)"), "open failed (13)");
     }
 }

@@ -31,6 +31,9 @@ pub(crate) struct Options {
     /// Run the reference only and show what it does, one JSON object a line.
     #[arg(long)]
     reference_only: bool,
+    /// Use what was built before.
+    #[arg(long)]
+    no_build: bool,
 }
 
 /// Runs the machines and prints the table; fails on a difference that nothing explains.
@@ -49,7 +52,11 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         }
         return Ok(());
     }
-    let product = Product::build(Profile::Debug)?;
+    let product = if options.no_build {
+        Product::built(Profile::Debug)?
+    } else {
+        Product::build(Profile::Debug)?
+    };
     let rows = cases.map(|case| row(&reference, &product, case)).collect::<Vec<_>>();
     println!("{}", table::render(&rows));
     let unexplained = rows.iter().filter(|row| row.is_failure()).count();
