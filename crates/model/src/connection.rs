@@ -42,15 +42,31 @@ pub enum Target {
 impl Transition {
     /// A transition in the container with the id `container`.
     pub fn new(id: TransitionId, origin: Origin, target: Target, container: &StateId) -> Self {
+        let (from_state, to_state) = (None, None);
+        let (from_outcome, to_outcome) = (None, None);
+        Self { id, from_state, from_outcome, to_state, to_outcome, extra: None }
+            .with_origin(origin)
+            .with_target(target, container)
+    }
+
+    /// The same transition, beginning elsewhere.
+    #[must_use]
+    pub fn with_origin(self, origin: Origin) -> Self {
         let (from_state, from_outcome) = match origin {
             Origin::Income => (None, None),
             Origin::Outcome(state, outcome) => (Some(state), Some(outcome)),
         };
+        Self { from_state, from_outcome, ..self }
+    }
+
+    /// The same transition in the container with the id `container`, leading elsewhere.
+    #[must_use]
+    pub fn with_target(self, target: Target, container: &StateId) -> Self {
         let (to_state, to_outcome) = match target {
             Target::State(state) => (Some(state), None),
             Target::Outcome(outcome) => (Some(container.clone()), Some(outcome)),
         };
-        Self { id, from_state, from_outcome, to_state, to_outcome, extra: None }
+        Self { to_state, to_outcome, ..self }
     }
 
     /// Where it begins; `None` if the fields contradict each other.

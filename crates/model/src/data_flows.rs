@@ -49,7 +49,11 @@ impl DataFlows {
     }
 
     /// Those that end at this port, by rising id.
-    pub fn into_port(&self, state: &StateId, port: PortId) -> impl Iterator<Item = &DataFlow> {
+    pub fn into_port<'s>(
+        &'s self,
+        state: &StateId,
+        port: PortId,
+    ) -> impl Iterator<Item = &'s DataFlow> + use<'s> {
         let end = (state.clone(), port);
         let wanted = end.clone();
         let few = self.few().filter(move |flow| target_of(flow) == wanted);
@@ -57,7 +61,11 @@ impl DataFlows {
     }
 
     /// Those that begin at this port.
-    pub fn out_of_port(&self, state: &StateId, port: PortId) -> impl Iterator<Item = &DataFlow> {
+    pub fn out_of_port<'s>(
+        &'s self,
+        state: &StateId,
+        port: PortId,
+    ) -> impl Iterator<Item = &'s DataFlow> + use<'s> {
         let end = (state.clone(), port);
         let wanted = end.clone();
         let few = self.few().filter(move |flow| source_of(flow) == wanted);
@@ -72,14 +80,20 @@ impl DataFlows {
     }
 
     /// Those that end at any port of `state`.
-    pub fn into_state(&self, state: &StateId) -> impl Iterator<Item = &DataFlow> {
+    pub fn into_state<'s>(
+        &'s self,
+        state: &StateId,
+    ) -> impl Iterator<Item = &'s DataFlow> + use<'s> {
         let wanted = state.clone();
         let few = self.few().filter(move |flow| flow.to_state == wanted);
         few.chain(self.by_target(lowest(state), highest(state)))
     }
 
     /// Those that begin at any port of `state`.
-    pub fn out_of_state(&self, state: &StateId) -> impl Iterator<Item = &DataFlow> {
+    pub fn out_of_state<'s>(
+        &'s self,
+        state: &StateId,
+    ) -> impl Iterator<Item = &'s DataFlow> + use<'s> {
         let wanted = state.clone();
         let few = self.few().filter(move |flow| flow.from_state == wanted);
         let wanted = state.clone();

@@ -39,6 +39,11 @@ impl fmt::Display for StateId {
     }
 }
 
+/// The smallest number from 0 on that is not taken.
+pub(crate) fn smallest_free(taken: impl Fn(i64) -> bool) -> i64 {
+    (0..i64::MAX).find(|id| !taken(*id)).unwrap_or_default()
+}
+
 macro_rules! number_id {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
@@ -79,6 +84,45 @@ impl OutcomeId {
     /// Whether this is one of the two outcomes that every state has.
     pub fn is_mandatory(self) -> bool {
         self == Self::ABORTED || self == Self::PREEMPTED
+    }
+}
+
+/// Makes state ids of six upper-case letters. The same seed gives the same ids, so that the caller decides about chance.
+#[derive(Debug, Clone)]
+pub struct Fresh(u64);
+
+impl Fresh {
+    /// A maker whose ids depend on `seed` only.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// An id that is not taken.
+    pub fn id(&mut self, taken: impl Fn(&StateId) -> bool) -> StateId {
+        loop {
+            let id = self.letters();
+            if !taken(&id) {
+                return id;
+            }
+        }
+    }
+
+    fn letters(&mut self) -> StateId {
+        let mut number = self.number();
+        let mut letter = || {
+            let letter = char::from(b'A' + u8::try_from(number % 26).unwrap_or(0));
+            number /= 26;
+            letter
+        };
+        StateId((0..6).map(|_| letter()).collect())
+    }
+
+    /// The next number of the generator known as `SplitMix64`.
+    fn number(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
     }
 }
 
@@ -130,5 +174,20 @@ impl fmt::Display for StatePath {
             f.write_str(id.as_str())?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Fresh;
+
+    #[test]
+    fn fresh_ids_follow_the_seed_and_skip_what_is_taken() {
+        let (mut one, mut two) = (Fresh::new(1), Fresh::new(1));
+        let first = one.id(|_| false);
+        assert_eq!(first.as_str().len(), 6);
+        assert!(first.as_str().bytes().all(|b| b.is_ascii_uppercase()));
+        assert_ne!(two.id(|id| *id == first), first);
+        assert_ne!(Fresh::new(2).id(|_| false), first);
     }
 }

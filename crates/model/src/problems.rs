@@ -75,6 +75,24 @@ pub fn problems(machine: &Machine, types: &dyn Types) -> Vec<Problem> {
     found
 }
 
+/// The problems of a state that is about to get a place below `parent`, and of everything inside it but libraries.
+pub(crate) fn problems_of_state(
+    parent: Option<&State>,
+    path: &StatePath,
+    state: &State,
+    types: &dyn Types,
+) -> Vec<Problem> {
+    let mut found = Vec::new();
+    let mut open = vec![Visit { path: path.clone(), parent, state }];
+    while let Some(visit) = open.pop() {
+        visit.look(types, &mut found);
+        if visit.path.0.len() < MAX_NESTING {
+            visit.children(&mut open);
+        }
+    }
+    found
+}
+
 struct Visit<'m> {
     path: StatePath,
     parent: Option<&'m State>,

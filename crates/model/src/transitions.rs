@@ -49,7 +49,7 @@ impl Transitions {
     }
 
     /// Those that begin at `origin`: one at most in a valid container.
-    pub fn from(&self, origin: &Origin) -> impl Iterator<Item = &Transition> {
+    pub fn from<'s>(&'s self, origin: &Origin) -> impl Iterator<Item = &'s Transition> + use<'s> {
         let end = match origin {
             Origin::Income => (None, None),
             Origin::Outcome(state, outcome) => (Some(state.clone()), Some(*outcome)),
@@ -60,15 +60,33 @@ impl Transitions {
     }
 
     /// Those that lead to this child, or to any outcome of the container if `state` is its id.
-    pub fn into_state(&self, state: &StateId) -> impl Iterator<Item = &Transition> {
+    pub fn into_state<'s>(
+        &'s self,
+        state: &StateId,
+    ) -> impl Iterator<Item = &'s Transition> + use<'s> {
         let wanted = state.clone();
         let few =
             self.few().filter(move |transition| transition.to_state.as_ref() == Some(&wanted));
         few.chain(self.many(|index| &index.by_target, lowest(state), highest(state)))
     }
 
+    /// Those that lead to this outcome of the container with the id `container`.
+    pub fn into_outcome<'s>(
+        &'s self,
+        container: &StateId,
+        outcome: OutcomeId,
+    ) -> impl Iterator<Item = &'s Transition> + use<'s> {
+        let end = (Some(container.clone()), Some(outcome));
+        let wanted = end.clone();
+        let few = self.few().filter(move |transition| target_of(transition) == wanted);
+        few.chain(self.many(|index| &index.by_target, end.clone(), end))
+    }
+
     /// Those that begin at any outcome of `state`.
-    pub fn out_of_state(&self, state: &StateId) -> impl Iterator<Item = &Transition> {
+    pub fn out_of_state<'s>(
+        &'s self,
+        state: &StateId,
+    ) -> impl Iterator<Item = &'s Transition> + use<'s> {
         let wanted = state.clone();
         let few =
             self.few().filter(move |transition| transition.from_state.as_ref() == Some(&wanted));

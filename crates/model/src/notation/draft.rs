@@ -3,6 +3,7 @@
 use super::connect::{Connection, Part, part};
 use super::parse::NotationError;
 use super::scan::Line;
+use crate::ids::smallest_free;
 use crate::{
     Container, Kind, Layout, Library, LibraryContent, Outcome, OutcomeId, Port, PortId, Ports,
     RuntimeValue, RuntimeValues, Script, State, StateId, Value,
@@ -286,9 +287,4 @@ fn take_interface_of_content(state: &mut State) {
     state.outcomes = root.outcomes.clone();
     state.inputs = root.inputs.clone();
     state.outputs = root.outputs.clone();
-}
-
-/// The smallest number from 0 on that is not taken.
-pub(super) fn smallest_free(taken: impl Fn(i64) -> bool) -> i64 {
-    (0..i64::MAX).find(|id| !taken(*id)).unwrap_or_default()
 }

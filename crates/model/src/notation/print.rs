@@ -2,10 +2,10 @@
 
 use super::block::fits_block;
 use super::connect::{Side, outcome_by_name, owner, port_by_name};
-use super::draft::smallest_free;
 use super::scan::is_type_byte;
 use super::shared::{Shared, content};
 use super::{KEYWORDS, is_bare};
+use crate::ids::smallest_free;
 use crate::{
     DataFlow, DataType, Header, Json, Kind, Layout, Library, LibraryContent, Machine, OutcomeId,
     PortId, Ports, RuntimeValues, State, StateId, Transition, Value, json, literal,

@@ -194,6 +194,13 @@ rules! {
     MoveIntoItself: Error, "choose a container outside the state";
 }
 
+impl Rule {
+    /// Whether an edit that breaks this rule is refused.
+    pub(crate) fn refuses_edits(self) -> bool {
+        self.severity() == Severity::Error && self != Self::LibraryMissing
+    }
+}
+
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())

@@ -1,0 +1,177 @@
+//! The one place where a machine changes: runs the steps of an edit, looks at every part that they touch, and takes all
+//! back if a rule is broken that was not broken before.
+
+use super::Edit;
+use super::error::EditError;
+use super::plan::plan;
+use super::scope::{Place, scope};
+use super::step::{Set, Step};
+use crate::rules::{Fault, Part, Rule, faults_of};
+use crate::{Machine, StateId, StatePath, Types};
+use std::collections::BTreeSet;
+
+/// Takes an edit back: what it changed, in reverse. What was faulty before the edit may be so again.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Restore {
+    /// What to set, in this order.
+    pub steps: Vec<Step>,
+    /// Rules that were broken before the edit.
+    pub tolerated: Vec<(StatePath, Part, Rule)>,
+}
+
+/// Changes the machine in place; gives the edit that takes the change back. On error nothing has changed.
+///
+/// No edit breaks a rule of the machine: what was wrong before may stay wrong, but nothing gets worse. States that only this
+/// machine holds are changed where they are; those that it shares with a clone are copied first.
+pub fn apply(machine: &mut Machine, edit: Edit, types: &dyn Types) -> Result<Edit, EditError> {
+    let mut done = Restore::default();
+    match edit_all(machine, edit, types, &mut done) {
+        Ok(()) => {
+            done.steps.reverse();
+            Ok(Edit::Restore(Box::new(done)))
+        }
+        Err(error) => {
+            take_back(machine, done.steps);
+            Err(error)
+        }
+    }
+}
+
+/// Applies an edit; adds to `done` what takes it back, even when it is refused in the middle.
+fn edit_all(
+    machine: &mut Machine,
+    edit: Edit,
+    types: &dyn Types,
+    done: &mut Restore,
+) -> Result<(), EditError> {
+    match edit {
+        Edit::Batch(edits) => {
+            edits.into_iter().try_for_each(|edit| edit_all(machine, edit, types, done))
+        }
+        Edit::Restore(restore) => {
+            Run::new(types, restore.tolerated).run(machine, restore.steps, done)
+        }
+        edit => {
+            let steps = plan(machine, edit, types)?;
+            Run::new(types, Vec::new()).run(machine, steps, done)
+        }
+    }
+}
+
+fn take_back(machine: &mut Machine, steps: Vec<Step>) {
+    for step in steps.into_iter().rev() {
+        let back = step.run(machine);
+        debug_assert!(back.is_ok(), "a step that was just made can be taken back");
+    }
+}
+
+/// A broken rule and its place.
+type Known = (StatePath, Part, Rule);
+
+/// The steps of one edit on their way.
+struct Run<'t> {
+    types: &'t dyn Types,
+    /// What the edit may have broken.
+    touched: BTreeSet<Place>,
+    /// What was broken there before.
+    before: BTreeSet<Known>,
+    /// What may be broken besides.
+    tolerated: Vec<Known>,
+    /// Ids that changed on the way: path before, new id.
+    renamed: Vec<(StatePath, StateId)>,
+}
+
+impl<'t> Run<'t> {
+    fn new(types: &'t dyn Types, tolerated: Vec<Known>) -> Self {
+        let (touched, before, renamed) = (BTreeSet::new(), BTreeSet::new(), Vec::new());
+        Self { types, touched, before, tolerated, renamed }
+    }
+
+    fn run(
+        mut self,
+        machine: &mut Machine,
+        steps: Vec<Step>,
+        done: &mut Restore,
+    ) -> Result<(), EditError> {
+        for step in steps {
+            for place in scope(&step, machine) {
+                self.touch(machine, place);
+            }
+            if let Set::Id(id) = &step.set {
+                self.rename(&step.at, id);
+            }
+            let back = step.run(machine)?;
+            self.touched.extend(scope(&back, machine));
+            done.steps.push(back);
+        }
+        self.check(machine)?;
+        done.tolerated.extend(self.before_by_old_names());
+        Ok(())
+    }
+
+    /// Remembers a place and what is broken there, unless it has been touched already.
+    fn touch(&mut self, machine: &Machine, place: Place) {
+        if self.touched.contains(&place) {
+            return;
+        }
+        let faults = faults_at(machine, &place, self.types);
+        self.before.extend(faults.into_iter().map(|f| (place.0.clone(), place.1, f.rule)));
+        self.touched.insert(place);
+    }
+
+    /// Lets what is remembered follow a state to its new id.
+    fn rename(&mut self, path: &StatePath, id: &StateId) {
+        let renamed = |at: StatePath| with_new_id(at, path, id);
+        let touched = std::mem::take(&mut self.touched);
+        self.touched = touched.into_iter().map(|(at, part)| (renamed(at), part)).collect();
+        let before = std::mem::take(&mut self.before);
+        self.before =
+            before.into_iter().map(|(at, part, rule)| (renamed(at), part, rule)).collect();
+        self.renamed.push((path.clone(), id.clone()));
+    }
+
+    fn check(&self, machine: &Machine) -> Result<(), EditError> {
+        for place in &self.touched {
+            for fault in faults_at(machine, place, self.types) {
+                let known = (place.0.clone(), place.1, fault.rule);
+                if fault.rule.refuses_edits()
+                    && !self.before.contains(&known)
+                    && !self.tolerated.contains(&known)
+                {
+                    return Err(EditError::fault(&place.0, place.1, fault));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What was broken before, under the ids that the states had then.
+    fn before_by_old_names(mut self) -> impl Iterator<Item = Known> {
+        self.renamed.reverse();
+        let renamed = self.renamed;
+        self.before.into_iter().map(move |(at, part, rule)| {
+            let old = |at, (path, id): &(StatePath, StateId)| match (path.parent(), path.last()) {
+                (Some(parent), Some(old)) => with_new_id(at, &parent.child(id.clone()), old),
+                (None, Some(old)) => with_new_id(at, &StatePath::root(id.clone()), old),
+                _ => at,
+            };
+            (renamed.iter().fold(at, old), part, rule)
+        })
+    }
+}
+
+/// The path after the state at `path` has got another id.
+fn with_new_id(mut at: StatePath, path: &StatePath, id: &StateId) -> StatePath {
+    if at.0.starts_with(&path.0)
+        && let Some(index) = path.0.len().checked_sub(1)
+    {
+        at.0[index] = id.clone();
+    }
+    at
+}
+
+fn faults_at(machine: &Machine, (path, part): &Place, types: &dyn Types) -> Vec<Fault> {
+    let Some(state) = machine.state(path) else { return Vec::new() };
+    let parent = path.parent().and_then(|parent| machine.state(&parent));
+    faults_of(parent.map(|parent| &**parent), state, *part, types)
+}

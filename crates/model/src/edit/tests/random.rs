@@ -1,0 +1,1 @@
+//! Any edits on any machine.
