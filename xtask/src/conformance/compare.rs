@@ -102,11 +102,11 @@ fn without_place(message: &str) -> &str {
 fn order(theirs: &Observed, ours: &Observed, places: &Places, endless: bool) -> Option<Difference> {
     let (theirs, ours) = (branches(&theirs.entered, places), branches(&ours.entered, places));
     let detail = theirs.keys().chain(ours.keys()).find_map(|name| {
-        let side = |side: &BTreeMap<&str, Vec<&str>>| side.get(name).cloned().unwrap_or_default();
-        let (theirs, ours) = (side(&theirs), side(&ours));
-        let at = first_difference(&theirs, &ours, endless)?;
+        let [theirs, ours] =
+            [&theirs, &ours].map(|side| side.get(name).map_or(&[][..], Vec::as_slice));
+        let at = first_difference(theirs, ours, endless)?;
         let entry = |side: &[&str]| side.get(at).map_or("nothing", |path| *path).to_owned();
-        Some(format!("branch `{name}`, entry {}: {} ≠ {}", at + 1, entry(&theirs), entry(&ours)))
+        Some(format!("branch `{name}`, entry {}: {} ≠ {}", at + 1, entry(theirs), entry(ours)))
     });
     detail.map(|detail| Difference { what: "order", detail })
 }
