@@ -78,7 +78,7 @@ pub enum Fault {
         port: PortId,
     },
     /// The library itself has faults.
-    #[error("library {library} has {count} problems, the first: {first}")]
+    #[error("library {library} has problems of its own ({count}), the first: {first}")]
     InLibrary {
         /// Path and name of the library.
         library: SmolStr,

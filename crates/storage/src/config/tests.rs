@@ -105,7 +105,9 @@ fn what_cannot_be_read_is_a_note_and_the_default_counts() {
                 ],
             }"#]],
     );
-    check("LIBRARY_PATHS: [1, 2", &expect![[r#"
+    check(
+        "LIBRARY_PATHS: [1, 2",
+        &expect![[r#"
         Config {
             library_paths: [],
             naming: Naming {
@@ -121,8 +123,11 @@ fn what_cannot_be_read_is_a_note_and_the_default_counts() {
                     "while parsing a flow sequence, expected ',' or ']' at byte 20 line 2 column 1",
                 ),
             ],
-        }"#]]);
-    check("", &expect![[r#"
+        }"#]],
+    );
+    check(
+        "",
+        &expect![[r#"
         Config {
             library_paths: [],
             naming: Naming {
@@ -134,8 +139,11 @@ fn what_cannot_be_read_is_a_note_and_the_default_counts() {
             execution_log_path: None,
             recompile_scripts: true,
             notes: [],
-        }"#]]);
-    check("just text", &expect![[r#"
+        }"#]],
+    );
+    check(
+        "just text",
+        &expect![[r#"
         Config {
             library_paths: [],
             naming: Naming {
@@ -147,12 +155,14 @@ fn what_cannot_be_read_is_a_note_and_the_default_counts() {
             execution_log_path: None,
             recompile_scripts: true,
             notes: [],
-        }"#]]);
+        }"#]],
+    );
 }
 
 #[test]
 fn paths_are_expanded() {
-    let clean = |text| clean_path(text, Path::new("/base"), &environment).to_string_lossy().into_owned();
+    let clean =
+        |text| clean_path(text, Path::new("/base"), &environment).to_string_lossy().into_owned();
     assert_eq!(clean("a/./b/../c"), "/base/a/c");
     assert_eq!(clean("'~/x'"), "/home/me/x");
     assert_eq!(clean("~"), "/home/me");

@@ -161,10 +161,7 @@ fn a_missing_library_keeps_what_the_machine_knows() {
 #[test]
 fn a_cycle_of_libraries_is_a_missing_library() {
     check(
-        &[
-            ("a", r#"library AAAAAA "a" from "lib/b""#),
-            ("b", r#"library BBBBBB "b" from "lib/a""#),
-        ],
+        &[("a", r#"library AAAAAA "a" from "lib/b""#), ("b", r#"library BBBBBB "b" from "lib/a""#)],
         r#"library ROOTID "root" from "lib/a""#,
         &expect![[r#"
             machine
@@ -175,7 +172,7 @@ fn a_cycle_of_libraries_is_a_missing_library() {
                   content
                     library BBBBBB "b" from "lib/a"
                       missing "DIR/libs/a contains itself"
-            ROOTID (core_data.json): library lib/a has 1 problems, the first: AAAAAA (core_data.json): library lib/b has 1 problems, the first: BBBBBB (core_data.json): library lib/a is missing: DIR/libs/a contains itself; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept; open the library and correct it there; open the library and correct it there
+            ROOTID (core_data.json): library lib/a has problems of its own (1), the first: AAAAAA (core_data.json): library lib/b has problems of its own (1), the first: BBBBBB (core_data.json): library lib/a is missing: DIR/libs/a contains itself; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept; open the library and correct it there; open the library and correct it there
         "#]],
     );
 }
@@ -183,7 +180,10 @@ fn a_cycle_of_libraries_is_a_missing_library() {
 #[test]
 fn a_library_that_cannot_be_read_is_missing_and_one_with_faults_is_reported() {
     let dir = tempfile::tempdir().unwrap();
-    crate::testing::make_files(&dir.path().join("libs"), "== empty/statemachine.json\n{}\n== odd/a.txt\n");
+    crate::testing::make_files(
+        &dir.path().join("libs"),
+        "== empty/statemachine.json\n{}\n== odd/a.txt\n",
+    );
     put(&dir.path().join("libs/faulty"), LEAF);
     std::fs::write(dir.path().join("libs/faulty/meta_data.json"), "{").unwrap();
     put(
@@ -201,7 +201,7 @@ fn a_library_that_cannot_be_read_is_missing_and_one_with_faults_is_reported() {
     expect![[r#"
         ROOTID/AAAAAA (a_AAAAAA/core_data.json): library lib/empty is missing: DIR/libs/empty has no root state: a folder with core_data.json is missing; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept
         ROOTID/BBBBBB (b_BBBBBB/core_data.json): library lib/odd is missing: DIR/libs/odd has no statemachine.json; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept
-        ROOTID/CCCCCC (c_CCCCCC/core_data.json): library lib/faulty has 1 problems, the first: LEAFXX (meta_data.json): is not JSON: line 1, column 2: expected a key in quotes; correct the file by hand or restore it; it stays as it is until this part of the state is changed; open the library and correct it there
+        ROOTID/CCCCCC (c_CCCCCC/core_data.json): library lib/faulty has problems of its own (1), the first: LEAFXX (meta_data.json): is not JSON: line 1, column 2: expected a key in quotes; correct the file by hand or restore it; it stays as it is until this part of the state is changed; open the library and correct it there
         ROOTID/EEEEEE (e_EEEEEE/core_data.json): library lib//x is missing: `lib/` is not a library path such as `root/folder`; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept
     "#]].assert_eq(&show_problems(&read).replace(&*dir.path().to_string_lossy(), "DIR"));
 }
@@ -210,14 +210,20 @@ fn a_library_that_cannot_be_read_is_missing_and_one_with_faults_is_reported() {
 fn libraries_are_read_once_and_shared() {
     let dir = tempfile::tempdir().unwrap();
     put(&dir.path().join("libs/leaf"), LEAF);
-    put(&dir.path().join("libs/outer"), r#"hierarchy OUTERX "o"
-  library LLLLLL "l" from "lib/leaf" version "2""#);
-    put(&dir.path().join("m"), r#"
+    put(
+        &dir.path().join("libs/outer"),
+        r#"hierarchy OUTERX "o"
+  library LLLLLL "l" from "lib/leaf" version "2""#,
+    );
+    put(
+        &dir.path().join("m"),
+        r#"
         hierarchy ROOTID "root"
           library AAAAAA "a" from "lib/leaf" version "2"
           library BBBBBB "b" from "lib/leaf" version "2"
           library CCCCCC "c" from "lib/outer"
-        "#);
+        "#,
+    );
     let libraries = libraries(dir.path());
     let machine = load(&dir.path().join("m"), &libraries).unwrap().machine;
     let content = |path: &str| match &machine.state(&StatePath::parse(path)).unwrap().kind {
@@ -271,7 +277,9 @@ fn roots_are_found_by_whole_folder_names() {
     assert_eq!(reference("lib_other/x").as_deref(), Some("lib_other + x"));
     assert_eq!(reference("lib/sub/y").as_deref(), Some("lib/sub + y"));
     assert_eq!(reference("nowhere"), None);
-    let folder = |path: &str| libraries.folder(path, "y").map(|found| found.strip_prefix(dir.path()).unwrap().to_owned());
+    let folder = |path: &str| {
+        libraries.folder(path, "y").map(|found| found.strip_prefix(dir.path()).unwrap().to_owned())
+    };
     assert_eq!(folder("lib/sub"), Ok("lib/sub/y".into()));
     assert_eq!(folder("lib_other"), Ok("lib_other/y".into()));
     assert_eq!(folder("li"), Err("no library root is named `li`".into()));
@@ -307,7 +315,8 @@ fn roots_come_in_a_defined_order_and_later_ones_replace_earlier() {
         library root gone: DIR/gone does not exist; correct the path or remove it
         library root one is now DIR/e/one, not DIR/c/one; rename one to use both
         library root two is now DIR/g/three, not DIR/e/two; rename one to use both
-    "#]].assert_eq(&shown.replace(&*dir.path().to_string_lossy(), "DIR"));
+    "#]]
+    .assert_eq(&shown.replace(&*dir.path().to_string_lossy(), "DIR"));
 }
 
 #[test]
@@ -338,7 +347,8 @@ fn the_tree_shows_folders_and_libraries() {
           lib/a (library)
           lib/b
             lib/b/leaf (library)
-    "#]].assert_eq(&shown);
+    "#]]
+    .assert_eq(&shown);
 }
 
 fn show(entries: &[Entry], depth: usize, out: &mut String) {

@@ -192,7 +192,9 @@ pub(crate) fn stand_in(folder: &str, has_script: bool) -> State {
     } else {
         Kind::Hierarchy(Container::default())
     };
-    let name = if folder.is_empty() { id.as_str() } else { folder }.replace('/', "_");
+    let name =
+        folder.strip_suffix(id.as_str()).map(|name| name.strip_suffix(['_', '$']).unwrap_or(name));
+    let name = name.filter(|name| !name.is_empty()).unwrap_or(id.as_str()).to_owned();
     State::new(id, name, kind)
 }
 

@@ -2,7 +2,7 @@
 //! Knows bytes, not what they mean.
 
 use rustix::fd::{AsFd, OwnedFd};
-use rustix::fs::{CWD, FileType, Mode, OFlags, RawDir, fstat, openat};
+use rustix::fs::{Access, AtFlags, CWD, FileType, Mode, OFlags, RawDir, accessat, fstat, openat};
 use rustix::io::{Errno, read};
 use std::ffi::{OsStr, OsString};
 use std::mem::MaybeUninit;
@@ -73,12 +73,7 @@ impl FileReader {
         folder: &OsStr,
         file: &str,
     ) -> Result<Option<&[u8]>, Errno> {
-        self.path.clear();
-        if !folder.is_empty() {
-            self.path.extend_from_slice(folder.as_bytes());
-            self.path.push(b'/');
-        }
-        self.path.extend_from_slice(file.as_bytes());
+        self.set_path(folder, file);
         let flags = OFlags::RDONLY | OFlags::CLOEXEC;
         match openat(dir, self.path.as_slice(), flags, Mode::empty())
             .and_then(|file| self.fill(&file))
@@ -87,6 +82,21 @@ impl FileReader {
             Err(Errno::NOENT | Errno::NOTDIR | Errno::ISDIR | Errno::LOOP) => Ok(None),
             Err(error) => Err(error),
         }
+    }
+
+    /// Whether there is `folder/file` in `dir`.
+    pub(crate) fn exists(&mut self, dir: impl AsFd, folder: &OsStr, file: &str) -> bool {
+        self.set_path(folder, file);
+        accessat(dir, self.path.as_slice(), Access::EXISTS, AtFlags::empty()).is_ok()
+    }
+
+    fn set_path(&mut self, folder: &OsStr, file: &str) {
+        self.path.clear();
+        if !folder.is_empty() {
+            self.path.extend_from_slice(folder.as_bytes());
+            self.path.push(b'/');
+        }
+        self.path.extend_from_slice(file.as_bytes());
     }
 
     /// One read is enough for a file that is smaller than the buffer: a regular file gives all it has.

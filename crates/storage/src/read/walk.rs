@@ -6,7 +6,7 @@ use super::decode::{Decoder, stand_in};
 use super::folder::{self, Entry, FileReader};
 use super::load::LoadError;
 use super::queue::Queue;
-use crate::files::{Part, STAGING};
+use crate::files::{HEADER, Part, STAGING};
 use crate::place::Oddities;
 use crate::problem::Fault;
 use rafcon_model::{Json, Kind, Layout, State, json};
@@ -144,6 +144,9 @@ impl Reader {
     ) -> Result<Option<Node>, Errno> {
         let mut faults = Vec::new();
         let mut oddities = Oddities::default();
+        if item.parent.is_some() && self.files.exists(&item.dir.fd, &item.folder, HEADER) {
+            return Ok(None); // another machine, not a state of this one
+        }
         let core = self.core(item, &mut faults, &mut oddities)?;
         let Some(mut state) = core else { return Ok(None) };
         let number = next.fetch_add(1, Ordering::Relaxed);

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const MANY: usize = 64;
 
 /// What a save needs of a disk.
-pub(crate) trait Disk {
+pub(crate) trait Disk: Sync {
     /// Makes the folder and those around it; it may exist.
     fn create_dir(&self, path: &Path) -> io::Result<()>;
     /// Makes the file; with the permissions of `like` if that exists.

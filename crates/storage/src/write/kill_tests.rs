@@ -6,40 +6,41 @@ use super::disk::{Disk, RealDisk};
 use super::save::save_on;
 use crate::testing::{EVERY_KIND, fingerprint, loaded, machine, make_files};
 use crate::{Naming, Saved};
+use parking_lot::Mutex;
 use rafcon_model::Machine;
-use std::cell::{Cell, RefCell};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// A disk that works for so many operations, and then no more. The operation that fails may have done half of its work;
 /// what was not synced by then is gone, as after a power cut.
 struct DyingDisk {
-    left: Cell<usize>,
-    unsynced: RefCell<Vec<PathBuf>>,
+    left: AtomicUsize,
+    unsynced: Mutex<Vec<PathBuf>>,
 }
 
 impl DyingDisk {
     fn after(operations: usize) -> Self {
-        Self { left: Cell::new(operations), unsynced: RefCell::default() }
+        Self { left: AtomicUsize::new(operations), unsynced: Mutex::default() }
     }
 
     fn is_dead(&self) -> bool {
-        self.left.get() == 0
+        self.left.load(Relaxed) == 0
     }
 
     fn step(&self) -> io::Result<()> {
-        match self.left.get() {
+        match self.left.load(Relaxed) {
             0 => Err(io::Error::other("the disk is dead")),
             1 => {
-                self.left.set(0);
-                for path in self.unsynced.borrow().iter().filter(|path| path.is_file()) {
+                self.left.store(0, Relaxed);
+                for path in self.unsynced.lock().iter().filter(|path| path.is_file()) {
                     fs::write(path, "")?;
                 }
                 Err(io::Error::other("the disk dies"))
             }
             more => {
-                self.left.set(more - 1);
+                self.left.store(more - 1, Relaxed);
                 Ok(())
             }
         }
@@ -54,7 +55,7 @@ impl Disk for DyingDisk {
 
     fn write(&self, path: &Path, bytes: &[u8], like: Option<&Path>) -> io::Result<()> {
         let was_dead = self.is_dead();
-        self.unsynced.borrow_mut().push(path.to_owned());
+        self.unsynced.lock().push(path.to_owned());
         if let Err(error) = self.step() {
             if !was_dead {
                 RealDisk.write(path, &bytes[..bytes.len() / 2], like)?;
@@ -66,14 +67,14 @@ impl Disk for DyingDisk {
 
     fn sync(&self, paths: &[PathBuf]) -> io::Result<()> {
         self.step()?;
-        self.unsynced.borrow_mut().retain(|path| !paths.contains(path));
-        RealDisk.sync(paths)
+        self.unsynced.lock().retain(|path| !paths.contains(path));
+        Ok(())
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         self.step()?;
         RealDisk.rename(from, to)?;
-        for path in self.unsynced.borrow_mut().iter_mut() {
+        for path in self.unsynced.lock().iter_mut() {
             if let Ok(inside) = path.strip_prefix(from) {
                 *path = to.join(inside);
             }

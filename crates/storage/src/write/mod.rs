@@ -2,6 +2,7 @@
 //! only read.
 
 mod commit;
+mod deep;
 mod disk;
 mod encode;
 mod format;

@@ -244,7 +244,8 @@ impl<'p> Planner<'p> {
 
     fn is_renamed(&self, child: &State, before: Old<'_>) -> bool {
         let usual = folder_name(child, self.mode.naming);
-        let renamed = self.mode.rewrite || child.name != before.state.name;
+        let is_damaged = before.place.verbatim(Part::Core).is_some();
+        let renamed = (self.mode.rewrite && !is_damaged) || child.name != before.state.name;
         renamed && *before.place.folder != *OsStr::new(&usual)
     }
 

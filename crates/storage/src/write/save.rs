@@ -2,6 +2,7 @@
 //! done elsewhere.
 
 use super::commit::{commit, is_interrupted, recover};
+use super::deep;
 use super::disk::{Disk, RealDisk};
 use super::encode;
 use super::lock;
@@ -98,7 +99,8 @@ pub(crate) fn plan(
     let before = old.filter(|_| mode.here).map(|old| &old.header);
     machine_files(&mut planner, &machine.header, before)?;
     let old = old.map(|old| Old { state: &old.root, place: &old.place });
-    let place = planner.root(&machine.root, old)?;
+    let depth = deep::depth(&machine.root).max(old.map_or(0, |old| deep::depth(old.state)));
+    let place = deep::with_room(depth, || planner.root(&machine.root, old))?;
     Ok((planner.plan, place))
 }
 
