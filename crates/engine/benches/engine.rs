@@ -18,45 +18,53 @@ fn compiled(text: &str) -> Arc<Program<Value>> {
 
 /// A ring of states that count up in a scoped variable.
 fn ring(states: usize) -> String {
-    let mut text = "hierarchy ROOT\n  outcome done\n  var n: int = 0\n  start -> S0\n".to_owned();
-    for state in 0..states {
+    let state = |state: usize| {
         let next = (state + 1) % states;
-        text += &[
-            format!("  S{state}.next -> S{next} ; S{state}.done -> .done\n"),
-            format!("  flow .n -> S{state}.before ; S{state}.after -> .n\n"),
-            format!("  execution S{state}\n    outcome next\n    outcome done\n"),
-            "    in before: int = 0\n    out after: int = 0\n".to_owned(),
-        ]
-        .concat();
-    }
-    text
+        format!(
+            "  S{state}.next -> S{next} ; S{state}.done -> .done
+  flow .n -> S{state}.before ; S{state}.after -> .n
+  execution S{state}
+    outcome next
+    outcome done
+    in before: int = 0
+    out after: int = 0
+"
+        )
+    };
+    let head = "hierarchy ROOT\n  outcome done\n  var n: int = 0\n  start -> S0\n";
+    head.to_owned() + &(0..states).map(state).collect::<Vec<_>>().concat()
 }
 
-/// A barrier (or race) of states that end at once.
+/// A barrier or race of states that end at once.
 fn branches(kind: &str, count: usize) -> String {
-    let mut text = format!("{kind} ROOT\n  outcome done\n");
-    for branch in 0..count {
-        text += &format!("  execution S{branch}\n    outcome done\n");
-    }
-    if kind == "barrier" {
-        return text
-            + "  unique_decider_state_id.done -> .done\n"
-            + "  decider unique_decider_state_id\n    outcome done\n";
-    }
-    text + "  S0.done -> .done\n"
+    let branch = |branch: usize| format!("  execution S{branch}\n    outcome done\n");
+    let end = match kind {
+        "barrier" => {
+            "  unique_decider_state_id.done -> .done
+  decider unique_decider_state_id
+    outcome done
+"
+        }
+        _ => "  S0.done -> .done\n",
+    };
+    let children = (0..count).map(branch).collect::<Vec<_>>().concat();
+    format!("{kind} ROOT\n  outcome done\n{children}{end}")
 }
 
 /// Hierarchies inside hierarchies.
 fn tower(levels: usize) -> String {
-    let mut text = String::new();
-    for level in 0..levels {
-        let indent = " ".repeat(level);
-        text += &format!("{indent}hierarchy S{level}\n{indent} outcome done\n");
-        let below = level + 1;
-        text += &format!("{indent} start -> S{below} ; S{below}.done -> .done\n");
-    }
+    let level = |level: usize| {
+        let (indent, below) = (" ".repeat(level), level + 1);
+        format!(
+            "{indent}hierarchy S{level}
+{indent} outcome done
+{indent} start -> S{below} ; S{below}.done -> .done
+"
+        )
+    };
     let indent = " ".repeat(levels);
-    text + &format!("{indent}execution S{levels}\n{indent} outcome done\n")
+    let floors = (0..levels).map(level).collect::<Vec<_>>().concat();
+    format!("{floors}{indent}execution S{levels}\n{indent} outcome done\n")
 }
 
 /// Runs a machine whose scripts count to [`STATES`]; gives back everything that happened.

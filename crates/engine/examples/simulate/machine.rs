@@ -9,7 +9,7 @@ const OUTCOMES: [&str; 2] = ["a", "b"];
 
 /// What a machine is made of.
 #[derive(Debug)]
-pub struct Generator<'r> {
+pub(crate) struct Generator<'r> {
     random: &'r mut Random,
     states: usize,
     /// Whether the outcome preempted may be connected.
@@ -18,7 +18,7 @@ pub struct Generator<'r> {
 }
 
 /// A random machine.
-pub fn machine(random: &mut Random, handlers: bool) -> String {
+pub(crate) fn machine(random: &mut Random, handlers: bool) -> String {
     let mut generator = Generator { random, states: 0, handlers, text: String::new() };
     generator.state("ROOT", 0, 0);
     generator.text
@@ -37,7 +37,12 @@ impl Generator<'_> {
     }
 
     fn state(&mut self, id: &str, depth: usize, indent: usize) {
-        let choice = if depth >= DEPTH { 0 } else { self.random.below(12) };
+        // The root has something inside.
+        let choice = match depth {
+            0 => 4 + self.random.below(8),
+            DEPTH.. => 0,
+            _ => self.random.below(12),
+        };
         match choice {
             0..=3 => self.execution("execution", id, indent),
             4..=7 => self.hierarchy(id, depth, indent),
@@ -65,7 +70,7 @@ impl Generator<'_> {
     }
 
     fn children(&mut self, depth: usize, indent: usize) -> Vec<String> {
-        let count = self.random.below(4);
+        let count = if self.random.percent(5) { 0 } else { 1 + self.random.below(4) };
         let ids: Vec<_> = (0..count).map(|_| self.fresh()).collect();
         for id in &ids {
             self.state(id, depth + 1, indent);
@@ -79,7 +84,8 @@ impl Generator<'_> {
         let fault = if self.random.percent(3) { "\"none\"" } else { "3" };
         self.line(indent + 1, &format!("var v: int = {fault}"));
         let children = self.children(depth, indent + 1);
-        if let Some(start) = self.target(&children).filter(|_| self.random.percent(95)) {
+        if self.random.percent(95) {
+            let start = self.target(&children);
             self.line(indent + 1, &format!("start -> {start}"));
         }
         for child in &children {
@@ -92,23 +98,21 @@ impl Generator<'_> {
     fn transitions(&mut self, child: &str, children: &[String], indent: usize) {
         let preempted = if self.handlers { 40 } else { 0 };
         for (outcome, chance) in [("a", 95), ("b", 95), ("aborted", 50), ("preempted", preempted)] {
-            if !self.random.percent(chance) {
-                continue;
-            }
-            if let Some(target) = self.target(children) {
+            if self.random.percent(chance) {
+                let target = self.target(children);
                 self.line(indent, &format!("{child}.{outcome} -> {target}"));
             }
         }
     }
 
     /// A child or an outcome of the container.
-    fn target(&mut self, children: &[String]) -> Option<String> {
-        let outcome = children.is_empty() || self.random.percent(25);
-        Some(if outcome {
+    fn target(&mut self, children: &[String]) -> String {
+        let outcome = children.is_empty() || self.random.percent(15);
+        if outcome {
             format!(".{}", OUTCOMES[self.random.below(OUTCOMES.len())])
         } else {
             children[self.random.below(children.len())].clone()
-        })
+        }
     }
 
     fn flows(&mut self, child: &str, children: &[String], indent: usize) {

@@ -10,24 +10,24 @@ use rafcon_model::{Value, notation};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Inputs before the run is stopped.
+/// Inputs at most before the run is stopped.
 const INPUTS: usize = 120;
 /// Inputs after the first stop, before the second.
 const PATIENCE: usize = 60;
 
 /// What a run came to.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Report {
+pub(crate) struct Report {
     /// States that were run.
-    pub states: u64,
+    pub(crate) states: u64,
     /// Everything that happened, as one number.
-    pub fingerprint: u64,
+    pub(crate) fingerprint: u64,
     /// Whether it ended by itself, before any stop.
-    pub by_itself: bool,
+    pub(crate) by_itself: bool,
 }
 
 /// Runs the machine of this seed to its end. The error says which promise was broken, and shows the machine.
-pub fn simulate(seed: u64) -> Result<Report, String> {
+pub(crate) fn simulate(seed: u64) -> Result<Report, String> {
     let mut random = Random::new(seed);
     let handlers = random.percent(50);
     let text = machine(&mut random, handlers);
@@ -84,7 +84,7 @@ impl World {
     /// From start to end: at random, then a stop, and if handlers go on for long, a second one.
     fn live(&mut self, handlers: bool) -> Checked {
         self.feed(Input::Start(Start::default()))?;
-        for _ in 0..INPUTS {
+        for _ in 0..self.random.below(INPUTS) {
             if self.is_over() {
                 self.by_itself = true;
                 return self.end();

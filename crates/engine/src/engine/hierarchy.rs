@@ -81,7 +81,7 @@ impl<'s, D: Datum> Step<'s, D> {
         frame.last = Some((child, ended.outcome));
         frame.last_error = ended.error.filter(|_| ended.outcome == ABORTED);
         if self.runs_in_a_circle(slot, inside) {
-            self.run.frames.get_mut(slot).last_error = self.program.circle.clone();
+            self.run.frames.get_mut(slot).last_error.clone_from(&self.program.circle);
             return self.leave_container_later(slot, inside, ABORTED);
         }
         self.wake(&[slot], Cause::ChildEnded);
