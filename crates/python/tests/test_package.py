@@ -35,7 +35,9 @@ class Package(unittest.TestCase):
             try:
                 importlib.import_module(module.name)
             except ModuleNotFoundError as error:
-                self.assertEqual((error.name.split(".")[0], module.name.rpartition(".")[0]), ("rclpy", "rafcon.utils.ros2"))
+                self.assertEqual(
+                    (error.name.split(".")[0], module.name.rpartition(".")[0]), ("rclpy", "rafcon.utils.ros2")
+                )
 
     def test_the_list_of_files_is_right(self):
         self.assertEqual((stage.PACKAGE / "MANIFEST").read_text().splitlines(), files())
@@ -49,7 +51,7 @@ class Package(unittest.TestCase):
 
     def test_the_version_is_that_of_the_workspace(self):
         workspace = (stage.PACKAGE.parents[2] / "Cargo.toml").read_text()
-        self.assertIn('version = "%s"' % rafcon.__version__, workspace)
+        self.assertIn(f'version = "{rafcon.__version__}"', workspace)
 
     def test_without_a_machine_it_says_so(self):
         done = plain(
@@ -132,7 +134,9 @@ class Libraries(unittest.TestCase):
             self.assertEqual(library_manager.libraries["own"], {"arm": {"grasp": machine}})
             self.assertEqual(library_manager.get_os_path_to_library("own/arm", "grasp"), (machine, "own/arm", "grasp"))
             self.assertEqual(library_manager.get_library_path_and_name_for_os_path(machine), ("own/arm", "grasp"))
-            self.assertFalse(library_manager.is_os_path_within_library_root_paths(os.path.join(folder, "lib_other", "x")))
+            self.assertFalse(
+                library_manager.is_os_path_within_library_root_paths(os.path.join(folder, "lib_other", "x"))
+            )
             with self.assertRaises(LibraryNotFoundException):
                 library_manager.get_os_path_to_library("own", "nothing")
 

@@ -23,7 +23,7 @@ def scripts():
     question = "import sysconfig; print(sysconfig.get_path('purelib'))"
     site = subprocess.run([REFERENCE, "-c", question], capture_output=True, text=True, check=True).stdout.strip()
     found = sorted(pathlib.Path(site, "rafcon", "share", "rafcon").rglob("script.py"))
-    assert found, "the reference ships no scripts below %s" % site
+    assert found, f"the reference ships no scripts below {site}"
     return found
 
 

@@ -167,7 +167,9 @@ class Handles(unittest.TestCase):
         self.assertEqual(handle.wait_for_sub_msg(), "preempted")
 
     def test_a_service_is_offered_and_withdrawn(self):
-        ServiceServerHandle(self.state, self.node, Service, "add", lambda _request, response: response).destroy_service()
+        ServiceServerHandle(
+            self.state, self.node, Service, "add", lambda _request, response: response
+        ).destroy_service()
         self.assertEqual(self.node.made, [("create", "service"), ("destroy", "service")])
 
 

@@ -66,7 +66,9 @@ TABLE = [
             "use_output_runtime_values": {},
         },
     ),
-    stage.described("barrier", "INNER", "both", "ROOT/LIB/INNER", LIBRARY, children={"unique_decider_state_id": DECIDER}),
+    stage.described(
+        "barrier", "INNER", "both", "ROOT/LIB/INNER", LIBRARY, children={"unique_decider_state_id": DECIDER}
+    ),
     stage.described("decider", "unique_decider_state_id", "Decider", "ROOT/LIB/INNER/unique_decider_state_id", INNER),
 ]
 
@@ -280,7 +282,7 @@ class Refusals(Stage):
         ):
             with self.assertRaises(MachineChangeNotSupported) as refused:
                 call()
-            self.assertIn("`%s" % text, str(refused.exception))
+            self.assertIn(f"`{text}", str(refused.exception))
             self.assertIn("on-the-fly editing", str(refused.exception))
 
     def test_commands_of_later_versions_are_refused(self):

@@ -4,7 +4,7 @@ import enum
 import json
 import unittest
 
-import stage
+import stage  # noqa: F401, it comes before `rafcon`
 from rafcon._runtime import convert, decode, encode, format_error, resolve_type
 
 try:

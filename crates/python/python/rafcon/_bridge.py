@@ -16,8 +16,8 @@ class _Absent:
 
     def __getattr__(self, name):
         raise NoRunningMachine(
-            "there is no running state machine in this interpreter, so `rafcon` cannot answer `%s`; "
-            "start the machine with `rafcon run PATH`" % name
+            f"there is no running state machine in this interpreter, so `rafcon` cannot answer `{name}`; "
+            "start the machine with `rafcon run PATH`"
         )
 
     def current_path(self):

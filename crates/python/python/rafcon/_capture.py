@@ -31,7 +31,7 @@ class Writer(io.TextIOBase):
     @property
     def name(self):
         """As of the original: ``<stdout>`` or ``<stderr>``."""
-        return "<%s>" % self._stream
+        return f"<{self._stream}>"
 
     @property
     def encoding(self):
@@ -63,7 +63,7 @@ class Writer(io.TextIOBase):
     def write(self, text):
         """Sends the lines that are finished; returns the number of characters."""
         if not isinstance(text, str):
-            raise TypeError("write() argument must be str, not %s" % type(text).__name__)
+            raise TypeError(f"write() argument must be str, not {type(text).__name__}")
         if self._forked:
             return self._original.write(text)
         key = (threading.get_ident(), self._stream)

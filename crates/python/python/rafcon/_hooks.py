@@ -19,9 +19,7 @@ class Hooks:
         self._modules = [module for module in map(_import, _folders()) if module is not None]
         self._call_guarded("pre_init")
         self._call_guarded("post_init", {})
-        self.active = any(
-            hasattr(module, name) for module in self._modules for name in ("pre_script", "post_script")
-        )
+        self.active = any(hasattr(module, name) for module in self._modules for name in ("pre_script", "post_script"))
 
     def pre_script(self):
         """Called before each script, on its thread. What a plugin raises goes to the state, as if its script had."""

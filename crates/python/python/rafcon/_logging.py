@@ -64,5 +64,5 @@ def _configure(path):
         with open(path, encoding="utf-8") as file:
             logging.config.dictConfig(json.load(file))
     except Exception as error:
-        return "RAFCON_LOGGING_CONF: %s is left out: %s" % (path, error)
+        return f"RAFCON_LOGGING_CONF: {path} is left out: {error}"
     return None

@@ -23,7 +23,7 @@ def resolve_type(name):
     else:
         found = _attribute(name)
     if not isinstance(found, type):
-        raise TypeError("`%s` is a %s, not a type" % (name, type(found).__name__))
+        raise TypeError(f"`{name}` is a {type(found).__name__}, not a type")
     return found
 
 
@@ -41,7 +41,7 @@ def _attribute(name):
         for part in parts[end:]:
             found = getattr(found, part)
         return found
-    raise ImportError("`%s` names no module" % name)
+    raise ImportError(f"`{name}` names no module")
 
 
 def convert(value, type_name):
@@ -64,7 +64,7 @@ def _from_text(text, data_type):
         return _rule(data_type)(text, data_type)
     except Exception as error:
         reason = str(error) or type(error).__name__
-        raise ValueError("%r is no %s: %s" % (text, data_type.__name__, reason)) from error
+        raise ValueError(f"{text!r} is no {data_type.__name__}: {reason}") from error
 
 
 def _rule(data_type):
@@ -82,7 +82,7 @@ def _rule(data_type):
 def _literal(text, data_type):
     value = _evaluated(text)
     if type(value) is not data_type:
-        raise TypeError("it is a %s" % type(value).__name__)
+        raise TypeError(f"it is a {type(value).__name__}")
     return value
 
 

@@ -103,7 +103,7 @@ def _text(value, function):
     try:
         return _utf8(function(value))
     except Exception as error:
-        return "<%s whose %s fails: %s>" % (type(value).__name__, function.__name__, type(error).__name__)
+        return f"<{type(value).__name__} whose {function.__name__} fails: {type(error).__name__}>"
 
 
 def _utf8(text):

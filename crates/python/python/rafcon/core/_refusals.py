@@ -16,10 +16,10 @@ def refuses(*names):
 
 def _refusing_method(cls, name):
     def method(self, *_arguments, **_named):
-        raise MachineChangeNotSupported("%s.%s" % (type(self).__name__, name))
+        raise MachineChangeNotSupported(f"{type(self).__name__}.{name}")
 
     method.__name__ = name
-    method.__qualname__ = "%s.%s" % (cls.__qualname__, name)
+    method.__qualname__ = f"{cls.__qualname__}.{name}"
     method.__doc__ = "Changes the machine: refused with :class:`MachineChangeNotSupported`."
     return method
 
@@ -28,14 +28,14 @@ class fixed(property):  # noqa: N801, it is used as a decorator like `property`
     """A property that scripts can read; assigning to it would change the machine, and is refused."""
 
     def __set__(self, instance, value):
-        raise MachineChangeNotSupported("%s.%s = …" % (type(instance).__name__, self.fget.__name__))
+        raise MachineChangeNotSupported(f"{type(instance).__name__}.{self.fget.__name__} = …")
 
     def __delete__(self, instance):
-        raise MachineChangeNotSupported("del %s.%s" % (type(instance).__name__, self.fget.__name__))
+        raise MachineChangeNotSupported(f"del {type(instance).__name__}.{self.fget.__name__}")
 
 
 class NoConstructor:
     """Base of the classes whose objects are only made by the running machine."""
 
     def __init__(self, *_arguments, **_named):
-        raise MachineChangeNotSupported("%s(…)" % type(self).__name__)
+        raise MachineChangeNotSupported(f"{type(self).__name__}(…)")

@@ -43,4 +43,4 @@ class Waiter:
     def preemption(self, key):
         """The exception that ends the script; from now on the script has been told."""
         self._state.preempted  # noqa: B018, reading it notes that
-        return StatePreempted("preempted while waiting for the locked global variable `%s`" % key)
+        return StatePreempted(f"preempted while waiting for the locked global variable `{key}`")

@@ -29,8 +29,8 @@ class MachineChangeNotSupported(RuntimeError):
     def __init__(self, call):
         RuntimeError.__init__(
             self,
-            "`%s` changes the state machine while it runs, which this version of rafcon does not do: it comes with "
-            "on-the-fly editing. Nothing was changed; edit the machine's files instead." % call,
+            f"`{call}` changes the state machine while it runs, which this version of rafcon does not do: "
+            "it comes with on-the-fly editing. Nothing was changed; edit the machine's files instead.",
         )
         self.call = call
 
@@ -41,7 +41,7 @@ class CommandNotSupported(RuntimeError):
     def __init__(self, call):
         RuntimeError.__init__(
             self,
-            "`%s` is not known to this version of rafcon; a script can pause, resume and stop the machine" % call,
+            f"`{call}` is not known to this version of rafcon; a script can pause, resume and stop the machine",
         )
         self.call = call
 

@@ -63,7 +63,7 @@ class GlobalVariableManager:
         """
         key = str(key)
         if data_type is not None and not isinstance(data_type, type):
-            raise TypeError("data_type must be a type, not %r" % (data_type,))
+            raise TypeError(f"data_type must be a type, not {data_type!r}")
         kept = value if per_reference else _copied(value)
 
         def write(variable):
@@ -90,7 +90,7 @@ class GlobalVariableManager:
         if by_reference:
             return _copied(value) if per_reference is False else value
         if per_reference:
-            raise RuntimeError("the global variable `%s` is kept as a copy; it cannot be had by reference" % key)
+            raise RuntimeError(f"the global variable `{key}` is kept as a copy; it cannot be had by reference")
         return _copied(value)
 
     def set_locked_variable(self, key, access_key, value):
@@ -138,7 +138,7 @@ class GlobalVariableManager:
         with self._lock:
             variable = self._variables.get(key)
             if variable is None:
-                raise KeyError("there is no global variable `%s`" % key)
+                raise KeyError(f"there is no global variable `{key}`")
             locked = variable.access_key is not None
             if locked:
                 if not force:
@@ -162,9 +162,9 @@ class GlobalVariableManager:
         with self._lock:
             variable = self._variables.get(key)
             if variable is None:
-                raise AttributeError("there is no global variable `%s`" % key)
+                raise AttributeError(f"there is no global variable `{key}`")
             if variable.access_key is not None:
-                raise RuntimeError("the global variable `%s` is locked, so it cannot be deleted" % key)
+                raise RuntimeError(f"the global variable `{key}` is locked, so it cannot be deleted")
             del self._variables[key]
 
     def reset(self):
@@ -218,7 +218,7 @@ class GlobalVariableManager:
         if (data_type is float and given is int) or (given is not object and issubclass(data_type, given)):
             return
         raise TypeError(
-            "a value of type %s cannot be kept in a global variable of type %s" % (given.__name__, data_type.__name__)
+            f"a value of type {given.__name__} cannot be kept in a global variable of type {data_type.__name__}"
         )
 
     # ---- for the runner
@@ -294,7 +294,7 @@ def _locked(variable):
 
 def _check_key(key, variable, access_key):
     if access_key != variable.access_key:
-        raise RuntimeError("wrong access key for the locked global variable `%s`" % key)
+        raise RuntimeError(f"wrong access key for the locked global variable `{key}`")
 
 
 def _copied(value):

@@ -48,10 +48,10 @@ class LibraryManager:
         """
         root, *folders = library_path.split("/")
         if "" in folders or root not in self.library_root_paths:
-            raise LibraryNotFoundException("there is no library root for `%s`" % library_path)
+            raise LibraryNotFoundException(f"there is no library root for `{library_path}`")
         folder = os.path.join(self.library_root_paths[root], *folders, library_name)
         if not os.path.isfile(os.path.join(folder, _MACHINE_FILE)):
-            raise LibraryNotFoundException("`%s` has no library named `%s`" % (library_path, library_name))
+            raise LibraryNotFoundException(f"`{library_path}` has no library named `{library_name}`")
         return folder, library_path, library_name
 
     def is_library_in_libraries(self, library_path, library_name):

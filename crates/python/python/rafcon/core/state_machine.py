@@ -87,4 +87,4 @@ class StateMachine(NoConstructor):
                 self.release_modification_lock()
 
     def __repr__(self):
-        return "<StateMachine %s>" % self.root_state.name
+        return f"<StateMachine {self.root_state.name}>"

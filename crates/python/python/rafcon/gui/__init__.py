@@ -16,7 +16,7 @@ class _NoDesktop(importlib.abc.MetaPathFinder):
         if importlib.util.find_spec("gi") is None:
             raise ModuleNotFoundError("No module named 'gi'", name="gi")
         raise ModuleNotFoundError(
-            "No module named '%s': the desktop program is not part of this rafcon" % fullname, name=fullname
+            f"No module named '{fullname}': the desktop program is not part of this rafcon", name=fullname
         )
 
 

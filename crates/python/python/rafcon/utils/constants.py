@@ -16,4 +16,4 @@ def _user():
 
 
 #: The folder of this process below it; made when it is first asked for by ``os.makedirs``.
-RAFCON_TEMP_PATH_BASE = os.path.join(TEMP_PATH, "rafcon-{0}".format(_user()), str(os.getpid()))
+RAFCON_TEMP_PATH_BASE = os.path.join(TEMP_PATH, f"rafcon-{_user()}", str(os.getpid()))

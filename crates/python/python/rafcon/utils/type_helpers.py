@@ -12,13 +12,13 @@ def convert_string_to_type(string_value):
     try:
         return resolve_type(string_value)
     except (ImportError, AttributeError, TypeError) as error:
-        raise ValueError("there is no type `%s`: %s" % (string_value, error)) from error
+        raise ValueError(f"there is no type `{string_value}`: {error}") from error
 
 
 def convert_string_value_to_type_value(string_value, data_type):
     """The value that a text stands for in a port of a type. ``AttributeError`` if it stands for none."""
     try:
-        return convert(string_value, "%s.%s" % (data_type.__module__, data_type.__qualname__))
+        return convert(string_value, f"{data_type.__module__}.{data_type.__qualname__}")
     except ValueError as error:
         raise AttributeError(str(error)) from error
 

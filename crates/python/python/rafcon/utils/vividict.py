@@ -18,7 +18,7 @@ class Vividict(dict):
 
     def __setitem__(self, key, value):
         if not isinstance(key, str):
-            raise TypeError("a key must be a str, not %s" % type(key).__name__)
+            raise TypeError(f"a key must be a str, not {type(key).__name__}")
         if isinstance(value, dict) and not isinstance(value, Vividict):
             value = Vividict(value)
         dict.__setitem__(self, key, value)

@@ -44,6 +44,5 @@ class DataFlow(StateElement):
         return self._to_key
 
     def __str__(self):
-        return "Data flow - from_state: {0}, from_key: {1}, to_state: {2}, to_key: {3}, id: {4}".format(
-            self._from_state, self._from_key, self._to_state, self._to_key, self._data_flow_id
-        )
+        ends = f"from_state: {self._from_state}, from_key: {self._from_key}, "
+        return f"Data flow - {ends}to_state: {self._to_state}, to_key: {self._to_key}, id: {self._data_flow_id}"

@@ -38,9 +38,7 @@ class DataPort(StateElement):
         return self._default_value
 
     def __str__(self):
-        return "{0} '{1}' [{2}] ({3} {4})".format(
-            "DataPort", self._name, self._data_port_id, self._default_value, self._data_type
-        )
+        return f"DataPort '{self._name}' [{self._data_port_id}] ({self._default_value} {self._data_type})"
 
 
 class InputDataPort(DataPort):

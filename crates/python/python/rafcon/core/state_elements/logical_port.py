@@ -23,7 +23,7 @@ class Outcome(LogicalPort):
     def __init__(self, outcome_id=None, name=None, parent=None):
         LogicalPort.__init__(self, parent)
         if not isinstance(outcome_id, int):
-            raise TypeError("outcome_id must be an int, not %s" % type(outcome_id).__name__)
+            raise TypeError(f"outcome_id must be an int, not {type(outcome_id).__name__}")
         if not isinstance(name, str) or not name:
             raise TypeError("the name of an outcome must be a str that is not empty")
         self._outcome_id = outcome_id
@@ -40,4 +40,4 @@ class Outcome(LogicalPort):
         return self._name
 
     def __str__(self):
-        return "Outcome '{0}' [{1}]".format(self._name, self._outcome_id)
+        return f"Outcome '{self._name}' [{self._outcome_id}]"

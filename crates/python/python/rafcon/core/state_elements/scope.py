@@ -12,9 +12,7 @@ class ScopedVariable(DataPort):
         DataPort.__init__(self, name, data_type, default_value, scoped_variable_id, parent)
 
     def __str__(self):
-        return "ScopedVariable '{0}' [{1}] ({2} {3})".format(
-            self._name, self._data_port_id, self._data_type, self._default_value
-        )
+        return f"ScopedVariable '{self._name}' [{self._data_port_id}] ({self._data_type} {self._default_value})"
 
 
 class ScopedData(StateElement):
@@ -50,4 +48,4 @@ class ScopedData(StateElement):
         return self._from_state
 
     def __str__(self):
-        return "ScopedData '{0}': {1!r} (from {2})".format(self._name, self._value, self._from_state)
+        return f"ScopedData '{self._name}': {self._value!r} (from {self._from_state})"

@@ -45,4 +45,4 @@ class StateElement:
         return hash((type(self).__name__, self.state_element_id))
 
     def __repr__(self):
-        return "<%s>" % self
+        return f"<{self}>"

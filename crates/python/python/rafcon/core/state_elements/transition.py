@@ -48,6 +48,6 @@ class Transition(StateElement):
         return self._to_outcome
 
     def __str__(self):
-        return "Transition - from_state: {0}, from_outcome: {1}, to_state: {2}, to_outcome: {3}, id: {4}".format(
-            self._from_state, self._from_outcome, self._to_state, self._to_outcome, self._transition_id
-        )
+        begin = f"from_state: {self._from_state}, from_outcome: {self._from_outcome}, "
+        end = f"to_state: {self._to_state}, to_outcome: {self._to_outcome}, "
+        return f"Transition - {begin}{end}id: {self._transition_id}"

@@ -23,7 +23,7 @@ class SemanticData:
         found = self._semantic_data
         for key in path_as_list:
             if key not in found:
-                raise KeyError("%s has no semantic data at the path %s" % (self, list(path_as_list)))
+                raise KeyError(f"{self} has no semantic data at the path {list(path_as_list)}")
             found = found[key]
         return found
 

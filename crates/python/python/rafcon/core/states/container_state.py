@@ -30,7 +30,7 @@ class Children(Mapping):
         return state_id in self._places
 
     def __repr__(self):
-        return "<states %s>" % ", ".join(self._places)
+        return "<states {}>".format(", ".join(self._places))
 
 
 @refuses(
@@ -133,14 +133,14 @@ class ContainerState(State):
         for key, flow in self._data_flows.items():
             if (flow.from_state, flow.from_key, flow.to_state, flow.to_key) == ends:
                 return key
-        raise AttributeError("there is no data flow from %s to %s in %s" % (from_data_port, to_data_port, self))
+        raise AttributeError(f"there is no data flow from {from_data_port} to {to_data_port} in {self}")
 
     def get_scoped_variable_from_name(self, name):
         """The id of the scoped variable of this name; ``AttributeError`` if there is none."""
         for key, variable in self._scoped_variables.items():
             if variable.name == name:
                 return key
-        raise AttributeError("%s has no scoped variable named `%s`" % (self, name))
+        raise AttributeError(f"{self} has no scoped variable named `{name}`")
 
     def get_data_port(self, state_id, port_id):
         """The port or scoped variable of a state inside, or of this container; None if there is none."""
@@ -172,7 +172,7 @@ class ContainerState(State):
         )
 
     def __str__(self):
-        return "%s [%d child states]" % (State.__str__(self), len(self._children))
+        return f"{State.__str__(self)} [{len(self._children)} child states]"
 
     def recursively_preempt_states(self):
         """Preempts this state and all states inside."""

@@ -111,10 +111,10 @@ class State(NoConstructor, SemanticData):
         return path if appendix is None else path + PATH_SEPARATOR + appendix
 
     def __str__(self):
-        return "{0} with name '{1}' and id '{2}'".format(type(self).__name__, self.name, self.state_id)
+        return f"{type(self).__name__} with name '{self.name}' and id '{self.state_id}'"
 
     def __repr__(self):
-        return "<%s %s>" % (type(self).__name__, self.get_path())
+        return f"<{type(self).__name__} {self.get_path()}>"
 
     # ---- around it
 
@@ -225,7 +225,7 @@ class State(NoConstructor, SemanticData):
             if port.name == name:
                 return key
         if throw_exception:
-            raise AttributeError("%s has no %s named `%s`" % (self, data_port_type.__name__, name))
+            raise AttributeError(f"{self} has no {data_port_type.__name__} named `{name}`")
         return None
 
     def __contains__(self, item):
@@ -355,7 +355,7 @@ class State(NoConstructor, SemanticData):
     def run_id(self):
         """Tells this run of the state from all others (``str``); None before the first."""
         count = self._live()["run_count"]
-        return "%s.run_id.%010d%010d" % (_PROCESS, self._place, count) if count else None
+        return f"{_PROCESS}.run_id.{self._place:010}{count:010}" if count else None
 
     @property
     def backward_execution(self):
@@ -370,5 +370,5 @@ class State(NoConstructor, SemanticData):
 
 def _flag_value(value):
     if not isinstance(value, bool):
-        raise TypeError("a flag is True or False, not %s" % type(value).__name__)
+        raise TypeError(f"a flag is True or False, not {type(value).__name__}")
     return value
