@@ -35,17 +35,22 @@ fn compile(machine: &Machine) -> Arc<Program<Value>> {
 
 /// A ring of states that pass a number on through a scoped variable.
 fn ring(siblings: usize) -> String {
-    let mut text =
-        "hierarchy ROOT\n  outcome done\n  out count: int\n  var now: int = 0\n".to_owned();
-    text += "  start -> S0\n  flow .now -> .count\n";
-    for this in 0..siblings {
+    let head =
+        "hierarchy ROOT\n  outcome done\n  out count: int\n  var now: int = 0\n  start -> S0\n";
+    let link = |this: usize| {
         let next = (this + 1) % siblings;
-        text += &format!("  S{this}.next -> S{next}\n  S{this}.done -> .done\n");
-        text += &format!("  flow .now -> S{this}.before\n  flow S{this}.after -> .now\n");
-        text += &format!("  execution S{this}\n    outcome next\n    outcome done\n");
-        text += "    in before: int = 0\n    out after: int = 0\n";
-    }
-    text
+        format!(
+            "  S{this}.next -> S{next}\n  S{this}.done -> .done\n  flow .now -> S{this}.before\n  flow S{this}.after -> .now\n"
+        )
+    };
+    let state = |this: usize| {
+        format!(
+            "  execution S{this}\n    outcome next\n    outcome done\n    in before: int = 0\n    out after: int = 0\n"
+        )
+    };
+    let links = (0..siblings).map(link).collect::<String>();
+    let states = (0..siblings).map(state).collect::<String>();
+    format!("{head}  flow .now -> .count\n{links}{states}")
 }
 
 /// Runs the ring until the number is [`STATES`].
