@@ -1,4 +1,4 @@
-//! The threads that run scripts: each branch has one for its life, and a thread whose branch ended waits for the next one.
+//! The threads that run scripts: a branch owns one for its life, and a thread whose branch ended takes the next one.
 
 use crate::driver::Driver;
 use crate::mailbox::Mailbox;
@@ -22,8 +22,10 @@ pub(crate) struct Turn<D> {
 /// What a thread is told.
 #[derive(Debug)]
 pub(crate) enum Mail<D> {
-    /// Run this script, and what follows it in the same branch.
+    /// Run this script of your branch, and what follows it.
     Run(Turn<D>),
+    /// Branches without a thread may be waiting.
+    Seek,
     /// There is nothing more to do, ever.
     End,
 }
@@ -36,40 +38,37 @@ pub(crate) struct Worker<D> {
     pub(crate) mailbox: Mailbox<Mail<D>>,
 }
 
-/// A thread just started: as others see it, and what ends with it.
-type Started<D> = (Arc<Worker<D>>, JoinHandle<()>);
-
-/// Starts a thread that lives in the interpreter and does what it is told.
+/// Starts a thread that lives in the interpreter and looks for a branch at once.
 pub(crate) fn start<S: Scripts>(
     driver: &Arc<Driver<S>>,
     slot: usize,
-) -> io::Result<Started<S::Value>> {
+) -> io::Result<JoinHandle<()>> {
     let worker = Arc::new(Worker { slot, mailbox: Mailbox::default() });
-    let (driver, own) = (Arc::clone(driver), Arc::clone(&worker));
-    let thread = thread::Builder::new()
+    let driver = Arc::clone(driver);
+    thread::Builder::new()
         .name("branch".to_owned())
         .stack_size(STACK_BYTES)
-        .spawn(move || driver.scripts().inhabit(&mut || live(&driver, &own)))?;
-    Ok((worker, thread))
+        .spawn(move || driver.scripts().inhabit(&mut || live(&driver, &worker)))
 }
 
-fn live<S: Scripts>(driver: &Arc<Driver<S>>, worker: &Worker<S::Value>) {
+fn live<S: Scripts>(driver: &Arc<Driver<S>>, worker: &Arc<Worker<S::Value>>) {
+    let mut mail = Mail::Seek;
     loop {
-        let mut mail = Mail::End;
-        driver.scripts().park(&mut || mail = worker.mailbox.wait());
-        match mail {
-            Mail::Run(turn) => follow(driver, turn),
+        let turn = match mail {
+            Mail::Run(turn) => Some(turn),
+            Mail::Seek => driver.seek(worker),
             Mail::End => return,
-        }
+        };
+        follow(driver, turn);
+        mail = Mail::End;
+        driver.scripts().park(&mut || mail = worker.mailbox.wait());
     }
 }
 
-/// Runs a script and every one that follows it in its branch: no hand-off on the way.
-fn follow<S: Scripts>(driver: &Arc<Driver<S>>, turn: Turn<S::Value>) {
-    let branch = turn.job.branch;
-    let mut next = Some(turn);
+/// Runs a script and every one that follows it: no hand-off on the way.
+fn follow<S: Scripts>(driver: &Arc<Driver<S>>, mut next: Option<Turn<S::Value>>) {
     while let Some(turn) = next {
-        let frame = turn.job.frame;
+        let (frame, branch) = (turn.job.frame, turn.job.branch);
         let result = run(driver.scripts(), turn);
         next = driver.finished(Input::Finished { frame, result }, branch);
     }

@@ -2,7 +2,8 @@
 //! script goes on inline on the thread that finished the last one.
 
 use crate::active::Active;
-use crate::branch::{self, Mail, Turn, Worker};
+use crate::branch::{self, Turn, Worker};
+use crate::crew::Crew;
 use crate::recorder::{Record, Recorder};
 use crate::signals::{PAUSED, PREEMPTED, STARTED};
 use crate::{Clock, Place, Places, Scripts, tell};
@@ -12,7 +13,7 @@ use rafcon_engine::{
     Refusal, ScriptResult,
 };
 use rafcon_model::OutcomeId;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
@@ -37,20 +38,24 @@ pub(crate) struct Core<D> {
     /// Answers for scripts that could not be run.
     pending: VecDeque<(rafcon_engine::FrameId, ScriptResult<D>)>,
     known: Vec<Option<Arc<Place>>>,
-    /// The thread that each active branch owns.
-    workers: BTreeMap<BranchId, Arc<Worker<D>>>,
-    idle: Vec<Arc<Worker<D>>>,
+    crew: Crew<D>,
     threads: Vec<JoinHandle<()>>,
-    active: Active,
     /// The flags of every place that no script has been asked to end at.
     flags: u8,
 }
 
-/// The branch of the root state; it is there from the start.
-const ROOT_BRANCH: BranchId = BranchId(0);
-
 /// What one input came to, for the thread that gave it.
 type Next<D> = Option<Turn<D>>;
+
+/// What an input comes to, for the thread that gives it.
+struct Turning<D> {
+    /// The thread's branch; none for a command from outside.
+    own: Option<BranchId>,
+    /// The next script of that branch.
+    next: Next<D>,
+    /// The thread itself, if that branch has ended.
+    freed: Option<Arc<Worker<D>>>,
+}
 
 impl<S: Scripts> Driver<S> {
     /// A run that has not begun.
@@ -65,10 +70,8 @@ impl<S: Scripts> Driver<S> {
             outbox: Outbox::default(),
             pending: VecDeque::new(),
             known: Vec::new(),
-            workers: BTreeMap::new(),
-            idle: Vec::new(),
+            crew: Crew::new(active),
             threads: Vec::new(),
-            active,
             flags: 0,
         };
         Arc::new(Self {
@@ -154,10 +157,7 @@ impl<S: Scripts> Driver<S> {
         let mut threads = Vec::new();
         self.scripts.park(&mut || {
             let mut core = self.core.lock();
-            let workers = std::mem::take(&mut core.workers).into_values();
-            for worker in workers.chain(std::mem::take(&mut core.idle)) {
-                worker.mailbox.post(Mail::End);
-            }
+            core.crew.dismiss();
             threads = std::mem::take(&mut core.threads);
             drop(core);
             for thread in threads.drain(..) {
@@ -204,43 +204,91 @@ impl<S: Scripts> Driver<S> {
         input: Input<S::Value>,
         own: Option<BranchId>,
     ) -> Result<Next<S::Value>, Refusal> {
-        let mut next = None;
-        if matches!(input, Input::Start(_)) {
-            self.fork(core, ROOT_BRANCH);
-        }
+        let mut turn = Turning { own, next: None, freed: None };
         core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
-        self.carry_out(core, own, &mut next);
-        while let Some((frame, result)) = core.pending.pop_front() {
-            let input = Input::Finished { frame, result };
-            core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
-            self.carry_out(core, own, &mut next);
-        }
-        if let (Some(branch), None) = (own, &next) {
-            core.rest(branch);
-        }
+        self.carry_out(core, &mut turn);
+        self.answer_pending(core, &mut turn)?;
+        let next = core.settle(turn);
+        self.staff(core);
         Ok(next)
     }
 
-    fn carry_out(
+    /// Sees to it that a thread is on its way to branches that have none, and that scripts without a thread are answered.
+    fn staff(self: &Arc<Self>, core: &mut Core<S::Value>) {
+        self.recruit(core);
+        while !core.pending.is_empty() {
+            let mut outside = Turning { own: None, next: None, freed: None };
+            if let Err(refusal) = self.answer_pending(core, &mut outside) {
+                self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
+            }
+            self.recruit(core);
+        }
+    }
+
+    /// Gives the engine the answers for scripts that could not be run.
+    fn answer_pending(
         self: &Arc<Self>,
         core: &mut Core<S::Value>,
-        own: Option<BranchId>,
-        next: &mut Next<S::Value>,
-    ) {
+        turn: &mut Turning<S::Value>,
+    ) -> Result<(), Refusal> {
+        while let Some((frame, result)) = core.pending.pop_front() {
+            let input = Input::Finished { frame, result };
+            core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
+            self.carry_out(core, turn);
+        }
+        Ok(())
+    }
+
+    fn carry_out(&self, core: &mut Core<S::Value>, turn: &mut Turning<S::Value>) {
         self.record(core);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {
             match effect {
-                Effect::Run(job) if own == Some(job.branch) => *next = Some(self.begin(core, job)),
-                Effect::Run(job) => self.post(core, job),
-                Effect::Fork { branch } => self.fork(core, branch),
-                Effect::EndBranch { branch } => core.end_branch(branch),
+                Effect::Run(job) => {
+                    let begun = self.begin(core, job);
+                    core.dispatch(begun, turn);
+                }
+                // A branch gets its thread with its first script.
+                Effect::Fork { .. } => {}
+                Effect::EndBranch { branch } => core.end_branch(branch, turn),
                 Effect::Preempt(path) => core.signal(path),
                 Effect::Paused(paused) => core.pause(paused),
                 Effect::Finish(finish) => self.finish(finish),
             }
         }
         core.outbox.effects = effects;
+    }
+
+    fn recruit(self: &Arc<Self>, core: &mut Core<S::Value>) {
+        while core.crew.needs_thread() {
+            match branch::start(self, core.threads.len()) {
+                Ok(thread) => {
+                    core.threads.push(thread);
+                    core.crew.sent();
+                }
+                Err(error) => self.give_up(core, &error),
+            }
+        }
+    }
+
+    fn give_up(&self, core: &mut Core<S::Value>, error: &std::io::Error) {
+        if let Some(turn) = core.crew.give_up() {
+            let reason = format!(
+                "the system gave no thread for this branch ({error}); let fewer states run side by side"
+            );
+            core.pending.push_back((turn.job.frame, self.scripts.failure(&reason)));
+        }
+    }
+
+    /// The next branch without a thread, for a thread that was sent for it; without one the thread is idle.
+    pub(crate) fn seek(self: &Arc<Self>, worker: &Arc<Worker<S::Value>>) -> Next<S::Value> {
+        let seek = |core: &mut Core<S::Value>| {
+            core.crew.arrive();
+            let turn = core.crew.take(Arc::clone(worker));
+            self.staff(core);
+            turn
+        };
+        self.with_core(seek).flatten()
     }
 
     /// Notes the events down, and makes the places that they are the first to name.
@@ -293,32 +341,7 @@ impl<S: Scripts> Driver<S> {
     fn begin(&self, core: &mut Core<S::Value>, job: Job<S::Value>) -> Turn<S::Value> {
         let place = Arc::clone(self.place_of(core, job.path, job.node));
         place.signals.begin(job.preempted);
-        if let Some(worker) = core.workers.get(&job.branch) {
-            core.active.begin(worker.slot, &place);
-        }
         Turn { job, place }
-    }
-
-    fn post(&self, core: &mut Core<S::Value>, job: Job<S::Value>) {
-        if let Some(worker) = core.workers.get(&job.branch).cloned() {
-            worker.mailbox.post(Mail::Run(self.begin(core, job)));
-        } else {
-            let reason =
-                "the system gave no thread for this branch; let fewer states run side by side";
-            core.pending.push_back((job.frame, self.scripts.failure(reason)));
-        }
-    }
-
-    fn fork(self: &Arc<Self>, core: &mut Core<S::Value>, branch: BranchId) {
-        if let Some(worker) = core.idle.pop().or_else(|| self.hire(core)) {
-            core.workers.insert(branch, worker);
-        }
-    }
-
-    fn hire(self: &Arc<Self>, core: &mut Core<S::Value>) -> Option<Arc<Worker<S::Value>>> {
-        let (worker, thread) = branch::start(self, core.threads.len()).ok()?;
-        core.threads.push(thread);
-        Some(worker)
     }
 
     fn finish(&self, finish: Finish<S::Value>) {
@@ -360,17 +383,34 @@ impl<D: Datum> Core<D> {
         }
     }
 
-    /// The branch's thread runs no script now.
-    fn rest(&mut self, branch: BranchId) {
-        if let Some(worker) = self.workers.get(&branch) {
-            self.active.end(worker.slot);
+    fn dispatch(&mut self, begun: Turn<D>, turn: &mut Turning<D>) {
+        if turn.own == Some(begun.job.branch) {
+            self.crew.go_on(&begun);
+            turn.next = Some(begun);
+        } else {
+            self.crew.post(begun);
         }
     }
 
-    fn end_branch(&mut self, branch: BranchId) {
-        if let Some(worker) = self.workers.remove(&branch) {
-            self.active.end(worker.slot);
-            self.idle.push(worker);
+    fn end_branch(&mut self, branch: BranchId, turn: &mut Turning<D>) {
+        let worker = self.crew.end(branch);
+        if turn.own == Some(branch) {
+            turn.freed = worker;
+        } else if let Some(waiting) = worker {
+            self.crew.retire(waiting);
+        }
+    }
+
+    /// What the thread that gave the input does next.
+    fn settle(&mut self, turn: Turning<D>) -> Next<D> {
+        match (turn.next, turn.freed, turn.own) {
+            (Some(next), _, _) => Some(next),
+            (None, Some(freed), _) => self.crew.take(freed),
+            (None, None, Some(branch)) => {
+                self.crew.rest(branch);
+                None
+            }
+            (None, None, None) => None,
         }
     }
 }
