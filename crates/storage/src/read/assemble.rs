@@ -62,7 +62,8 @@ pub(crate) fn assemble(
             None => root = Some(built),
         }
     }
-    let (root, place) = root.map_or_else(nothing, |built| (built.state, built.place));
+    let (mut root, place) = root.map_or_else(nothing, |built| (built.state, built.place));
+    super::library_content::ports_of_missing(&mut root, &DataFlows::default());
     Assembled { root: Arc::new(root), place, problems: trail.problems() }
 }
 
