@@ -39,16 +39,32 @@ impl Datum for Value {
     }
 
     fn fits(&self, data_type: &DataType) -> Answer {
-        let Some(own) = DataType::of(self) else { return Answer::Unknown };
-        match (&own, data_type) {
-            (DataType::None, _)
+        let fits = match (self, data_type) {
+            (Self::None, _)
             | (_, DataType::None | DataType::Object)
-            | (DataType::Int | DataType::Bool, DataType::Int | DataType::Float)
-            | (DataType::Float, DataType::Int) => Answer::Yes,
-            (_, DataType::Named(_)) => Answer::Unknown,
-            (own, declared) if *own == *declared => Answer::Yes,
-            _ => Answer::No,
-        }
+            | (Self::Bool(_), DataType::Bool | DataType::Int | DataType::Float)
+            | (Self::Int(_) | Self::BigInt(_) | Self::Float(_), DataType::Int | DataType::Float)
+            | (Self::Str(_), DataType::Str)
+            | (Self::List(_), DataType::List)
+            | (Self::Tuple(_), DataType::Tuple)
+            | (Self::Set(_), DataType::Set)
+            | (Self::Dict(_), DataType::Dict) => true,
+            (_, DataType::Named(_)) | (Self::Encoded(_), _) => return Answer::Unknown,
+            (
+                Self::Bool(_)
+                | Self::Int(_)
+                | Self::BigInt(_)
+                | Self::Float(_)
+                | Self::Str(_)
+                | Self::List(_)
+                | Self::Tuple(_)
+                | Self::Set(_)
+                | Self::Dict(_)
+                | Self::Type(_),
+                _,
+            ) => false,
+        };
+        if fits { Answer::Yes } else { Answer::No }
     }
 
     fn type_name(&self) -> SmolStr {

@@ -2,9 +2,9 @@
 
 use super::frames::{Ended, Slot};
 use super::step::Step;
-use crate::program::{Initial, Inside, Node, Wires};
+use crate::program::{Checks, Initial, Inside, Node, Wires};
 use crate::{Datum, Event, Globals, Level, Note, PathId};
-use rafcon_model::{Answer, Port};
+use rafcon_model::{Answer, DataType, Port};
 use std::sync::Arc;
 
 /// The newest value among the slots that `wanted` agrees to.
@@ -36,10 +36,10 @@ impl<'s, D: Datum> Step<'s, D> {
         if let (Some(constant), None) = (&node.constant_inputs, error) {
             return Arc::clone(constant);
         }
-        let slots = &self.run.frames.get(parent).slots;
+        let (slots, tables) = (&self.run.frames.get(parent).slots, &self.program.tables);
         let flowing = |port: usize| match error {
             Some((index, error)) if index as usize == port => Some(error.clone()),
-            _ => newest(slots, node.gather.slots(port), |value| !value.is_none()).cloned(),
+            _ => newest(slots, tables.slots(node.gather, port), |value| !value.is_none()).cloned(),
         };
         inputs(node, path, (self.globals, &mut self.out.events), flowing)
     }
@@ -58,7 +58,7 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(super) fn fill(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get_mut(slot);
         frame.slots.resize(inside.slots as usize, Slot { sequence: 0, value: None });
-        let inputs = Arc::clone(&frame.inputs);
+        let inputs = frame.inputs.clone().unwrap_or_default();
         let initial = inside.scoped.iter().map(|scoped| &scoped.initial);
         for (value, place) in inputs.iter().chain(initial).zip(&mut frame.slots) {
             self.run.sequence += 1;
@@ -71,7 +71,7 @@ impl<'s, D: Datum> Step<'s, D> {
             port: scoped.port.id,
             value: scoped.initial.clone(),
         }));
-        self.store(slot, inside, &inside.scatter, (&inputs, &[]));
+        self.store(slot, inside, inside.scatter, (&inputs, &[]));
     }
 
     /// Puts the outputs of a child that ended where they flow.
@@ -82,7 +82,7 @@ impl<'s, D: Datum> Step<'s, D> {
         child: u32,
         ended: &Ended<D>,
     ) {
-        let wires = &self.program.node(inside.child(child)).scatter;
+        let wires = self.program.node(inside.child(child)).scatter;
         self.store(slot, inside, wires, (&ended.outputs, &ended.absent));
     }
 
@@ -90,7 +90,7 @@ impl<'s, D: Datum> Step<'s, D> {
         &mut self,
         slot: u32,
         inside: &'s Inside<D>,
-        wires: &'s Wires,
+        wires: Wires,
         (values, absent): (&[D], &[u32]),
     ) {
         if wires.is_empty() {
@@ -100,7 +100,7 @@ impl<'s, D: Datum> Step<'s, D> {
             if absent.iter().any(|&index| index as usize == port) {
                 continue;
             }
-            for &target in wires.slots(port) {
+            for &target in self.program.tables.slots(wires, port) {
                 self.put(slot, inside, target, value);
             }
         }
@@ -115,37 +115,43 @@ impl<'s, D: Datum> Step<'s, D> {
         let variable = (target as usize).checked_sub(node.inputs.len());
         let Some(scoped) = variable.and_then(|index| inside.scoped.get(index)) else { return };
         let path = frame.path;
-        if scoped.typed && is_misfit(value, &scoped.port) {
+        if scoped.typed && is_misfit(value, &scoped.port.data_type) {
             self.note(path, Level::Error, mismatch(&scoped.port, value));
         }
         self.out.events.push(Event::Scoped { path, port: scoped.port.id, value: value.clone() });
     }
 
     /// The outputs of a container: for each port the newest value that flows into it, `None` too, else its default.
-    pub(super) fn container_outputs(&self, slot: u32, inside: &Inside<D>) -> Arc<[D]> {
-        let frame = self.run.frames.get(slot);
+    pub(super) fn container_outputs(&mut self, slot: u32, inside: &Inside<D>) -> Arc<[D]> {
+        let frame = self.run.frames.get_mut(slot);
+        let outputs = frame.outputs.take().unwrap_or_default();
         if inside.gather.is_empty() {
-            return Arc::clone(&frame.outputs);
+            return outputs;
         }
+        let tables = &self.program.tables;
         let value = |(port, default): (usize, &D)| {
-            newest(&frame.slots, inside.gather.slots(port), |_| true).unwrap_or(default).clone()
+            newest(&frame.slots, tables.slots(inside.gather, port), |_| true)
+                .unwrap_or(default)
+                .clone()
         };
-        frame.outputs.iter().enumerate().map(value).collect()
+        outputs.iter().enumerate().map(value).collect()
     }
 
     /// Notes every value that does not fit the type of its port.
-    pub(super) fn check(&mut self, path: PathId, (ports, typed): (&[Port], &[u32]), values: &[D]) {
-        for &index in typed {
-            let pair = ports.get(index as usize).zip(values.get(index as usize));
-            if let Some((port, value)) = pair.filter(|(port, value)| is_misfit(*value, port)) {
+    pub(super) fn check(&mut self, path: PathId, (ports, checks): (&[Port], Checks), values: &[D]) {
+        for (index, declared) in self.program.tables.checks(checks) {
+            let Some(value) = values.get(index).filter(|value| is_misfit(*value, declared)) else {
+                continue;
+            };
+            if let Some(port) = ports.get(index) {
                 self.note(path, Level::Error, mismatch(port, value));
             }
         }
     }
 }
 
-fn is_misfit<D: Datum>(value: &D, port: &Port) -> bool {
-    !value.is_none() && value.fits(&port.data_type) == Answer::No
+fn is_misfit<D: Datum>(value: &D, declared: &DataType) -> bool {
+    !value.is_none() && value.fits(declared) == Answer::No
 }
 
 fn mismatch<D: Datum>(port: &Port, value: &D) -> Note {

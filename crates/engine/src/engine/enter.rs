@@ -136,9 +136,8 @@ impl<'s, D: Datum> Step<'s, D> {
         verdicts: Option<Arc<Verdicts<D>>>,
     ) -> u32 {
         let (path, inputs) = (seed.path, Arc::clone(&seed.inputs));
-        let entered = Event::Entered { path, node: seed.node, inputs: Arc::clone(&inputs) };
-        self.out.events.insert(seed.entered_at, entered);
-        self.check(path, (node.inputs(), &node.typed_inputs), &inputs);
+        self.out.events.insert(seed.entered_at, Event::Entered { path, node: seed.node, inputs });
+        self.check(path, (node.inputs(), node.input_checks), &seed.inputs);
         for (port, reason) in &node.bad_outputs {
             let port = node.outputs().get(*port as usize).map(|port| port.name.clone());
             let note = Note::BadDefault { port: port.unwrap_or_default(), reason: reason.clone() };
@@ -164,8 +163,8 @@ impl<'s, D: Datum> Step<'s, D> {
             branch: frame.branch,
             path: frame.path,
             node: frame.node,
-            inputs: Arc::clone(&frame.inputs),
-            outputs: Arc::clone(&frame.outputs),
+            inputs: frame.inputs.clone().unwrap_or_default(),
+            outputs: frame.outputs.clone().unwrap_or_default(),
             error: frame.error.take(),
             preempted: frame.preempted,
             verdicts,

@@ -41,9 +41,10 @@ pub(super) struct Frame<D> {
     pub(super) preempted: bool,
     /// How many steps of the start path lead to here, while it leads on from here.
     pub(super) start_depth: Option<u32>,
-    pub(super) inputs: Arc<[D]>,
-    /// The defaults of its outputs.
-    pub(super) outputs: Arc<[D]>,
+    /// Its inputs.
+    pub(super) inputs: Option<Arc<[D]>>,
+    /// The defaults of its outputs, until its end takes them.
+    pub(super) outputs: Option<Arc<[D]>>,
     /// The error that it was given.
     pub(super) error: Option<D>,
     /// The error that its last child left, for the next.
@@ -70,7 +71,6 @@ pub(super) struct Frame<D> {
 pub(super) struct Frames<D> {
     all: Vec<Frame<D>>,
     free: Vec<u32>,
-    nothing: Arc<[D]>,
 }
 
 /// What every frame begins with.
@@ -91,7 +91,7 @@ pub(super) struct Seed<D> {
 
 impl<D> Frames<D> {
     pub(super) fn new() -> Self {
-        Self { all: Vec::new(), free: Vec::new(), nothing: Arc::new([]) }
+        Self { all: Vec::new(), free: Vec::new() }
     }
 
     pub(super) fn get(&self, slot: u32) -> &Frame<D> {
@@ -123,8 +123,8 @@ impl<D> Frames<D> {
         frame.phase = Phase::Begun;
         frame.preempted = seed.preempted;
         frame.start_depth = seed.start_depth;
-        frame.inputs = seed.inputs;
-        frame.outputs = seed.outputs;
+        frame.inputs = Some(seed.inputs);
+        frame.outputs = Some(seed.outputs);
         frame.error = seed.error;
         slot
     }
@@ -141,8 +141,8 @@ impl<D> Frames<D> {
             phase: Phase::Begun,
             preempted: false,
             start_depth: None,
-            inputs: Arc::clone(&self.nothing),
-            outputs: Arc::clone(&self.nothing),
+            inputs: None,
+            outputs: None,
             error: None,
             last_error: None,
             last: None,
@@ -162,8 +162,8 @@ impl<D> Frames<D> {
         let frame = &mut self.all[slot as usize];
         frame.live = false;
         frame.generation = frame.generation.wrapping_add(1);
-        frame.inputs = Arc::clone(&self.nothing);
-        frame.outputs = Arc::clone(&self.nothing);
+        frame.inputs = None;
+        frame.outputs = None;
         frame.error = None;
         frame.last_error = None;
         frame.last = None;

@@ -27,7 +27,7 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     pub(super) fn exit(&self, inside: &Inside<D>, child: u32, outcome: u32) -> Exit {
-        self.program.node(inside.child(child)).exits[outcome as usize]
+        self.program.tables.exit(self.program.node(inside.child(child)).exits, outcome)
     }
 
     /// The next child, unless the hierarchy was preempted (only a handler, behind the outcome preempted, runs then, and
@@ -53,7 +53,7 @@ impl<'s, D: Datum> Step<'s, D> {
             Some((_, ABORTED)) => self.leave_container(slot, inside, ABORTED),
             Some((_, PREEMPTED)) => self.leave_container(slot, inside, PREEMPTED),
             Some((child, outcome)) => {
-                let id = self.program.node(inside.child(child)).outcome_at(outcome).id;
+                let id = self.program.node(inside.child(child)).outcome_id(outcome);
                 let child = self.child_path(slot, child);
                 self.wait(slot, WaitReason::NoTransition { child, outcome: id });
             }

@@ -37,8 +37,8 @@ impl<D: Datum> Engine<D> {
         Some(Inspection {
             activity: super::snapshot::activity(&frame.phase),
             preempted: frame.preempted,
-            inputs: Arc::clone(&frame.inputs),
-            outputs: Arc::clone(&frame.outputs),
+            inputs: frame.inputs.clone().unwrap_or_default(),
+            outputs: frame.outputs.clone().unwrap_or_default(),
             scoped_variables,
         })
     }

@@ -16,14 +16,14 @@ impl<'s, D: Datum> Step<'s, D> {
         id: FrameId,
         result: ScriptResult<D>,
     ) -> Result<(), Refusal> {
-        let refusal = Refusal::NoSuchFrame { frame: id };
-        let slot = self.run.frames.find(id).ok_or(refusal.clone())?;
+        let refusal = || Refusal::NoSuchFrame { frame: id };
+        let slot = self.run.frames.find(id).ok_or_else(refusal)?;
         let frame = self.run.frames.get(slot);
         if react(&frame.phase, Cause::ScriptEnded) != Reaction::Leave {
-            return Err(refusal);
+            return Err(refusal());
         }
         let (node, path, preempted) = (self.program.node(frame.node), frame.path, frame.preempted);
-        let outcome = self.outcome(node, path, preempted, result.returned);
+        let outcome = self.outcome(node, path, preempted, &result.returned);
         let ended = ended(node, outcome, result.outputs, result.error);
         self.leave(slot, ended);
         Ok(())
@@ -35,18 +35,19 @@ impl<'s, D: Datum> Step<'s, D> {
         node: &Node<D>,
         path: PathId,
         preempted: bool,
-        returned: Returned,
+        returned: &Returned,
     ) -> u32 {
-        let (outcome, returned) = match returned {
-            Returned::Raised => return ABORTED,
+        let outcome = match returned {
+            Returned::Raised => Some(ABORTED),
             Returned::Id(_) | Returned::Name(_) | Returned::Other(_) if preempted => {
-                return PREEMPTED;
+                Some(PREEMPTED)
             }
-            Returned::Id(id) => (node.outcome_index(id), format_smolstr!("{id}")),
-            Returned::Name(name) => (node.outcome_named(&name), format_smolstr!("'{name}'")),
-            Returned::Other(shown) => (None, shown),
+            Returned::Id(id) => node.outcome_index(*id),
+            Returned::Name(name) => node.outcome_named(name),
+            Returned::Other(_) => None,
         };
         outcome.unwrap_or_else(|| {
+            let returned = shown(returned);
             self.note(path, Level::Error, Note::NoSuchOutcome { returned });
             ABORTED
         })
@@ -74,7 +75,7 @@ impl<'s, D: Datum> Step<'s, D> {
 
     pub(super) fn leave_container_later(&mut self, slot: u32, inside: &Inside<D>, outcome: u32) {
         let ended = self.end_container(slot, inside, outcome);
-        self.run.work.push(Work::Leave { slot, ended });
+        self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
     }
 
     fn end_container(&mut self, slot: u32, inside: &Inside<D>, outcome: u32) -> Ended<D> {
@@ -89,11 +90,11 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get(slot);
         let (node, path, parent) = (frame.node, frame.path, frame.parent);
         let about = self.program.node(node);
-        self.check(path, (about.outputs(), &about.typed_outputs), &ended.outputs);
+        self.check(path, (about.outputs(), about.output_checks), &ended.outputs);
         self.out.events.push(Event::Left {
             path,
             node,
-            outcome: about.outcome_at(ended.outcome).id,
+            outcome: about.outcome_id(ended.outcome),
             outputs: Arc::clone(&ended.outputs),
             error: ended.error.clone(),
         });
@@ -153,6 +154,15 @@ impl<'s, D: Datum> Step<'s, D> {
         variables
             .filter_map(|(scoped, slot)| Some((scoped.port.name.clone(), slot.value.clone()?)))
             .collect()
+    }
+}
+
+fn shown(returned: &Returned) -> SmolStr {
+    match returned {
+        Returned::Id(id) => format_smolstr!("{id}"),
+        Returned::Name(name) => format_smolstr!("'{name}'"),
+        Returned::Other(shown) => shown.clone(),
+        Returned::Raised => SmolStr::new_static("an exception"),
     }
 }
 

@@ -15,13 +15,14 @@ impl<'s, D: Datum> Step<'s, D> {
                 self.run.work.push(Work::Enter { parent: slot, child: 0 });
             }
             Content::Missing { reason, error } => {
-                let frame = self.run.frames.get(slot);
-                let (path, outputs) = (frame.path, Arc::clone(&frame.outputs));
+                let frame = self.run.frames.get_mut(slot);
+                let path = frame.path;
+                let outputs = frame.outputs.take().unwrap_or_default();
                 let reason = reason.clone();
                 self.note(path, Level::Error, Note::MissingLibrary { reason });
                 let error = error.clone();
                 let ended = Ended { outcome: ABORTED, outputs, absent: Vec::new(), error };
-                self.run.work.push(Work::Leave { slot, ended });
+                self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
             }
         }
     }
@@ -34,7 +35,8 @@ impl<'s, D: Datum> Step<'s, D> {
         let entered_at = self.out.events.len();
         let frame = self.run.frames.get_mut(parent);
         let error = frame.error.take();
-        let (mut inputs, mut outputs) = (Arc::clone(&frame.inputs), Arc::clone(&frame.outputs));
+        let mut inputs = frame.inputs.clone().unwrap_or_default();
+        let mut outputs = frame.outputs.clone().unwrap_or_default();
         if let Some(ports) = ports {
             let given = inputs;
             let from = |port: usize| given.get(ports.inputs[port]? as usize).cloned();
@@ -72,12 +74,16 @@ impl<'s, D: Datum> Step<'s, D> {
             None => Ended { outcome, ..ended },
             Some(ports) => Ended {
                 outcome,
-                outputs: mapped(&ports.outputs, &ended.outputs, &frame.outputs),
+                outputs: mapped(
+                    &ports.outputs,
+                    &ended.outputs,
+                    &frame.outputs.take().unwrap_or_default(),
+                ),
                 absent: Vec::new(),
                 error: ended.error,
             },
         };
-        self.run.work.push(Work::Leave { slot, ended });
+        self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
     }
 }
 

@@ -13,7 +13,7 @@ pub(super) enum Work<D> {
     /// Look what is next in a container.
     Advance(FrameId),
     /// Leave a library state as its root ended.
-    Leave { slot: u32, ended: Ended<D> },
+    Leave { slot: u32, ended: Box<Ended<D>> },
 }
 
 /// The engine at work, with all that it may touch.
@@ -31,7 +31,7 @@ impl<'s, D: Datum> Step<'s, D> {
             match work {
                 Work::Enter { parent, child } => self.enter(parent, child),
                 Work::Advance(frame) => self.advance(frame),
-                Work::Leave { slot, ended } => self.leave(slot, ended),
+                Work::Leave { slot, ended } => self.leave(slot, *ended),
             }
         }
     }

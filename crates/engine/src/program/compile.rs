@@ -1,11 +1,12 @@
 //! From the model to nodes. Walks breadth first with a queue, so that depth costs no stack.
 
+use super::Program;
 use super::defaults::{self, ScopedVariables};
 use super::flows::{ChildWires, wires};
 use super::node::{
     ABORTED, Body, Concurrency, Content, Exit, Fault, Initial, Inside, Node, PortMap,
 };
-use super::{Program, Wires};
+use super::tables::{TablesBuilder, Wires};
 use crate::{Datum, Literals, NodeId};
 use rafcon_model::{
     Container, Kind, Library, LibraryContent, Machine, Outcome, OutcomeId, Ports, RuntimeValues,
@@ -19,14 +20,19 @@ impl<D: Datum> Program<D> {
     /// Compiles a machine. Never fails: what is wrong in the machine is noted, or aborts the state it is about, when it
     /// runs.
     pub fn compile(machine: &Machine, literals: &mut dyn Literals<D>) -> Self {
-        let mut compiler = Compiler { queue: Vec::new(), libraries: BTreeMap::new(), literals };
-        compiler.queue.push(Pending::root(&machine.root));
+        let mut compiler = Compiler {
+            queue: vec![Pending::root(&machine.root)],
+            tables: TablesBuilder::default(),
+            libraries: BTreeMap::new(),
+            literals,
+        };
         let mut nodes = Vec::new();
         while nodes.len() < compiler.queue.len() {
             nodes.push(compiler.node(nodes.len()));
         }
         let circle = "its children run in a circle in which there is no script; break the circle";
-        Self { nodes, circle: defaults::error(circle, literals) }
+        let circle = defaults::error(circle, compiler.literals);
+        Self { nodes, tables: compiler.tables.finish(), circle }
     }
 }
 
@@ -38,6 +44,7 @@ pub(super) fn index(number: usize) -> u32 {
 struct Compiler<'l, D> {
     /// One entry for each node, made or not.
     queue: Vec<Pending>,
+    tables: TablesBuilder,
     /// The root node of each library content, by its address. Never iterated.
     libraries: BTreeMap<*const State, NodeId>,
     literals: &'l mut dyn Literals<D>,
@@ -89,22 +96,25 @@ impl<D: Datum> Compiler<'_, D> {
         let inputs = defaults::inputs(&state.inputs, runtime.map(|r| r.0), self.literals);
         let outputs = defaults::outputs(&state.outputs, runtime.map(|r| r.1), self.literals);
         let pending = &mut self.queue[number];
-        let gather = std::mem::take(&mut pending.wires.gather);
+        let wires = std::mem::take(&mut pending.wires);
+        let outcomes = std::mem::take(&mut pending.outcomes);
+        let gather = self.tables.wires(&wires.gather);
         let error_input = state.inputs.iter().position(|port| port.name == "error").map(index);
         Node {
             parent: pending.parent,
             child_index: pending.child_index,
-            outcomes: std::mem::take(&mut pending.outcomes),
-            exits: std::mem::take(&mut pending.exits),
+            exits: self.tables.exits(&std::mem::take(&mut pending.exits)),
+            plain_outcomes: (-2..).zip(&outcomes).all(|(id, outcome)| outcome.id.0 == id),
+            outcomes,
             body,
-            constant_inputs: constant(&inputs, &gather),
+            constant_inputs: constant(&inputs, gather),
             inputs,
             outputs: outputs.values,
             bad_outputs: outputs.bad,
             gather,
-            scatter: std::mem::take(&mut pending.wires.scatter),
-            typed_inputs: defaults::typed(&state.inputs),
-            typed_outputs: defaults::typed(&state.outputs),
+            scatter: self.tables.wires(&wires.scatter),
+            input_checks: self.tables.checks(&state.inputs),
+            output_checks: self.tables.checks(&state.outputs),
             error_input,
             state,
         }
@@ -113,20 +123,22 @@ impl<D: Datum> Compiler<'_, D> {
     fn body(&mut self, node: NodeId, state: &State) -> Body<D> {
         match &state.kind {
             Kind::Execution(_) | Kind::Decider(_) => Body::Script,
-            Kind::Hierarchy(container) => Body::Hierarchy(self.inside(node, state, container)),
+            Kind::Hierarchy(container) => {
+                Body::Hierarchy(Box::new(self.inside(node, state, container)))
+            }
             Kind::Barrier(container) => {
                 let mut inside = self.inside(node, state, container);
                 let decider = container.states.keys().position(StateId::is_decider).map(index);
                 if decider.is_none() && inside.fault.is_none() {
                     inside.fault = Some(self.no_decider());
                 }
-                Body::Concurrency(Concurrency::Barrier(decider), inside)
+                Body::Concurrency(Concurrency::Barrier(decider), Box::new(inside))
             }
             Kind::Preemptive(container) => {
                 let inside = self.inside(node, state, container);
-                Body::Concurrency(Concurrency::Preemptive, inside)
+                Body::Concurrency(Concurrency::Preemptive, Box::new(inside))
             }
-            Kind::Library(library) => Body::Library(self.content(state, library)),
+            Kind::Library(library) => Body::Library(Box::new(self.content(state, library))),
         }
     }
 
@@ -156,8 +168,8 @@ impl<D: Datum> Compiler<'_, D> {
             start,
             slots: wires.slots,
             scoped: list,
-            scatter: wires.scatter,
-            gather: wires.gather,
+            scatter: self.tables.wires(&wires.scatter),
+            gather: self.tables.wires(&wires.gather),
             fault,
         }
     }
@@ -245,7 +257,7 @@ fn mapping(to: &Ports, from: &Ports) -> Box<[Option<u32>]> {
     to.iter().map(|port| position(port.id)).collect()
 }
 
-fn constant<D: Datum>(inputs: &[Initial<D>], gather: &Wires) -> Option<Arc<[D]>> {
+fn constant<D: Datum>(inputs: &[Initial<D>], gather: Wires) -> Option<Arc<[D]>> {
     let value = |initial: &Initial<D>| match initial {
         Initial::Is(value) => Some(value.clone()),
         Initial::Global(_) | Initial::Bad(_) => None,

@@ -113,7 +113,7 @@ pub(super) fn scoped<D: Datum>(
             }
             D::none()
         });
-        Scoped { port: port.clone(), typed: declares_type(port), initial }
+        Scoped { port: port.clone(), typed: !takes_anything(&port.data_type), initial }
     };
     let list = ports.iter().map(&mut make).collect();
     let fault = fault.map(|(port, reason)| {
@@ -137,11 +137,7 @@ pub(super) fn error<D: Datum>(text: &str, literals: &mut dyn Literals<D>) -> Opt
     literals.literal(&Value::str(text), &DataType::Str).ok()
 }
 
-/// The ports whose values are worth a check: those that declare a type.
-pub(super) fn typed(ports: &Ports) -> Box<[u32]> {
-    (0..).zip(ports).filter(|(_, port)| declares_type(port)).map(|(number, _)| number).collect()
-}
-
-fn declares_type(port: &Port) -> bool {
-    !matches!(port.data_type, DataType::Object | DataType::None)
+/// Whether every value fits, so that no check is needed.
+pub(super) fn takes_anything(data_type: &DataType) -> bool {
+    matches!(data_type, DataType::Object | DataType::None)
 }

@@ -4,49 +4,22 @@ use super::compile::index;
 use rafcon_model::{Container, DataFlow, PortId, Ports, State, StateId};
 use std::collections::BTreeMap;
 
-/// For each port, the slots that flow into it, or the slots that it flows into.
-#[derive(Debug, Default)]
-pub(crate) struct Wires {
-    ends: Box<[u32]>,
-    slots: Box<[u32]>,
-}
-
-impl Wires {
-    /// From one list of slots for each port.
-    fn new(lists: &[Vec<u32>]) -> Self {
-        let ends = lists.iter().scan(0, |end, list| {
-            *end += list.len();
-            Some(index(*end))
-        });
-        Self { ends: ends.collect(), slots: lists.concat().into() }
-    }
-
-    /// The slots of the port with this index.
-    pub(crate) fn slots(&self, port: usize) -> &[u32] {
-        let Some(&end) = self.ends.get(port) else { return &[] };
-        let begin = if port == 0 { 0 } else { self.ends[port - 1] };
-        &self.slots[begin as usize..end as usize]
-    }
-
-    /// Whether no value flows at all.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.slots.is_empty()
-    }
-}
+/// One list of slots for each port.
+pub(super) type Lists = Vec<Vec<u32>>;
 
 /// The wires of a child: into its inputs, and out of its outputs.
 #[derive(Debug, Default)]
 pub(super) struct ChildWires {
-    pub(super) gather: Wires,
-    pub(super) scatter: Wires,
+    pub(super) gather: Lists,
+    pub(super) scatter: Lists,
 }
 
 /// The wires of a container. Slots: its inputs, its scoped variables, then the outputs of children that flow somewhere.
 #[derive(Debug)]
 pub(super) struct ContainerWires {
     pub(super) slots: u32,
-    pub(super) scatter: Wires,
-    pub(super) gather: Wires,
+    pub(super) scatter: Lists,
+    pub(super) gather: Lists,
     pub(super) children: Vec<ChildWires>,
 }
 
@@ -64,16 +37,16 @@ struct Plan<'m> {
     scoped: &'m Ports,
     children: BTreeMap<&'m StateId, Child<'m>>,
     /// For each input of the container.
-    scatter: Vec<Vec<u32>>,
+    scatter: Lists,
     /// For each output of the container.
-    gather: Vec<Vec<u32>>,
+    gather: Lists,
     slots: u32,
 }
 
 struct Child<'m> {
     state: &'m State,
-    gather: Vec<Vec<u32>>,
-    scatter: Vec<Vec<u32>>,
+    gather: Lists,
+    scatter: Lists,
     /// The slot of each output that flows to a port.
     slots: Vec<Option<u32>>,
 }
@@ -161,14 +134,11 @@ impl<'m> Plan<'m> {
     }
 
     fn finish(self) -> ContainerWires {
-        let child = |child: Child<'_>| ChildWires {
-            gather: Wires::new(&child.gather),
-            scatter: Wires::new(&child.scatter),
-        };
+        let child = |child: Child<'_>| ChildWires { gather: child.gather, scatter: child.scatter };
         ContainerWires {
             slots: self.slots,
-            scatter: Wires::new(&self.scatter),
-            gather: Wires::new(&self.gather),
+            scatter: self.scatter,
+            gather: self.gather,
             children: self.children.into_values().map(child).collect(),
         }
     }

@@ -1,6 +1,6 @@
 //! From a path of ids to the way down through the nodes.
 
-use super::{Body, Content, Program};
+use super::{Body, Program};
 use crate::NodeId;
 use rafcon_model::{StateId, StatePath};
 use smol_str::{SmolStr, format_smolstr};
@@ -56,9 +56,10 @@ impl<D> Program<D> {
 
     fn step(&self, node: NodeId, id: &StateId) -> Option<(NodeId, u32)> {
         match &self.node(node).body {
-            Body::Script | Body::Library(Content::Missing { .. }) => None,
-            Body::Library(Content::Found { root, .. }) => {
-                (self.node(*root).id() == id).then_some((*root, 0))
+            Body::Script => None,
+            Body::Library(content) => {
+                let root = content.root().filter(|root| self.node(*root).id() == id);
+                root.map(|root| (root, 0))
             }
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
                 let found = (0..inside.children).find(|&c| self.node(inside.child(c)).id() == id);

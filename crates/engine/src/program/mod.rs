@@ -5,19 +5,23 @@ mod defaults;
 mod flows;
 mod locate;
 mod node;
+mod tables;
 
-pub(crate) use flows::Wires;
 pub use locate::UnknownPath;
 pub use node::Node;
 pub(crate) use node::{ABORTED, Body, Concurrency, Content, Exit, Initial, Inside, PREEMPTED};
 
+pub(crate) use tables::{Checks, Wires};
+
 use crate::NodeId;
+use tables::Tables;
 
 /// A compiled machine: one [`Node`] for each state of the machine and one set of nodes for each library content, shared
 /// by all states that use it.
 #[derive(Debug)]
 pub struct Program<D> {
     nodes: Vec<Node<D>>,
+    pub(crate) tables: Tables,
     /// The error of a hierarchy that runs in a circle without any script.
     pub(crate) circle: Option<D>,
 }

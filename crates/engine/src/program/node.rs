@@ -1,6 +1,6 @@
 //! One state of a program.
 
-use super::Wires;
+use super::tables::{Checks, Exits, Wires};
 use crate::NodeId;
 use rafcon_model::{Outcome, OutcomeId, Port, State, StateId};
 use smol_str::SmolStr;
@@ -19,7 +19,9 @@ pub struct Node<D> {
     pub(crate) child_index: u32,
     pub(super) outcomes: Box<[Outcome]>,
     /// Where the parent goes after each outcome.
-    pub(crate) exits: Box<[Exit]>,
+    pub(crate) exits: Exits,
+    /// Whether the id of every outcome is its index less two, as it is in nearly every state.
+    pub(super) plain_outcomes: bool,
     pub(crate) body: Body<D>,
     /// The value of each input port when nothing flows into it.
     pub(crate) inputs: Box<[Initial<D>]>,
@@ -33,9 +35,8 @@ pub struct Node<D> {
     pub(crate) gather: Wires,
     /// Which slots of the parent each output port flows into.
     pub(crate) scatter: Wires,
-    /// Ports whose values are checked against a type: indices of inputs and of outputs.
-    pub(crate) typed_inputs: Box<[u32]>,
-    pub(crate) typed_outputs: Box<[u32]>,
+    pub(crate) input_checks: Checks,
+    pub(crate) output_checks: Checks,
     /// The input port with the name `error`.
     pub(crate) error_input: Option<u32>,
 }
@@ -55,9 +56,9 @@ pub(crate) enum Exit {
 #[derive(Debug)]
 pub(crate) enum Body<D> {
     Script,
-    Hierarchy(Inside<D>),
-    Concurrency(Concurrency, Inside<D>),
-    Library(Content<D>),
+    Hierarchy(Box<Inside<D>>),
+    Concurrency(Concurrency, Box<Inside<D>>),
+    Library(Box<Content<D>>),
 }
 
 /// The two kinds of concurrency states.
@@ -122,6 +123,15 @@ pub(crate) enum Content<D> {
     Missing { reason: SmolStr, error: Option<D> },
 }
 
+impl<D> Content<D> {
+    pub(crate) fn root(&self) -> Option<NodeId> {
+        match self {
+            Self::Found { root, .. } => Some(*root),
+            Self::Missing { .. } => None,
+        }
+    }
+}
+
 /// Which ports are the same, where the lists of a library state and of its root differ.
 #[derive(Debug)]
 pub(crate) struct PortMap {
@@ -177,8 +187,8 @@ impl<D> Node<D> {
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
                 (index < inside.children).then(|| inside.child(index))
             }
-            Body::Library(Content::Found { root, .. }) => (index == 0).then_some(*root),
-            Body::Library(Content::Missing { .. }) | Body::Script => None,
+            Body::Library(content) => content.root().filter(|_| index == 0),
+            Body::Script => None,
         }
     }
 
@@ -190,8 +200,8 @@ impl<D> Node<D> {
     pub(crate) fn child_count(&self) -> u32 {
         match &self.body {
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => inside.children,
-            Body::Library(Content::Found { .. }) => 1,
-            Body::Library(Content::Missing { .. }) | Body::Script => 0,
+            Body::Library(content) => u32::from(content.root().is_some()),
+            Body::Script => 0,
         }
     }
 
@@ -221,8 +231,19 @@ impl<D> Node<D> {
     }
 
     pub(crate) fn outcome_index(&self, id: i64) -> Option<u32> {
+        if self.plain_outcomes {
+            let index = u32::try_from(id.checked_add(2)?).ok()?;
+            return (index as usize).lt(&self.outcomes.len()).then_some(index);
+        }
         let found = self.outcomes.iter().position(|outcome| outcome.id.0 == id)?;
         u32::try_from(found).ok()
+    }
+
+    pub(crate) fn outcome_id(&self, index: u32) -> OutcomeId {
+        if self.plain_outcomes {
+            return OutcomeId(i64::from(index) - 2);
+        }
+        self.outcome_at(index).id
     }
 
     pub(crate) fn outcome_named(&self, name: &str) -> Option<u32> {

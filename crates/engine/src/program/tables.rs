@@ -1,0 +1,122 @@
+//! Short lists of all nodes in a few long ones, so that the lists of neighbours lie side by side in memory.
+
+use super::node::Exit;
+use rafcon_model::{DataType, Ports};
+use std::collections::BTreeMap;
+
+/// The lists.
+#[derive(Debug, Default)]
+pub(crate) struct Tables {
+    numbers: Vec<u32>,
+    exits: Vec<Exit>,
+    types: Vec<DataType>,
+}
+
+/// For each port, the slots that flow into it, or the slots that it flows into.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Wires {
+    /// Where the ends of the ports' lists begin; the lists follow.
+    begin: u32,
+    /// How many ports there are; 0 if nothing flows at all.
+    ports: u32,
+}
+
+/// The ports whose values are checked against a type.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Checks {
+    begin: u32,
+    end: u32,
+}
+
+/// Where the exits of a node begin: one for each of its outcomes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Exits(u32);
+
+impl Wires {
+    /// Whether nothing flows at all.
+    pub(crate) fn is_empty(self) -> bool {
+        self.ports == 0
+    }
+}
+
+impl Tables {
+    /// The slots of the port with this index.
+    pub(crate) fn slots(&self, wires: Wires, port: usize) -> &[u32] {
+        if port >= wires.ports as usize {
+            return &[];
+        }
+        let ends = &self.numbers[wires.begin as usize..];
+        let first = (wires.begin + wires.ports) as usize;
+        let begin = if port == 0 { first } else { ends[port - 1] as usize };
+        &self.numbers[begin..ends[port] as usize]
+    }
+
+    /// The index of each checked port, with its type.
+    pub(crate) fn checks(&self, checks: Checks) -> impl Iterator<Item = (usize, &DataType)> {
+        let pairs = self.numbers[checks.begin as usize..checks.end as usize].chunks_exact(2);
+        pairs.map(|pair| (pair[0] as usize, &self.types[pair[1] as usize]))
+    }
+
+    /// Where the outcome with this index leads.
+    pub(crate) fn exit(&self, exits: Exits, outcome: u32) -> Exit {
+        self.exits.get((exits.0 + outcome) as usize).copied().unwrap_or(Exit::Nowhere)
+    }
+}
+
+/// Fills the tables.
+#[derive(Debug, Default)]
+pub(super) struct TablesBuilder {
+    tables: Tables,
+    types: BTreeMap<DataType, u32>,
+}
+
+impl TablesBuilder {
+    pub(super) fn finish(self) -> Tables {
+        self.tables
+    }
+
+    fn end(&self) -> u32 {
+        super::compile::index(self.tables.numbers.len())
+    }
+
+    pub(super) fn wires(&mut self, lists: &[Vec<u32>]) -> Wires {
+        if lists.iter().all(Vec::is_empty) {
+            return Wires::default();
+        }
+        let (begin, ports) = (self.end(), super::compile::index(lists.len()));
+        let mut end = begin + ports;
+        for list in lists {
+            end += super::compile::index(list.len());
+            self.tables.numbers.push(end);
+        }
+        self.tables.numbers.extend(lists.iter().flatten());
+        Wires { begin, ports }
+    }
+
+    pub(super) fn checks(&mut self, ports: &Ports) -> Checks {
+        let begin = self.end();
+        for (port, declared) in (0..).zip(ports.iter().map(|port| &port.data_type)) {
+            if !super::defaults::takes_anything(declared) {
+                let number = self.data_type(declared);
+                self.tables.numbers.extend([port, number]);
+            }
+        }
+        Checks { begin, end: self.end() }
+    }
+
+    fn data_type(&mut self, data_type: &DataType) -> u32 {
+        if let Some(&number) = self.types.get(data_type) {
+            return number;
+        }
+        let number = super::compile::index(self.tables.types.len());
+        self.tables.types.push(data_type.clone());
+        self.types.insert(data_type.clone(), number);
+        number
+    }
+
+    pub(super) fn exits(&mut self, exits: &[Exit]) -> Exits {
+        let begin = super::compile::index(self.tables.exits.len());
+        self.tables.exits.extend_from_slice(exits);
+        Exits(begin)
+    }
+}
