@@ -8,6 +8,7 @@ pub mod libraries;
 pub mod place;
 pub mod problem;
 pub mod read;
+mod whereabouts;
 pub mod write;
 
 #[cfg(test)]

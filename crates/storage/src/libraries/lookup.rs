@@ -2,6 +2,7 @@
 
 use super::roots::Root;
 use crate::files::HEADER;
+use crate::place::Saved;
 use crate::problem::LoadProblem;
 use crate::read::load_folder;
 use parking_lot::Mutex;
@@ -31,6 +32,7 @@ pub(crate) struct Parsed {
     pub(crate) root: Arc<State>,
     pub(crate) version: Option<SmolStr>,
     pub(crate) problems: Vec<LoadProblem>,
+    pub(crate) saved: Saved,
 }
 
 /// The machines that are being read, the innermost first: one that asks for a machine among them is a cycle.
@@ -125,6 +127,12 @@ impl Libraries {
         self.answers.lock().entry(key).or_insert(answer).clone()
     }
 
+    /// A library that was read earlier.
+    pub(crate) fn known(&self, path: &str, name: &str) -> Option<Arc<Parsed>> {
+        let answer = self.answers.lock().get(&(path.into(), name.into())).cloned();
+        answer?.ok()
+    }
+
     fn existing(&self, path: &str, name: &str) -> Result<PathBuf, SmolStr> {
         let dir = self.folder(path, name)?;
         let found = fs::canonicalize(&dir);
@@ -149,6 +157,7 @@ impl Libraries {
             root: loaded.machine.root,
             version: loaded.machine.header.version,
             problems: loaded.problems,
+            saved: loaded.saved,
         });
         Ok(Arc::clone(self.known.lock().entry(dir.to_owned()).or_insert(parsed)))
     }
