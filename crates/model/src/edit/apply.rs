@@ -4,7 +4,7 @@
 use super::Edit;
 use super::error::EditError;
 use super::plan::plan;
-use super::scope::{Place, scope};
+use super::scope::{Place, scope_after, scope_before};
 use super::step::{Set, Step};
 use crate::rules::{Fault, Part, Rule, faults_of};
 use crate::{Machine, StateId, StatePath, Types};
@@ -73,8 +73,8 @@ struct Run<'t> {
     types: &'t dyn Types,
     /// What the edit may have broken.
     touched: BTreeSet<Place>,
-    /// What was broken there before.
-    before: BTreeSet<Known>,
+    /// What was broken there before, as often as it was.
+    before: Vec<Known>,
     /// What may be broken besides.
     tolerated: Vec<Known>,
     /// Ids that changed on the way: path before, new id.
@@ -83,7 +83,7 @@ struct Run<'t> {
 
 impl<'t> Run<'t> {
     fn new(types: &'t dyn Types, tolerated: Vec<Known>) -> Self {
-        let (touched, before, renamed) = (BTreeSet::new(), BTreeSet::new(), Vec::new());
+        let (touched, before, renamed) = (BTreeSet::new(), Vec::new(), Vec::new());
         Self { types, touched, before, tolerated, renamed }
     }
 
@@ -94,14 +94,14 @@ impl<'t> Run<'t> {
         done: &mut Restore,
     ) -> Result<(), EditError> {
         for step in steps {
-            for place in scope(&step, machine) {
+            for place in scope_before(&step, machine) {
                 self.touch(machine, place);
             }
             if let Set::Id(id) = &step.set {
                 self.rename(&step.at, id);
             }
             let back = step.run(machine)?;
-            self.touched.extend(scope(&back, machine));
+            self.touched.extend(scope_after(&back, machine));
             done.steps.push(back);
         }
         self.check(machine)?;
@@ -132,17 +132,22 @@ impl<'t> Run<'t> {
 
     fn check(&self, machine: &Machine) -> Result<(), EditError> {
         for place in &self.touched {
-            for fault in faults_at(machine, place, self.types) {
-                let known = (place.0.clone(), place.1, fault.rule);
-                if fault.rule.refuses_edits()
-                    && !self.before.contains(&known)
-                    && !self.tolerated.contains(&known)
-                {
-                    return Err(EditError::fault(&place.0, place.1, fault));
+            let faults = faults_at(machine, place, self.types);
+            for (index, fault) in faults.iter().enumerate() {
+                let rule = fault.rule;
+                let count = faults[..=index].iter().filter(|f| f.rule == rule).count();
+                if rule.refuses_edits() && count > self.allowed(&(place.0.clone(), place.1, rule)) {
+                    return Err(EditError::fault(&place.0, place.1, fault.clone()));
                 }
             }
         }
         Ok(())
+    }
+
+    /// How often a rule may be broken at a place.
+    fn allowed(&self, known: &Known) -> usize {
+        let count = |list: &[Known]| list.iter().filter(|other| *other == known).count();
+        count(&self.before).max(count(&self.tolerated))
     }
 
     /// What was broken before, under the ids that the states had then.

@@ -1,16 +1,39 @@
 //! Which parts of a machine a step can break: those that it changes and those that are connected with them.
 
 use super::step::{Field, Set, Step};
+use crate::port::{Element, Elements};
 use crate::rules::{Part, parts};
-use crate::{Container, Machine, Origin, OutcomeId, PortId, PortKind, State, StateId, StatePath};
+use crate::{
+    Container, DataFlowId, Machine, Origin, OutcomeId, PortId, PortKind, State, StateId, StatePath,
+    Transition, TransitionId,
+};
 
 /// A part of a state somewhere in the machine.
 pub(super) type Place = (StatePath, Part);
 
-/// The parts to look at, as the machine is now: called before and after the step.
-pub(super) fn scope(step: &Step, machine: &Machine) -> Vec<Place> {
-    let Some(state) = machine.state(&step.at) else { return Vec::new() };
-    let mut scope = Scope { machine, at: &step.at, state, places: Vec::new() };
+/// The parts to look at before the step: also those that break a rule only together with a changed one.
+pub(super) fn scope_before(step: &Step, machine: &Machine) -> Vec<Place> {
+    let Some(mut scope) = Scope::of(step, machine) else { return Vec::new() };
+    match &step.set {
+        Set::Transition(id, _) => scope.transition_twins(*id),
+        Set::DataFlow(id, _) => scope.data_flow_twins(*id),
+        Set::Outcome(id, _) => scope.outcome_twins(*id),
+        Set::Port(kind, id, _) => scope.port_twins(*kind, *id),
+        Set::Child(..)
+        | Set::Id(_)
+        | Set::Field(_)
+        | Set::Kind(_)
+        | Set::RuntimeValue(..)
+        | Set::Header(_) => {}
+    }
+    let mut places = scope_after(step, machine);
+    places.append(&mut scope.places);
+    places
+}
+
+/// The parts to look at after the step, given what takes it back.
+pub(super) fn scope_after(step: &Step, machine: &Machine) -> Vec<Place> {
+    let Some(mut scope) = Scope::of(step, machine) else { return Vec::new() };
     match &step.set {
         Set::Child(id, _) => scope.child(id),
         Set::Id(_) => {
@@ -37,8 +60,32 @@ struct Scope<'m> {
 }
 
 impl<'m> Scope<'m> {
+    fn of(step: &'m Step, machine: &'m Machine) -> Option<Self> {
+        let state = machine.state(&step.at)?;
+        Some(Self { machine, at: &step.at, state, places: Vec::new() })
+    }
+
     fn here(&mut self, part: Part) {
         self.places.push((self.at.clone(), part));
+    }
+
+    /// Transitions that begin where this one begins.
+    fn transition_twins(&mut self, id: TransitionId) {
+        let Some(container) = self.state.container() else { return };
+        let origin = container.transitions.get(id).and_then(Transition::origin);
+        let twins = origin.into_iter().flat_map(|origin| container.transitions.from(&origin));
+        let twins = twins.filter(|twin| twin.id != id);
+        self.places.extend(twins.map(|twin| (self.at.clone(), Part::Transition(twin.id))));
+    }
+
+    /// Data flows between the same ports.
+    fn data_flow_twins(&mut self, id: DataFlowId) {
+        let Some(container) = self.state.container() else { return };
+        let Some(flow) = container.data_flows.get(id) else { return };
+        let from = (flow.from_state.clone(), flow.from_port);
+        let twins = container.data_flows.between(from, (flow.to_state.clone(), flow.to_port));
+        let twins = twins.filter(|twin| twin.id != id);
+        self.places.extend(twins.map(|twin| (self.at.clone(), Part::DataFlow(twin.id))));
     }
 
     fn child(&mut self, id: &StateId) {
@@ -71,6 +118,25 @@ impl<'m> Scope<'m> {
         self.outside_of_state();
     }
 
+    /// Outcomes with the same name.
+    fn outcome_twins(&mut self, id: OutcomeId) {
+        let outcomes = &self.state.outcomes;
+        let twins = outcomes.get(id).into_iter().flat_map(|outcome| named(outcomes, outcome));
+        self.places.extend(twins.map(|twin| (self.at.clone(), Part::Outcome(twin.id))));
+    }
+
+    /// Ports with the same name or id.
+    fn port_twins(&mut self, kind: PortKind, id: PortId) {
+        for other in PortKind::ALL {
+            let Some(ports) = other.of(self.state) else { continue };
+            let here = ports.get(id);
+            let twins =
+                here.filter(|_| other == kind).into_iter().flat_map(|port| named(ports, port));
+            let twins = twins.chain(here.filter(|_| other != kind));
+            self.places.extend(twins.map(|port| (self.at.clone(), Part::Port(other, port.id))));
+        }
+    }
+
     fn outcome(&mut self, id: OutcomeId) {
         self.here(Part::State);
         self.here(Part::Outcome(id));
@@ -97,6 +163,14 @@ impl<'m> Scope<'m> {
             self.places.extend(outer.map(|part| (path.clone(), part)));
         }
     }
+}
+
+/// The other elements with the same name.
+fn named<'s, T: Element<Id: PartialEq> + 's>(
+    list: &'s Elements<T>,
+    one: &'s T,
+) -> impl Iterator<Item = &'s T> {
+    list.iter().filter(|other| other.name() == one.name() && other.id() != one.id())
 }
 
 /// The transitions and data flows that begin or end at a state.

@@ -6,53 +6,62 @@ use crate::{Container, Kind, Origin, OutcomeId, State, StateId, Target, Transiti
 pub(super) fn faults(state: &State, id: TransitionId) -> Vec<Fault> {
     let Some(container) = state.container() else { return Vec::new() };
     let Some(transition) = container.transitions.get(id) else { return Vec::new() };
-    let fault = origin_fault(state, container, transition)
-        .or_else(|| target_fault(state, container, transition))
-        .or_else(|| kind_fault(state, transition));
-    fault.into_iter().collect()
+    [
+        origin_fault(state, container, transition),
+        twin_fault(state, container, transition),
+        target_fault(state, container, transition),
+        kind_fault(state, transition),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 fn origin_fault(state: &State, container: &Container, transition: &Transition) -> Option<Fault> {
-    let Some(origin) = transition.origin() else {
-        let what = match &transition.from_state {
-            Some(from) => format!("it begins at the state {from} but at none of its outcomes"),
-            None => "it begins at an outcome but at no state".to_owned(),
-        };
-        return Some(Fault::new(Rule::OriginIncomplete, what));
-    };
-    let twin = || container.transitions.from(&origin).find(|other| other.id != transition.id);
-    let (from, outcome) = match &origin {
-        Origin::Income => {
-            return start_fault(state)
-                .or_else(|| twin().map(|other| twice(Rule::StartTwice, other, "the income")));
+    let (from, outcome) = match transition.origin() {
+        Some(Origin::Outcome(from, outcome)) => (from, outcome),
+        Some(Origin::Income) => return start_fault(state),
+        None => {
+            let what = match &transition.from_state {
+                Some(from) => format!("it begins at the state {from} but at none of its outcomes"),
+                None => "it begins at an outcome but at no state".to_owned(),
+            };
+            return Some(Fault::new(Rule::OriginIncomplete, what));
         }
-        Origin::Outcome(from, outcome) => (from, *outcome),
     };
-    if *from == state.id {
+    if from == state.id {
         return Some(Fault::new(Rule::OriginContainer, "it begins at the container itself"));
     }
-    let Some(child) = container.states.get(from) else {
-        return Some(Fault::new(
-            Rule::OriginState,
-            format!("it begins at {from}, which does not exist"),
-        ));
+    let Some(child) = container.states.get(&from) else {
+        let what = format!("it begins at {from}, which does not exist");
+        return Some(Fault::new(Rule::OriginState, what));
     };
-    let Some(found) = child.outcomes.get(outcome) else {
-        let what = format!("it begins at the outcome {outcome} of {from}, which does not exist");
-        return Some(Fault::new(Rule::OriginOutcome, what));
+    let what = || format!("it begins at the outcome {outcome} of {from}, which does not exist");
+    let missing = child.outcomes.get(outcome).is_none();
+    missing.then(|| Fault::new(Rule::OriginOutcome, what()))
+}
+
+/// Another transition that begins at the same place.
+fn twin_fault(state: &State, container: &Container, transition: &Transition) -> Option<Fault> {
+    let origin = transition.origin()?;
+    let other = container.transitions.from(&origin).find(|other| other.id != transition.id)?;
+    let (rule, place) = match &origin {
+        Origin::Income => (Rule::StartTwice, "the income".to_owned()),
+        Origin::Outcome(from, id) => {
+            let owner = container.states.get(from).map_or(state, |child| child);
+            let name = owner.outcomes.get(*id).map(|outcome| &outcome.name);
+            let name = name.map_or_else(|| id.to_string(), |name| format!("`{name}`"));
+            (Rule::OriginTwice, format!("the outcome {name} of {from}"))
+        }
     };
-    let place = || format!("the outcome `{}` of {from}", found.name);
-    twin().map(|other| twice(Rule::OriginTwice, other, &place()))
+    let what = format!("the transition {} begins at {place}, too", other.id);
+    Some(Fault::new(rule, what))
 }
 
 fn start_fault(state: &State) -> Option<Fault> {
     let what = || format!("it begins at the income of a {} state", state.kind.name());
     let concurrent = matches!(state.kind, Kind::Barrier(_) | Kind::Preemptive(_));
     concurrent.then(|| Fault::new(Rule::StartInConcurrency, what()))
-}
-
-fn twice(rule: Rule, other: &Transition, place: &str) -> Fault {
-    Fault::new(rule, format!("the transition {} begins at {place}, too", other.id))
 }
 
 fn target_fault(state: &State, container: &Container, transition: &Transition) -> Option<Fault> {

@@ -7,11 +7,14 @@ use crate::{Answer, Container, DataFlow, DataFlowId, Port, PortId, State, StateI
 pub(super) fn faults(state: &State, id: DataFlowId, types: &dyn Types) -> Vec<Fault> {
     let Some(container) = state.container() else { return Vec::new() };
     let Some(flow) = container.data_flows.get(id) else { return Vec::new() };
-    let fault = match ends(state, container, flow) {
-        Ok((from, to)) => {
-            twice_fault(container, flow).or_else(|| type_fault(from.port, to.port, types))
-        }
-        Err(fault) => Some(fault),
+    if (&flow.from_state, flow.from_port) == (&flow.to_state, flow.to_port) {
+        return vec![Fault::new(Rule::FlowSamePort, "it leads to the port where it begins")];
+    }
+    let from = source(state, container, flow);
+    let to = target(state, container, flow);
+    let fault = match (from, to) {
+        (Ok(from), Ok(to)) => pair_fault(container, flow, &from, &to, types),
+        (from, to) => return from.err().into_iter().chain(to.err()).collect(),
     };
     fault.into_iter().collect()
 }
@@ -23,36 +26,48 @@ struct End<'s> {
     port: &'s Port,
 }
 
-fn ends<'s>(
+impl End<'_> {
+    fn what(&self, verb: &str) -> String {
+        let whose = if self.is_own { "the container" } else { "a child" };
+        format!("it {verb} at the {} `{}` of {whose}", self.kind, self.port.name)
+    }
+}
+
+fn source<'s>(
     state: &'s State,
     container: &'s Container,
     flow: &DataFlow,
-) -> Result<(End<'s>, End<'s>), Fault> {
-    if (&flow.from_state, flow.from_port) == (&flow.to_state, flow.to_port) {
-        return Err(Fault::new(Rule::FlowSamePort, "it leads to the port where it begins"));
+) -> Result<End<'s>, Fault> {
+    let end = end(state, container, (&flow.from_state, flow.from_port), "begins")?;
+    match (end.is_own, end.kind) {
+        (true, PortKind::Input | PortKind::ScopedVariable) | (false, PortKind::Output) => Ok(end),
+        _ => Err(Fault::new(Rule::FlowSource, end.what("begins"))),
     }
-    let from = end(state, container, (&flow.from_state, flow.from_port), "begins")?;
-    let to = end(state, container, (&flow.to_state, flow.to_port), "ends")?;
-    let what = |verb: &str, end: &End<'_>| {
-        let whose = if end.is_own { "the container" } else { "a child" };
-        format!("it {verb} at the {} `{}` of {whose}", end.kind, end.port.name)
-    };
-    if !matches!(
-        (from.is_own, from.kind),
-        (true, PortKind::Input | PortKind::ScopedVariable) | (false, PortKind::Output)
-    ) {
-        return Err(Fault::new(Rule::FlowSource, what("begins", &from)));
+}
+
+fn target<'s>(
+    state: &'s State,
+    container: &'s Container,
+    flow: &DataFlow,
+) -> Result<End<'s>, Fault> {
+    let end = end(state, container, (&flow.to_state, flow.to_port), "ends")?;
+    match (end.is_own, end.kind) {
+        (true, PortKind::Output | PortKind::ScopedVariable) | (false, PortKind::Input) => Ok(end),
+        _ => Err(Fault::new(Rule::FlowTarget, end.what("ends"))),
     }
-    if !matches!(
-        (to.is_own, to.kind),
-        (true, PortKind::Output | PortKind::ScopedVariable) | (false, PortKind::Input)
-    ) {
-        return Err(Fault::new(Rule::FlowTarget, what("ends", &to)));
-    }
+}
+
+fn pair_fault(
+    container: &Container,
+    flow: &DataFlow,
+    from: &End<'_>,
+    to: &End<'_>,
+    types: &dyn Types,
+) -> Option<Fault> {
     if from.kind == PortKind::ScopedVariable && to.kind == PortKind::ScopedVariable {
-        return Err(Fault::new(Rule::FlowBetweenVariables, "it connects two scoped variables"));
+        return Some(Fault::new(Rule::FlowBetweenVariables, "it connects two scoped variables"));
     }
-    Ok((from, to))
+    twice_fault(container, flow).or_else(|| type_fault(from.port, to.port, types))
 }
 
 fn end<'s>(

@@ -292,10 +292,7 @@ fn ungrouping_is_the_way_back() {
     );
 }
 
-#[test]
-fn ungrouping_makes_room() {
-    check(
-        "
+const NESTED: &str = "
         hierarchy ROOT
           outcome success
           in a: int
@@ -335,7 +332,12 @@ fn ungrouping_makes_room() {
               outcome again
               in x: int
               out y: int
-        ",
+        ";
+
+#[test]
+fn ungrouping_makes_room() {
+    check(
+        NESTED,
         &[
             ungroup("ROOT", "GROUPX", &[]),
             ungroup("ROOT", "GROUPX", &["BARRIE", "FRESHX"]),
@@ -371,9 +373,12 @@ fn ungrouping_makes_room() {
     );
 }
 
+fn kind(path: &str, kind: KindName) -> Edit {
+    Edit::State(at(path), StateEdit::SetKind(kind))
+}
+
 #[test]
 fn kinds_change_and_keep_what_they_can() {
-    let kind = |path: &str, kind| Edit::State(at(path), StateEdit::SetKind(kind));
     check(
         CHAIN,
         &[kind("ROOT", KindName::Barrier)],
@@ -403,6 +408,18 @@ fn kinds_change_and_keep_what_they_can() {
             outcome success
     "#]],
     );
+    check(
+        CHAIN,
+        &[kind("ROOT", KindName::Execution)],
+        &expect![[r"
+        execution ROOT
+          outcome success
+    "]],
+    );
+}
+
+#[test]
+fn a_barrier_loses_its_decider_when_it_becomes_something_else() {
     check(
         "
         barrier ROOT
@@ -439,14 +456,6 @@ fn kinds_change_and_keep_what_they_can() {
                 outcome success
                 in x: int
         "]],
-    );
-    check(
-        CHAIN,
-        &[kind("ROOT", KindName::Execution)],
-        &expect![[r"
-        execution ROOT
-          outcome success
-    "]],
     );
 }
 
@@ -504,9 +513,15 @@ fn a_substitute_takes_over_what_fits() {
                 out o: str
     "#]],
     );
+}
+
+#[test]
+fn a_substitute_has_an_id_of_its_own() {
+    let (state, by) = (StateId::new("CCCCCC"), state("execution AAAAAA"));
+    let edit = children("ROOT", ChildrenEdit::Substitute { state, by });
     check(
         CHAIN,
-        &[substitute(&state("execution AAAAAA"))],
+        &[edit],
         &expect![[r"
         refused: ROOT/AAAAAA, state: something else has this id; take another id
         hierarchy ROOT
