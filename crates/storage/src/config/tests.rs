@@ -127,7 +127,7 @@ fn what_cannot_be_read_is_a_note_and_the_default_counts() {
     );
     check(
         "",
-        &expect![[r#"
+        &expect![[r"
         Config {
             library_paths: [],
             naming: Naming {
@@ -139,11 +139,11 @@ fn what_cannot_be_read_is_a_note_and_the_default_counts() {
             execution_log_path: None,
             recompile_scripts: true,
             notes: [],
-        }"#]],
+        }"]],
     );
     check(
         "just text",
-        &expect![[r#"
+        &expect![[r"
         Config {
             library_paths: [],
             naming: Naming {
@@ -155,7 +155,7 @@ fn what_cannot_be_read_is_a_note_and_the_default_counts() {
             execution_log_path: None,
             recompile_scripts: true,
             notes: [],
-        }"#]],
+        }"]],
     );
 }
 

@@ -198,12 +198,12 @@ fn a_library_that_cannot_be_read_is_missing_and_one_with_faults_is_reported() {
         "#,
     );
     let read = load(&dir.path().join("m"), &libraries(dir.path())).unwrap();
-    expect![[r#"
+    expect![[r"
         ROOTID/AAAAAA (a_AAAAAA/core_data.json): library lib/empty is missing: DIR/libs/empty has no root state: a folder with core_data.json is missing; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept
         ROOTID/BBBBBB (b_BBBBBB/core_data.json): library lib/odd is missing: DIR/libs/odd has no statemachine.json; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept
         ROOTID/CCCCCC (c_CCCCCC/core_data.json): library lib/faulty has problems of its own (1), the first: LEAFXX (meta_data.json): is not JSON: line 1, column 2: expected a key in quotes; correct the file by hand or restore it; it stays as it is until this part of the state is changed; open the library and correct it there
         ROOTID/EEEEEE (e_EEEEEE/core_data.json): library lib//x is missing: `lib/` is not a library path such as `root/folder`; add the library's root to LIBRARY_PATHS, RAFCON_LIBRARY_PATH or --library-path; the reference is kept
-    "#]].assert_eq(&show_problems(&read).replace(&*dir.path().to_string_lossy(), "DIR"));
+    "]].assert_eq(&show_problems(&read).replace(&*dir.path().to_string_lossy(), "DIR"));
 }
 
 #[test]
@@ -309,13 +309,13 @@ fn roots_come_in_a_defined_order_and_later_ones_replace_earlier() {
     for note in notes {
         shown.push_str(&(note.to_string() + "\n"));
     }
-    expect![[r#"
+    expect![[r"
         one DIR/e/one
         two DIR/g/three
         library root gone: DIR/gone does not exist; correct the path or remove it
         library root one is now DIR/e/one, not DIR/c/one; rename one to use both
         library root two is now DIR/g/three, not DIR/e/two; rename one to use both
-    "#]]
+    "]]
     .assert_eq(&shown.replace(&*dir.path().to_string_lossy(), "DIR"));
 }
 
@@ -342,12 +342,12 @@ fn the_tree_shows_folders_and_libraries() {
     std::fs::remove_file(dir.path().join("libs/b/up")).unwrap();
     let mut shown = String::new();
     show(&libraries(dir.path()).tree(), 0, &mut shown);
-    expect![[r#"
+    expect![[r"
         lib
           lib/a (library)
           lib/b
             lib/b/leaf (library)
-    "#]]
+    "]]
     .assert_eq(&shown);
 }
 

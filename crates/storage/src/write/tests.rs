@@ -156,7 +156,7 @@ fn foreign_files_and_layouts_stay() {
     });
     let edited = with(&edited, "ROOTID/LASTXX", |state| state.name = "other".into());
     put(&edited, dir.path(), Some(&saved));
-    expect![[r#"
+    expect![[r"
         .git/HEAD
         all_at_once_BARRIE/Decider_unique_decider_state_id/core_data.json
         all_at_once_BARRIE/Decider_unique_decider_state_id/script.py
@@ -171,7 +171,7 @@ fn foreign_files_and_layouts_stay() {
         other_LASTXX/script.py
         statemachine.json
         who_is_first_FIRSTX/slow_CCCCCC/n.txt
-    "#]]
+    "]]
     .assert_eq(&show_files(dir.path(), &[]));
     assert_eq!(loaded(dir.path()).machine, edited);
 }
@@ -197,11 +197,11 @@ fn the_root_may_change_its_kind() {
     let one = machine("execution ROOTID \"one\"\n  script \"x = 1\\n\"");
     let saved = put(&machine(EVERY_KIND), dir.path(), None);
     let saved = put(&one, dir.path(), Some(&saved));
-    expect![[r#"
+    expect![[r"
         core_data.json
         script.py
         statemachine.json
-    "#]]
+    "]]
     .assert_eq(&show_files(dir.path(), &[]));
     put(&machine(EVERY_KIND), dir.path(), Some(&saved));
     assert!(!dir.path().join("script.py").exists());
@@ -300,7 +300,7 @@ fn a_renamed_state_moves_its_folder_and_an_untouched_one_keeps_its_own() {
     let edited = with(&read.machine, "ROOTID/FIRSTX", |state| state.name = "new".into());
     let edited = with(&edited, "ROOTID/FIRSTX/CCCCCC", |state| state.name = "newer".into());
     put(&edited, dir.path(), Some(&read.saved));
-    expect![[r#"
+    expect![[r"
         all_at_once_BARRIE/Decider_unique_decider_state_id/core_data.json
         all_at_once_BARRIE/Decider_unique_decider_state_id/script.py
         all_at_once_BARRIE/core_data.json
@@ -317,7 +317,7 @@ fn a_renamed_state_moves_its_folder_and_an_untouched_one_keeps_its_own() {
         odd name/meta_data.json
         odd name/script.py
         statemachine.json
-    "#]]
+    "]]
     .assert_eq(&show_files(dir.path(), &[]));
     assert_eq!(loaded(dir.path()).machine, edited);
 }
@@ -448,7 +448,7 @@ fn formatting_tells_what_it_changes() {
     assert_eq!(fingerprint(dir.path()), before);
     fs::rename(dir.path().join("last__LASTXX"), dir.path().join("odd")).unwrap();
     let core = fs::read_to_string(dir.path().join("core_data.json")).unwrap();
-    fs::write(dir.path().join("core_data.json"), core.replace("\n", "")).unwrap();
+    fs::write(dir.path().join("core_data.json"), core.replace('\n', "")).unwrap();
     let dry = format(dir.path(), Naming::default(), true).unwrap();
     assert!(dir.path().join("odd").exists());
     expect![[r#"["core_data.json", "last__LASTXX"]"#]].assert_eq(&format!("{:?}", dry.changed));
@@ -487,13 +487,13 @@ fn ids_that_are_no_file_names_stay_inside_the_machine() {
         "hierarchy ROOTID \"r\"\n  execution \"../../../evil\" \"a\"\n  execution \"../evil\" \"..\"\n  execution \"..\" \"a\"",
     );
     put(&odd, &dir.path().join("m"), None);
-    expect![[r#"
+    expect![[r"
         m/_evil/core_data.json
         m/a__/core_data.json
         m/a_evil/core_data.json
         m/core_data.json
         m/statemachine.json
-    "#]]
+    "]]
     .assert_eq(&show_files(dir.path(), &[]));
     assert_eq!(loaded(&dir.path().join("m")).machine.root, odd.root);
 }
