@@ -8,7 +8,7 @@ use crate::problem::{Fault, Wrong};
 use rafcon_model::port::Extra;
 use rafcon_model::{
     Container, DECIDER_ID, DataFlows, Json, Kind, Layout, Outcome, OutcomeId, Outcomes, Ports,
-    Script, State, StateId, States, Transitions,
+    Script, State, StateId, States, Transitions, json,
 };
 use smol_str::{SmolStr, ToSmolStr as _};
 use std::sync::Arc;
@@ -32,6 +32,15 @@ const CONTAINER: [&str; 3] = ["scoped_variables", "transitions", "data_flows"];
 pub(crate) struct Decoder {
     pub(crate) interner: Interner,
     pub(crate) faults: Vec<Fault>,
+}
+
+/// The state in the text of a `core_data.json`, without children, script, notes and layout, and what was wrong with it.
+/// `folder`, the folder's name, tells the id if the text does not. `Err` if it describes no state at all.
+pub fn state_from_core_data(text: &str, folder: &str) -> Result<(State, Vec<Fault>), Fault> {
+    let document = json::parse(text).map_err(Fault::Malformed)?;
+    let mut decoder = Decoder::default();
+    let state = decoder.state(&document, folder)?;
+    Ok((state, decoder.faults))
 }
 
 impl Decoder {

@@ -14,6 +14,7 @@ mod load;
 mod queue;
 mod walk;
 
+pub use decode::state_from_core_data;
 pub use load::{LoadError, Loaded, load};
 pub(crate) use load::{load_folder, load_locked, machine_folder};
 

@@ -11,7 +11,7 @@ use smol_str::{SmolStr, ToSmolStr as _};
 const LAYOUT_VERSION: &str = "2.2.0";
 
 /// The text of the state's `core_data.json`.
-pub(crate) fn core(state: &State) -> String {
+pub fn core(state: &State) -> String {
     let mut object = Object::of(class(&state.kind));
     object.put("name", Json::Str(state.name.clone()));
     object.put("state_id", Json::Str(state.id.0.clone()));

@@ -13,6 +13,7 @@ mod parts;
 mod plan;
 mod save;
 
+pub use encode::core as core_data;
 pub use format::{FormatError, Formatted, format};
 pub(crate) use lock::settle_before_reading;
 pub use save::{SaveError, save};
