@@ -5,7 +5,13 @@ use crate::folders::{files, read};
 use proptest::prelude::*;
 use rafcon_model::Machine;
 use rafcon_model::notation::print;
-use rafcon_storage::{Libraries, Naming, format, save};
+use rafcon_storage::{Libraries, Naming, core_data, format, save, state_from_core_data};
+
+const DOCUMENTS: [&str; 3] = [
+    include_str!("../../../../tests/fixtures/layouts/2.2/machine/core_data.json"),
+    include_str!("../../../../tests/fixtures/layouts/2.2/machine/ask_where_ASKASK/core_data.json"),
+    include_str!("../../../../tests/fixtures/layouts/0.7.12/machine/ROOTAA/SEARCH/core_data.json"),
+];
 
 /// The first line in which the two differ.
 fn first_difference(found: &Machine, expected: &Machine) -> Option<(String, String)> {
@@ -13,6 +19,42 @@ fn first_difference(found: &Machine, expected: &Machine) -> Option<(String, Stri
     let mut lines = found.lines().zip(expected.lines());
     let pair = lines.find(|(found, expected)| found != expected)?;
     Some((pair.0.to_owned(), pair.1.to_owned()))
+}
+
+/// Pieces of JSON that fit nowhere and everywhere.
+const PIECES: [&str; 12] = [
+    "{}",
+    "[]",
+    "null",
+    "\"",
+    "1",
+    "-2",
+    "{\"0\": ",
+    "}",
+    ",",
+    "\"outcomes\": {\"00\": {}}, ",
+    "1e9",
+    "\\u00",
+];
+
+proptest! {
+    #[test]
+    fn damaged_documents_are_states_or_faults(
+        document in 0..DOCUMENTS.len(),
+        cuts in proptest::collection::vec((any::<prop::sample::Index>(), 0..20_usize, 0..PIECES.len()), 1..4),
+    ) {
+        let mut text = DOCUMENTS[document].to_owned();
+        for (at, length, piece) in cuts {
+            let at = at.index(text.len());
+            let end = (at + length).min(text.len());
+            text.replace_range(at..end, PIECES[piece]);
+        }
+        if let Ok((state, _)) = state_from_core_data(&text, "folder_FOLDER") {
+            let once = core_data(&state);
+            let again = state_from_core_data(&once, "folder_FOLDER");
+            prop_assert_eq!(again.map(|(state, _)| core_data(&state)), Ok(once));
+        }
+    }
 }
 
 proptest! {
