@@ -13,13 +13,18 @@ fn main() -> io::Result<()> {
     files.sort();
     let mut code = String::from("&[\n");
     for file in &files {
-        let name = file.strip_prefix(&folder).unwrap_or(file);
-        let source = fs::canonicalize(file)?;
-        writeln!(code, "    ({name:?}, include_str!({source:?})),").unwrap_or_default();
+        let name = literal(file.strip_prefix(&folder).unwrap_or(file));
+        let source = literal(&fs::canonicalize(file)?);
+        writeln!(code, "    ({name}, include_str!({source})),").unwrap_or_default();
     }
     code.push_str("]\n");
     let out = env::var_os("OUT_DIR").map(PathBuf::from).unwrap_or_default();
     fs::write(out.join("package.rs"), code)
+}
+
+/// A path as Rust writes a text.
+fn literal(path: &Path) -> String {
+    format!("{:?}", path.to_string_lossy())
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {

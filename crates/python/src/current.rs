@@ -32,6 +32,18 @@ pub(crate) fn driver() -> PyResult<&'static Arc<Driver<PythonScripts>>> {
     DRIVER.get().ok_or_else(|| PyRuntimeError::new_err("no state machine runs in this process"))
 }
 
+/// What a forked process is told that asks for something live.
+pub(crate) fn forked() -> PyErr {
+    let why =
+        "this is a forked process; only the process that runs the state machine can talk to it";
+    PyRuntimeError::new_err(why)
+}
+
+/// What never changes about the run, for forked processes too.
+pub(crate) fn facts() -> PyResult<&'static Arc<Driver<PythonScripts>>> {
+    if is_forked() { DRIVER.get().ok_or_else(forked) } else { driver() }
+}
+
 /// Notes down a line that RAFCON itself has to say about the state whose script runs on this thread.
 pub(crate) fn say(level: LogLevel, message: String) {
     if let (false, Some(driver)) = (is_forked(), DRIVER.get()) {

@@ -7,14 +7,14 @@ use crate::{current, thread};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use rafcon_engine::{Node, NodeId, PathId, Program};
-use rafcon_model::{Container, Library, Outcome, Port, RuntimeValues, Value};
+use rafcon_model::{Container, Library, Outcome, Port, RuntimeValues, StateId, Value};
 use rafcon_runner::Place;
 
 /// `rafcon._native.describe`
 #[pyfunction]
 pub(crate) fn describe(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>> {
     let place = place(py, path)?;
-    let driver = current::driver()?;
+    let driver = current::facts()?;
     let program = driver.program();
     let node = program.node(place.node);
     let state = node.state();
@@ -33,29 +33,35 @@ pub(crate) fn describe(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>>
     facts.set_item("semantic_data", semantic_data(py, node)?)?;
     facts.set_item("script", state.script().and_then(|script| script.text.as_deref()))?;
     let scripts = driver.scripts();
-    facts.set_item("file_system_path", scripts.files.folder(&scripts.machine, &place.text))?;
+    let folder = scripts.files.folder(&place.text);
+    facts
+        .set_item("file_system_path", folder.map(|folder| folder.to_string_lossy().into_owned()))?;
     insides(&facts, state.container())?;
     facts.set_item("library", library(py, node)?)?;
     Ok(facts)
 }
 
-fn path_by_name(py: Python<'_>, place: &Place) -> PyResult<String> {
-    let driver = current::driver()?;
-    let mut names = Vec::new();
-    let mut next = Some((place.node, place.parent));
-    while let Some((node, parent)) = next {
-        names.push(driver.program().node(node).name().to_string());
-        let around = thread::leave(py, || parent.and_then(|parent| driver.place(parent)));
-        next = around.map(|around| (around.node, around.parent));
+fn path_by_name(py: Python<'_>, at: &Place) -> PyResult<String> {
+    let program = current::facts()?.program();
+    let mut names = vec![program.node(at.node).name().to_string()];
+    let mut next = at.parent;
+    while let Some(parent) = next {
+        let around = place(py, parent.0)?;
+        names.push(program.node(around.node).name().to_string());
+        next = around.parent;
     }
     names.reverse();
     Ok(names.join("/"))
 }
 
+/// The ids and places of the states inside; none in a forked process, which cannot ask for places.
 fn children<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyDict>> {
-    let driver = current::driver()?;
-    let paths = thread::leave(py, || driver.children(place.path));
+    let driver = current::facts()?;
     let dict = PyDict::new(py);
+    if current::is_forked() {
+        return Ok(dict);
+    }
+    let paths = thread::leave(py, || driver.children(place.path));
     for (index, path) in paths.into_iter().enumerate() {
         if let Some(id) = child_id(driver.program(), place.node, index) {
             dict.set_item(id, path.0)?;
@@ -109,9 +115,9 @@ fn insides(facts: &Bound<'_, PyDict>, container: Option<&Container>) -> PyResult
     let (transitions, flows) = (PyDict::new(py), PyDict::new(py));
     for line in container.iter().flat_map(|container| container.transitions.iter()) {
         let ends = (
-            line.from_state.as_ref().map(|id| id.as_str()),
+            line.from_state.as_ref().map(StateId::as_str),
             line.from_outcome.map(|id| id.0),
-            line.to_state.as_ref().map(|id| id.as_str()),
+            line.to_state.as_ref().map(StateId::as_str),
             line.to_outcome.map(|id| id.0),
         );
         transitions.set_item(line.id.0, ends)?;

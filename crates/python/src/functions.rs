@@ -56,17 +56,17 @@ pub(crate) fn last_left(py: Python<'_>, path: u32) -> PyResult<i64> {
 #[pyfunction]
 pub(crate) fn state_object(py: Python<'_>, path: u32) -> PyResult<Py<PyAny>> {
     let place = place(py, path)?;
-    let seat = current::driver()?.scripts().seat(py, &place)?;
+    let seat = current::facts()?.scripts().seat(py, &place)?;
     Ok(seat.object.clone_ref(py))
 }
 
 /// What is known about the machine as a whole.
 #[pyfunction]
 pub(crate) fn machine(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let scripts = current::driver()?.scripts();
+    let scripts = current::facts()?.scripts();
     let header = &scripts.machine.header;
     let facts = PyDict::new(py);
-    facts.set_item("file_system_path", scripts.files.machine())?;
+    facts.set_item("file_system_path", scripts.files.machine().to_string_lossy())?;
     facts.set_item("version", header.version.as_deref())?;
     facts.set_item("creation_time", header.creation_time.as_str())?;
     facts.set_item("root", ROOT.0)?;

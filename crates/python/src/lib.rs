@@ -4,6 +4,7 @@
 //! that is the engine's.
 
 mod class;
+mod config;
 mod copy;
 mod current;
 mod describe;

@@ -16,6 +16,7 @@ type Module = (&'static str, &'static str);
 pub(crate) struct Importer;
 
 #[pymethods]
+#[expect(clippy::unused_self, reason = "the protocol of importers has methods")]
 impl Importer {
     /// Part of the protocol of `sys.meta_path`.
     #[pyo3(signature = (name, _path=None, _target=None))]

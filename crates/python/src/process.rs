@@ -4,10 +4,11 @@ use crate::handle::Handle;
 use crate::literals::PythonLiterals;
 use crate::runtime::Runtime;
 use crate::scripts::PythonScripts;
-use crate::{current, fork, package};
+use crate::{config, current, fork, package};
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 use rafcon_engine::Literals;
+use rafcon_protocol::LogLevel;
 use rafcon_runner::{Driver, Host, Opening, ServeError, serve};
 use std::os::fd::{FromRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
@@ -40,6 +41,11 @@ impl Host for PythonHost {
 
     fn opened(driver: &Arc<Driver<PythonScripts>>) {
         current::set(driver);
+        let configured = Python::attach(|py| config::put_in_force(py, &driver.scripts().config));
+        if let Err(error) = configured {
+            let message = format!("scripts see the default configuration: {error}");
+            current::say(LogLevel::Error, message);
+        }
     }
 }
 

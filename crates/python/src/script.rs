@@ -97,13 +97,11 @@ impl Script {
 
 /// What is in `cell`; made at the first call. Making it may let other threads run, so two may make it and one is kept.
 fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> PyResult<T>) -> PyResult<&T> {
-    match cell.get() {
-        Some(made) => Ok(made),
-        None => {
-            let made = make()?;
-            Ok(cell.get_or_init(|| made))
-        }
+    if let Some(made) = cell.get() {
+        return Ok(made);
     }
+    let made = make()?;
+    Ok(cell.get_or_init(|| made))
 }
 
 fn names(py: Python<'_>, ports: &[Port]) -> Box<[Py<PyString>]> {

@@ -12,7 +12,9 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rafcon_engine::{Globals, Job, NodeId, Program, Returned, ScriptResult};
 use rafcon_model::{KindName, Machine};
-use rafcon_runner::{Opening, Place, Scripts, Settings, StateFiles};
+use rafcon_protocol::LogLevel;
+use rafcon_runner::{Opening, Place, Scripts, StateFiles};
+use rafcon_storage::Config;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,7 +25,7 @@ pub(crate) struct PythonScripts {
     pub(crate) machine: Machine,
     program: Arc<Program<Handle>>,
     pub(crate) files: StateFiles,
-    settings: Settings,
+    pub(crate) config: Config,
     scripts: RwLock<BTreeMap<NodeId, Arc<Script>>>,
     seats: Seats,
     globals: PythonGlobals,
@@ -31,12 +33,12 @@ pub(crate) struct PythonScripts {
 
 impl PythonScripts {
     pub(crate) fn new(opening: Opening<Handle>) -> Self {
-        let Opening { machine, program, files, settings } = opening;
+        let Opening { machine, program, files, config } = opening;
         Self {
             machine,
             program,
             files,
-            settings,
+            config,
             scripts: RwLock::default(),
             seats: Seats::default(),
             globals: PythonGlobals,
@@ -63,8 +65,8 @@ impl PythonScripts {
     fn script(&self, py: Python<'_>, place: &Place) -> Arc<Script> {
         let known = self.scripts.read().get(&place.node).cloned();
         known.unwrap_or_else(|| {
-            let file = self.files.script(&self.machine, &place.text);
-            let how = (file, self.settings.recompile_scripts);
+            let file = self.files.script(&place.text);
+            let how = (file, self.config.recompile_scripts);
             let script = Arc::new(Script::new(py, &self.program, place.node, how));
             Arc::clone(self.scripts.write().entry(place.node).or_insert(script))
         })
@@ -111,6 +113,21 @@ impl Scripts for PythonScripts {
         &self.globals
     }
 
+    fn finished(&self) {
+        let told = Python::attach(|py| -> PyResult<()> {
+            let runtime = Runtime::get(py)?;
+            runtime.hooks.call_method0(py, "finished")?;
+            runtime.flush_all.call0(py)?;
+            Ok(())
+        });
+        if let Err(error) = told {
+            current::say(
+                LogLevel::Error,
+                format!("a plugin failed at the end of the run: {error}"),
+            );
+        }
+    }
+
     fn encode(&self, value: &Handle) -> Value {
         Python::attach(|py| {
             let encoded =
@@ -143,7 +160,7 @@ fn to_json(py: Python<'_>, encoded: PyResult<Py<PyAny>>) -> Value {
         text.extract::<String>(py)
     });
     let text = text.unwrap_or_else(|error| {
-        current::say(rafcon_protocol::LogLevel::Error, format!("a value cannot be shown: {error}"));
+        current::say(LogLevel::Error, format!("a value cannot be shown: {error}"));
         String::new()
     });
     serde_json::from_str(&text).unwrap_or_default()
@@ -169,7 +186,7 @@ impl Globals<Handle> for PythonGlobals {
         let found = thread::while_engine_waits(|| Python::attach(|py| resolve(py, name)));
         found.unwrap_or_else(|error| {
             let message = format!("the global variable \"{name}\" cannot be read: {error}");
-            current::say(rafcon_protocol::LogLevel::Error, message);
+            current::say(LogLevel::Error, message);
             None
         })
     }

@@ -12,8 +12,12 @@ use std::sync::Arc;
 
 /// The place with this number.
 pub(crate) fn place(py: Python<'_>, path: u32) -> PyResult<Arc<Place>> {
-    let driver = current::driver()?;
-    let place = thread::leave(py, || driver.place(PathId(path)));
+    let driver = current::facts()?;
+    let place = if current::is_forked() {
+        driver.places().peek(PathId(path))
+    } else {
+        thread::leave(py, || driver.place(PathId(path)))
+    };
     place.ok_or_else(|| PyKeyError::new_err(format!("no state has the number {path}")))
 }
 

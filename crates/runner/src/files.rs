@@ -1,9 +1,12 @@
 //! Where the script of a state lies on disk, for tracebacks and for scripts that ask. Knows folders, reads none.
 
-use rafcon_model::Machine;
+use rafcon_model::StatePath;
 use rafcon_storage::{Libraries, Saved};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The file with the script of a state.
+const SCRIPT: &str = "script.py";
 
 /// The folders of a machine and of its libraries.
 #[derive(Debug)]
@@ -23,17 +26,13 @@ impl StateFiles {
     }
 
     /// The folder of the state at `path` (ids joined by `/`), if it is known.
-    pub fn folder(&self, _machine: &Machine, _path: &str) -> Option<PathBuf> {
-        let _ = &self.libraries;
-        None
+    pub fn folder(&self, path: &str) -> Option<PathBuf> {
+        self.saved.folder(&StatePath::parse(path), &self.libraries)
     }
 
     /// The file name of the state's script, for tracebacks.
-    pub fn script(&self, machine: &Machine, path: &str) -> String {
-        let folder = self.folder(machine, path);
-        folder.map_or_else(
-            || format!("script.py of {path}"),
-            |folder| folder.join("script.py").display().to_string(),
-        )
+    pub fn script(&self, path: &str) -> String {
+        let folder = self.folder(path).unwrap_or_else(|| Path::new("<unknown>").join(path));
+        std::path::absolute(folder.join(SCRIPT)).unwrap_or(folder).display().to_string()
     }
 }

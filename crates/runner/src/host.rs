@@ -63,7 +63,7 @@ fn begin<H: Host>(
     clock: Clock,
     sender: &Sender,
 ) -> Result<Begun<H>, ServeError> {
-    let Prepared { machine, files, problems, start, settings } =
+    let Prepared { machine, files, problems, start, config } =
         prepare(&mut host, launch).map_err(ServeError::Load)?;
     let program = Arc::new(Program::compile(&machine, host.literals()));
     let loaded = ToViewer::Loaded {
@@ -71,7 +71,7 @@ fn begin<H: Host>(
         states: machine.count() as u64,
         problems,
     };
-    let opening = crate::Opening { machine, program: Arc::clone(&program), files, settings };
+    let opening = crate::Opening { machine, program: Arc::clone(&program), files, config };
     let active = match &launch.run_folder {
         Some(folder) => Active::open(folder)?,
         None => Active::default(),
@@ -123,6 +123,7 @@ impl<S: Scripts> Talk<S> {
     fn conclude(&self, told: &Told) {
         if let Some(finish) = self.driver.wait() {
             self.driver.close();
+            self.driver.scripts().finished();
             let event = tell::told(finished(self.driver.scripts(), finish));
             self.driver.recorder().push(self.driver.clock().now_ns(), [event]);
         }

@@ -30,5 +30,5 @@ pub use driver::Driver;
 pub use files::StateFiles;
 pub use host::{ServeError, serve};
 pub use place::{Place, Places};
-pub use scripts::{Host, HostValue, Opening, Scripts, Settings};
+pub use scripts::{Host, HostValue, Opening, Scripts};
 pub use signals::Signals;

@@ -108,6 +108,11 @@ impl Places {
         self.list.read().get(path.index()).cloned().flatten()
     }
 
+    /// The same without ever waiting, for a forked process, in which whoever holds the list may never let it go.
+    pub fn peek(&self, path: PathId) -> Option<Arc<Place>> {
+        self.list.try_read()?.get(path.index()).cloned().flatten()
+    }
+
     /// Uses the place with this number without counting a reference.
     pub(crate) fn with<T>(&self, path: PathId, use_it: impl FnOnce(&Arc<Place>) -> T) -> Option<T> {
         self.list.read().get(path.index()).and_then(Option::as_ref).map(use_it)

@@ -1,10 +1,10 @@
 //! From a launch to a machine that can be run. Knows where machines, libraries and the config come from.
 
-use crate::{Host, Settings, StateFiles};
+use crate::{Host, StateFiles};
 use rafcon_engine::Start;
 use rafcon_model::{Machine, StatePath};
 use rafcon_protocol::Launch;
-use rafcon_storage::{Libraries, config, load, roots};
+use rafcon_storage::{Config, Libraries, config, load, roots};
 use std::sync::Arc;
 
 /// Everything that a run begins with.
@@ -15,7 +15,7 @@ pub(crate) struct Prepared<D> {
     /// Faults that did not keep the machine from loading, one line each.
     pub(crate) problems: Vec<String>,
     pub(crate) start: Start<D>,
-    pub(crate) settings: Settings,
+    pub(crate) config: Config,
 }
 
 /// Reads config, libraries and machine; the error is for people.
@@ -26,18 +26,21 @@ pub(crate) fn prepare<H: Host>(
     let environment = |name: &str| std::env::var_os(name)?.into_string().ok();
     let (config, _file) =
         config::find(launch.config.as_deref(), &environment).map_err(|error| reason(&error))?;
-    let settings = Settings { recompile_scripts: config.recompile_scripts };
     let (roots, notes) = roots(&config, &environment, &launch.libraries);
     let libraries = Arc::new(Libraries::new(roots));
     let loaded = load(&launch.machine, &libraries).map_err(|error| reason(&error))?;
-    let notes = notes.iter().map(ToString::to_string);
-    let problems = notes.chain(loaded.problems.iter().map(ToString::to_string)).collect();
+    let problems =
+        lines(&config.notes).chain(lines(&notes)).chain(lines(&loaded.problems)).collect();
     let start = Start {
         inputs: inputs(host, launch)?,
         start_from: launch.start_from.as_deref().map(StatePath::parse),
     };
     let files = StateFiles::new(loaded.saved, libraries);
-    Ok(Prepared { machine: loaded.machine, files, problems, start, settings })
+    Ok(Prepared { machine: loaded.machine, files, problems, start, config })
+}
+
+fn lines<T: ToString>(notes: &[T]) -> impl Iterator<Item = String> {
+    notes.iter().map(ToString::to_string)
 }
 
 type Inputs<H> = Vec<(smol_str::SmolStr, crate::HostValue<H>)>;

@@ -3,6 +3,7 @@
 use crate::{Driver, Place, StateFiles};
 use rafcon_engine::{Datum, Globals, Job, Literals, Program, ScriptResult};
 use rafcon_model::Machine;
+use rafcon_storage::Config;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -31,6 +32,9 @@ pub trait Scripts: Debug + Send + Sync + 'static {
 
     /// The run's global variables.
     fn globals(&self) -> &dyn Globals<Self::Value>;
+
+    /// The run is over; its last values are read after this.
+    fn finished(&self);
 
     /// A value as `docs/protocol.md` encodes it.
     fn encode(&self, value: &Self::Value) -> serde_json::Value;
@@ -69,13 +73,6 @@ pub struct Opening<D> {
     pub program: Arc<Program<D>>,
     /// Where its scripts lie.
     pub files: StateFiles,
-    /// What the reference's config says about running.
-    pub settings: Settings,
-}
-
-/// What the reference's config says about running.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Settings {
-    /// Whether the body of a script's module runs at each entry of its state (else once).
-    pub recompile_scripts: bool,
+    /// The reference's config, as far as it concerns a run.
+    pub config: Config,
 }
