@@ -5,7 +5,8 @@ use rafcon_model::{DataType, OutcomeId, PortId};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// One thing that happened. The list of all events is the history of the run.
+/// One thing that happened. The list of all events is the history of the run, so an event is small: what is rare stands
+/// in a box.
 #[derive(Debug, Clone)]
 pub enum Event<D> {
     /// A state began.
@@ -28,7 +29,7 @@ pub enum Event<D> {
         /// One value for each output port, in the node's order.
         outputs: Arc<[D]>,
         /// Its error, if it left one.
-        error: Option<D>,
+        error: Option<Box<D>>,
     },
     /// A scoped variable got a value.
     Scoped {
@@ -53,7 +54,7 @@ pub enum Event<D> {
         /// How bad it is.
         level: Level,
         /// What it is.
-        note: Note,
+        note: Box<Note>,
     },
     /// The run was paused (true) or goes on (false).
     Paused(bool),

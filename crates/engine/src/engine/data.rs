@@ -193,6 +193,6 @@ fn default<D: Datum>(
             Note::BadDefault { port: port.name.clone(), reason: reason.clone() }
         }
     };
-    events.push(Event::Note { path, level: Level::Error, note });
+    events.push(Event::Note { path, level: Level::Error, note: Box::new(note) });
     D::none()
 }

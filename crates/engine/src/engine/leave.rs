@@ -96,7 +96,7 @@ impl<'s, D: Datum> Step<'s, D> {
             node,
             outcome: about.outcome_id(ended.outcome),
             outputs: Arc::clone(&ended.outputs),
-            error: ended.error.clone(),
+            error: ended.error.clone().map(Box::new),
         });
         if parent == NONE {
             self.finish(slot, about, ended);

@@ -65,6 +65,6 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     pub(super) fn note(&mut self, path: PathId, level: Level, note: Note) {
-        self.out.events.push(Event::Note { path, level, note });
+        self.out.events.push(Event::Note { path, level, note: Box::new(note) });
     }
 }

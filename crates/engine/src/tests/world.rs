@@ -126,7 +126,7 @@ impl World {
                 let ports = self.program.node(*node).outputs();
                 let outputs = values(ports, outputs);
                 let (path, outcome) = (self.path(*path), self.outcome(*path, *outcome));
-                format!("leave {path} {outcome}{outputs}{}", shown_error(error.as_ref()))
+                format!("leave {path} {outcome}{outputs}{}", shown_error(error.as_deref()))
             }
             Event::Scoped { path, port, value } => {
                 let place = self.engine.path_node(*path).map(|node| self.program.node(node));
