@@ -1,36 +1,32 @@
 //! The engine alone: states that add one to a number, one after the other in a ring, with every event kept in memory.
 
 use crate::{clock, median, print};
+use anyhow::{Result, ensure};
 use rafcon_engine::{
     Effect, Engine, Event, Input, Job, ModelLiterals, NoGlobals, Outbox, Program, Returned,
     ScriptResult, Start,
 };
-use rafcon_model::{Machine, Value, notation};
-use std::convert::Infallible;
+use rafcon_model::{Value, notation};
 use std::sync::Arc;
 
 /// States run in one measurement.
 const STATES: u32 = 1_000_000;
 
 /// Two states; then a hundred and ten thousand of them, to see that neighbours cost nothing.
-pub(crate) fn measure() {
+pub(crate) fn measure() -> Result<()> {
     let speed = |siblings| {
-        let program = program(siblings);
-        let Ok(speed) = median(|| Ok::<_, Infallible>(states_per_s(&program)));
-        speed
+        let program = program(siblings)?;
+        median(|| states_per_s(&program))
     };
-    print("native_flat_states_per_s", speed(2), "states/s");
-    let hundred = speed(100);
-    print("native_flat_10000_over_100", speed(10_000) / hundred, "ratio");
+    print("native_flat_states_per_s", speed(2)?, "states/s");
+    let hundred = speed(100)?;
+    print("native_flat_10000_over_100", speed(10_000)? / hundred, "ratio");
+    Ok(())
 }
 
-fn program(siblings: usize) -> Arc<Program<Value>> {
-    let machine = notation::parse(&ring(siblings)).unwrap_or_else(|error| panic!("{error}"));
-    compile(&machine)
-}
-
-fn compile(machine: &Machine) -> Arc<Program<Value>> {
-    Arc::new(Program::compile(machine, &mut ModelLiterals))
+fn program(siblings: usize) -> Result<Arc<Program<Value>>> {
+    let machine = notation::parse(&ring(siblings))?;
+    Ok(Arc::new(Program::compile(&machine, &mut ModelLiterals)))
 }
 
 /// A ring of states that pass a number on through a scoped variable.
@@ -54,23 +50,25 @@ fn ring(siblings: usize) -> String {
 }
 
 /// Runs the ring until the number is [`STATES`].
-fn states_per_s(program: &Arc<Program<Value>>) -> f64 {
+fn states_per_s(program: &Arc<Program<Value>>) -> Result<f64> {
     let mut engine = Engine::new(Arc::clone(program));
+    let mut history = Vec::with_capacity(4 * STATES as usize);
+    let (seconds, ran) = clock::seconds(|| run(&mut engine, &mut history));
+    ran?;
+    ensure!(engine.states_run() > u64::from(STATES), "the ring ends too early");
+    Ok(f64::from(STATES) / seconds)
+}
+
+fn run(engine: &mut Engine<Value>, history: &mut Vec<Event<Value>>) -> Result<()> {
     let mut out = Outbox::default();
-    let mut history: Vec<Event<Value>> = Vec::new();
-    let (seconds, ()) = clock::seconds(|| {
-        let mut input = Some(Input::Start(Start::default()));
-        while let Some(cause) = input.take() {
-            if let Err(refusal) = engine.handle(cause, &NoGlobals, &mut out) {
-                panic!("{refusal}");
-            }
-            history.append(&mut out.events);
-            assert!(history.len() <= 4 * STATES as usize, "the ring does not count");
-            input = out.effects.drain(..).find_map(answer);
-        }
-    });
-    assert!(history.len() > STATES as usize, "the ring ran to its end");
-    f64::from(STATES) / seconds
+    let mut input = Some(Input::Start(Start::default()));
+    while let Some(cause) = input.take() {
+        engine.handle(cause, &NoGlobals, &mut out)?;
+        history.append(&mut out.events);
+        ensure!(history.len() <= 4 * STATES as usize, "the ring does not count");
+        input = out.effects.drain(..).find_map(answer);
+    }
+    Ok(())
 }
 
 /// What a native state does: one more than before.

@@ -4,16 +4,26 @@
 //! engine, and the `rafcon` binary, which makes the machines that are loaded.
 #![expect(clippy::print_stdout, reason = "the figures go to the standard output")]
 
+mod build;
 mod clock;
 mod disk;
 mod flat;
 mod machines;
 mod memory;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Every figure is the median of so many runs.
 const RUNS: usize = 5;
+
+/// Words on the command line choose among these; without a word all are measured.
+const PARTS: [(&str, fn(&Path) -> anyhow::Result<()>); 4] = [
+    ("flat", |_| flat::measure()),
+    ("build", |_| build::measure()),
+    ("disk", disk::measure),
+    ("memory", memory::measure),
+];
 
 fn main() -> anyhow::Result<ExitCode> {
     if let Some(path) = memory::asked_for() {
@@ -21,9 +31,12 @@ fn main() -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let folder = tempfile::tempdir()?;
-    flat::measure();
-    disk::measure(folder.path())?;
-    memory::measure(folder.path())?;
+    let wanted = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect::<Vec<_>>();
+    for (name, measure) in PARTS {
+        if wanted.is_empty() || wanted.iter().any(|word| word == name) {
+            measure(folder.path())?;
+        }
+    }
     Ok(ExitCode::SUCCESS)
 }
 
