@@ -5,6 +5,7 @@ use super::step::Step;
 use crate::program::{Checks, Initial, Inside, Node, Wires};
 use crate::{Datum, Event, Globals, Level, Note, PathId};
 use rafcon_model::{Answer, DataType, Port};
+use smol_str::SmolStr;
 use std::sync::Arc;
 
 /// The newest value among the slots that `wanted` agrees to.
@@ -137,13 +138,29 @@ impl<'s, D: Datum> Step<'s, D> {
         outputs.iter().enumerate().map(value).collect()
     }
 
-    /// Notes every value that does not fit the type of its port.
-    pub(super) fn check(&mut self, path: PathId, (ports, checks): (&[Port], Checks), values: &[D]) {
+    /// Notes every input that does not fit the type of its port.
+    pub(super) fn check_inputs(&mut self, path: PathId, node: &'s Node<D>, values: &[D]) {
+        self.check(path, node.input_checks, values, || node.inputs());
+    }
+
+    /// Notes every output that does not fit the type of its port.
+    pub(super) fn check_outputs(&mut self, path: PathId, node: &'s Node<D>, values: &[D]) {
+        self.check(path, node.output_checks, values, || node.outputs());
+    }
+
+    /// Looks at the ports only when it has something to say about them.
+    fn check(
+        &mut self,
+        path: PathId,
+        checks: Checks,
+        values: &[D],
+        ports: impl Fn() -> &'s [Port],
+    ) {
         for (index, declared) in self.program.tables.checks(checks) {
             let Some(value) = values.get(index).filter(|value| is_misfit(*value, declared)) else {
                 continue;
             };
-            if let Some(port) = ports.get(index) {
+            if let Some(port) = ports().get(index) {
                 self.note(path, Level::Error, mismatch(port, value));
             }
         }
@@ -169,30 +186,44 @@ fn inputs<D: Datum>(
     (globals, events): (&dyn Globals<D>, &mut Vec<Event<D>>),
     given: impl Fn(usize) -> Option<D>,
 ) -> Arc<[D]> {
-    let ports = node.inputs.iter().zip(node.inputs()).enumerate();
-    ports
-        .map(|(index, (initial, port))| {
-            given(index).unwrap_or_else(|| default(initial, (globals, &mut *events), (path, port)))
+    let value = |(port, initial): (usize, &Initial<D>)| {
+        given(port).unwrap_or_else(|| {
+            default(initial, globals).unwrap_or_else(|problem| {
+                let note = Box::new(problem.note(node.inputs().get(port)));
+                events.push(Event::Note { path, level: Level::Error, note });
+                D::none()
+            })
         })
-        .collect()
+    };
+    node.inputs.iter().enumerate().map(value).collect()
 }
 
-/// The value of a port when nothing flows into it; `None`, with a note, where there is none.
-fn default<D: Datum>(
-    initial: &Initial<D>,
-    (globals, events): (&dyn Globals<D>, &mut Vec<Event<D>>),
-    (path, port): (PathId, &Port),
-) -> D {
-    let note = match initial {
-        Initial::Is(value) => return value.clone(),
-        Initial::Global(name) => match globals.get(name) {
-            Some(value) => return value,
-            None => Note::NoSuchGlobal { name: name.clone() },
-        },
-        Initial::Bad(reason) => {
-            Note::BadDefault { port: port.name.clone(), reason: reason.clone() }
+/// Why a port has no default.
+enum Problem<'p> {
+    NoGlobal(&'p SmolStr),
+    Bad(&'p SmolStr),
+}
+
+impl Problem<'_> {
+    fn note(self, port: Option<&Port>) -> Note {
+        match self {
+            Self::NoGlobal(name) => Note::NoSuchGlobal { name: name.clone() },
+            Self::Bad(reason) => {
+                let port = port.map(|port| port.name.clone()).unwrap_or_default();
+                Note::BadDefault { port, reason: reason.clone() }
+            }
         }
-    };
-    events.push(Event::Note { path, level: Level::Error, note: Box::new(note) });
-    D::none()
+    }
+}
+
+/// The value of a port when nothing flows into it.
+fn default<'p, D: Datum>(
+    initial: &'p Initial<D>,
+    globals: &dyn Globals<D>,
+) -> Result<D, Problem<'p>> {
+    match initial {
+        Initial::Is(value) => Ok(value.clone()),
+        Initial::Global(name) => globals.get(name).ok_or(Problem::NoGlobal(name)),
+        Initial::Bad(reason) => Err(Problem::Bad(reason)),
+    }
 }

@@ -137,7 +137,7 @@ impl<'s, D: Datum> Step<'s, D> {
     ) -> u32 {
         let (path, inputs) = (seed.path, Arc::clone(&seed.inputs));
         self.out.events.insert(seed.entered_at, Event::Entered { path, node: seed.node, inputs });
-        self.check(path, (node.inputs(), node.input_checks), &seed.inputs);
+        self.check_inputs(path, node, &seed.inputs);
         for (port, reason) in &node.bad_outputs {
             let port = node.outputs().get(*port as usize).map(|port| port.name.clone());
             let note = Note::BadDefault { port: port.unwrap_or_default(), reason: reason.clone() };

@@ -90,7 +90,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get(slot);
         let (node, path, parent) = (frame.node, frame.path, frame.parent);
         let about = self.program.node(node);
-        self.check(path, (about.outputs(), about.output_checks), &ended.outputs);
+        self.check_outputs(path, about, &ended.outputs);
         self.out.events.push(Event::Left {
             path,
             node,
@@ -172,7 +172,7 @@ fn ended<D: Datum>(
     mut outputs: Vec<Option<D>>,
     error: Option<D>,
 ) -> Ended<D> {
-    outputs.resize(node.outputs().len(), None);
+    outputs.resize(node.outputs.len(), None);
     let missing = (0..).zip(&outputs).filter(|(_, value)| value.is_none());
     let absent = missing.map(|(index, _)| index).collect();
     let outputs = outputs.into_iter().map(|value| value.unwrap_or_else(D::none)).collect();
