@@ -250,7 +250,7 @@ def _save_state(folder, state):
         (folder / "script.py").write_text(state["script"])
     for child in state.get("children", ()):
         below = folder / ("%s_%s" % (child.get("name", child["id"].lower()), child["id"]))
-        below.mkdir()
+        below.mkdir(exist_ok=True)
         _save_state(below, child)
 
 

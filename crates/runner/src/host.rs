@@ -66,6 +66,9 @@ fn begin<H: Host>(
     let Prepared { machine, files, problems, start, config } =
         prepare(&mut host, launch).map_err(ServeError::Load)?;
     let program = Arc::new(Program::compile(&machine, host.literals()));
+    if let Some(path) = &start.start_from {
+        program.find(path).map_err(|unknown| ServeError::Load(unknown.to_string()))?;
+    }
     let loaded = ToViewer::Loaded {
         name: machine.root.name.to_string(),
         states: machine.count() as u64,

@@ -2,7 +2,7 @@
 
 use crate::{Host, StateFiles};
 use rafcon_engine::Start;
-use rafcon_model::{Machine, StatePath};
+use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
 use rafcon_protocol::Launch;
 use rafcon_storage::{Config, Libraries, config, load, roots};
 use std::sync::Arc;
@@ -29,14 +29,24 @@ pub(crate) fn prepare<H: Host>(
     let (roots, notes) = roots(&config, &environment, &launch.libraries);
     let libraries = Arc::new(Libraries::new(roots));
     let loaded = load(&launch.machine, &libraries).map_err(|error| reason(&error))?;
-    let problems =
-        lines(&config.notes).chain(lines(&notes)).chain(lines(&loaded.problems)).collect();
+    let problems = lines(&config.notes)
+        .chain(lines(&notes))
+        .chain(lines(&loaded.problems))
+        .chain(faults(&loaded.machine))
+        .collect();
     let start = Start {
         inputs: inputs(host, launch)?,
         start_from: launch.start_from.as_deref().map(StatePath::parse),
     };
     let files = StateFiles::new(loaded.saved, libraries);
     Ok(Prepared { machine: loaded.machine, files, problems, start, config })
+}
+
+/// What will not work as drawn.
+fn faults(machine: &Machine) -> impl Iterator<Item = String> {
+    let problems = problems(machine, &BuiltinTypes).into_iter();
+    let errors = problems.filter(|problem| problem.severity() == Severity::Error);
+    errors.map(|problem| problem.to_string())
 }
 
 fn lines<T: ToString>(notes: &[T]) -> impl Iterator<Item = String> {
