@@ -250,6 +250,21 @@ class Scripts(unittest.TestCase):
         self.assertEqual(result.printed["stdout"], "from the child\n")
         self.assertEqual(result.finished["globals"], {})
 
+    def test_a_child_dies_of_signals_that_are_not_for_the_run(self):
+        self.check(
+            """
+            import multiprocessing, os, signal
+            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+                child = multiprocessing.get_context("fork").Process(target=signal.pause)
+                child.start()
+                os.kill(child.pid, number)
+                child.join()
+                print(child.exitcode == -number, self.preempted)
+            return 0
+            """,
+            lines=["True False"] * 3,
+        )
+
     def test_the_traceback_is_the_users(self):
         result = self.check("import json\njson.loads('{')", outcome="aborted", error="JSONDecodeError")
         (shown,) = [line for line in result.logged("engine", "R/X") if "Traceback" in line]

@@ -4,7 +4,6 @@ Lines that are not finished wait, for each thread and stream apart, until their 
 """
 
 import io
-import os
 import sys
 import threading
 
@@ -154,10 +153,9 @@ def install():
     """Puts the writers in place of ``sys.stdout`` and ``sys.stderr``."""
     sys.stdout = Writer("stdout", sys.stdout)
     sys.stderr = Writer("stderr", sys.stderr)
-    os.register_at_fork(after_in_child=after_fork_in_child)
 
 
-def after_fork_in_child():
+def release():
     """In a forked child: forgets the parent's unfinished lines, and prints to the real streams."""
     pending.clear()
     for writer in (sys.stdout, sys.stderr):

@@ -30,6 +30,13 @@ class Handler(logging.Handler):
         self._forked = True
 
 
+def release():
+    """In a forked child: what is logged goes to the standard error."""
+    for handler in get_logger("rafcon").handlers:
+        if isinstance(handler, Handler):
+            handler.released()
+
+
 def _utf8(text):
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
@@ -46,9 +53,7 @@ def install():
     problem = _configure(os.environ.get("RAFCON_LOGGING_CONF"))
     for handler in [handler for handler in logger.handlers if type(handler) is logging.StreamHandler]:
         logger.removeHandler(handler)
-    ours = Handler()
-    logger.addHandler(ours)
-    os.register_at_fork(after_in_child=ours.released)
+    logger.addHandler(Handler())
     if problem:
         logger.warning(problem)
 

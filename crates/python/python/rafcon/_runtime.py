@@ -4,7 +4,7 @@ Every function is called with the GIL held and never waits.
 """
 
 import rafcon.utils.log  # noqa: F401, the level VERBOSE exists from here on
-from rafcon import _capture, _logging, _objects
+from rafcon import _capture, _fork, _logging, _objects
 from rafcon._capture import flush_all, flush_capture, pending
 from rafcon._hooks import Hooks
 from rafcon._tracebacks import format_error
@@ -65,3 +65,4 @@ def install_capture():
     """Sends what scripts print and log to the running machine from now on."""
     _capture.install()
     _logging.install()
+    _fork.install()

@@ -303,4 +303,3 @@ def _copied(value):
 
 #: The variables of this process.
 global_variables = GlobalVariableManager()
-os.register_at_fork(after_in_child=global_variables._after_fork_in_child)

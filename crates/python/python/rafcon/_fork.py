@@ -1,0 +1,43 @@
+"""What a forked child is: a process of its own that has nothing to do with the run.
+
+Scripts fork by ``os.fork`` and ``multiprocessing``. The child prints and logs to the real streams, has its own copy of
+the global variables, and dies of the signals that end a process; in the parent those are the runner's.
+"""
+
+import os
+import signal
+import threading
+
+from rafcon import _capture, _logging
+from rafcon.core.global_variable_manager import global_variables
+
+#: What the runner listens to.
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+_masks = threading.local()
+
+
+def install():
+    """From now on every forked child is told what it is."""
+    os.register_at_fork(before=_before, after_in_parent=_in_parent, after_in_child=_in_child)
+
+
+def _before():
+    # Until the child has its own answer to signals they wait, or they would reach the runner through its handlers.
+    _masks.before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+
+
+def _in_parent():
+    signal.pthread_sigmask(signal.SIG_SETMASK, _masks.before)
+
+
+def _in_child():
+    _capture.release()
+    _logging.release()
+    global_variables._after_fork_in_child()
+    for number in _SIGNALS:
+        # A handler that a plugin set in Python stays; the runner's own is not known to Python.
+        if signal.getsignal(number) in (None, signal.SIG_DFL):
+            signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_SETMASK, _masks.before)
