@@ -81,3 +81,38 @@ pub(super) fn react(phase: &Phase, cause: Cause) -> Reaction {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Cause, Phase, react};
+    use crate::WaitReason;
+    use expect_test::expect;
+
+    #[test]
+    fn the_table() {
+        let phases = [
+            Phase::Begun,
+            Phase::Script,
+            Phase::Child,
+            Phase::Held,
+            Phase::Waiting(WaitReason::NoStart),
+            Phase::Branches,
+            Phase::Deciding,
+        ];
+        let causes = [Cause::ScriptEnded, Cause::ChildEnded, Cause::Preempted, Cause::Resumed];
+        let rows = phases.iter().map(|phase| {
+            let reactions = causes.map(|cause| format!("{:?}", react(phase, cause)));
+            format!("{phase:?}: {}\n", reactions.join(", "))
+        });
+        expect![[r"
+            Begun: Refuse, Refuse, GoOn, GoOn
+            Script: Leave, Refuse, GoOn, GoOn
+            Child: Refuse, Advance, GoOn, GoOn
+            Held: Refuse, Refuse, Advance, Advance
+            Waiting(NoStart): Refuse, Refuse, Advance, GoOn
+            Branches: Refuse, Advance, GoOn, GoOn
+            Deciding: Refuse, Advance, GoOn, GoOn
+        "]]
+        .assert_eq(&rows.collect::<Vec<_>>().concat());
+    }
+}
