@@ -3,7 +3,7 @@
 use crate::cli;
 use crate::environment::variable;
 use crate::failure::{Usage, complain};
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use rafcon_storage::{Libraries, Loaded, config, load, roots};
 use std::path::{Path, PathBuf};
 
@@ -53,8 +53,17 @@ impl Source {
     }
 }
 
+/// The path from the root of the file system; it is said to a runner, and so must be text.
 fn absolute(path: &Path) -> Result<PathBuf> {
-    std::path::absolute(path).with_context(|| format!("cannot find the path {}", path.display()))
+    let absolute = std::path::absolute(path)
+        .with_context(|| format!("cannot find the path {}", path.display()))?;
+    if absolute.to_str().is_none() {
+        bail!(
+            "the path {} is not UTF-8: rename the folder, or use a link to it",
+            absolute.display()
+        );
+    }
+    Ok(absolute)
 }
 
 fn root(text: &str) -> Result<(String, PathBuf)> {

@@ -3,6 +3,7 @@
 use crate::cli;
 use crate::clock;
 use crate::templates::{self, Wish};
+use crate::view::counted;
 use anyhow::{Context as _, Result, bail};
 use rafcon_model::{Header, Machine};
 use rafcon_storage::{Naming, save};
@@ -25,11 +26,8 @@ pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
     let machine = Machine { header, root: Arc::new(root) };
     save(&machine, &raw.path, None, Naming::default())?;
     let path = raw.path.display();
-    let states = machine.count();
-    writeln!(
-        io::stdout(),
-        "made {name} with {states} states in {path}; run it: rafcon run {path}"
-    )?;
+    let states = counted(machine.count() as u64, "state");
+    writeln!(io::stdout(), "made {name} with {states} in {path}; run it: rafcon run {path}")?;
     Ok(ExitCode::SUCCESS)
 }
 

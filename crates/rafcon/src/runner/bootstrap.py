@@ -15,6 +15,7 @@ def become_runner():
         refuse("rafcon needs CPython 3.9 or newer, this is " + name)
     if "t" in getattr(sys, "abiflags", ""):
         refuse("rafcon needs a Python with the global interpreter lock, this is a free-threaded build: " + name)
+    import faulthandler
     from importlib.machinery import ExtensionFileLoader
     from importlib.util import module_from_spec, spec_from_file_location
 
@@ -28,6 +29,7 @@ def become_runner():
     except ImportError as error:
         refuse("%s cannot be loaded by %s: %s" % (file, name, error))
     sys.modules["rafcon._native"] = native
+    faulthandler.enable(all_threads=False)
     return native.main(control)
 
 

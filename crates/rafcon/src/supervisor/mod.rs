@@ -108,7 +108,9 @@ impl Supervisor {
                     self.message(now, message, out);
                 }
             }
-            Cause::Nonsense(what) => out.push(Action::Note(format!("the runner sent {what}"))),
+            Cause::Nonsense(what) => {
+                out.push(Action::Note(format!("the runner's words make no sense: {what}")))
+            }
             Cause::Silence => self.silence(now),
             Cause::Raw(stream, line) => self.raw(stream, line, out),
             Cause::Exited(exit) => self.exited(now, exit),

@@ -1,6 +1,6 @@
 //! A run as plain lines: for pipes, files and terminals that can do nothing else.
 
-use super::text::{Line, Paint, Style, harmless};
+use super::text::{Line, Paint, Style, counted, harmless};
 use super::{Names, View, summary};
 use crate::supervisor::End;
 use rafcon_protocol::{Event, LogLevel, Snapshot};
@@ -52,7 +52,7 @@ impl<W: Write> View for Lines<W> {
 
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()> {
         name.clone_into(&mut self.machine);
-        writeln!(self.out, "running {name} ({states} states)")
+        writeln!(self.out, "running {name} ({})", counted(states, "state"))
     }
 
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()> {

@@ -14,7 +14,7 @@ pub(crate) use json::Json;
 pub(crate) use lines::Lines;
 pub(crate) use live::Live;
 pub(crate) use names::{Names, names_of};
-pub(crate) use text::{Line, Paint, Style, harmless};
+pub(crate) use text::{Line, Paint, Style, counted, harmless};
 
 use crate::supervisor::End;
 use rafcon_protocol::{Event, Snapshot};

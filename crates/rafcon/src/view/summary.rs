@@ -1,6 +1,6 @@
 //! The last words about a run, the same below a live picture and in plain lines.
 
-use super::text::{Line, Style, count, harmless, time};
+use super::text::{Line, Style, counted, harmless, time};
 use super::value;
 use rafcon_protocol::{Event, Outcome};
 use std::time::Duration;
@@ -8,8 +8,7 @@ use std::time::Duration;
 /// Lines about an [`Event::Finished`]; none about other events.
 pub(super) fn lines(machine: &str, after: Duration, event: &Event) -> Vec<Line> {
     let Event::Finished { outcome, outputs, states_run, .. } = event else { return Vec::new() };
-    let states = if *states_run == 1 { "state" } else { "states" };
-    let facts = format!(" after {}, {} {states} run", time(after), count(*states_run));
+    let facts = format!(" after {}, {} run", time(after), counted(*states_run, "state"));
     let mut lines = vec![
         Line::of(Style::Strong, harmless(machine))
             .and(Style::Plain, " ended by ")

@@ -165,8 +165,17 @@ pub(crate) fn time(time: std::time::Duration) -> String {
     }
 }
 
-/// A number with thin groups of three: `1,234,567`.
-pub(crate) fn count(number: u64) -> String {
+/// So many things: `no states`, `1 state`, `1,234,567 states`.
+pub(crate) fn counted(number: u64, thing: &str) -> String {
+    match number {
+        0 => format!("no {thing}s"),
+        1 => format!("1 {thing}"),
+        _ => format!("{} {thing}s", grouped(number)),
+    }
+}
+
+/// A number in groups of three digits.
+fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let groups = digits.as_bytes().rchunks(3).rev();
     let groups = groups.map(|group| String::from_utf8_lossy(group).into_owned());
@@ -175,7 +184,7 @@ pub(crate) fn count(number: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Line, Paint, Style, count, harmless, time};
+    use super::{Line, Paint, Style, counted, harmless, time};
     use std::time::Duration;
 
     const PLAIN: Paint = Paint { colour: false, unicode: true };
@@ -220,6 +229,8 @@ mod tests {
     fn times_and_counts_are_for_people() {
         let times = [400, 12_345, 125_000, 3_725_000].map(Duration::from_millis).map(time);
         assert_eq!(times, ["0.4 s", "12.3 s", "2:05", "1:02:05"]);
-        assert_eq!([7, 1_234, 1_234_567].map(count), ["7", "1,234", "1,234,567"]);
+        let counts = [0, 1, 7, 1_234, 1_234_567].map(|number| counted(number, "state"));
+        let expected = ["no states", "1 state", "7 states", "1,234 states", "1,234,567 states"];
+        assert_eq!(counts, expected);
     }
 }

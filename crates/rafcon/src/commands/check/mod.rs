@@ -7,11 +7,11 @@ use crate::cli::{self, CheckFormat};
 use crate::environment::Environment;
 use crate::machine::Source;
 use crate::runner::interpreter::Interpreter;
+use crate::view::{counted, harmless};
 use anyhow::Result;
 use finding::{Finding, Level};
 use rafcon_model::{BuiltinTypes, Machine, Rule, problems};
 use rafcon_storage::{Fault, Loaded};
-use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
@@ -45,20 +45,13 @@ fn of_machine(loaded: &Loaded) -> Vec<Finding> {
 }
 
 fn for_people(machine: &Machine, findings: &[Finding]) -> String {
-    let mut text: String = findings.iter().map(ToString::to_string).collect();
-    let count = |level| findings.iter().filter(|finding| finding.level == level).count();
+    let text: String = findings.iter().map(ToString::to_string).collect();
+    let count = |level| findings.iter().filter(|finding| finding.level == level).count() as u64;
     let (errors, notes) = (count(Level::Error), count(Level::Note));
-    let states = machine.count();
-    write!(text, "{}: {states} states, ", machine.root.name).unwrap_or_default();
-    text + &format!("{}, {}\n", counted(errors, "error"), counted(notes, "note"))
-}
-
-fn counted(count: usize, what: &str) -> String {
-    match count {
-        0 => format!("no {what}s"),
-        1 => format!("1 {what}"),
-        _ => format!("{count} {what}s"),
-    }
+    let states = counted(machine.count() as u64, "state");
+    let name = harmless(&machine.root.name);
+    let (errors, notes) = (counted(errors, "error"), counted(notes, "note"));
+    text + &format!("{name}: {states}, {errors}, {notes}\n")
 }
 
 fn lines(findings: &[Finding]) -> Result<String> {

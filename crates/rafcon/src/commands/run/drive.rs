@@ -3,6 +3,7 @@
 use super::report;
 use super::request::Request;
 use crate::clock::Clock;
+use crate::failure::complain;
 use crate::runner::process::Group;
 use crate::runner::{Cause, Start, wires};
 use crate::supervisor::{Action, End, Supervisor};
@@ -103,8 +104,12 @@ impl Drive {
 
     /// A runner that does not listen any more is noticed by its silence.
     fn send(&mut self, message: &impl Serialize) {
-        if let Ok(line) = encode(message) {
-            self.control.write_all(&line).unwrap_or_default();
+        match encode(message) {
+            Ok(line) => self.control.write_all(&line).unwrap_or_default(),
+            Err(error) => {
+                complain(&format!("error: this cannot be said to the runner: {error}"));
+                self.group.kill();
+            }
         }
     }
 

@@ -9,14 +9,15 @@ pub(super) fn print(machine: &Machine) -> String {
     let mut out = String::from(
         "digraph machine {\n  compound=true; rankdir=LR; node [shape=box, style=rounded, fontname=\"sans-serif\"];\n",
     );
-    state(&mut out, &machine.root, &StatePath::root(machine.root.id.clone()), 1);
+    state(&mut out, &machine.root, &StatePath::root(machine.root.id.clone()), &[]);
     out.push_str("}\n");
     out
 }
 
-fn state(out: &mut String, state: &State, path: &StatePath, depth: usize) {
+/// Draws a state; `used` are those of its outcomes where a transition begins.
+fn state(out: &mut String, state: &State, path: &StatePath, used: &[OutcomeId]) {
     let (id, name) = (quoted(&path.to_string()), quoted(&state.name));
-    let indent = "  ".repeat(depth);
+    let indent = "  ".repeat(path.0.len());
     let Some(inside) = state.container() else {
         line(out, &indent, &format!("{id} [label={name}];"));
         return;
@@ -24,7 +25,7 @@ fn state(out: &mut String, state: &State, path: &StatePath, depth: usize) {
     line(out, &indent, &format!("subgraph {} {{", quoted(&format!("cluster {path}"))));
     line(out, &indent, &format!("  label={name}; {} [shape=point, label=\"\"];", income(path)));
     for outcome in &state.outcomes {
-        if leads_somewhere(inside, state, outcome.id) {
+        if used.contains(&outcome.id) || leads_somewhere(inside, state, outcome.id) {
             let (id, name) = (exit(path, outcome.id), quoted(&outcome.name));
             line(
                 out,
@@ -36,7 +37,9 @@ fn state(out: &mut String, state: &State, path: &StatePath, depth: usize) {
         }
     }
     for child in order::children(inside, &state.id) {
-        self::state(out, child, &path.child(child.id.clone()), depth + 1);
+        let exits = order::exits(inside, &state.id, child).into_iter();
+        let used: Vec<_> = exits.filter(|(_, target)| target.is_some()).map(|(id, _)| id).collect();
+        self::state(out, child, &path.child(child.id.clone()), &used);
     }
     lines_between(out, &indent, state, inside, path);
     line(out, &indent, "}");
@@ -85,8 +88,7 @@ fn entry(inside: &Container, child: &rafcon_model::StateId, path: &StatePath) ->
 fn leave(child: &State, outcome: OutcomeId, path: &StatePath) -> String {
     let path = path.child(child.id.clone());
     match child.container() {
-        Some(inside) if leads_somewhere(inside, child, outcome) => exit(&path, outcome),
-        Some(_) => income(&path),
+        Some(_) => exit(&path, outcome),
         None => quoted(&path.to_string()),
     }
 }

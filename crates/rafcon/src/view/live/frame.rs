@@ -1,6 +1,6 @@
 //! The picture of a running machine as lines: what is active, how long, how it stands. Pure; knows no terminal.
 
-use crate::view::text::{Line, Style, count, harmless, time};
+use crate::view::text::{Line, Style, counted, harmless, time};
 use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
 use std::time::Duration;
 
@@ -44,7 +44,7 @@ fn head(picture: &Picture<'_>, width: usize) -> Line {
     let elapsed = Duration::from_millis(snapshot.elapsed_ms) + picture.age;
     let left =
         Line::of(Style::Strong, harmless(picture.machine)).and(Style::Plain, "  ").and(style, word);
-    let states = format!("{} states run  ", count(snapshot.states_run));
+    let states = format!("{} run  ", counted(snapshot.states_run, "state"));
     let time = Line::of(Style::Strong, time(elapsed));
     let right = Line::of(Style::Dim, states).followed_by(time.clone());
     let fits = left.width() + right.width() < width;

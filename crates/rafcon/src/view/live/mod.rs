@@ -4,7 +4,7 @@ mod frame;
 mod terminal;
 
 use super::lines::log_lines;
-use super::text::{Line, Paint, Style, harmless};
+use super::text::{Line, Paint, Style, counted, harmless};
 use super::{Names, View, summary};
 use crate::supervisor::End;
 use rafcon_protocol::{Event, LogLevel, Snapshot};
@@ -87,7 +87,7 @@ impl View for Live {
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()> {
         self.machine = harmless(name);
         let line = Line::of(Style::Strong, self.machine.clone())
-            .and(Style::Dim, format!("  {} states", super::text::count(states)));
+            .and(Style::Dim, format!("  {}", counted(states, "state")));
         self.above.push(line);
         Ok(())
     }

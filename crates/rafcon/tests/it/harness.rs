@@ -1,0 +1,178 @@
+//! One machine in a temporary folder, one call of the program, one answer. The only place that knows how it is called.
+
+use rafcon_model::notation;
+use rafcon_storage::{Naming, save};
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::io::{BufRead as _, BufReader, Lines};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Output, Stdio};
+
+/// A folder that goes away with it, with a machine in `machine` and a home without configuration.
+pub(crate) struct Place {
+    folder: tempfile::TempDir,
+}
+
+/// What the program said.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Place {
+    /// A place without a machine.
+    pub(crate) fn empty() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    /// A place with the machine of this notation.
+    pub(crate) fn with(text: &str) -> Self {
+        let place = Self::empty();
+        let machine = notation::parse(text).unwrap();
+        save(&machine, &place.machine(), None, Naming::default()).unwrap();
+        place
+    }
+
+    /// A place with a root of one script that has the outcomes `success` (0) and `failure` (1).
+    pub(crate) fn with_script(script: &str) -> Self {
+        Self::with(&one_script(script))
+    }
+
+    pub(crate) fn machine(&self) -> PathBuf {
+        self.folder.path().join("machine")
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file, relative to the machine's folder.
+    pub(crate) fn write(&self, file: impl AsRef<Path>, text: &str) {
+        let file = self.machine().join(file);
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        std::fs::write(file, text).unwrap();
+    }
+
+    /// The program with these words, in this place; `MACHINE` stands for the machine's folder.
+    pub(crate) fn command(&self, words: &str) -> Command {
+        let machine = self.machine().display().to_string();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rafcon"));
+        command.args(words.split_whitespace().map(|word| word.replace("MACHINE", &machine)));
+        command.current_dir(self.folder.path()).env("HOME", self.folder.path());
+        command.env("PYTHONDONTWRITEBYTECODE", "1").stdin(Stdio::null());
+        for name in ["VIRTUAL_ENV", "RAFCON_PYTHON", "RAFCON_EXTENSION", "RAFCON_LIB_PATH"] {
+            command.env_remove(name);
+        }
+        for name in ["RAFCON_LIBRARY_PATH", "RAFCON_PLUGIN_PATH", "LC_ALL"] {
+            command.env_remove(name);
+        }
+        command.env("LANG", "C.UTF-8");
+        command
+    }
+
+    /// Calls the program and waits for its end.
+    pub(crate) fn call(&self, words: &str) -> Answer {
+        self.answer(self.command(words).output().unwrap())
+    }
+
+    /// Runs the machine with JSON output.
+    pub(crate) fn run(&self, more: &str) -> Answer {
+        assert_extension();
+        self.call(&format!("run MACHINE --output json {more}"))
+    }
+
+    pub(crate) fn answer(&self, output: Output) -> Answer {
+        let folder = self.folder.path().display().to_string();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace(&folder, "PLACE");
+        Answer {
+            code: output.status.code(),
+            stdout: text(&output.stdout),
+            stderr: text(&output.stderr),
+        }
+    }
+}
+
+impl Answer {
+    /// The lines of a JSON run.
+    pub(crate) fn events(&self) -> Vec<Value> {
+        self.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    }
+
+    /// The last line of a JSON run.
+    pub(crate) fn last(&self) -> Value {
+        self.events().pop().unwrap_or_else(|| panic!("nothing was printed: {}", self.stderr))
+    }
+
+    /// Messages of the log, one below the other.
+    pub(crate) fn log(&self) -> String {
+        let events = self.events();
+        let messages = events.iter().filter(|event| event["type"] == "log");
+        messages.map(|event| format!("{}\n", event["message"].as_str().unwrap())).collect()
+    }
+
+    /// Exit code, outcome and error output, for expectations.
+    pub(crate) fn ending(&self) -> String {
+        let last = self.last();
+        let outcome = last["outcome"]["name"].as_str().map(|name| format!(" {name}"));
+        let outcome = outcome.unwrap_or_default();
+        let kind = last["type"].as_str().unwrap_or_default();
+        format!("{} {kind}{outcome}\n{}", self.code.unwrap_or(-1), self.stderr)
+    }
+}
+
+/// A run with JSON output in the background, read line by line.
+pub(crate) struct Run {
+    child: Child,
+    lines: Lines<BufReader<ChildStdout>>,
+}
+
+impl Run {
+    pub(crate) fn start(place: &Place, more: &str) -> Self {
+        assert_extension();
+        let mut command = place.command(&format!("run MACHINE --output json {more}"));
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        Self { child, lines }
+    }
+
+    /// The next line with `word`.
+    pub(crate) fn wait_for(&mut self, word: &str) -> String {
+        self.wait_for_one_of(&[word.to_owned()]).unwrap()
+    }
+
+    /// The next line with one of the words.
+    pub(crate) fn wait_for_one_of(&mut self, words: &[String]) -> Option<String> {
+        let said = |line: &String| words.iter().any(|word| line.contains(word));
+        self.lines.by_ref().map(Result::unwrap).find(said)
+    }
+
+    pub(crate) fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.child), signal).unwrap();
+    }
+
+    /// Exit code, what is left of the output, and the error output.
+    pub(crate) fn end(self) -> (Option<i32>, Vec<String>, String) {
+        let lines = self.lines.map(Result::unwrap).collect();
+        let output = self.child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), lines, said)
+    }
+}
+
+/// See [`Place::with_script`].
+pub(crate) fn one_script(script: &str) -> String {
+    let lines = script.trim_matches('\n').lines();
+    let script: String = lines.map(|line| format!("    {line}\n")).collect();
+    format!(
+        "execution LONELY \"Lonely\"\n  outcome success\n  outcome failure\n  script |\n{script}"
+    )
+}
+
+/// Fails with words that help if the extension was not built.
+fn assert_extension() {
+    let binary = Path::new(env!("CARGO_BIN_EXE_rafcon"));
+    let extension = binary.with_file_name("librafcon_python.so");
+    assert!(extension.exists(), "build the extension first: cargo build --workspace");
+}

@@ -1,0 +1,11 @@
+//! The `rafcon` program as a user has it: the real binary, the real extension, real machines in folders of their own.
+//!
+//! The extension must have been built: `cargo build --workspace`, or `cargo xtask test`, which does it.
+
+mod bad_files;
+mod bad_scripts;
+mod commands;
+mod endings;
+mod harness;
+mod signals;
+mod strangers;
