@@ -80,7 +80,7 @@ impl Element for Port {
 
 /// A short list of elements, sorted by id, shared until it is changed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Elements<T>(Option<Arc<Vec<T>>>);
+pub struct Elements<T>(Option<Arc<[T]>>);
 
 /// The outcomes of a state.
 pub type Outcomes = Elements<Outcome>;
@@ -101,7 +101,7 @@ impl<T: Element> Elements<T> {
 
     /// All elements by rising id.
     pub fn as_slice(&self) -> &[T] {
-        self.0.as_deref().map_or(&[], Vec::as_slice)
+        self.0.as_deref().unwrap_or_default()
     }
 
     /// How many there are.
@@ -126,12 +126,15 @@ impl<T: Element> Elements<T> {
 
     /// Puts an element in its place; gives back the one that had its id.
     pub fn insert(&mut self, element: T) -> Option<T> {
-        let found = self.index(element.id());
-        let items = Arc::make_mut(self.0.get_or_insert_default());
-        match found {
-            Ok(index) => Some(std::mem::replace(&mut items[index], element)),
+        match self.index(element.id()) {
+            Ok(index) => {
+                let slot = Arc::make_mut(self.0.as_mut()?).get_mut(index)?;
+                Some(std::mem::replace(slot, element))
+            }
             Err(index) => {
-                items.insert(index, element);
+                let (before, after) = self.as_slice().split_at(index);
+                let (before, after) = (before.iter().cloned(), after.iter().cloned());
+                self.0 = Some(before.chain([element]).chain(after).collect());
                 None
             }
         }
@@ -140,11 +143,11 @@ impl<T: Element> Elements<T> {
     /// Takes the element with this id out.
     pub fn remove(&mut self, id: T::Id) -> Option<T> {
         let index = self.index(id).ok()?;
-        let items = Arc::make_mut(self.0.as_mut()?);
-        let element = items.remove(index);
-        if items.is_empty() {
-            self.0 = None;
-        }
+        let (before, rest) = self.as_slice().split_at(index);
+        let (element, after) = rest.split_first()?;
+        let element = element.clone();
+        let left: Arc<[T]> = before.iter().chain(after).cloned().collect();
+        self.0 = Some(left).filter(|left| !left.is_empty());
         Some(element)
     }
 
@@ -158,8 +161,7 @@ impl<T: Element> FromIterator<T> for Elements<T> {
         let mut items: Vec<T> = items.into_iter().collect();
         items.sort_by_key(Element::id);
         items.dedup_by_key(|element| element.id());
-        items.shrink_to_fit();
-        Self(if items.is_empty() { None } else { Some(Arc::new(items)) })
+        Self(if items.is_empty() { None } else { Some(items.into()) })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Everything that is wrong with a machine. Knows the way through the tree; the rules themselves stand in
 //! [`rules`](crate::rules).
 
-use crate::rules::{Fault, MAX_NESTING, Part, Rule, Severity, faults_of, parts};
+use crate::rules::{Fault, MAX_NESTING, Part, Rule, Severity, errors_of, faults_of, parts};
 use crate::{Kind, LibraryContent, Machine, State, StatePath, Types};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -75,22 +75,27 @@ pub fn problems(machine: &Machine, types: &dyn Types) -> Vec<Problem> {
     found
 }
 
-/// The problems of a state that is about to get a place below `parent`, and of everything inside it but libraries.
-pub(crate) fn problems_of_state(
-    parent: Option<&State>,
+/// The first problem that keeps a state out of its place below `parent`, in it or anywhere inside but in libraries.
+pub(crate) fn refusal(
+    parent: &State,
     path: &StatePath,
     state: &State,
     types: &dyn Types,
-) -> Vec<Problem> {
-    let mut found = Vec::new();
-    let mut open = vec![Visit { path: path.clone(), parent, state }];
+) -> Option<Problem> {
+    let mut open = vec![Visit { path: path.clone(), parent: Some(parent), state }];
     while let Some(visit) = open.pop() {
-        visit.look(types, &mut found);
+        for part in parts(visit.state) {
+            let faults = errors_of(visit.parent, visit.state, part, types);
+            let fault = faults.into_iter().find(|fault| fault.rule.refuses_edits());
+            if let Some(fault) = fault {
+                return Some(Problem::new(&visit.path, part, fault));
+            }
+        }
         if visit.path.0.len() < MAX_NESTING {
             visit.children(&mut open);
         }
     }
-    found
+    None
 }
 
 struct Visit<'m> {

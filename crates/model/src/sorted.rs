@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 /// From this size on the entries live in a tree instead of one list.
 pub(crate) const MANY: usize = 32;
+/// Below this size a list has no room to spare.
+const EXACT: usize = 8;
 /// Below this size they go back into a list.
 const FEW: usize = 16;
 
@@ -115,7 +117,12 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
                 let entries = Arc::make_mut(entries.get_or_insert_default());
                 match position(entries, &key) {
                     Ok(index) => return Some(std::mem::replace(&mut entries[index].1, value)),
-                    Err(index) => entries.insert(index, (key, value)),
+                    Err(index) => {
+                        if entries.len() < EXACT {
+                            entries.reserve_exact(1);
+                        }
+                        entries.insert(index, (key, value));
+                    }
                 }
                 if entries.len() >= MANY {
                     self.0 = Form::Many(std::mem::take(entries).into_iter().collect());

@@ -6,7 +6,7 @@ use super::error::EditError;
 use super::plan::plan;
 use super::scope::{Place, scope_after, scope_before};
 use super::step::{Set, Step};
-use crate::rules::{Fault, Part, Rule, faults_of};
+use crate::rules::{Fault, Part, Rule, errors_of};
 use crate::{Machine, StateId, StatePath, Types};
 use std::collections::BTreeSet;
 
@@ -178,5 +178,5 @@ fn with_new_id(mut at: StatePath, path: &StatePath, id: &StateId) -> StatePath {
 fn faults_at(machine: &Machine, (path, part): &Place, types: &dyn Types) -> Vec<Fault> {
     let Some(state) = machine.state(path) else { return Vec::new() };
     let parent = path.parent().and_then(|parent| machine.state(&parent));
-    faults_of(parent.map(|parent| &**parent), state, *part, types)
+    errors_of(parent.map(|parent| &**parent), state, *part, types)
 }

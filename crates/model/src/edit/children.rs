@@ -4,7 +4,7 @@ use super::error::EditError;
 use super::plan::{container_at, disconnect, nesting};
 use super::step::{Set, Step};
 use super::{ChildrenEdit, group, kind, selection, substitute, ungroup};
-use crate::problems::problems_of_state;
+use crate::problems::refusal;
 use crate::rules::{Part, Rule};
 use crate::{
     Container, DECIDER_ID, Kind, Machine, Origin, OutcomeId, State, StateId, StatePath, Target,
@@ -78,8 +78,7 @@ pub(super) fn whole(
     types: &dyn Types,
 ) -> Result<(), EditError> {
     nesting(path, state)?;
-    let problems = problems_of_state(Some(parent), &path.child(state.id.clone()), state, types);
-    match problems.into_iter().find(|problem| problem.rule.refuses_edits()) {
+    match refusal(parent, &path.child(state.id.clone()), state, types) {
         Some(problem) => Err(problem.into()),
         None => Ok(()),
     }

@@ -5,7 +5,7 @@ use super::error::EditError;
 use super::plan::nesting;
 use super::step::{Set, Step};
 use crate::ids::smallest_free;
-use crate::rules::{Part, Rule, faults_of};
+use crate::rules::{Part, Rule, errors_of};
 use crate::{
     BuiltinTypes, Container, DataFlow, Kind, Origin, Outcome, OutcomeId, Port, PortId, PortKind,
     Ports, State, StateId, StatePath, Target, Transition, TransitionId,
@@ -135,7 +135,7 @@ impl<'m> Grouping<'m> {
     /// The words for a transition that cannot be followed.
     fn faulty(&self, transition: &Transition) -> EditError {
         let part = Part::Transition(transition.id);
-        let fault = faults_of(None, self.state, part, &BuiltinTypes).into_iter().next();
+        let fault = errors_of(None, self.state, part, &BuiltinTypes).into_iter().next();
         match fault {
             Some(fault) => EditError::fault(self.path, part, fault),
             None => EditError::no_such_element(self.path, part),

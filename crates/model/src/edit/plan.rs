@@ -42,14 +42,17 @@ fn header(machine: &Machine, edit: HeaderEdit) -> Vec<Step> {
 
 /// The state that an edit is about. The inside of a library is changed in the library.
 pub(super) fn state_at<'m>(machine: &'m Machine, path: &StatePath) -> Result<&'m State, EditError> {
-    let Some(state) = machine.state(path) else { return Err(EditError::no_such_state(path)) };
-    let mut above = path.parent();
-    while let Some(at) = above {
-        if machine.state(&at).is_some_and(|state| matches!(state.kind, Kind::Library(_))) {
-            let what = format!("it stands inside the library state {at}");
+    let missing = || EditError::no_such_state(path);
+    let (first, rest) = path.0.split_first().ok_or_else(missing)?;
+    let mut state: &State =
+        Some(&machine.root).filter(|root| root.id == *first).ok_or_else(missing)?;
+    for id in rest {
+        if matches!(state.kind, Kind::Library(_)) && machine.state(path).is_some() {
+            let what = format!("it stands inside the library state {}", state.id);
             return Err(EditError::state(path, Rule::LibraryFixed, what));
         }
-        above = at.parent();
+        let child = state.container().and_then(|container| container.states.get(id));
+        state = child.ok_or_else(missing)?;
     }
     Ok(state)
 }

@@ -19,12 +19,8 @@ pub(super) fn scope_before(step: &Step, machine: &Machine) -> Vec<Place> {
         Set::DataFlow(id, _) => scope.data_flow_twins(*id),
         Set::Outcome(id, _) => scope.outcome_twins(*id),
         Set::Port(kind, id, _) => scope.port_twins(*kind, *id),
-        Set::Child(..)
-        | Set::Id(_)
-        | Set::Field(_)
-        | Set::Kind(_)
-        | Set::RuntimeValue(..)
-        | Set::Header(_) => {}
+        Set::Child(id, _) => scope.connections(id),
+        Set::Id(_) | Set::Field(_) | Set::Kind(_) | Set::RuntimeValue(..) | Set::Header(_) => {}
     }
     let mut places = scope_after(step, machine);
     places.append(&mut scope.places);
@@ -91,6 +87,10 @@ impl<'m> Scope<'m> {
     fn child(&mut self, id: &StateId) {
         self.here(Part::State);
         self.places.push((self.at.child(id.clone()), Part::State));
+    }
+
+    /// The connections of a child, which are the same before it comes and after.
+    fn connections(&mut self, id: &StateId) {
         let Some(container) = self.state.container() else { return };
         let connections = connections_of(container, id);
         self.places.extend(connections.map(|part| (self.at.clone(), part)));

@@ -9,7 +9,7 @@ mod transition;
 mod wire;
 
 pub use part::{Part, PortKind};
-pub(crate) use part::{faults_of, parts};
+pub(crate) use part::{errors_of, faults_of, parts};
 pub use state::MAX_NESTING;
 
 use std::fmt;

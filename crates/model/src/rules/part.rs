@@ -112,3 +112,16 @@ pub(crate) fn faults_of(
         Part::RuntimeValue(kind, id) => library::runtime_value_faults(state, kind, id),
     }
 }
+
+/// The same without the notes that cost a look at the parent.
+pub(crate) fn errors_of(
+    parent: Option<&State>,
+    state: &State,
+    part: Part,
+    types: &dyn Types,
+) -> Vec<Fault> {
+    match part {
+        Part::Outcome(id) => interface::outcome_faults(None, state, id),
+        _ => faults_of(parent, state, part, types),
+    }
+}

@@ -1,0 +1,223 @@
+//! What differs between two machines. Knows that shared parts are equal, and skips them; never what the difference is for.
+
+use crate::{Kind, Machine, Sorted, State, StatePath};
+use std::sync::Arc;
+
+/// A state that differs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Difference {
+    /// A state is there now, with everything inside it.
+    Added(StatePath),
+    /// A state is gone, with everything inside it.
+    Removed(StatePath),
+    /// A state itself is another one now; its children are looked at on their own.
+    Changed(StatePath, Vec<Aspect>),
+}
+
+/// What of a state itself differs: as its files are divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Aspect {
+    /// Name, description, kind, outcomes, ports, transitions, data flows, library reference, unknown keys.
+    Core,
+    /// The script's text.
+    Script,
+    /// Semantic data.
+    SemanticData,
+    /// Layout.
+    Layout,
+}
+
+/// The states that differ from `old` to `new`, a state before what stands inside it. What both machines share is skipped, so
+/// that the cost is that of the change, not that of the machine. The contents of libraries are no part of a machine.
+///
+/// ```
+/// use rafcon_model::{Aspect, Difference, StatePath, diff, notation};
+///
+/// let old = notation::parse("hierarchy ROOT\n  execution A\n  execution B")?;
+/// let new = notation::parse("hierarchy ROOT\n  execution A\n    script \"\"\n  execution C")?;
+/// let a = Difference::Changed(StatePath::parse("ROOT/A"), vec![Aspect::Script]);
+/// let b = Difference::Removed(StatePath::parse("ROOT/B"));
+/// let c = Difference::Added(StatePath::parse("ROOT/C"));
+/// assert_eq!(diff(&old, &new), [a, b, c]);
+/// # Ok::<(), notation::NotationError>(())
+/// ```
+pub fn diff(old: &Machine, new: &Machine) -> Vec<Difference> {
+    let (old, new) = (&old.root, &new.root);
+    if old.id != new.id {
+        let path = |state: &State| StatePath::root(state.id.clone());
+        return vec![Difference::Removed(path(old)), Difference::Added(path(new))];
+    }
+    let mut found = Vec::new();
+    let mut open = vec![Pair::Both(StatePath::root(new.id.clone()), old, new)];
+    while let Some(pair) = open.pop() {
+        pair.look(&mut found, &mut open);
+    }
+    found
+}
+
+/// A place in one machine or in both.
+enum Pair<'m> {
+    Both(StatePath, &'m Arc<State>, &'m Arc<State>),
+    One(Difference),
+}
+
+impl Pair<'_> {
+    fn look(self, found: &mut Vec<Difference>, open: &mut Vec<Self>) {
+        let (path, old, new) = match self {
+            Self::One(difference) => return found.push(difference),
+            Self::Both(_, old, new) if Arc::ptr_eq(old, new) => return,
+            Self::Both(path, old, new) => (path, old, new),
+        };
+        let first = open.len();
+        push_children(&path, old, new, open);
+        open[first..].reverse();
+        let aspects = aspects(old, new);
+        if !aspects.is_empty() {
+            found.push(Difference::Changed(path, aspects));
+        }
+    }
+}
+
+/// The children of both states, by rising id.
+fn push_children<'m>(path: &StatePath, old: &'m State, new: &'m State, open: &mut Vec<Pair<'m>>) {
+    let states = |state: &'m State| state.container().map(|container| &container.states);
+    if let (Some(old), Some(new)) = (states(old), states(new))
+        && old.ptr_eq(new)
+    {
+        return;
+    }
+    let mut old = states(old).into_iter().flat_map(Sorted::iter).peekable();
+    let mut new = states(new).into_iter().flat_map(Sorted::iter).peekable();
+    loop {
+        let pair = match (old.peek(), new.peek()) {
+            (None, None) => return,
+            (Some((a, _)), Some((b, _))) if a == b => {
+                let (Some((id, a)), Some((_, b))) = (old.next(), new.next()) else { return };
+                if Arc::ptr_eq(a, b) {
+                    continue;
+                }
+                Pair::Both(path.child(id.clone()), a, b)
+            }
+            (Some((a, _)), other) if other.is_none_or(|(b, _)| a < b) => {
+                let Some((id, _)) = old.next() else { return };
+                Pair::One(Difference::Removed(path.child(id.clone())))
+            }
+            _ => {
+                let Some((id, _)) = new.next() else { return };
+                Pair::One(Difference::Added(path.child(id.clone())))
+            }
+        };
+        open.push(pair);
+    }
+}
+
+fn aspects(old: &State, new: &State) -> Vec<Aspect> {
+    let script = |state: &State| state.script().and_then(|script| script.text.clone());
+    [
+        (!same_core(old, new), Aspect::Core),
+        (script(old) != script(new), Aspect::Script),
+        (old.semantic_data != new.semantic_data, Aspect::SemanticData),
+        (old.layout != new.layout, Aspect::Layout),
+    ]
+    .into_iter()
+    .filter_map(|(differs, aspect)| differs.then_some(aspect))
+    .collect()
+}
+
+fn same_core(old: &State, new: &State) -> bool {
+    (&old.name, &old.description, &old.extra) == (&new.name, &new.description, &new.extra)
+        && (&old.outcomes, &old.inputs, &old.outputs) == (&new.outcomes, &new.inputs, &new.outputs)
+        && same_kind(&old.kind, &new.kind)
+}
+
+/// Whether the kinds are the same, without children, scripts and the contents of libraries.
+fn same_kind(old: &Kind, new: &Kind) -> bool {
+    match (old, new) {
+        (Kind::Execution(_), Kind::Execution(_)) | (Kind::Decider(_), Kind::Decider(_)) => true,
+        (Kind::Hierarchy(a), Kind::Hierarchy(b))
+        | (Kind::Barrier(a), Kind::Barrier(b))
+        | (Kind::Preemptive(a), Kind::Preemptive(b)) => {
+            a.scoped_variables == b.scoped_variables
+                && a.transitions == b.transitions
+                && a.data_flows == b.data_flows
+        }
+        (Kind::Library(a), Kind::Library(b)) => {
+            (&a.path, &a.name, &a.version) == (&b.path, &b.name, &b.version)
+                && (&a.inputs, &a.outputs) == (&b.inputs, &b.outputs)
+        }
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::diff;
+    use crate::notation;
+    use expect_test::{Expect, expect};
+
+    fn check(old: &str, new: &str, expect: &Expect) {
+        let machine = |text| notation::parse(text).expect("a machine in the notation");
+        let (old, new) = (machine(old), machine(new));
+        let line = |difference: &super::Difference| match difference {
+            super::Difference::Added(path) => format!("+ {path}\n"),
+            super::Difference::Removed(path) => format!("- {path}\n"),
+            super::Difference::Changed(path, aspects) => format!("~ {path} {aspects:?}\n"),
+        };
+        expect.assert_eq(&diff(&old, &new).iter().map(line).collect::<String>());
+        assert!(diff(&old, &old.clone()).is_empty());
+    }
+
+    #[test]
+    fn every_aspect_is_told_apart() {
+        check(
+            "
+            hierarchy ROOT
+              hierarchy AAAAAA
+                execution BBBBBB
+              execution CCCCCC
+              library DDDDDD from \"lib/one\"
+              execution EEEEEE
+            ",
+            "
+            hierarchy ROOT
+              start -> AAAAAA
+              hierarchy AAAAAA
+                execution BBBBBB
+                  script \"\"
+                execution BBBBBC
+              preemptive CCCCCC
+                execution XXXXXX
+              library DDDDDD from \"lib/one\"
+                layout {\"a\":1}
+                semantic {\"a\":1}
+                content
+                  execution LLLLLL
+              execution FFFFFF
+            ",
+            &expect![[r"
+                ~ ROOT [Core]
+                ~ ROOT/AAAAAA/BBBBBB [Script]
+                + ROOT/AAAAAA/BBBBBC
+                ~ ROOT/CCCCCC [Core]
+                + ROOT/CCCCCC/XXXXXX
+                ~ ROOT/DDDDDD [SemanticData, Layout]
+                - ROOT/EEEEEE
+                + ROOT/FFFFFF
+            "]],
+        );
+        check(
+            "execution A",
+            "execution B",
+            &expect![[r"
+            - A
+            + B
+        "]],
+        );
+    }
+
+    #[test]
+    fn equal_machines_that_share_nothing_have_no_differences() {
+        let text = "hierarchy A\n  execution B\n    script \"x\"";
+        check(text, text, &expect![]);
+    }
+}
