@@ -2,6 +2,8 @@
 //!
 //! The extension must have been built: `cargo build --workspace`, or `cargo xtask test`, which does it.
 
+#![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
+
 mod bad_files;
 mod bad_scripts;
 mod commands;
