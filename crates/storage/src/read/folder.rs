@@ -74,7 +74,8 @@ impl FileReader {
         file: &str,
     ) -> Result<Option<&[u8]>, Errno> {
         self.set_path(folder, file);
-        let flags = OFlags::RDONLY | OFlags::CLOEXEC;
+        // A pipe in the place of a file has nothing to read, and nobody waits for it.
+        let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NONBLOCK;
         match openat(dir, self.path.as_slice(), flags, Mode::empty())
             .and_then(|file| self.fill(&file))
         {

@@ -258,10 +258,8 @@ fn ids_that_are_taken_are_replaced_the_same_way_at_each_load() {
 
 #[test]
 fn children_come_in_the_order_of_their_ids() {
-    let files: String = ["CCCCCC", "AAAAAA", "BBBBBB"]
-        .iter()
-        .map(|id| format!("== {id}x/core_data.json\n{}\n", execution("x", id)))
-        .collect();
+    let file = |id: &str| format!("== {id}x/core_data.json\n{}\n", execution("x", id));
+    let files = ["CCCCCC", "AAAAAA", "BBBBBB"].map(file).concat();
     check_inside(
         &files,
         &expect![[r#"
@@ -350,6 +348,19 @@ fn names_and_texts_that_are_not_utf8_are_problems() {
           execution AAAAAA "a"
         ROOTID/AAAAAA (caf�_AAAAAA/script.py): is not UTF-8 text; correct the file by hand or restore it; it stays as it is until this part of the state is changed
     "#]].assert_eq(&show(dir.path()));
+}
+
+#[test]
+fn pipes_and_devices_are_no_files_to_wait_for() {
+    let dir = tempfile::tempdir().unwrap();
+    make_files(
+        dir.path(),
+        &format!("{HEADER}\n== core_data.json\n{}", hierarchy("root", "ROOTID")),
+    );
+    let pipe = dir.path().join("meta_data.json");
+    let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+    rustix::fs::mknodat(rustix::fs::CWD, &pipe, rustix::fs::FileType::Fifo, mode, 0).unwrap();
+    assert_eq!(loaded(dir.path()).machine.count(), 1);
 }
 
 #[test]

@@ -29,14 +29,21 @@ pub(crate) fn with_room<T: Send>(
     })
 }
 
-/// How many states contain each other in the deepest place.
-pub(crate) fn depth(root: &Arc<State>) -> usize {
+/// How many states contain each other in the deepest place of `root`; what it shares with `old` is not looked at.
+pub(crate) fn depth(root: &Arc<State>, old: Option<&Arc<State>>) -> usize {
     let mut deepest = 0;
-    let mut waiting = vec![(root, 1)];
-    while let Some((state, depth)) = waiting.pop() {
+    let mut waiting = vec![(root, old, 1)];
+    while let Some((state, old, depth)) = waiting.pop() {
         deepest = deepest.max(depth);
-        if let Some(container) = state.container() {
-            waiting.extend(container.states.values().map(|child| (child, depth + 1)));
+        let (Some(container), false) =
+            (state.container(), old.is_some_and(|old| Arc::ptr_eq(old, state)))
+        else {
+            continue;
+        };
+        let before = old.and_then(|old| old.container());
+        for (id, child) in container.states.iter() {
+            let old = before.and_then(|before| before.states.get(id));
+            waiting.push((child, old, depth + 1));
         }
     }
     deepest

@@ -249,3 +249,24 @@ fn a_save_after_an_interrupted_one_does_not_mix_them() {
         assert_eq!(loaded(dir.path()).machine, third, "after {operations} operations");
     }
 }
+
+#[test]
+fn a_load_beside_a_running_save_sees_the_old_or_the_new_machine() {
+    let dir = tempfile::tempdir().unwrap();
+    let machines = [machine(EVERY_KIND), machine(CHANGED)];
+    let mut saved = save_on(&RealDisk, &machines[0], dir.path(), None, Naming::default()).unwrap();
+    std::thread::scope(|scope| {
+        let reader = scope.spawn(|| {
+            for _ in 0..30 {
+                let read = loaded(dir.path());
+                assert_eq!(read.problems, []);
+                assert!(machines.contains(&read.machine));
+            }
+        });
+        for machine in machines.iter().cycle().skip(1).take(30) {
+            saved =
+                save_on(&RealDisk, machine, dir.path(), Some(&saved), Naming::default()).unwrap();
+        }
+        reader.join().unwrap();
+    });
+}

@@ -49,6 +49,13 @@ pub(crate) struct Mode {
     pub(crate) here: bool,
 }
 
+impl Mode {
+    /// Whether a state that is the very one that was read needs no look.
+    pub(crate) fn is_lazy(self) -> bool {
+        self.here && !self.rewrite && !self.stale
+    }
+}
+
 /// Makes the plan of one save.
 pub(crate) struct Planner<'p> {
     disk: &'p dyn Disk,
@@ -119,10 +126,7 @@ impl<'p> Planner<'p> {
 
     fn state(&mut self, new: &Arc<State>, old: Option<Old<'_>>, spot: &Spot) -> io::Result<Place> {
         let is_shared = old.is_some_and(|old| Arc::ptr_eq(old.state, new));
-        if let Some(old) = old.filter(|_| is_shared && self.mode.here)
-            && !self.mode.rewrite
-            && !self.mode.stale
-        {
+        if let Some(old) = old.filter(|_| is_shared && self.mode.is_lazy()) {
             return Ok(old.place.clone());
         }
         for part in Part::ALL {

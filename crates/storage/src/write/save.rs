@@ -99,7 +99,8 @@ pub(crate) fn plan(
     let before = old.filter(|_| mode.here).map(|old| &old.header);
     machine_files(&mut planner, &machine.header, before)?;
     let old = old.map(|old| Old { state: &old.root, place: &old.place });
-    let depth = deep::depth(&machine.root).max(old.map_or(0, |old| deep::depth(old.state)));
+    let shared = old.filter(|_| mode.is_lazy()).map(|old| old.state);
+    let depth = deep::depth(&machine.root, shared);
     let place = deep::with_room(depth, || planner.root(&machine.root, old))?;
     Ok((planner.plan, place))
 }

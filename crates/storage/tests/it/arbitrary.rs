@@ -62,12 +62,10 @@ fn state(depth: u32) -> BoxedStrategy<State> {
                 state.semantic_data = semantic;
                 state.extra =
                     extra.map(|members| Box::new(Json::Object(vec![("unknown".into(), members)])));
-                match &state.kind {
-                    Kind::Library(library) => {
-                        state.inputs = known_ports("input", &library.inputs);
-                        state.outputs = known_ports("output", &library.outputs);
-                    }
-                    _ => (state.inputs, state.outputs) = (inputs, outputs),
+                (state.inputs, state.outputs) = (inputs, outputs);
+                if let Kind::Library(library) = &state.kind {
+                    state.inputs = known_ports("input", &library.inputs);
+                    state.outputs = known_ports("output", &library.outputs);
                 }
                 state
             },

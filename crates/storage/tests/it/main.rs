@@ -1,5 +1,7 @@
 //! Storage from outside: machines of every layout, random machines, and the reference reading what we write.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot prepare its files has failed")]
+
 mod arbitrary;
 mod folders;
 mod layouts;
