@@ -109,7 +109,7 @@ impl Supervisor {
                 }
             }
             Cause::Nonsense(what) => {
-                out.push(Action::Note(format!("the runner's words make no sense: {what}")))
+                out.push(Action::Note(format!("the runner's words make no sense: {what}")));
             }
             Cause::Silence => self.silence(now),
             Cause::Raw(stream, line) => self.raw(stream, line, out),

@@ -287,7 +287,7 @@ fn names_that_are_not_utf_8() {
     let other = place.path("").join(std::ffi::OsStr::from_bytes(b"mach\xffine"));
     std::fs::rename(place.machine(), &other).unwrap();
     let output = place.command("run").arg(&other).args(["--output", "json"]).output().unwrap();
-    let answer = place.answer(output);
+    let answer = place.answer(&output);
     assert_eq!(answer.code, Some(1));
     expect![[r"
         error: the path PLACE/mach�ine is not UTF-8: rename the folder, or use a link to it

@@ -262,6 +262,6 @@ fn a_reader_that_goes_away_is_no_failure() {
         .unwrap();
     let mut first = [0; 1];
     child.stdout.take().unwrap().read_exact(&mut first).unwrap();
-    let answer = place.answer(child.wait_with_output().unwrap());
+    let answer = place.answer(&child.wait_with_output().unwrap());
     assert_eq!((answer.code, answer.stderr.as_str()), (Some(0), ""));
 }

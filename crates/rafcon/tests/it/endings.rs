@@ -162,7 +162,7 @@ fn a_script_reads_what_is_piped_in() {
     std::fs::write(place.path("names"), "Ada\n").unwrap();
     let names = std::fs::File::open(place.path("names")).unwrap();
     let output = place.command("run MACHINE --output json").stdin(names).output().unwrap();
-    assert_eq!(place.answer(output).code, Some(3));
+    assert_eq!(place.answer(&output).code, Some(3));
 }
 
 #[test]

@@ -74,7 +74,7 @@ impl Place {
 
     /// Calls the program and waits for its end.
     pub(crate) fn call(&self, words: &str) -> Answer {
-        self.answer(self.command(words).output().unwrap())
+        self.answer(&self.command(words).output().unwrap())
     }
 
     /// Runs the machine with JSON output.
@@ -83,7 +83,7 @@ impl Place {
         self.call(&format!("run MACHINE --output json {more}"))
     }
 
-    pub(crate) fn answer(&self, output: Output) -> Answer {
+    pub(crate) fn answer(&self, output: &Output) -> Answer {
         let folder = self.folder.path().display().to_string();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace(&folder, "PLACE");
         Answer {
@@ -109,7 +109,7 @@ impl Answer {
     pub(crate) fn log(&self) -> String {
         let events = self.events();
         let messages = events.iter().filter(|event| event["type"] == "log");
-        messages.map(|event| format!("{}\n", event["message"].as_str().unwrap())).collect()
+        messages.flat_map(|event| [event["message"].as_str().unwrap(), "\n"]).collect()
     }
 
     /// Exit code, outcome and error output, for expectations.
@@ -164,7 +164,7 @@ impl Run {
 /// See [`Place::with_script`].
 pub(crate) fn one_script(script: &str) -> String {
     let lines = script.trim_matches('\n').lines();
-    let script: String = lines.map(|line| format!("    {line}\n")).collect();
+    let script: String = lines.flat_map(|line| ["    ", line, "\n"]).collect();
     format!(
         "execution LONELY \"Lonely\"\n  outcome success\n  outcome failure\n  script |\n{script}"
     )

@@ -145,7 +145,7 @@ mod tests {
     use super::super::{Template, Wish};
     use super::TEMPLATE;
     use expect_test::{Expect, expect};
-    use rafcon_model::State;
+    use rafcon_model::{BuiltinTypes, Header, Machine, State, problems};
 
     fn build(states: Option<usize>) -> anyhow::Result<State> {
         let Template { build, .. } = TEMPLATE;
@@ -188,6 +188,13 @@ mod tests {
             let root = build(Some(states)).unwrap();
             assert_eq!(sum(&root, &|_| 1), states);
         }
+    }
+
+    #[test]
+    fn nothing_is_wrong_with_it() {
+        let machine = Machine { header: Header::default(), root: build(None).unwrap().into() };
+        let found = problems(&machine, &BuiltinTypes);
+        assert!(found.is_empty(), "{found:?}");
     }
 
     #[test]
