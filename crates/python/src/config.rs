@@ -3,14 +3,14 @@
 use crate::runtime::Runtime;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rafcon_storage::Config;
+use rafcon_storage::{Config, Root};
 
-/// Shows scripts the configuration that the run has.
-pub(crate) fn put_in_force(py: Python<'_>, config: &Config) -> PyResult<()> {
+/// Shows scripts the configuration that the run has; the library roots are those that are used, wherever they come from.
+pub(crate) fn put_in_force(py: Python<'_>, config: &Config, roots: &[Root]) -> PyResult<()> {
     let values = PyDict::new(py);
     let libraries = PyDict::new(py);
-    for (name, folder) in &config.library_paths {
-        libraries.set_item(name, folder.to_string_lossy())?;
+    for root in roots {
+        libraries.set_item(root.name.as_str(), root.dir.to_string_lossy())?;
     }
     values.set_item("LIBRARY_PATHS", libraries)?;
     values.set_item("STORAGE_PATH_WITH_STATE_NAME", config.naming.with_name)?;

@@ -41,7 +41,9 @@ impl Host for PythonHost {
 
     fn opened(driver: &Arc<Driver<PythonScripts>>) {
         current::set(driver);
-        let configured = Python::attach(|py| config::put_in_force(py, &driver.scripts().config));
+        let scripts = driver.scripts();
+        let roots = scripts.files.libraries().roots();
+        let configured = Python::attach(|py| config::put_in_force(py, &scripts.config, roots));
         if let Err(error) = configured {
             let message = format!("scripts see the default configuration: {error}");
             current::say(LogLevel::Error, message);

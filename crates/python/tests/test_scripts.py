@@ -207,6 +207,20 @@ class Scripts(unittest.TestCase):
             lines=["True True PAUSED", "True True False"],
         )
 
+    def test_the_configuration_in_force(self):
+        machine = save(self.folder / "machine", sequence(execute(
+            """
+            from rafcon.core.config import global_config
+            from rafcon.core.singleton import library_manager
+            print(global_config.get_config_value("SCRIPT_RECOMPILATION_ON_STATE_EXECUTION"))
+            print(library_manager.libraries["own"] == {"arm": library_manager.library_root_paths["own"] + "/arm"})
+            return 0
+            """
+        )))  # fmt: skip
+        save(self.folder / "own" / "arm", sequence(execute("return 0")))
+        result = run(machine, libraries=[("own", str(self.folder / "own"))])
+        self.assertEqual(result.logged("stdout"), ["True", "True"])
+
     def test_the_desktop_is_missing_as_it_always_was(self):
         self.check("from rafcon.gui.utils.dialog import X", outcome="aborted", error="ModuleNotFoundError")
 

@@ -25,6 +25,11 @@ impl StateFiles {
         self.saved.dir()
     }
 
+    /// Where libraries are looked up.
+    pub fn libraries(&self) -> &Libraries {
+        &self.libraries
+    }
+
     /// The folder of the state at `path` (ids joined by `/`), if it is known.
     pub fn folder(&self, path: &str) -> Option<PathBuf> {
         self.saved.folder(&StatePath::parse(path), &self.libraries)

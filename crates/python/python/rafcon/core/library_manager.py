@@ -28,12 +28,11 @@ class LibraryManager:
 
     @property
     def library_root_paths(self):
-        """Key to absolute folder, from the configuration and ``RAFCON_LIBRARY_PATH`` (which wins)."""
+        """Key to absolute folder: those of the run; without a run, those of ``RAFCON_LIBRARY_PATH``."""
+        folders = map(_absolute, filter(None, os.environ.get("RAFCON_LIBRARY_PATH", "").split(os.pathsep)))
+        roots = {os.path.basename(folder): folder for folder in folders}
         configured = global_config.get_config_value("LIBRARY_PATHS").items()
-        roots = {key: _absolute(folder) for key, folder in configured}
-        for folder in os.environ.get("RAFCON_LIBRARY_PATH", "").split(os.pathsep):
-            if folder:
-                roots[os.path.basename(_absolute(folder))] = _absolute(folder)
+        roots.update((key, _absolute(folder)) for key, folder in configured)
         return {key: folder for key, folder in roots.items() if os.path.isdir(folder)}
 
     @property
