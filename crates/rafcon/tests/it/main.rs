@@ -8,6 +8,8 @@ mod bad_files;
 mod bad_scripts;
 mod commands;
 mod endings;
+mod examples;
 mod harness;
+mod readme;
 mod signals;
 mod strangers;

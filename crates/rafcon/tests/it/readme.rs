@@ -1,17 +1,18 @@
 //! The first machine of the README: typed as it stands there, the terminal answers as it stands there.
 
+use crate::harness::Place;
 use std::path::Path;
 use std::process::Command;
 
-const README: &str = include_str!("../../../README.md");
+const README: &str = include_str!("../../../../README.md");
 
 #[test]
 fn the_first_machine_runs_as_shown() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let place = Place::empty();
     let mut checked = 0;
     for step in console(README).split("$ ").skip(1) {
-        let (command, answer) = step.split_once('\n').expect("a command is a line");
-        assert_eq!(without_times(&type_in(command, folder.path())), without_times(answer));
+        let (command, answer) = step.split_once('\n').unwrap();
+        assert_eq!(without_times(&type_in(command, &place)), without_times(answer));
         checked += 1;
     }
     assert_eq!(checked, 4, "the README shows four commands");
@@ -19,19 +20,19 @@ fn the_first_machine_runs_as_shown() {
 
 /// The text of the first console block.
 fn console(markdown: &str) -> &str {
-    let (_, after) = markdown.split_once("```console\n").expect("a console block");
-    after.split_once("```").expect("its end").0
+    let (_, after) = markdown.split_once("```console\n").unwrap();
+    after.split_once("```").unwrap().0
 }
 
-fn type_in(command: &str, folder: &Path) -> String {
+fn type_in(command: &str, place: &Place) -> String {
     let program = Path::new(env!("CARGO_BIN_EXE_rafcon"));
-    let programs = program.parent().expect("a folder").display();
+    let programs = program.parent().unwrap().display();
     let path = std::env::var_os("PATH").unwrap_or_default();
     let path = format!("{programs}:{}", path.to_string_lossy());
     let mut shell = Command::new("sh");
-    let output = shell.args(["-c", command]).current_dir(folder).env("PATH", path).output();
-    let output = output.expect("a shell");
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+    shell.args(["-c", command]).current_dir(place.path("")).env("PATH", path);
+    let answer = place.answer(&shell.output().unwrap());
+    answer.stdout + &answer.stderr
 }
 
 /// Times differ from run to run: numbers with a fraction become a sign.
