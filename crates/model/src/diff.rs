@@ -1,6 +1,6 @@
 //! What differs between two machines. Knows that shared parts are equal, and skips them; never what the difference is for.
 
-use crate::{Kind, Machine, Sorted, State, StatePath};
+use crate::{Machine, Sorted, State, StatePath};
 use std::sync::Arc;
 
 /// A state that differs.
@@ -127,26 +127,7 @@ fn aspects(old: &State, new: &State) -> Vec<Aspect> {
 fn same_core(old: &State, new: &State) -> bool {
     (&old.name, &old.description, &old.extra) == (&new.name, &new.description, &new.extra)
         && (&old.outcomes, &old.inputs, &old.outputs) == (&new.outcomes, &new.inputs, &new.outputs)
-        && same_kind(&old.kind, &new.kind)
-}
-
-/// Whether the kinds are the same, without children, scripts and the contents of libraries.
-fn same_kind(old: &Kind, new: &Kind) -> bool {
-    match (old, new) {
-        (Kind::Execution(_), Kind::Execution(_)) | (Kind::Decider(_), Kind::Decider(_)) => true,
-        (Kind::Hierarchy(a), Kind::Hierarchy(b))
-        | (Kind::Barrier(a), Kind::Barrier(b))
-        | (Kind::Preemptive(a), Kind::Preemptive(b)) => {
-            a.scoped_variables == b.scoped_variables
-                && a.transitions == b.transitions
-                && a.data_flows == b.data_flows
-        }
-        (Kind::Library(a), Kind::Library(b)) => {
-            (&a.path, &a.name, &a.version) == (&b.path, &b.name, &b.version)
-                && (&a.inputs, &a.outputs) == (&b.inputs, &b.outputs)
-        }
-        _ => false,
-    }
+        && old.kind.is_same_shell(&new.kind)
 }
 
 #[cfg(test)]

@@ -174,7 +174,7 @@ mod tests {
     fn steps_go_back_and_forth_and_branch() {
         let mut machine = notation::parse("execution ROOT").expect("a machine");
         let mut history = History::default();
-        let mut out = shown(&machine, &history);
+        let mut out = vec![shown(&machine, &history)];
         for step in ["one", "two", "<", "<", "<", ">", "three", "<", "<", ">", ">", ">", ""] {
             let done = match step {
                 "<" => history.undo(&mut machine, &BuiltinTypes).map(|id| id.is_some()),
@@ -184,10 +184,10 @@ mod tests {
                     history.apply(&mut machine, name, edit, &BuiltinTypes).map(|_| true)
                 }
             };
-            out += &format!("{step}: {done:?} {}", shown(&machine, &history));
+            out.push(format!("{step}: {done:?} {}", shown(&machine, &history)));
         }
         let parents: Vec<_> = history.steps().map(|(_, step)| step.parent).collect();
-        out += &format!("{parents:?}");
+        out.push(format!("{parents:?}"));
         expect![[r#"
             ROOT (undo None, redo None)
             one: Ok(true) one (undo Some("one"), redo None)
@@ -203,7 +203,7 @@ mod tests {
             >: Ok(true) three (undo Some("three"), redo None)
             >: Ok(false) three (undo Some("three"), redo None)
             : Err(EditError { path: StatePath([StateId("ROOT")]), part: State, rule: StateName, what: "the name is empty" }) three (undo Some("three"), redo None)
-            [None, Some(StepId(0)), Some(StepId(0))]"#]].assert_eq(&out);
+            [None, Some(StepId(0)), Some(StepId(0))]"#]].assert_eq(&out.concat());
     }
 
     /// Somebody else removed the state: the step stays, and can be undone when the state is back.

@@ -58,10 +58,13 @@ impl Machine {
 
     /// How many states there are, libraries counted as one each.
     pub fn count(&self) -> usize {
-        count(&self.root)
+        let mut open = vec![&*self.root];
+        let mut count = 0;
+        while let Some(state) = open.pop() {
+            count += 1;
+            let children = state.container().into_iter().flat_map(|c| c.states.values());
+            open.extend(children.map(|child| &**child));
+        }
+        count
     }
-}
-
-fn count(state: &State) -> usize {
-    1 + state.container().map_or(0, |c| c.states.values().map(|child| count(child)).sum())
 }

@@ -1,13 +1,15 @@
 //! One state and what it consists of.
 
 use crate::port::Extra;
-use crate::{Container, Json, Library, Outcome, OutcomeId, Outcomes, Ports, StateId, json};
+use crate::{
+    Container, Json, Library, LibraryContent, Outcome, OutcomeId, Outcomes, Ports, StateId, json,
+};
 use smol_str::SmolStr;
 use std::fmt;
 use std::sync::Arc;
 
 /// A node of the tree.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct State {
     /// Unique among its siblings and different from its parent's.
     pub id: StateId,
@@ -78,7 +80,60 @@ impl fmt::Display for KindName {
     }
 }
 
+/// Equal down to the last state; shared parts are not looked at. Never recurses, so that depth is no danger.
+impl PartialEq for State {
+    fn eq(&self, other: &Self) -> bool {
+        let mut open = vec![(self, other)];
+        while let Some((a, b)) = open.pop() {
+            if std::ptr::eq(a, b) {
+                continue;
+            }
+            if !a.is_same_alone(b) || !push_inside(a, b, &mut open) {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+/// Pairs of states that stand inside `a` and `b`; false if they differ in number or id.
+fn push_inside<'s>(a: &'s State, b: &'s State, open: &mut Vec<(&'s State, &'s State)>) -> bool {
+    if let (Some(a), Some(b)) = (a.container(), b.container()) {
+        let (a, b) = (&a.states, &b.states);
+        if a.len() != b.len() || !a.keys().eq(b.keys()) {
+            return false;
+        }
+        open.extend(a.values().zip(b.values()).map(|(a, b)| (&**a, &**b)));
+    }
+    if let (Kind::Library(a), Kind::Library(b)) = (&a.kind, &b.kind) {
+        match (&a.content, &b.content) {
+            (LibraryContent::Found(a), LibraryContent::Found(b)) => open.push((a, b)),
+            (a, b) => return a == b,
+        }
+    }
+    true
+}
+
 impl Kind {
+    /// Whether both are the same but for children, scripts and the content of a library.
+    pub(crate) fn is_same_shell(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Execution(_), Self::Execution(_)) | (Self::Decider(_), Self::Decider(_)) => true,
+            (Self::Hierarchy(a), Self::Hierarchy(b))
+            | (Self::Barrier(a), Self::Barrier(b))
+            | (Self::Preemptive(a), Self::Preemptive(b)) => {
+                a.scoped_variables == b.scoped_variables
+                    && a.transitions == b.transitions
+                    && a.data_flows == b.data_flows
+            }
+            (Self::Library(a), Self::Library(b)) => {
+                (&a.path, &a.name, &a.version) == (&b.path, &b.name, &b.version)
+                    && (&a.inputs, &a.outputs) == (&b.inputs, &b.outputs)
+            }
+            _ => false,
+        }
+    }
+
     /// The kind without content.
     pub fn name(&self) -> KindName {
         match self {
@@ -118,6 +173,17 @@ impl State {
             kind,
             extra: None,
         }
+    }
+
+    /// Whether both are the same but for what stands inside.
+    fn is_same_alone(&self, other: &Self) -> bool {
+        (&self.id, &self.name, &self.description) == (&other.id, &other.name, &other.description)
+            && (&self.outcomes, &self.inputs, &self.outputs)
+                == (&other.outcomes, &other.inputs, &other.outputs)
+            && (&self.semantic_data, &self.layout, &self.extra)
+                == (&other.semantic_data, &other.layout, &other.extra)
+            && self.script() == other.script()
+            && self.kind.is_same_shell(&other.kind)
     }
 
     /// The inside of a hierarchy or concurrency state.

@@ -1,8 +1,12 @@
 //! Edits of which states stand where.
 
-use super::{at, check};
-use crate::edit::{ChildrenEdit, Edit, StateEdit, copy};
-use crate::{KindName, OutcomeId, PortId, State, StateId, Target, notation};
+use super::{at, check, edited};
+use crate::edit::{ChildrenEdit, Edit, StateEdit, apply, copy};
+use crate::rules::MAX_NESTING;
+use crate::{
+    BuiltinTypes, KindName, OutcomeId, PortId, Rule, State, StateId, StatePath, Target, diff,
+    notation,
+};
 use expect_test::expect;
 use std::sync::Arc;
 
@@ -681,4 +685,27 @@ fn copies_are_pasted_under_fresh_ids() {
             out o: int
     "#]],
     );
+}
+
+/// A machine as deep as allowed can be built, compared and taken apart; one level more is refused.
+#[test]
+fn the_deepest_machine_is_no_danger() {
+    let mut machine = notation::parse("hierarchy S0").expect("a machine");
+    let mut path = at("S0");
+    let mut add = |path: &StatePath, level: usize| {
+        let child = state(&format!("hierarchy S{level}"));
+        let edit = Edit::Children(path.clone(), ChildrenEdit::Add(child));
+        apply(&mut machine, edit, &BuiltinTypes)
+            .map(|_| path.child(StateId::new(format!("S{level}"))))
+    };
+    for level in 1..MAX_NESTING {
+        path = add(&path, level).expect("a level more");
+    }
+    let refused = add(&path, MAX_NESTING).expect_err("too deep");
+    assert_eq!(refused.rule, Rule::Nesting);
+    let copy = notation::parse(&notation::print(&machine)).expect("the same machine");
+    assert_eq!((copy.count(), &copy), (MAX_NESTING, &machine));
+    assert!(diff(&copy, &machine).is_empty());
+    let group = edited(&machine, group("S0", &["S1"], &[])).expect_err("too deep");
+    assert!(group.contains("nested deeper"), "{group}");
 }
