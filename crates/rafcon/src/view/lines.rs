@@ -115,9 +115,9 @@ pub(super) fn log_lines(time: Duration, name: &str, log: LogLevel, message: &str
         LogLevel::Error => Style::Bad,
     };
     let head = Line::of(Style::Dim, format!("{:8.3}  ", time.as_secs_f64()));
+    let below = Line::of(Style::Plain, " ".repeat(head.width()));
     let gap = if name.is_empty() { "" } else { "  " };
     let head = head.and(Style::Strong, format!("{}{gap}", harmless(name)));
-    let below = Line::of(Style::Plain, " ".repeat(head.width()));
     let heads = std::iter::once(head).chain(std::iter::repeat(below));
     let text = if message.is_empty() { "\n" } else { message };
     heads.zip(text.lines()).map(|(head, text)| head.and(style, harmless(text))).collect()
