@@ -21,6 +21,8 @@ pub(crate) struct Crew<D> {
     /// Threads on their way to `ready`.
     seekers: usize,
     active: Active,
+    /// There is nothing more to do, ever.
+    dismissed: bool,
 }
 
 impl<D> Crew<D> {
@@ -31,6 +33,7 @@ impl<D> Crew<D> {
             ready: VecDeque::new(),
             seekers: 0,
             active,
+            dismissed: false,
         }
     }
 
@@ -69,7 +72,7 @@ impl<D> Crew<D> {
     /// A thread has no branch any more and asks for the next one; without one it is idle from now on.
     pub(crate) fn take(&mut self, worker: Arc<Worker<D>>) -> Option<Turn<D>> {
         let Some(turn) = self.ready.pop_front() else {
-            self.idle.push(worker);
+            self.retire(worker);
             return None;
         };
         self.active.begin(worker.slot, &turn.place);
@@ -79,7 +82,11 @@ impl<D> Crew<D> {
 
     /// A thread that waits for mail has no branch any more.
     pub(crate) fn retire(&mut self, worker: Arc<Worker<D>>) {
-        self.idle.push(worker);
+        if self.dismissed {
+            worker.mailbox.post(Mail::End);
+        } else {
+            self.idle.push(worker);
+        }
     }
 
     /// A thread that was sent for has come.
@@ -112,11 +119,37 @@ impl<D> Crew<D> {
         self.ready.pop_front()
     }
 
-    /// Ends every thread.
+    /// Ends every thread; one that was sent for and has not come yet ends when it comes.
     pub(crate) fn dismiss(&mut self) {
+        self.dismissed = true;
         let owners = std::mem::take(&mut self.owners).into_values();
         for worker in owners.chain(std::mem::take(&mut self.idle)) {
             worker.mailbox.post(Mail::End);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Crew;
+    use crate::active::Active;
+    use crate::branch::{Mail, Worker};
+    use crate::mailbox::Mailbox;
+    use rafcon_model::Value;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_thread_that_comes_after_the_end_ends_too() {
+        let mut crew = Crew::<Value>::new(Active::default());
+        let [early, late] =
+            [0, 1].map(|slot| Arc::new(Worker { slot, mailbox: Mailbox::default() }));
+        assert!(crew.take(Arc::clone(&early)).is_none());
+        crew.sent();
+        crew.dismiss();
+        crew.arrive();
+        assert!(crew.take(Arc::clone(&late)).is_none());
+        for worker in [early, late] {
+            assert!(matches!(worker.mailbox.wait(), Mail::End));
         }
     }
 }
