@@ -9,10 +9,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The folder of a state and of the states in it. Cloning is cheap.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// The folder's name in the parent's folder; empty for the root of the current layout.
-    pub(crate) folder: Box<OsStr>,
+    pub(crate) folder: Arc<OsStr>,
     pub(crate) extra: Option<Box<Oddities>>,
     children: Option<Arc<Vec<(StateId, Self)>>>,
 }
@@ -31,12 +31,12 @@ impl Place {
     pub(crate) fn new(folder: OsString, mut children: Vec<(StateId, Self)>) -> Self {
         children.sort_by(|a, b| a.0.cmp(&b.0));
         let children = if children.is_empty() { None } else { Some(Arc::new(children)) };
-        Self { folder: folder.into_boxed_os_str(), extra: None, children }
+        Self { folder: folder.into(), extra: None, children }
     }
 
     /// The same place in a folder of this name.
     pub(crate) fn in_folder(self, folder: OsString) -> Self {
-        Self { folder: folder.into_boxed_os_str(), ..self }
+        Self { folder: folder.into(), ..self }
     }
 
     /// The same place with other things that only its files tell.

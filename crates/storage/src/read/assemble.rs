@@ -11,6 +11,7 @@ use crate::problem::{Fault, LoadProblem};
 use rafcon_model::{
     Container, DataFlow, DataFlows, Kind, State, StateId, StatePath, Transition, Transitions,
 };
+use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::os::unix::ffi::OsStrExt as _;
 use std::path::PathBuf;
@@ -70,7 +71,7 @@ pub(crate) fn assemble(
 /// No nodes give an empty hierarchy; callers have at least a root.
 fn nothing() -> (State, Place) {
     let state = State::new(StateId::new("ROOT"), "root", Kind::Hierarchy(Container::default()));
-    (state, Place::default())
+    (state, Place::new(OsString::new(), Vec::new()))
 }
 
 fn build(
@@ -104,7 +105,7 @@ fn build(
 /// Sorts by id; a state whose id is taken gets another one, the same at each load.
 fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut Trail) {
     children.sort_by(|a, b| key(a).cmp(&key(b)));
-    let mut taken: Vec<StateId> = vec![parent.clone()];
+    let mut taken = BTreeSet::from([parent.clone()]);
     for index in 0..children.len() {
         let old = children[index].state.id.clone();
         let again = index > 0 && children[index - 1].state.id == old;
@@ -116,7 +117,7 @@ fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut Trail) {
         }
         let child = &mut children[index];
         let new = fresh_id(&child.place.folder, &taken);
-        taken.push(new.clone());
+        taken.insert(new.clone());
         trail.faults.push((child.number, Part::Core, Fault::TakenId { old, new: new.clone() }));
         rename(&mut child.state, &new);
         if !child.linked {
@@ -134,7 +135,7 @@ fn key(child: &Built) -> (&StateId, bool, &OsStr) {
 }
 
 /// Six letters that follow from the folder's name.
-fn fresh_id(folder: &OsStr, taken: &[StateId]) -> StateId {
+fn fresh_id(folder: &OsStr, taken: &BTreeSet<StateId>) -> StateId {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for byte in folder.as_bytes() {
         hash = (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);

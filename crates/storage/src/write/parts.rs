@@ -3,7 +3,7 @@
 use super::encode;
 use crate::files::Part;
 use crate::place::Place;
-use rafcon_model::{State, json};
+use rafcon_model::{Container, Kind, Library, State, StateId, json};
 
 /// A state as it lies on a disk.
 #[derive(Debug, Clone, Copy)]
@@ -12,11 +12,16 @@ pub(crate) struct Old<'o> {
     pub(crate) place: &'o Place,
 }
 
-impl Old<'_> {
-    /// The state with this id in it, as it lies on the disk.
-    pub(crate) fn child(self, id: &rafcon_model::StateId) -> Option<Self> {
-        let state = self.state.container()?.states.get(id)?;
-        Some(Self { state, place: self.place.child(id)? })
+impl<'o> Old<'o> {
+    /// The states in it, by rising id.
+    pub(crate) fn children(self) -> impl Iterator<Item = (&'o StateId, Self)> {
+        let container = self.state.container().into_iter();
+        let mut states = container.flat_map(|container| container.states.iter()).peekable();
+        self.place.children().iter().filter_map(move |(id, place)| {
+            while states.next_if(|(known, _)| *known < id).is_some() {}
+            let (id, state) = states.next_if(|(known, _)| *known == id)?;
+            Some((id, Self { state, place }))
+        })
     }
 }
 
@@ -33,11 +38,46 @@ pub(crate) fn text(state: &State, part: Part) -> Option<String> {
 /// Whether both states have the same in this file.
 pub(crate) fn is_same(new: &State, old: &State, part: Part) -> bool {
     match part {
-        Part::Core => encode::core(new) == encode::core(old),
+        Part::Core => is_same_core(new, old),
         Part::Script => new.script() == old.script(),
         Part::Semantic => new.semantic_data == old.semantic_data,
         Part::Layout => new.layout == old.layout,
     }
+}
+
+fn is_same_core(new: &State, old: &State) -> bool {
+    let same = new.id == old.id
+        && new.name == old.name
+        && new.description == old.description
+        && new.outcomes == old.outcomes
+        && new.extra == old.extra;
+    let same_ports = || new.inputs == old.inputs && new.outputs == old.outputs;
+    same && match (&new.kind, &old.kind) {
+        (Kind::Execution(_), Kind::Execution(_)) | (Kind::Decider(_), Kind::Decider(_)) => {
+            same_ports()
+        }
+        (Kind::Hierarchy(new), Kind::Hierarchy(old))
+        | (Kind::Barrier(new), Kind::Barrier(old))
+        | (Kind::Preemptive(new), Kind::Preemptive(old)) => {
+            same_ports() && is_same_inside(new, old)
+        }
+        (Kind::Library(new), Kind::Library(old)) => is_same_reference(new, old),
+        _ => false,
+    }
+}
+
+/// Children have files of their own.
+fn is_same_inside(new: &Container, old: &Container) -> bool {
+    new.transitions == old.transitions
+        && new.data_flows == old.data_flows
+        && new.scoped_variables == old.scoped_variables
+}
+
+/// What was found behind the reference is in no file of ours.
+fn is_same_reference(new: &Library, old: &Library) -> bool {
+    let parts =
+        |library: &Library| (library.path.clone(), library.name.clone(), library.version.clone());
+    parts(new) == parts(old) && new.inputs == old.inputs && new.outputs == old.outputs
 }
 
 /// The bytes of the file; those that were read, if they could not be understood and their part did not change.

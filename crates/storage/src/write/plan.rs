@@ -125,8 +125,7 @@ impl<'p> Planner<'p> {
     }
 
     fn state(&mut self, new: &Arc<State>, old: Option<Old<'_>>, spot: &Spot) -> io::Result<Place> {
-        let is_shared = old.is_some_and(|old| Arc::ptr_eq(old.state, new));
-        if let Some(old) = old.filter(|_| is_shared && self.mode.is_lazy()) {
+        if let Some(old) = old.filter(|old| self.is_untouched(new, *old, spot)) {
             return Ok(old.place.clone());
         }
         for part in Part::ALL {
@@ -138,6 +137,9 @@ impl<'p> Planner<'p> {
     }
 
     fn part(&mut self, job: &Job<'_>, part: Part) -> io::Result<()> {
+        if self.is_as_before(job, part) {
+            return Ok(());
+        }
         let bytes = parts::bytes(job.new, job.old, part);
         let at = job.spot.path.join(part.file_name());
         if job.spot.staged {
@@ -158,18 +160,25 @@ impl<'p> Planner<'p> {
         Ok(())
     }
 
-    /// Whether the file is on disk as it should be.
-    fn is_there(&self, job: &Job<'_>, part: Part, bytes: Option<&[u8]>) -> io::Result<bool> {
-        let (Some(old), Some(now)) = (job.old, &job.spot.now) else { return Ok(false) };
-        if self.mode.rewrite {
-            if job.spot.moved != job.spot.path {
-                return Ok(bytes.is_none());
-            }
-            let found = self.disk.read(&self.dir.join(now).join(part.file_name()))?;
-            return Ok(found.as_deref() == bytes);
-        }
+    /// Whether the file was read or written by us, and its part did not change.
+    fn is_as_before(&self, job: &Job<'_>, part: Part) -> bool {
+        let Some(old) = job.old.filter(|_| job.spot.now.is_some() && !self.mode.rewrite) else {
+            return false;
+        };
         let is_stale = part == Part::Core && old.place.is_stale();
-        Ok(!is_stale && parts::is_same(job.new, old.state, part))
+        !is_stale && parts::is_same(job.new, old.state, part)
+    }
+
+    /// Whether the file is on disk as it should be, for one who compares every file.
+    fn is_there(&self, job: &Job<'_>, part: Part, bytes: Option<&[u8]>) -> io::Result<bool> {
+        let Some(now) = job.spot.now.as_ref().filter(|_| self.mode.rewrite) else {
+            return Ok(false);
+        };
+        if job.spot.moved != job.spot.path {
+            return Ok(bytes.is_none());
+        }
+        let found = self.disk.read(&self.dir.join(now).join(part.file_name()))?;
+        Ok(found.as_deref() == bytes)
     }
 
     /// Prepares a file that takes the place of another.
@@ -195,13 +204,24 @@ impl<'p> Planner<'p> {
         let Some(container) = new.container() else { return Ok(Vec::new()) };
         let mut names = Names { taken: None };
         let mut places = Vec::with_capacity(container.states.len());
+        let mut earlier = old.into_iter().flat_map(Old::children).peekable();
         for (id, child) in container.states.iter() {
-            let before = old.and_then(|old| old.child(id));
+            while earlier.next_if(|(known, _)| *known < id).is_some() {}
+            let before = earlier.next_if(|(known, _)| *known == id).map(|(_, before)| before);
+            if let Some(before) = before.filter(|before| self.is_untouched(child, *before, spot)) {
+                places.push((id.clone(), before.place.clone()));
+                continue;
+            }
             let (folder, inside) = self.child(child, before, spot, &mut names)?;
             let place = self.state(child, before, &inside)?;
             places.push((id.clone(), place.in_folder(folder)));
         }
         Ok(places)
+    }
+
+    /// Whether nothing in or around the child has changed.
+    fn is_untouched(&self, child: &Arc<State>, before: Old<'_>, spot: &Spot) -> bool {
+        self.mode.is_lazy() && spot.now.is_some() && Arc::ptr_eq(child, before.state)
     }
 
     /// The child's folder, and where its files are.
@@ -230,7 +250,7 @@ impl<'p> Planner<'p> {
             self.take_names(spot, names)?;
             names.free_but(child, self.mode.naming, lies)
         };
-        let (from, to) = (spot.moved.join(Path::new(lies)), spot.path.join(&folder));
+        let (from, to) = (spot.moved.join(Path::new(&**lies)), spot.path.join(&folder));
         if from != to {
             self.plan.changed.push(to.clone());
             self.plan.manifest.moves.push((from, to.clone()));
@@ -238,7 +258,7 @@ impl<'p> Planner<'p> {
         Ok((
             folder,
             Spot {
-                now: Some(now.join(Path::new(lies))),
+                now: Some(now.join(Path::new(&**lies))),
                 moved: to.clone(),
                 path: to,
                 staged: false,
@@ -247,10 +267,9 @@ impl<'p> Planner<'p> {
     }
 
     fn is_renamed(&self, child: &State, before: Old<'_>) -> bool {
-        let usual = folder_name(child, self.mode.naming);
         let is_damaged = before.place.verbatim(Part::Core).is_some();
         let renamed = (self.mode.rewrite && !is_damaged) || child.name != before.state.name;
-        renamed && *before.place.folder != *OsStr::new(&usual)
+        renamed && *before.place.folder != *OsStr::new(&folder_name(child, self.mode.naming))
     }
 
     fn new_child(

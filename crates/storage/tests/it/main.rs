@@ -4,6 +4,7 @@
 
 mod arbitrary;
 mod folders;
+mod kill;
 mod layouts;
 mod random;
 mod reference;
