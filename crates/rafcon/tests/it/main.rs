@@ -13,3 +13,4 @@ mod harness;
 mod readme;
 mod signals;
 mod strangers;
+mod terminal;

@@ -1,0 +1,101 @@
+//! The live view on a real terminal of a chosen size, byte by byte as the terminal gets it.
+
+use crate::harness::Place;
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{LocalModes, Winsize, tcgetattr, tcsetwinsize};
+use std::fs::File;
+use std::io::Read as _;
+use std::os::fd::{AsFd as _, OwnedFd};
+use std::process::Child;
+
+/// Both ends of a terminal.
+struct Terminal {
+    ours: File,
+    theirs: File,
+}
+
+impl Terminal {
+    fn new(columns: u16, rows: u16) -> Self {
+        let ours: OwnedFd = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        grantpt(&ours).unwrap();
+        unlockpt(&ours).unwrap();
+        let name = ptsname(&ours, Vec::new()).unwrap();
+        let theirs = File::options().read(true).write(true).open(name.to_str().unwrap()).unwrap();
+        let size = Winsize { ws_row: rows, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
+        tcsetwinsize(&ours, size).unwrap();
+        Self { ours: File::from(ours), theirs }
+    }
+
+    fn run(&self, place: &Place, words: &str) -> Child {
+        let end = || self.theirs.try_clone().unwrap();
+        let mut command = place.command(words);
+        command.env("TERM", "xterm").env_remove("NO_COLOR");
+        command.stdin(end()).stdout(end()).stderr(end()).spawn().unwrap()
+    }
+
+    fn echoes(&self) -> bool {
+        tcgetattr(self.theirs.as_fd()).unwrap().local_modes.contains(LocalModes::ECHO)
+    }
+
+    /// Reads until `word` was written.
+    fn read_until(&mut self, word: &str) -> String {
+        let mut seen = Vec::new();
+        let mut byte = [0; 1];
+        while !String::from_utf8_lossy(&seen).ends_with(word) {
+            self.ours.read_exact(&mut byte).unwrap();
+            seen.push(byte[0]);
+        }
+        String::from_utf8_lossy(&seen).into_owned()
+    }
+}
+
+const TREE: &str = r#"
+    hierarchy ROOT "Mission"
+      outcome success
+      start -> INSIDE
+      INSIDE.success -> .success
+      hierarchy INSIDE "Explore the whole wide world and what lies behind it"
+        outcome success
+        start -> WAITED
+        WAITED.success -> .success
+        execution WAITED "Wait"
+          outcome success
+          script |
+            def execute(self, inputs, outputs, gvm):
+                self.logger.warning("look \x1b[2J out")
+                with open("go"):
+                    pass
+                return "success"
+"#;
+
+#[test]
+fn a_small_terminal_shows_the_tree_and_is_put_back() {
+    let place = Place::with(TREE);
+    let go = place.path("go");
+    rustix::fs::mkfifoat(rustix::fs::CWD, &go, rustix::fs::Mode::RWXU).unwrap();
+    let mut terminal = Terminal::new(40, 10);
+    let mut child = terminal.run(&place, "run MACHINE");
+    let seen = terminal.read_until("   \u{2514}\u{2500} \x1b[0mWait");
+    assert!(seen.contains("Mission"), "{seen}");
+    assert!(seen.contains("Explore the whole wide wor"), "{seen}");
+    assert!(!seen.contains("what lies behind"), "{seen}");
+    assert!(seen.contains("look \\u{1b}[2J out"), "{seen}");
+    assert!(!terminal.echoes());
+    File::options().write(true).open(go).unwrap();
+    let rest = terminal.read_until("\x1b[?25h");
+    assert!(rest.contains("\x1b[32msuccess (0)"), "{rest}");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert!(terminal.echoes());
+}
+
+#[test]
+fn a_terminal_without_cursor_gets_lines() {
+    let place = Place::with_script("def execute(self, inputs, outputs, gvm):\n    return 0");
+    let mut terminal = Terminal::new(80, 24);
+    let mut command = place.command("run MACHINE");
+    let end = || terminal.theirs.try_clone().unwrap();
+    let mut child = command.env("TERM", "dumb").stdout(end()).stderr(end()).spawn().unwrap();
+    let seen = terminal.read_until("1 state run");
+    assert!(!seen.contains('\x1b'), "{seen}");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
