@@ -57,7 +57,7 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     let stream = adopt(py, fd)?;
     package::install(py)?;
     let module = py.import("rafcon._native")?;
-    fork::register(&module)?;
+    fork::register(&module, fd)?;
     let runtime = Runtime::get(py)?;
     let signal = py.import("signal")?;
     signal.call_method1("signal", (signal.getattr("SIGINT")?, signal.getattr("SIG_DFL")?))?;

@@ -1,5 +1,6 @@
 """Scripts that do what they should not: each ends in its state's own *aborted* path, or in a clear last word."""
 
+import os
 import tempfile
 import unittest
 
@@ -140,6 +141,25 @@ class LostProcesses(unittest.TestCase):
     def test_it_crashes(self):
         self.check("import os, signal\ndef execute(*a):\n    os.kill(os.getpid(), signal.SIGKILL)\n", -9)
         self.check("import ctypes\ndef execute(*a):\n    ctypes.string_at(0)\n", -11)
+
+    def test_a_forked_process_does_not_hold_the_talk_open(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        door = folder.name + "/door"
+        os.mkfifo(door)
+        text = """
+import os
+def execute(self, inputs, outputs, gvm):
+    if os.fork() == 0:
+        os.close(1)
+        os.close(2)
+        open(%r).read()
+        os._exit(0)
+    os._exit(3)
+"""
+        runner = Runner(save(folder.name + "/machine", sequence(script(text % door))))
+        self.assertEqual(runner.finish().exit_code, 3)
+        open(door, "w").close()
 
     def test_nothing_is_marked_after_a_good_end(self):
         result = self.lose(DONE)

@@ -3,8 +3,10 @@
 use parking_lot::Mutex;
 use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode};
 use serde::de::DeserializeOwned;
-use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
+use std::io::{self, BufRead as _, BufReader, Read, Write as _};
+use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// No message of a viewer is longer.
@@ -27,17 +29,35 @@ pub enum TalkError {
     Gone,
 }
 
+/// The socket. There is one descriptor of it and no copy, so that a forked process can let go of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Socket(Arc<UnixStream>);
+
+impl Read for Socket {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        (&*self.0).read(buffer)
+    }
+}
+
+impl Socket {
+    /// Closes the talk, so that a blocked write or read ends.
+    pub(crate) fn shut(&self) {
+        // A socket that is closed already is as closed as it should be.
+        drop(self.0.shutdown(Shutdown::Both));
+    }
+}
+
 /// The end that is written to; any thread may.
 #[derive(Debug)]
 pub(crate) struct Sender {
-    stream: Mutex<UnixStream>,
+    socket: Mutex<Socket>,
     lost: AtomicBool,
 }
 
 /// The end that is read from.
 #[derive(Debug)]
 pub(crate) struct Receiver {
-    lines: BufReader<UnixStream>,
+    lines: BufReader<Socket>,
     line: Vec<u8>,
 }
 
@@ -51,13 +71,13 @@ pub(crate) enum Line {
 }
 
 /// Exchanges hellos over `stream`.
-pub(crate) fn open(stream: UnixStream) -> Result<(Sender, Receiver), TalkError> {
-    let reading = stream.try_clone()?;
-    let sender = Sender { stream: Mutex::new(stream), lost: AtomicBool::new(false) };
-    let mut receiver = Receiver { lines: BufReader::new(reading), line: Vec::new() };
+pub(crate) fn open(stream: UnixStream) -> Result<(Sender, Receiver, Socket), TalkError> {
+    let socket = Socket(Arc::new(stream));
+    let sender = Sender { socket: Mutex::new(socket.clone()), lost: AtomicBool::new(false) };
+    let mut receiver = Receiver { lines: BufReader::new(socket.clone()), line: Vec::new() };
     sender.write(&encode(&Hello::ours())?)?;
     receiver.message::<Hello>()?.check()?;
-    Ok((sender, receiver))
+    Ok((sender, receiver, socket))
 }
 
 impl Sender {
@@ -80,14 +100,8 @@ impl Sender {
         self.lost.load(Ordering::Relaxed)
     }
 
-    /// Closes the talk from this side, so that a blocked write or read ends.
-    pub(crate) fn shut(stream: &UnixStream) {
-        // A socket that is closed already is as closed as it should be.
-        drop(stream.shutdown(std::net::Shutdown::Both));
-    }
-
     fn write(&self, lines: &[u8]) -> io::Result<()> {
-        self.stream.lock().write_all(lines)
+        (&*self.socket.lock().0).write_all(lines)
     }
 }
 

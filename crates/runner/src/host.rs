@@ -1,7 +1,7 @@
 //! One run from hello to the last word. Knows the order of things; the parts know how.
 
 use crate::active::Active;
-use crate::connection::{self, Receiver, Sender, TalkError};
+use crate::connection::{self, Receiver, Sender, Socket, TalkError};
 use crate::driver::Driver;
 use crate::prepare::{Prepared, prepare};
 use crate::viewer::Viewer;
@@ -39,13 +39,12 @@ pub enum ServeError {
 /// Runs what the viewer at the other end of `stream` asks for, to its end. Called outside the interpreter.
 pub fn serve<H: Host>(stream: UnixStream, host: H) -> Result<(), ServeError> {
     let clock = Clock::start();
-    let breaker = stream.try_clone()?;
-    let (sender, mut receiver) = connection::open(stream)?;
+    let (sender, mut receiver, socket) = connection::open(stream)?;
     let ToRunner::Launch(launch) = receiver.message()? else { return Err(ServeError::NoLaunch) };
     let every_event = launch.every_event;
     match begin(host, &launch, clock, &sender) {
         Ok((driver, signals)) => {
-            Talk { driver, sender, breaker, every_event }.run(receiver, signals)
+            Talk { driver, sender, socket, every_event }.run(receiver, signals)
         }
         Err(error) => {
             sender.send(&ToViewer::LoadFailed { reason: error.to_string() });
@@ -95,7 +94,7 @@ fn refused(refusal: &Refusal) -> ServeError {
 struct Talk<S: Scripts> {
     driver: Arc<Driver<S>>,
     sender: Sender,
-    breaker: UnixStream,
+    socket: Socket,
     every_event: bool,
 }
 
@@ -117,7 +116,7 @@ impl<S: Scripts> Talk<S> {
             })?;
             self.conclude(&told);
             handle.close();
-            Sender::shut(&self.breaker);
+            self.socket.shut();
             Ok(())
         })
     }
