@@ -29,8 +29,9 @@ pub(crate) enum Command {
 /// Run a machine until it ends.
 ///
 /// On a terminal the active states are shown live; otherwise, or with `--output json`, every event is one line.
-/// Ctrl-C asks the machine to stop in an orderly way, a second Ctrl-C kills it; a terminal that hangs up leaves the
-/// run alive.
+/// Ctrl-C asks the machine to stop in an orderly way, a second Ctrl-C kills it; Ctrl-Z puts the view aside and a
+/// terminal that hangs up ends it, and both leave the run alive. Scripts read what is piped in; a terminal's keyboard
+/// is not theirs.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Run {

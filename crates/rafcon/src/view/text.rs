@@ -1,7 +1,7 @@
 //! Lines of styled text: how wide they are, how they are cut, and how they look with and without colour.
 
 use std::fmt::Write as _;
-use unicode_width::{UnicodeWidthChar as _, UnicodeWidthStr as _};
+use unicode_width::UnicodeWidthStr as _;
 
 /// How a piece of text looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,16 +130,11 @@ impl Line {
     }
 }
 
-/// The longest start of `text` that fits `width` columns.
+/// The longest start of `text` that fits `width` columns. Measured as a whole: a character may widen the one before it.
 fn prefix(text: &str, width: usize) -> &str {
-    let mut used = 0;
-    for (index, c) in text.char_indices() {
-        used += c.width().unwrap_or(0);
-        if used > width {
-            return &text[..index];
-        }
-    }
-    text
+    let ends = text.char_indices().map(|(index, c)| index + c.len_utf8());
+    let fitting = ends.take_while(|end| text[..*end].width() <= width);
+    &text[..fitting.last().unwrap_or(0)]
 }
 
 /// Text that cannot do anything to a terminal: control characters become visible, tabs become spaces.
@@ -185,6 +180,7 @@ fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Line, Paint, Style, counted, harmless, time};
+    use proptest::prelude::*;
     use std::time::Duration;
 
     const PLAIN: Paint = Paint { colour: false, unicode: true };
@@ -203,6 +199,21 @@ mod tests {
         check(Line::of(Style::Plain, "日本語"), 4, "日…");
         check(Line::of(Style::Dim, "ab").and(Style::Plain, "cdef"), 4, "abc…");
         check(Line::of(Style::Plain, "ab"), 0, "");
+    }
+
+    proptest! {
+        #[test]
+        fn no_line_is_wider_than_its_place(parts: Vec<String>, width in 0_usize..50) {
+            let line = parts.iter().fold(Line::default(), |line, text| line.and(Style::Plain, harmless(text)));
+            prop_assert!(line.clone().cut(width).width() <= width);
+            let right = Line::of(Style::Dim, "12.3 s");
+            prop_assert!(line.with_right(right, width).width() <= width);
+        }
+
+        #[test]
+        fn nothing_controls_the_terminal(text: String) {
+            prop_assert!(!harmless(&text).contains(char::is_control));
+        }
     }
 
     #[test]
