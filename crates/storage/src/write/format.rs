@@ -7,7 +7,7 @@ use super::lock;
 use super::plan::Mode;
 use super::save::{SaveError, plan};
 use crate::config::Naming;
-use crate::problem::LoadProblem;
+use crate::problem::{Fault, LoadProblem};
 use crate::read::{LoadError, load_locked, machine_folder};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -51,5 +51,7 @@ pub fn format(path: &Path, naming: Naming, dry: bool) -> Result<Formatted, Forma
     let mut changed = plan.changed;
     changed.sort();
     changed.dedup();
-    Ok(Formatted { changed, problems: loaded.problems })
+    let mut problems = loaded.problems;
+    problems.retain(|problem| !matches!(problem.fault, Fault::MissingLibrary { .. })); // not looked for
+    Ok(Formatted { changed, problems })
 }

@@ -60,6 +60,10 @@ fn every_layout_is_saved_in_the_current_one() {
         copy(&fixture(version), dir.path());
         let loaded = read(dir.path(), &libraries_of_fixtures());
         save(&loaded.machine, dir.path(), Some(&loaded.saved), Naming::default()).unwrap();
+        let formatted = tempfile::tempdir().unwrap();
+        copy(&fixture(version), formatted.path());
+        assert_eq!(format(formatted.path(), Naming::default(), false).unwrap().problems, []);
+        assert_eq!(files(formatted.path()), files(dir.path()), "{version}");
         let mut found = files(dir.path());
         let header = PathBuf::from("statemachine.json");
         found.insert(header.clone(), expected[&header].clone());
