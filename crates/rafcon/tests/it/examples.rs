@@ -8,7 +8,7 @@ use std::path::Path;
 
 const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
 
-/// Checks and runs an example; the text is its outcome, its outputs and how the program ended.
+/// Checks an example, its files included, and runs it; the text is its outcome, its outputs and how the program ended.
 #[track_caller]
 fn check(example: &str, inputs: &str, expect: &Expect) {
     check_machine(&Path::new(EXAMPLES).join(example), inputs, expect);
@@ -18,6 +18,8 @@ fn check(example: &str, inputs: &str, expect: &Expect) {
 fn check_machine(machine: &Path, inputs: &str, expect: &Expect) {
     let checked = call("check", machine, "--format json");
     assert_eq!((checked.stdout.as_str(), checked.code), ("", Some(0)), "check finds nothing");
+    let written = Place::empty().call(&format!("fmt --check {}", machine.display()));
+    assert_eq!(written.code, Some(0), "the files are as this program writes them");
     let (name, outputs, code) = run(machine, inputs);
     expect.assert_eq(&format!("{name} {outputs} exit {code}"));
 }
