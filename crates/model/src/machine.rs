@@ -49,8 +49,10 @@ impl Machine {
 
     /// The state at `path`, to be changed in place; `None` inside libraries. States that others share are copied on the way.
     pub(crate) fn state_mut(&mut self, path: &StatePath) -> Option<&mut State> {
-        let (_, rest) = path.0.split_first()?;
-        self.state(path)?;
+        let (first, rest) = path.0.split_first()?;
+        if *first != self.root.id {
+            return None;
+        }
         rest.iter().try_fold(Arc::make_mut(&mut self.root), |state, id| {
             state.container_mut()?.states.get_mut(id).map(Arc::make_mut)
         })

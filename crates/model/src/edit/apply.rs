@@ -6,6 +6,7 @@ use super::error::EditError;
 use super::plan::plan;
 use super::scope::{Place, scope_after, scope_before};
 use super::step::{Set, Step};
+use super::walk::Walk;
 use crate::rules::{Fault, Part, Rule, errors_of};
 use crate::{Machine, StateId, StatePath, Types};
 use std::collections::BTreeSet;
@@ -94,14 +95,15 @@ impl<'t> Run<'t> {
         done: &mut Restore,
     ) -> Result<(), EditError> {
         for step in steps {
-            for place in scope_before(&step, machine) {
-                self.touch(machine, place);
+            let mut walk = Walk::new(machine);
+            for place in scope_before(&step, &mut walk) {
+                self.touch(&mut walk, place);
             }
             if let Set::Id(id) = &step.set {
                 self.rename(&step.at, id);
             }
             let back = step.run(machine)?;
-            self.touched.extend(scope_after(&back, machine));
+            self.touched.extend(scope_after(&back, &mut Walk::new(machine)));
             done.steps.push(back);
         }
         self.check(machine)?;
@@ -110,11 +112,11 @@ impl<'t> Run<'t> {
     }
 
     /// Remembers a place and what is broken there, unless it has been touched already.
-    fn touch(&mut self, machine: &Machine, place: Place) {
+    fn touch(&mut self, walk: &mut Walk<'_>, place: Place) {
         if self.touched.contains(&place) {
             return;
         }
-        let faults = faults_at(machine, &place, self.types);
+        let faults = faults_at(walk, &place, self.types);
         self.before.extend(faults.into_iter().map(|f| (place.0.clone(), place.1, f.rule)));
         self.touched.insert(place);
     }
@@ -131,8 +133,9 @@ impl<'t> Run<'t> {
     }
 
     fn check(&self, machine: &Machine) -> Result<(), EditError> {
+        let mut walk = Walk::new(machine);
         for place in &self.touched {
-            let faults = faults_at(machine, place, self.types);
+            let faults = faults_at(&mut walk, place, self.types);
             for (index, fault) in faults.iter().enumerate() {
                 let rule = fault.rule;
                 let count = faults[..=index].iter().filter(|f| f.rule == rule).count();
@@ -175,8 +178,7 @@ fn with_new_id(mut at: StatePath, path: &StatePath, id: &StateId) -> StatePath {
     at
 }
 
-fn faults_at(machine: &Machine, (path, part): &Place, types: &dyn Types) -> Vec<Fault> {
-    let Some(state) = machine.state(path) else { return Vec::new() };
-    let parent = path.parent().and_then(|parent| machine.state(&parent));
-    errors_of(parent.map(|parent| &**parent), state, *part, types)
+fn faults_at(walk: &mut Walk<'_>, (path, part): &Place, types: &dyn Types) -> Vec<Fault> {
+    let found = walk.find(&path.0);
+    found.map_or_else(Vec::new, |(parent, state)| errors_of(parent, state, *part, types))
 }

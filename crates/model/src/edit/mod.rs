@@ -36,6 +36,7 @@ mod selection;
 mod step;
 mod substitute;
 mod ungroup;
+mod walk;
 
 pub use apply::{Restore, apply};
 pub use error::EditError;

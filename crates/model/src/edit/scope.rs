@@ -1,10 +1,11 @@
 //! Which parts of a machine a step can break: those that it changes and those that are connected with them.
 
 use super::step::{Field, Set, Step};
+use super::walk::Walk;
 use crate::port::{Element, Elements};
 use crate::rules::{Part, parts};
 use crate::{
-    Container, DataFlowId, Machine, Origin, OutcomeId, PortId, PortKind, State, StateId, StatePath,
+    Container, DataFlowId, Origin, OutcomeId, PortId, PortKind, State, StateId, StatePath,
     Transition, TransitionId,
 };
 
@@ -12,8 +13,8 @@ use crate::{
 pub(super) type Place = (StatePath, Part);
 
 /// The parts to look at before the step: also those that break a rule only together with a changed one.
-pub(super) fn scope_before(step: &Step, machine: &Machine) -> Vec<Place> {
-    let Some(mut scope) = Scope::of(step, machine) else { return Vec::new() };
+pub(super) fn scope_before<'m>(step: &'m Step, walk: &mut Walk<'m>) -> Vec<Place> {
+    let Some(mut scope) = Scope::of(step, walk) else { return Vec::new() };
     match &step.set {
         Set::Transition(id, _) => scope.transition_twins(*id),
         Set::DataFlow(id, _) => scope.data_flow_twins(*id),
@@ -22,14 +23,14 @@ pub(super) fn scope_before(step: &Step, machine: &Machine) -> Vec<Place> {
         Set::Child(id, _) => scope.connections(id),
         Set::Id(_) | Set::Field(_) | Set::Kind(_) | Set::RuntimeValue(..) | Set::Header(_) => {}
     }
-    let mut places = scope_after(step, machine);
+    let mut places = scope_after(step, walk);
     places.append(&mut scope.places);
     places
 }
 
 /// The parts to look at after the step, given what takes it back.
-pub(super) fn scope_after(step: &Step, machine: &Machine) -> Vec<Place> {
-    let Some(mut scope) = Scope::of(step, machine) else { return Vec::new() };
+pub(super) fn scope_after<'m>(step: &'m Step, walk: &mut Walk<'m>) -> Vec<Place> {
+    let Some(mut scope) = Scope::of(step, walk) else { return Vec::new() };
     match &step.set {
         Set::Child(id, _) => scope.child(id),
         Set::Id(_) => {
@@ -49,16 +50,16 @@ pub(super) fn scope_after(step: &Step, machine: &Machine) -> Vec<Place> {
 }
 
 struct Scope<'m> {
-    machine: &'m Machine,
     at: &'m StatePath,
+    parent: Option<&'m State>,
     state: &'m State,
     places: Vec<Place>,
 }
 
 impl<'m> Scope<'m> {
-    fn of(step: &'m Step, machine: &'m Machine) -> Option<Self> {
-        let state = machine.state(&step.at)?;
-        Some(Self { machine, at: &step.at, state, places: Vec::new() })
+    fn of(step: &'m Step, walk: &mut Walk<'m>) -> Option<Self> {
+        let (parent, state) = walk.find(&step.at.0)?;
+        Some(Self { at: &step.at, parent, state, places: Vec::new() })
     }
 
     fn here(&mut self, part: Part) {
@@ -98,8 +99,8 @@ impl<'m> Scope<'m> {
 
     /// The path and inside of the parent.
     fn parent(&self) -> Option<(StatePath, &'m Container)> {
+        let container = self.parent?.container()?;
         let path = self.at.parent()?;
-        let container = self.machine.state(&path)?.container()?;
         Some((path, container))
     }
 
