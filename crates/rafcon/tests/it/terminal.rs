@@ -68,20 +68,34 @@ const TREE: &str = r#"
                 return "success"
 "#;
 
-#[test]
-fn a_small_terminal_shows_the_tree_and_is_put_back() {
+/// The machine [`TREE`] on a terminal, up to where it waits for somebody who opens `go`.
+fn waiting() -> (Place, Terminal, Child, String) {
     let place = Place::with(TREE);
     let go = place.path("go");
     rustix::fs::mkfifoat(rustix::fs::CWD, &go, rustix::fs::Mode::RWXU).unwrap();
     let mut terminal = Terminal::new(40, 10);
-    let mut child = terminal.run(&place, "run MACHINE");
+    let child = terminal.run(&place, "run MACHINE");
     let seen = terminal.read_until("   \u{2514}\u{2500} \x1b[0mWait");
+    (place, terminal, child, seen)
+}
+
+#[test]
+fn a_terminal_that_goes_away_leaves_the_run_alive() {
+    let (place, terminal, mut child, _) = waiting();
+    drop(terminal);
+    File::options().write(true).open(place.path("go")).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn a_small_terminal_shows_the_tree_and_is_put_back() {
+    let (place, mut terminal, mut child, seen) = waiting();
     assert!(seen.contains("Mission"), "{seen}");
     assert!(seen.contains("Explore the whole wide wor"), "{seen}");
     assert!(!seen.contains("what lies behind"), "{seen}");
     assert!(seen.contains("look \\u{1b}[2J out"), "{seen}");
     assert!(!terminal.echoes());
-    File::options().write(true).open(go).unwrap();
+    File::options().write(true).open(place.path("go")).unwrap();
     let rest = terminal.read_until("\x1b[?25h");
     assert!(rest.contains("\x1b[32msuccess (0)"), "{rest}");
     assert_eq!(child.wait().unwrap().code(), Some(0));
