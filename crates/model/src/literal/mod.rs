@@ -1,5 +1,5 @@
 //! Python literals: numbers, strings, `None`, `True`, `False`, lists, tuples, dicts and sets. Knows what
-//! `ast.literal_eval` reads, as far as [`Value`] can hold it; never evaluates anything.
+//! `ast.literal_eval` reads, as far as [`Value`](crate::Value) can hold it; never evaluates anything.
 
 mod number;
 mod parse;

@@ -1,5 +1,5 @@
 //! The rules that a valid machine keeps, each with its name and the way out when it is broken. Knows how to look at one
-//! part of one state; [`problems`](crate::problems) looks at all of them, edits at those that they touch.
+//! part of one state; [`problems`](crate::problems()) looks at all of them, edits at those that they touch.
 
 mod interface;
 mod library;
