@@ -1,8 +1,10 @@
 //! One state and what it consists of.
 
+use crate::ids::smallest_free;
 use crate::port::Extra;
 use crate::{
-    Container, Json, Library, LibraryContent, Outcome, OutcomeId, Outcomes, Ports, StateId, json,
+    Container, Json, Library, LibraryContent, Outcome, OutcomeId, Outcomes, PortId, Ports, StateId,
+    json,
 };
 use smol_str::SmolStr;
 use std::fmt;
@@ -200,6 +202,19 @@ impl State {
             Kind::Hierarchy(c) | Kind::Barrier(c) | Kind::Preemptive(c) => Some(c),
             Kind::Execution(_) | Kind::Decider(_) | Kind::Library(_) => None,
         }
+    }
+
+    /// The smallest id from 0 on that no port or scoped variable has.
+    pub fn free_port_id(&self) -> PortId {
+        let variables = self.container().map(|container| &container.scoped_variables);
+        let lists = [Some(&self.inputs), Some(&self.outputs), variables];
+        let has = |id| lists.iter().flatten().any(|ports| ports.get(PortId(id)).is_some());
+        PortId(smallest_free(has))
+    }
+
+    /// The smallest id from 0 on that no outcome has.
+    pub fn free_outcome_id(&self) -> OutcomeId {
+        OutcomeId(smallest_free(|id| self.outcomes.get(OutcomeId(id)).is_some()))
     }
 
     /// The script of an execution state or decider.

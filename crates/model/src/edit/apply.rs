@@ -3,6 +3,7 @@
 
 use super::Edit;
 use super::error::EditError;
+use super::forget::forget_places;
 use super::plan::plan;
 use super::scope::{Place, scope_after, scope_before};
 use super::step::{Set, Step};
@@ -53,7 +54,7 @@ fn edit_all(
             Run::new(types, restore.tolerated).run(machine, restore.steps, done)
         }
         edit => {
-            let steps = plan(machine, edit, types)?;
+            let steps = forget_places(machine, plan(machine, edit, types)?);
             Run::new(types, Vec::new()).run(machine, steps, done)
         }
     }

@@ -25,6 +25,7 @@ mod apply;
 mod children;
 mod connections;
 mod error;
+mod forget;
 mod group;
 mod interface;
 mod kind;
@@ -42,7 +43,7 @@ pub use apply::{Restore, apply};
 pub use error::EditError;
 pub use place::{LayoutEdit, LayoutElement};
 pub use selection::{Selection, copy};
-pub use step::{Field, Set, Step};
+pub use step::{Field, Set, Step, with_id};
 
 use crate::{
     DataFlowId, DataType, Header, Json, KindName, Layout, Origin, OutcomeId, PortId, PortKind,

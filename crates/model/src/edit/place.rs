@@ -67,21 +67,23 @@ impl LayoutElement {
 
     /// The keys from the outside in.
     fn keys(self, what: &str) -> Vec<SmolStr> {
-        let element = match self {
-            Self::State | Self::Name => None,
-            Self::Income => Some("income".into()),
-            Self::Outcome(id) => Some(format_smolstr!("outcome{id}")),
-            Self::Port(PortKind::Input, id) => Some(format_smolstr!("input_data_port{id}")),
-            Self::Port(PortKind::Output, id) => Some(format_smolstr!("output_data_port{id}")),
-            Self::Port(PortKind::ScopedVariable, id) => {
-                Some(format_smolstr!("scoped_variable{id}"))
-            }
-            Self::Transition(id) => Some(format_smolstr!("transition{id}")),
-            Self::DataFlow(id) => Some(format_smolstr!("data_flow{id}")),
-        };
         let name = (self == Self::Name).then(|| "name".into());
-        let keys = element.into_iter().chain(["gui".into(), "editor_gaphas".into()]);
+        let keys = self.key().into_iter().chain(["gui".into(), "editor_gaphas".into()]);
         keys.chain(name).chain([what.into()]).collect()
+    }
+
+    /// The key of its own at the top of the document.
+    pub(super) fn key(self) -> Option<SmolStr> {
+        Some(match self {
+            Self::State | Self::Name => return None,
+            Self::Income => "income".into(),
+            Self::Outcome(id) => format_smolstr!("outcome{id}"),
+            Self::Port(PortKind::Input, id) => format_smolstr!("input_data_port{id}"),
+            Self::Port(PortKind::Output, id) => format_smolstr!("output_data_port{id}"),
+            Self::Port(PortKind::ScopedVariable, id) => format_smolstr!("scoped_variable{id}"),
+            Self::Transition(id) => format_smolstr!("transition{id}"),
+            Self::DataFlow(id) => format_smolstr!("data_flow{id}"),
+        })
     }
 }
 

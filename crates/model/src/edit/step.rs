@@ -204,8 +204,8 @@ fn mentions(state: &State, id: &StateId) -> bool {
     })
 }
 
-/// The state with another id, which its own connections follow.
-pub(super) fn with_id(mut state: Arc<State>, id: &StateId) -> Arc<State> {
+/// The state with another id, which its own connections follow: for one that is about to be added somewhere.
+pub fn with_id(mut state: Arc<State>, id: &StateId) -> Arc<State> {
     let changed = Arc::make_mut(&mut state);
     let old = replace(&mut changed.id, id.clone());
     if let Some(container) = changed.container_mut() {

@@ -5,7 +5,7 @@ use super::parse::NotationError;
 use super::scan::Line;
 use crate::ids::smallest_free;
 use crate::{
-    Container, Kind, Layout, Library, LibraryContent, Outcome, OutcomeId, Port, PortId, Ports,
+    Container, Kind, Layout, Library, LibraryContent, Outcome, OutcomeId, Port, PortId,
     RuntimeValue, RuntimeValues, Script, State, StateId, Value,
 };
 use smol_str::SmolStr;
@@ -172,7 +172,7 @@ impl<'t> Draft<'t> {
 
     fn port(&mut self, line: &mut Line<'t>, kind: PortKind) -> Result<(), NotationError> {
         self.own_interface = true;
-        let id = line.number().map_or_else(|| self.free_port(), PortId);
+        let id = line.number().map_or_else(|| self.state.free_port_id(), PortId);
         let name = line.name()?;
         line.expect(":")?;
         let data_type = line.data_type()?;
@@ -190,16 +190,6 @@ impl<'t> Draft<'t> {
             Some(_) => Err(line.error(format!("the port {id} stands here twice"))),
             None => Ok(()),
         }
-    }
-
-    fn free_port(&self) -> PortId {
-        let has = |ports: &Ports, id| ports.get(PortId(id)).is_some();
-        let variables = self.state.container().map(|container| &container.scoped_variables);
-        PortId(smallest_free(|id| {
-            has(&self.state.inputs, id)
-                || has(&self.state.outputs, id)
-                || variables.is_some_and(|variables| has(variables, id))
-        }))
     }
 
     fn setting(&mut self, line: &mut Line<'t>) -> Result<(), NotationError> {

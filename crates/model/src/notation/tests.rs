@@ -2,6 +2,7 @@
 
 use super::{Shown, parse, print, print_with};
 use expect_test::{Expect, expect};
+use proptest::prelude::*;
 
 /// Prints what is read, and holds that reading that gives the same again.
 fn check(text: &str, expect: &Expect) {
@@ -316,6 +317,24 @@ fn the_examples_of_the_documents_read() {
         match mark.trim() {
             "short" => assert!(printed.is_ok(), "{printed:?}\n{example}"),
             _ => assert_eq!(printed.as_deref().map(str::trim_end), Ok(example)),
+        }
+    }
+}
+
+proptest! {
+    /// Any damage to a text gives a machine or an error, and what is a machine reads back the same.
+    #[test]
+    fn any_text_is_an_answer(cuts in proptest::collection::vec((0..1500usize, ".{0,3}"), 0..8)) {
+        let mut text: Vec<char> = EVERY_KIND.chars().collect();
+        for (at, new) in cuts {
+            let at = at.min(text.len());
+            let end = (at + 3).min(text.len());
+            text.splice(at..end, new.chars());
+        }
+        let text: String = text.into_iter().collect();
+        if let Ok(machine) = parse(&text) {
+            let printed = print(&machine);
+            prop_assert_eq!(parse(&printed).map(|again| print(&again)), Ok(printed));
         }
     }
 }

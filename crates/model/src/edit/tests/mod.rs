@@ -8,8 +8,8 @@ use super::{
     RuntimeValueEdit, StateEdit, TransitionEdit, apply,
 };
 use crate::{
-    BuiltinTypes, DataFlowId, DataType, Json, Machine, Origin, OutcomeId, PortId, PortKind,
-    StateId, StatePath, Target, TransitionId, Value, notation,
+    BuiltinTypes, DataFlowId, DataType, Json, KindName, Machine, Origin, OutcomeId, PortId,
+    PortKind, StateId, StatePath, Target, TransitionId, Value, notation,
 };
 use expect_test::{Expect, expect};
 
@@ -429,5 +429,60 @@ fn what_was_wrong_before_stays_editable() {
               execution FIRSTX
                 in y: int = "five"
         "#]],
+    );
+}
+
+#[test]
+fn what_goes_takes_its_place_on_the_screen_along() {
+    let text = "
+        hierarchy ROOT
+          outcome success
+          in x: int
+          var v: int
+          layout {\"gui\":{},\"transition1\":1,\"transition2\":1,\"data_flow1\":1,\"outcome0\":1,\"scoped_variable1\":1}
+          start -> AAAAAA
+          AAAAAA.success -> .success
+          flow .x -> .v
+          execution AAAAAA
+            outcome success
+    ";
+    let outcome = Edit::Outcome(at("ROOT/AAAAAA"), OutcomeId(0), OutcomeEdit::Remove);
+    check(
+        text,
+        &[outcome],
+        &expect![[r#"
+        hierarchy ROOT
+          outcome success
+          in x: int
+          var v: int
+          layout {"data_flow1":1,"gui":{},"outcome0":1,"scoped_variable1":1,"transition1":1}
+          start -> AAAAAA
+          flow .x -> .v
+          execution AAAAAA
+    "#]],
+    );
+    check(
+        text,
+        &[Edit::State(at("ROOT"), StateEdit::SetKind(KindName::Preemptive))],
+        &expect![[r#"
+        preemptive ROOT
+          outcome success
+          in x: int
+          var v: int
+          layout {"data_flow1":1,"gui":{},"outcome0":1,"scoped_variable1":1}
+          flow .x -> .v
+          execution AAAAAA
+            outcome success
+    "#]],
+    );
+    check(
+        text,
+        &[Edit::State(at("ROOT"), StateEdit::SetKind(KindName::Execution))],
+        &expect![[r#"
+        execution ROOT
+          outcome success
+          in x: int
+          layout {"gui":{},"outcome0":1}
+    "#]],
     );
 }

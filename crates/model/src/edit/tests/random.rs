@@ -300,6 +300,7 @@ fn edit_and_look(text: &str, numbers: Vec<u16>) {
             Err(_) => assert_eq!(machine, before, "{shown}"),
         }
     }
+    assert_eq!(notation::parse(&notation::print(&machine)).as_ref(), Ok(&machine));
     take_all_back(machine, backs);
 }
 
