@@ -20,9 +20,6 @@ const RUNS: usize = 5;
 /// Measures one part; the folder is for machines.
 type Measure = fn(&Path) -> anyhow::Result<()>;
 
-/// Measures and prints; what it needs on disk goes into the folder.
-type Measure = fn(&Path) -> anyhow::Result<()>;
-
 /// Words on the command line choose among these; without a word all are measured.
 const PARTS: [(&str, Measure); 4] = [
     ("flat", |_| flat::measure()),
