@@ -3,10 +3,10 @@
 use crate::machine::machine;
 use crate::random::Random;
 use rafcon_engine::{
-    Activity, Effect, Engine, Event, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox, PathId,
-    Program, Returned, ScriptResult, Start, Status,
+    Active, Activity, Effect, Engine, Event, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox,
+    PathId, Program, Returned, ScriptResult, Start, Status,
 };
-use rafcon_model::{Value, notation};
+use rafcon_model::{KindName, Value, notation};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -49,12 +49,14 @@ struct World {
     running: Vec<Job<Value>>,
     branches: BTreeSet<u32>,
     active: BTreeSet<PathId>,
-    /// The highest number of a frame's use, by place: results of earlier ones are refused.
+    /// A frame that has given its result.
     stale: Option<FrameId>,
     started: usize,
     fingerprint: u64,
     by_itself: bool,
-    /// How many values of each place were entered and left.
+    /// The races that have a winner.
+    decided: BTreeSet<PathId>,
+    /// How often each place was entered and left.
     visits: BTreeMap<PathId, (u64, u64)>,
 }
 
@@ -77,6 +79,7 @@ impl World {
             started: 0,
             fingerprint: 0,
             by_itself: false,
+            decided: BTreeSet::new(),
             visits: BTreeMap::new(),
         }
     }
@@ -229,6 +232,7 @@ impl World {
             Event::Entered { path, .. } => {
                 named.insert(*path);
                 self.visits.entry(*path).or_default().0 += 1;
+                self.decided.remove(path);
                 let parent = self.engine.path_parent(*path);
                 let inside = parent.is_none_or(|parent| self.active.contains(&parent));
                 promise(inside, "a state was entered in a state that is not active")?;
@@ -236,6 +240,9 @@ impl World {
             }
             Event::Left { path, .. } => {
                 self.visits.entry(*path).or_default().1 += 1;
+                let parent = self.engine.path_parent(*path);
+                let race = parent.filter(|&path| self.kind(path) == Some(KindName::Preemptive));
+                self.decided.extend(race);
                 promise(self.active.remove(path), "a state was left that is not active")
             }
             Event::Scoped { path, .. } | Event::Waiting { path, .. } => promise(
@@ -276,6 +283,25 @@ impl World {
         }
     }
 
+    /// Whoever lost a race was asked to end, and so is everything inside of what was asked, except in hierarchies, which
+    /// may run a handler.
+    fn requests_arrive(&self, snapshot: &[Active]) -> Checked {
+        let asked = snapshot.iter().filter(|active| active.preempted).map(|active| active.path);
+        let asked = asked.collect::<BTreeSet<_>>();
+        for active in snapshot {
+            let Some(parent) = self.engine.path_parent(active.path) else { continue };
+            let all_at_once = !matches!(self.kind(parent), Some(KindName::Hierarchy));
+            let must = self.decided.contains(&parent) || all_at_once && asked.contains(&parent);
+            promise(active.preempted || !must, "a request to end was lost")?;
+        }
+        Ok(())
+    }
+
+    fn kind(&self, path: PathId) -> Option<KindName> {
+        let node = self.engine.path_node(path)?;
+        Some(self.engine.program().node(node).state().kind.name())
+    }
+
     /// What must hold between any two inputs: the engine and those who listened agree, and whoever stands still has a reason.
     fn consistent(&self) -> Checked {
         let snapshot = self.engine.snapshot();
@@ -283,6 +309,7 @@ impl World {
         promise(paths == self.active, "the snapshot and the events disagree")?;
         let scripts = snapshot.iter().filter(|active| active.activity == Activity::Script).count();
         promise(scripts == self.running.len(), "the snapshot and the jobs disagree")?;
+        self.requests_arrive(&snapshot)?;
         let inner = snapshot.iter().filter_map(|active| self.engine.path_parent(active.path));
         let inner = inner.collect::<BTreeSet<_>>();
         let leaves = snapshot.iter().filter(|active| !inner.contains(&active.path));

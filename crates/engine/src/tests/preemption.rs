@@ -265,6 +265,11 @@ preemptive ROOT
   barrier E
     execution F
     decider unique_decider_state_id
+  library G from \"x\"
+    content
+      hierarchy R
+        start -> S
+        execution S
 ",
         "start; B ok",
         &expect![[r"
@@ -277,6 +282,10 @@ preemptive ROOT
             leave ROOT/C preempted
             enter ROOT/E
             leave ROOT/E preempted
+            enter ROOT/G
+            enter ROOT/G/R
+            leave ROOT/G/R preempted
+            leave ROOT/G preempted
               fork 1
               end 1
               fork 2
@@ -285,12 +294,14 @@ preemptive ROOT
               end 3
               fork 4
               end 4
+              fork 5
+              end 5
             > B ok
             leave ROOT/B preempted
             leave ROOT one
             finished
               end 2
-              end of run: one (0), 5 states
+              end of run: one (0), 6 states
         "]],
     );
 }
