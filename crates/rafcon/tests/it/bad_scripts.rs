@@ -6,7 +6,11 @@ use expect_test::{Expect, expect};
 /// A whole script in; exit code, outcome, error output and the log out.
 fn check(script: &str, expect: &Expect) {
     let answer = Place::with_script(script).run("");
-    expect.assert_eq(&format!("{}{}", answer.ending(), answer.log()));
+    // Marks below a line of code differ from one Python to the next.
+    let is_text = |line: &&str| line.trim_matches([' ', '^', '~']) != "";
+    let log: Vec<_> =
+        answer.log().lines().filter(is_text).map(|line| format!("{line}\n")).collect();
+    expect.assert_eq(&format!("{}{}", answer.ending(), log.concat()));
 }
 
 fn body(text: &str) -> String {
@@ -16,13 +20,12 @@ fn body(text: &str) -> String {
 #[test]
 fn a_syntax_error() {
     check(
-        "def execute(self, inputs, outputs, gvm)\n    return 0",
+        "return 0",
         &expect![[r#"
             4 finished aborted
               File "PLACE/machine/script.py", line 1
-                def execute(self, inputs, outputs, gvm)
-                                                       ^
-            SyntaxError: expected ':'
+                return 0
+            SyntaxError: 'return' outside function
         "#]],
     );
 }
@@ -41,14 +44,13 @@ fn no_execute() {
 #[test]
 fn an_exception() {
     check(
-        &body("return 1 // 0"),
+        &body("raise ValueError('boom')"),
         &expect![[r#"
             4 finished aborted
             Traceback (most recent call last):
               File "PLACE/machine/script.py", line 2, in execute
-                return 1 // 0
-                       ~~^^~~
-            ZeroDivisionError: integer division or modulo by zero
+                raise ValueError('boom')
+            ValueError: boom
         "#]],
     );
 }
@@ -76,7 +78,6 @@ fn an_exit() {
             Traceback (most recent call last):
               File "PLACE/machine/script.py", line 2, in execute
                 import sys; sys.exit(3)
-                            ^^^^^^^^^^^
             SystemExit: 3
         "#]],
     );

@@ -11,6 +11,7 @@ mod endings;
 mod examples;
 mod harness;
 mod readme;
+mod script_check;
 mod signals;
 mod strangers;
 mod terminal;

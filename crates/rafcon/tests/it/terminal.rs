@@ -93,7 +93,9 @@ fn a_small_terminal_shows_the_tree_and_is_put_back() {
     assert!(seen.contains("Mission"), "{seen}");
     assert!(seen.contains("Explore the whole wide wor"), "{seen}");
     assert!(!seen.contains("what lies behind"), "{seen}");
-    assert!(seen.contains("look \\u{1b}[2J out"), "{seen}");
+    let warned = "look \\u{1b}[2J out";
+    let seen = if seen.contains(warned) { seen } else { terminal.read_until(warned) };
+    assert!(!seen.contains("look \x1b"), "{seen}");
     assert!(!terminal.echoes());
     File::options().write(true).open(place.path("go")).unwrap();
     let rest = terminal.read_until("\x1b[?25h");
