@@ -10,8 +10,14 @@ use anyhow::Result;
 use crate::workspace;
 
 /// The documents whose every rule names its tests.
-const DOCUMENTS: [&str; 4] =
-    ["docs/format.md", "docs/semantics.md", "docs/scripts.md", "docs/differences.md"];
+const DOCUMENTS: [&str; 6] = [
+    "docs/format.md",
+    "docs/semantics.md",
+    "docs/scripts.md",
+    "docs/differences.md",
+    "docs/edits.md",
+    "docs/notation.md",
+];
 
 /// A source file: its path and its text.
 type Source = (PathBuf, String);

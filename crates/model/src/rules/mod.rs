@@ -186,8 +186,6 @@ rules! {
     LibraryFixed: Error, "open the library and change it there, or replace the state by a copy of its content";
     /// The edit is for states of another kind.
     WrongKind: Error, "change the kind of the state first";
-    /// The root stays where it is.
-    RootFixed: Error, "choose a state below the root";
     /// A group is entered at one state only.
     GroupEntries: Error, "group states that are entered at one state only, or remove transitions first";
     /// A state does not move into itself.

@@ -520,6 +520,67 @@ fn a_substitute_takes_over_what_fits() {
 }
 
 #[test]
+fn a_substitute_takes_over_runtime_values() {
+    let library = |id: &str, default: i64| {
+        state(&format!(
+            "
+            library {id} from \"lib/{default}\"
+              content
+                execution INNERX
+                  in 5 i: int = {default}
+                  in j: int = {default}
+            "
+        ))
+    };
+    let substitute = |old: &str, by: Arc<State>| {
+        children("ROOT", ChildrenEdit::Substitute { state: StateId::new(old), by })
+    };
+    let plain = state("execution FOURTH\n  in i: int = 1\n  in j: int = 2");
+    check(
+        "
+        hierarchy ROOT
+          library FIRSTX from \"lib/7\"
+            set in i = 3
+            set in j = 4 unused
+            content
+              execution INNERX
+                in i: int = 7
+                in j: int = 7
+        ",
+        &[substitute("FIRSTX", library("SECOND", 8))],
+        &expect![[r#"
+            hierarchy ROOT
+              library SECOND from "lib/8"
+                set in j = 4 unused
+                set in i = 3
+                content
+                  execution INNERX
+                    in j: int = 8
+                    in 5 i: int = 8
+        "#]],
+    );
+    check(
+        "
+        hierarchy ROOT
+          library FIRSTX from \"lib/7\"
+            set in i = 3
+            set in j = 4 unused
+            content
+              execution INNERX
+                in i: int = 7
+                in j: int = 7
+        ",
+        &[substitute("FIRSTX", plain)],
+        &expect![[r"
+            hierarchy ROOT
+              execution FOURTH
+                in i: int = 3
+                in j: int = 2
+        "]],
+    );
+}
+
+#[test]
 fn a_substitute_has_an_id_of_its_own() {
     let (state, by) = (StateId::new("CCCCCC"), state("execution AAAAAA"));
     let edit = children("ROOT", ChildrenEdit::Substitute { state, by });
