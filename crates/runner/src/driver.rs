@@ -351,6 +351,12 @@ impl<S: Scripts> Driver<S> {
 }
 
 impl<D: Datum> Core<D> {
+    /// How many threads there were.
+    #[cfg(test)]
+    pub(crate) fn threads(&self) -> usize {
+        self.threads.len()
+    }
+
     fn at(&self, path: PathId) -> Option<&Arc<Place>> {
         self.known.get(path.index()).and_then(Option::as_ref)
     }

@@ -22,6 +22,8 @@ pub mod signals;
 mod snapshot;
 mod stop;
 mod tell;
+#[cfg(test)]
+mod tests;
 mod viewer;
 
 pub use clock::Clock;

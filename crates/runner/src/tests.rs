@@ -1,0 +1,5 @@
+//! Whole runs on real threads, with scripts of plain Rust: what a state does is said by the first word of its name.
+
+mod players;
+mod runs;
+mod stress;

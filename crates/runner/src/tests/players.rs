@@ -1,0 +1,153 @@
+//! Scripts without an interpreter, and runs of them.
+
+use crate::active::Active;
+use crate::recorder::{Entry, Record};
+use crate::signals::PREEMPTED;
+use crate::{Clock, Driver, Place, Scripts};
+use rafcon_engine::{
+    Finish, Globals, Input, Job, ModelLiterals, NoGlobals, NodeId, Program, Returned, ScriptResult,
+    Start,
+};
+use rafcon_model::{Value, notation};
+use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::{Arc, Barrier};
+
+/// A script for each first word of a state's name.
+#[derive(Debug)]
+pub(super) struct Players {
+    program: Arc<Program<Value>>,
+    meeting: Barrier,
+    rounds: AtomicI64,
+}
+
+impl Players {
+    fn name(&self, node: NodeId) -> &str {
+        self.program.node(node).name()
+    }
+
+    fn play(&self, word: &str, place: &Place) -> Returned {
+        match word {
+            "wait" => {
+                place.signals.wait(PREEMPTED, None);
+                Returned::Id(0)
+            }
+            "meet" => {
+                self.meeting.wait();
+                Returned::Id(0)
+            }
+            "panic" => panic!("as the test wants it"),
+            "again" => Returned::Id(i64::from(self.rounds.fetch_sub(1, Ordering::Relaxed) <= 0)),
+            _ => Returned::Id(0),
+        }
+    }
+}
+
+impl Scripts for Players {
+    type Value = Value;
+
+    fn run(&self, job: Job<Value>, place: &Arc<Place>) -> ScriptResult<Value> {
+        let word = self.name(job.node).split(' ').next().unwrap_or_default();
+        ScriptResult { returned: self.play(word, place), outputs: Vec::new(), error: None }
+    }
+
+    fn failure(&self, reason: &str) -> ScriptResult<Value> {
+        ScriptResult {
+            returned: Returned::Raised,
+            outputs: Vec::new(),
+            error: Some(Value::str(reason)),
+        }
+    }
+
+    fn inhabit(&self, life: &mut (dyn FnMut() + Send)) {
+        life();
+    }
+
+    fn park(&self, wait: &mut (dyn FnMut() + Send)) {
+        wait();
+    }
+
+    fn settle(&self) {}
+
+    fn finished(&self) {}
+
+    fn globals(&self) -> &dyn Globals<Value> {
+        &NoGlobals
+    }
+
+    fn encode(&self, _value: &Value) -> serde_json::Value {
+        serde_json::Value::Null
+    }
+
+    fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value> {
+        serde_json::Map::new()
+    }
+}
+
+/// A machine that is about to run.
+pub(super) struct Run {
+    pub(super) driver: Arc<Driver<Players>>,
+}
+
+/// How a run went.
+pub(super) struct Report {
+    pub(super) finish: Finish<Value>,
+    /// `+path` for entered and `-path=outcome` for left, in order.
+    pub(super) steps: Vec<String>,
+    /// How many threads it took.
+    pub(super) threads: usize,
+}
+
+impl Run {
+    /// The machine of a text; `meeting` states meet, states with the word `again` take their first way `rounds` times.
+    pub(super) fn new(machine: &str, meeting: usize, rounds: i64) -> Self {
+        let machine = notation::parse(machine).unwrap();
+        let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
+        let players = Players {
+            program: Arc::clone(&program),
+            meeting: Barrier::new(meeting),
+            rounds: AtomicI64::new(rounds),
+        };
+        Self { driver: Driver::new(program, players, Clock::start(), Active::default()) }
+    }
+
+    pub(super) fn start(&self) {
+        self.driver.command(Input::Start(Start::default())).unwrap();
+    }
+
+    /// Waits for the first record that `wanted` likes.
+    pub(super) fn wait_for(&self, wanted: impl Fn(&str) -> bool) {
+        let mut next = 1;
+        loop {
+            self.driver.recorder().wait(next, None);
+            let mut entries = Vec::new();
+            next = self.driver.recorder().read(next, 1, |_| true, &mut entries).next;
+            if self.texts(&entries).iter().any(|text| wanted(text)) {
+                return;
+            }
+        }
+    }
+
+    /// Waits for the end.
+    pub(super) fn end(self) -> Report {
+        let finish = self.driver.wait().unwrap();
+        let threads = self.driver.with_core(|core| core.threads()).unwrap();
+        self.driver.close();
+        let mut entries = Vec::new();
+        self.driver.recorder().read(1, usize::MAX, |_| true, &mut entries);
+        Report { finish, steps: self.texts(&entries), threads }
+    }
+
+    fn texts(&self, entries: &[Entry]) -> Vec<String> {
+        let path = |path| self.driver.places().get(path).unwrap();
+        let text = |entry: &Entry| match &entry.record {
+            Record::Entered(at) => format!("+{}", path(*at).text),
+            Record::Left(at, outcome) => {
+                let place = path(*at);
+                let outcome = self.driver.program().node(place.node).outcome(*outcome).unwrap();
+                format!("-{}={}", place.text, outcome.name)
+            }
+            Record::Told(event) => format!("{event:?}"),
+        };
+        entries.iter().map(text).collect()
+    }
+}

@@ -1,0 +1,81 @@
+//! Random machines on real threads, stopped at random moments: every run ends, and whatever was entered is left.
+
+use super::players::Run;
+use proptest::prelude::*;
+use rafcon_engine::Input;
+use std::fmt::Write as _;
+
+/// A state: what it is, and what is inside.
+#[derive(Debug, Clone)]
+enum Tree {
+    Leaf(&'static str),
+    Inner(&'static str, Vec<Tree>),
+}
+
+fn trees() -> impl Strategy<Value = Tree> {
+    let leaf =
+        prop_oneof![4 => Just("go"), 2 => Just("wait"), 1 => Just("panic")].prop_map(Tree::Leaf);
+    leaf.prop_recursive(4, 40, 5, |inner| {
+        let kind = prop_oneof![Just("hierarchy"), Just("barrier"), Just("preemptive")];
+        (kind, prop::collection::vec(inner, 1..5))
+            .prop_map(|(kind, children)| Tree::Inner(kind, children))
+    })
+}
+
+fn write(tree: &Tree, id: &str, depth: usize, text: &mut String) {
+    let pad = "  ".repeat(depth);
+    match tree {
+        Tree::Leaf(word) => {
+            writeln!(text, "{pad}execution {id} \"{word}\"\n{pad}  outcome ok").unwrap()
+        }
+        Tree::Inner(kind, children) => {
+            writeln!(text, "{pad}{kind} {id}\n{pad}  outcome ok").unwrap();
+            connect(kind, children.len(), id, &pad, text);
+            for (number, child) in children.iter().enumerate() {
+                write(child, &format!("{id}{number}"), depth + 1, text);
+            }
+        }
+    }
+}
+
+/// One after the other in a hierarchy, which goes round if its last child does not abort; the rest as their kind wants it.
+fn connect(kind: &str, children: usize, id: &str, pad: &str, text: &mut String) {
+    match kind {
+        "hierarchy" => {
+            writeln!(text, "{pad}  start -> {id}0").unwrap();
+            for number in 1..children {
+                writeln!(text, "{pad}  {id}{}.ok -> {id}{number}", number - 1).unwrap();
+            }
+            writeln!(text, "{pad}  {id}{}.ok -> .ok", children - 1).unwrap();
+        }
+        "preemptive" => {
+            for number in 0..children {
+                writeln!(text, "{pad}  {id}{number}.ok -> .ok").unwrap();
+            }
+        }
+        _ => {
+            writeln!(text, "{pad}  unique_decider_state_id.ok -> .ok").unwrap();
+            writeln!(text, "{pad}  decider unique_decider_state_id \"go\"\n{pad}    outcome ok")
+                .unwrap();
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn every_run_ends(tree in trees(), stop_after in 0_usize..20) {
+        let mut text = String::new();
+        write(&tree, "S", 0, &mut text);
+        let run = Run::new(&text, 1, 0);
+        run.start();
+        (0..stop_after * 10).for_each(|_| std::thread::yield_now());
+        // Refused if the run is over already.
+        drop(run.driver.command(Input::Stop));
+        let report = run.end();
+        let count = |sign: char| report.steps.iter().filter(|step| step.starts_with(sign)).count();
+        prop_assert_eq!(count('+'), count('-'), "{:?}", report.steps);
+        prop_assert!(report.steps.last().is_some_and(|step| step.starts_with("-S=")));
+    }
+}
