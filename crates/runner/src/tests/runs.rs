@@ -48,7 +48,7 @@ hierarchy ROOT
   execution B \"go\"
     outcome ok
 ",
-        &expect![[r#"
+        &expect![[r"
             +ROOT
             +ROOT/A
             -ROOT/A=ok
@@ -56,7 +56,7 @@ hierarchy ROOT
             -ROOT/B=ok
             -ROOT=done
             done after 3 states
-        "#]],
+        "]],
     );
 }
 
@@ -71,13 +71,13 @@ hierarchy ROOT
   execution A \"panic\"
     outcome ok
 ",
-        &expect![[r#"
+        &expect![[r"
             +ROOT
             +ROOT/A
             -ROOT/A=aborted
             -ROOT=aborted
             aborted after 2 states
-        "#]],
+        "]],
     );
 }
 

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 #[derive(Debug, Clone)]
 enum Tree {
     Leaf(&'static str),
-    Inner(&'static str, Vec<Tree>),
+    Inner(&'static str, Vec<Self>),
 }
 
 fn trees() -> impl Strategy<Value = Tree> {
@@ -26,7 +26,7 @@ fn write(tree: &Tree, id: &str, depth: usize, text: &mut String) {
     let pad = "  ".repeat(depth);
     match tree {
         Tree::Leaf(word) => {
-            writeln!(text, "{pad}execution {id} \"{word}\"\n{pad}  outcome ok").unwrap()
+            writeln!(text, "{pad}execution {id} \"{word}\"\n{pad}  outcome ok").unwrap();
         }
         Tree::Inner(kind, children) => {
             writeln!(text, "{pad}{kind} {id}\n{pad}  outcome ok").unwrap();
