@@ -11,6 +11,7 @@ import tempfile
 import unittest
 
 import stage
+from support import BOOTSTRAP, EXTENSION
 import rafcon
 
 
@@ -27,6 +28,14 @@ def plain(program, **environment):
         timeout=60,
         env={**os.environ, "PYTHONPATH": str(stage.PACKAGE), **environment},
     )
+
+
+WITHOUT_A_MACHINE = """
+import rafcon._runtime, rafcon.core.singleton as s
+print(s.state_machine_manager.state_machines, s.state_machine_execution_engine.finished_or_stopped())
+s.global_variable_manager.set_variable('a', 1)
+s.state_machine_execution_engine.pause()
+"""
 
 
 class Package(unittest.TestCase):
@@ -54,14 +63,15 @@ class Package(unittest.TestCase):
         self.assertIn(f'version = "{rafcon.__version__}"', workspace)
 
     def test_without_a_machine_it_says_so(self):
-        done = plain(
-            "import rafcon._runtime, rafcon.core.singleton as s\n"
-            "print(s.state_machine_manager.state_machines, s.state_machine_execution_engine.finished_or_stopped())\n"
-            "s.global_variable_manager.set_variable('a', 1)\n"
-            "s.state_machine_execution_engine.pause()\n"
-        )
+        done = plain(WITHOUT_A_MACHINE)
         self.assertEqual(done.stdout, "{} True\n")
         self.assertIn("start the machine with `rafcon run PATH`", done.stderr.splitlines()[-1])
+
+    def test_the_compiled_module_without_a_machine_says_so_too(self):
+        load = BOOTSTRAP.rpartition("sys.exit")[0] % EXTENSION
+        done = plain(load + WITHOUT_A_MACHINE)
+        self.assertEqual(done.stdout, "{} True\n", done.stderr)
+        self.assertIn("no state machine runs in this process", done.stderr.splitlines()[-1])
 
     def test_the_desktop_is_missing_as_it_always_was(self):
         done = plain(

@@ -55,6 +55,14 @@ def machine():
     return _machine[0]
 
 
+def machine_or_none():
+    """As :func:`machine`; None where no state machine runs."""
+    try:
+        return machine()
+    except RuntimeError:
+        return None
+
+
 def port_type(name):
     """The type of a port; its name, where it cannot be imported here."""
     from rafcon._types import resolve_type

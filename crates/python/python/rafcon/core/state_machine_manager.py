@@ -1,7 +1,6 @@
 """The state machines of this process: there is one, the one that runs."""
 
 from rafcon import _objects
-from rafcon._bridge import NoRunningMachine
 from rafcon.core._refusals import fixed, refuses
 
 
@@ -36,10 +35,7 @@ class StateMachineManager:
 
     def get_active_state_machine(self):
         """The state machine that runs, or None."""
-        try:
-            return _objects.machine()
-        except NoRunningMachine:
-            return None
+        return _objects.machine_or_none()
 
     def get_state_machine(self, state_machine_id):
         """The state machine of this id, or None."""

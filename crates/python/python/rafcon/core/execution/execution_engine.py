@@ -1,7 +1,7 @@
 """The engine as scripts see it: they pause, resume and stop the machine that they are part of."""
 
 from rafcon import _objects
-from rafcon._bridge import NoRunningMachine, native
+from rafcon._bridge import native
 from rafcon.core.custom_exceptions import CommandNotSupported
 from rafcon.core.execution.execution_status import ExecutionStatus, StateMachineExecutionStatus
 
@@ -59,10 +59,10 @@ class ExecutionEngine:
 
 
 def _mode():
-    try:
-        root = _objects.machine().root_state
-    except NoRunningMachine:
+    machine = _objects.machine_or_none()
+    if machine is None:
         return StateMachineExecutionStatus.STOPPED
+    root = machine.root_state
     if not root.active:
         return StateMachineExecutionStatus.FINISHED
     if root._signals.preempted:
