@@ -252,8 +252,11 @@ fn shells_and_manuals() {
 
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
-    let place = Place::empty();
-    place.call("new machine --template mission");
+    let place = Place::with(MACHINE);
+    let core = std::fs::read_to_string(place.machine().join("core_data.json")).unwrap();
+    let long = format!("\"description\": \"{}\"", "long ".repeat(200_000));
+    assert!(core.contains("\"description\": null"));
+    place.write("core_data.json", &core.replace("\"description\": null", &long));
     let mut child = place
         .command("show MACHINE --format json")
         .stdout(Stdio::piped())
