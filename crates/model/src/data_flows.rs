@@ -1,5 +1,6 @@
 //! The data flows of a container, found by id, by source and by target.
 
+use crate::ids;
 use crate::sorted::{MANY, Sorted};
 use crate::{DataFlow, DataFlowId, PortId, StateId};
 use imbl::OrdSet;
@@ -159,9 +160,15 @@ impl DataFlows {
         Some(flow)
     }
 
-    /// The smallest id above all that are used, 1 at first.
+    /// The id for the next one: above all that are used, 1 at first.
     pub fn next_id(&self) -> DataFlowId {
-        DataFlowId(self.by_id.last().map_or(1, |(id, _)| id.0.saturating_add(1).max(1)))
+        self.free_ids().next().unwrap_or(DataFlowId(0))
+    }
+
+    /// The ids for the next ones.
+    pub fn free_ids(&self) -> impl Iterator<Item = DataFlowId> {
+        let last = self.by_id.last().map(|(id, _)| id.0);
+        ids::free_ids(last, |id| self.by_id.contains_key(&DataFlowId(id))).map(DataFlowId)
     }
 }
 

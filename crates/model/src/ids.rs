@@ -44,6 +44,21 @@ pub(crate) fn smallest_free(taken: impl Fn(i64) -> bool) -> i64 {
     (0..i64::MAX).find(|id| !taken(*id)).unwrap_or_default()
 }
 
+/// The id after `last`, 1 after nothing; `None` where ids come to their end.
+pub(crate) fn id_after(last: Option<i64>) -> Option<i64> {
+    const END: i64 = i64::MAX - (1 << 32);
+    let next = last.map_or(1, |last| last.saturating_add(1).max(1));
+    (next < END).then_some(next)
+}
+
+/// Ids that are not taken: those after `last`, or the gaps from 1 on if there is no room after it.
+pub(crate) fn free_ids(
+    last: Option<i64>,
+    taken: impl Fn(i64) -> bool,
+) -> impl Iterator<Item = i64> {
+    (id_after(last).unwrap_or(1)..i64::MAX).filter(move |id| !taken(*id))
+}
+
 macro_rules! number_id {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*

@@ -1,5 +1,6 @@
 //! The transitions of a container, found by id, by origin and by target.
 
+use crate::ids;
 use crate::sorted::{MANY, Sorted};
 use crate::{Origin, OutcomeId, StateId, Transition, TransitionId};
 use imbl::OrdSet;
@@ -139,9 +140,15 @@ impl Transitions {
         Some(transition)
     }
 
-    /// The smallest id above all that are used, 1 at first.
+    /// The id for the next one: above all that are used, 1 at first.
     pub fn next_id(&self) -> TransitionId {
-        TransitionId(self.by_id.last().map_or(1, |(id, _)| id.0.saturating_add(1).max(1)))
+        self.free_ids().next().unwrap_or(TransitionId(0))
+    }
+
+    /// The ids for the next ones.
+    pub fn free_ids(&self) -> impl Iterator<Item = TransitionId> {
+        let last = self.by_id.last().map(|(id, _)| id.0);
+        ids::free_ids(last, |id| self.by_id.contains_key(&TransitionId(id))).map(TransitionId)
     }
 }
 

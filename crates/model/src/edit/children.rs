@@ -53,7 +53,8 @@ fn add(
     let state = complete(state);
     whole(path, parent, &state, types)?;
     let outcomes: Vec<_> = state.outcomes.iter().map(|outcome| outcome.id).collect();
-    let arrows = to_decider(path, parent, &state.id, &outcomes);
+    let ids = parent.container().into_iter().flat_map(|c| c.transitions.free_ids());
+    let arrows = to_decider(path, parent, &state.id, &outcomes, ids);
     let child = Step::new(path, Set::Child(state.id.clone(), Some(state)));
     Ok(std::iter::once(child).chain(arrows).collect())
 }
@@ -90,20 +91,20 @@ pub(super) fn to_decider(
     parent: &State,
     child: &StateId,
     outcomes: &[OutcomeId],
+    ids: impl Iterator<Item = TransitionId>,
 ) -> Vec<Step> {
     let decider = StateId::new(DECIDER_ID);
     let Kind::Barrier(container) = &parent.kind else { return Vec::new() };
     if *child == decider || !container.states.contains_key(&decider) {
         return Vec::new();
     }
-    let ids = (container.transitions.next_id().0..).map(TransitionId);
     let outcomes = outcomes.iter().filter(|outcome| outcome.0 >= 0);
-    let transition = |(id, outcome): (TransitionId, &OutcomeId)| {
+    let transition = |(outcome, id): (&OutcomeId, TransitionId)| {
         let from = Origin::Outcome(child.clone(), *outcome);
         let to = Target::State(decider.clone());
         Step::new(path, Set::Transition(id, Some(Transition::new(id, from, to, &parent.id))))
     };
-    ids.zip(outcomes).map(transition).collect()
+    outcomes.zip(ids).map(transition).collect()
 }
 
 fn remove(path: &StatePath, container: &Container, id: &StateId) -> Result<Vec<Step>, EditError> {

@@ -8,8 +8,8 @@ use super::step::{Set, Step, with_id};
 use crate::ids::smallest_free;
 use crate::rules::{Part, Rule};
 use crate::{
-    Container, DataFlow, DataFlowId, Kind, Machine, Port, PortId, PortKind, State, StateId,
-    StatePath, Transition, TransitionId, Types,
+    Container, DataFlow, Kind, Machine, Port, PortId, PortKind, State, StateId, StatePath,
+    Transition, TransitionId, Types,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -102,6 +102,7 @@ pub(super) fn plan_paste(
         ids: BTreeMap::new(),
         variables: BTreeMap::new(),
         from: selection.container,
+        transition_ids: Box::new(container.transitions.free_ids()),
         steps: Vec::new(),
     };
     pasting.states(selection.states, ids)?;
@@ -122,6 +123,7 @@ struct Pasting<'m> {
     variables: BTreeMap<PortId, PortId>,
     /// The id of the container that the selection comes from.
     from: StateId,
+    transition_ids: Box<dyn Iterator<Item = TransitionId> + 'm>,
     steps: Vec<Step>,
 }
 
@@ -160,14 +162,9 @@ impl Pasting<'_> {
     /// In a barrier, each outcome from 0 on leads to the decider.
     fn lead_to_decider(&mut self, child: &State) {
         let outcomes: Vec<_> = child.outcomes.iter().map(|outcome| outcome.id).collect();
-        let made = self.steps.iter().filter(|s| matches!(s.set, Set::Transition(..))).count();
-        let made = i64::try_from(made).unwrap_or(i64::MAX);
-        for step in super::children::to_decider(self.path, self.state, &child.id, &outcomes) {
-            if let Set::Transition(id, Some(transition)) = step.set {
-                let id = TransitionId(id.0.saturating_add(made));
-                self.step(Set::Transition(id, Some(Transition { id, ..transition })));
-            }
-        }
+        let ids = self.transition_ids.by_ref();
+        let steps = super::children::to_decider(self.path, self.state, &child.id, &outcomes, ids);
+        self.steps.extend(steps);
     }
 
     fn scoped_variables(&mut self, selected: &[Port]) {
@@ -192,8 +189,8 @@ impl Pasting<'_> {
         if !matches!(self.state.kind, Kind::Hierarchy(_)) {
             return;
         }
-        let ids = (self.container.transitions.next_id().0..).map(TransitionId);
-        for (id, transition) in ids.zip(transitions) {
+        for transition in transitions {
+            let Some(id) = self.transition_ids.next() else { return };
             let end = |end: Option<StateId>| end.and_then(|end| self.ids.get(&end).cloned());
             let from_state = end(transition.from_state);
             let to_state = end(transition.to_state);
@@ -203,8 +200,7 @@ impl Pasting<'_> {
     }
 
     fn flows(&mut self, flows: Vec<DataFlow>) {
-        let ids = (self.container.data_flows.next_id().0..).map(DataFlowId);
-        for (id, flow) in ids.zip(flows) {
+        for (id, flow) in self.container.data_flows.free_ids().zip(flows) {
             let from = self.end(&flow.from_state, flow.from_port);
             let to = self.end(&flow.to_state, flow.to_port);
             if let (Some(from), Some(to)) = (from, to) {

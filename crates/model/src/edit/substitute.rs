@@ -32,7 +32,8 @@ pub(super) fn plan(
     steps.push(Step::new(path, Set::Child(new.id.clone(), Some(Arc::clone(&new)))));
     steps.extend(substitution.transitions());
     steps.extend(substitution.flows());
-    steps.extend(to_decider(path, state, &new.id, &substitution.new_outcomes()));
+    let ids = container.transitions.free_ids();
+    steps.extend(to_decider(path, state, &new.id, &substitution.new_outcomes(), ids));
     Ok(steps)
 }
 

@@ -36,7 +36,8 @@ pub(super) fn plan(
         ids: BTreeMap::new(),
         variables: BTreeMap::new(),
         links: BTreeSet::new(),
-        next: (here.1.transitions.next_id(), here.1.data_flows.next_id()),
+        transition_ids: Box::new(here.1.transitions.free_ids()),
+        flow_ids: Box::new(here.1.data_flows.free_ids()),
         steps: disconnect(path, here.1, id),
     };
     ungrouping.steps.push(Step::new(path, Set::Child(id.clone(), None)));
@@ -61,7 +62,8 @@ struct Ungrouping<'m> {
     variables: BTreeMap<PortId, PortId>,
     /// The data flows that have been made.
     links: BTreeSet<(End, End)>,
-    next: (TransitionId, DataFlowId),
+    transition_ids: Box<dyn Iterator<Item = TransitionId> + 'm>,
+    flow_ids: Box<dyn Iterator<Item = DataFlowId> + 'm>,
     steps: Vec<Step>,
 }
 
@@ -158,8 +160,7 @@ impl Ungrouping<'_> {
     }
 
     fn transition(&mut self, from: Origin, to: Target) {
-        let id = self.next.0;
-        self.next.0 = TransitionId(id.0.saturating_add(1));
+        let Some(id) = self.transition_ids.next() else { return };
         let transition = Transition::new(id, from, to, &self.state.id);
         self.step(Set::Transition(id, Some(transition)));
     }
@@ -195,7 +196,16 @@ impl Ungrouping<'_> {
             return self.outside(end).into_iter().collect();
         }
         let flows = self.container.data_flows.into_port(&end.0, end.1);
-        flows.filter_map(|flow| self.beyond((flow.from_state.clone(), flow.from_port))).collect()
+        flows.flat_map(|flow| self.before((flow.from_state.clone(), flow.from_port))).collect()
+    }
+
+    /// An end outside; for an output of the group that leads back to the group, where its values come from inside.
+    fn before(&self, end: End) -> Vec<End> {
+        if end.0 != self.group.id {
+            return vec![end];
+        }
+        let inside = self.inner.data_flows.into_port(&end.0, end.1);
+        inside.filter_map(|flow| self.outside(&(flow.from_state.clone(), flow.from_port))).collect()
     }
 
     /// Where a value inside goes to, seen from outside.
@@ -204,12 +214,8 @@ impl Ungrouping<'_> {
             return self.outside(end).into_iter().collect();
         }
         let flows = self.container.data_flows.out_of_port(&end.0, end.1);
-        flows.filter_map(|flow| self.beyond((flow.to_state.clone(), flow.to_port))).collect()
-    }
-
-    /// An end outside; those at the group itself (its output to its own input) are gone.
-    fn beyond(&self, end: End) -> Option<End> {
-        (end.0 != self.group.id).then_some(end)
+        let outside = flows.filter(|flow| flow.to_state != self.group.id);
+        outside.map(|flow| (flow.to_state.clone(), flow.to_port)).collect()
     }
 
     fn is_variable(&self, (state, port): &End) -> bool {
@@ -222,8 +228,7 @@ impl Ungrouping<'_> {
         if both_variables || !self.links.insert((from.clone(), to.clone())) {
             return;
         }
-        let id = self.next.1;
-        self.next.1 = DataFlowId(id.0.saturating_add(1));
+        let Some(id) = self.flow_ids.next() else { return };
         self.step(Set::DataFlow(id, Some(DataFlow::new(id, from.clone(), to.clone()))));
     }
 }

@@ -5,7 +5,7 @@ use super::connect::{Side, outcome_by_name, owner, port_by_name};
 use super::scan::is_type_byte;
 use super::shared::{Shared, content};
 use super::{KEYWORDS, is_bare};
-use crate::ids::smallest_free;
+use crate::ids::{id_after, smallest_free};
 use crate::{
     DataFlow, DataType, Header, Json, Kind, Layout, Library, LibraryContent, Machine, OutcomeId,
     PortId, Ports, RuntimeValues, State, StateId, Transition, Value, json, literal,
@@ -222,28 +222,28 @@ impl<'m> Printer<'m> {
 
     fn connections(&mut self, state: &State, depth: usize) {
         let Some(container) = state.container() else { return };
-        let mut next = 1;
+        let mut last = None;
         for transition in container.transitions.iter() {
             let line = transition_text(state, transition);
-            self.connection(line, (transition.id.0, next), transition.extra.as_deref(), depth);
-            next = transition.id.0.saturating_add(1).max(1);
+            self.connection(line, (transition.id.0, last), transition.extra.as_deref(), depth);
+            last = Some(transition.id.0);
         }
-        let mut next = 1;
+        let mut last = None;
         for flow in container.data_flows.iter() {
             let line = flow_text(state, flow);
-            self.connection(line, (flow.id.0, next), flow.extra.as_deref(), depth);
-            next = flow.id.0.saturating_add(1).max(1);
+            self.connection(line, (flow.id.0, last), flow.extra.as_deref(), depth);
+            last = Some(flow.id.0);
         }
     }
 
     fn connection(
         &mut self,
         mut line: String,
-        (id, next): (i64, i64),
+        (id, last): (i64, Option<i64>),
         extra: Option<&Json>,
         depth: usize,
     ) {
-        if id != next {
+        if id_after(last) != Some(id) {
             line = format!("{line} as {id}");
         }
         line.push_str(&extra_text(extra));

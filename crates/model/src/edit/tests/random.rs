@@ -51,6 +51,27 @@ const START: &str = "
           outcome success
 ";
 
+/// Ids at the end of what a number can be.
+const FULL: &str = "
+    barrier ROOT
+      outcome success
+      var v: int
+      AAAAAA.success -> unique_decider_state_id as 9223372036854775807
+      unique_decider_state_id.success -> .success as 0
+      flow .v -> AAAAAA.x as 9223372036854775807
+      hierarchy AAAAAA
+        outcome success
+        in 9223372036854775807 x: int
+        start -> BBBBBB as -9223372036854775808
+        BBBBBB.9223372036854775807 -> .success as 9223372036854775807
+        flow .x -> BBBBBB.x as 9223372036854775807
+        execution BBBBBB
+          outcome 9223372036854775807 done
+          in -9223372036854775808 x: int
+      decider unique_decider_state_id
+        outcome success
+";
+
 const FAULTY: &str = "
     hierarchy ROOT
       without -1
@@ -318,11 +339,17 @@ fn take_all_back(mut machine: Machine, backs: Vec<(Machine, Edit, Machine, Strin
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(150))]
 
     #[test]
     fn any_edits_keep_every_rule_and_can_be_taken_back(numbers in proptest::collection::vec(any::<u16>(), 0..400)) {
         edit_and_look(START, numbers);
+    }
+
+    /// The same where ids come to their end.
+    #[test]
+    fn edits_find_room_for_their_ids(numbers in proptest::collection::vec(any::<u16>(), 0..200)) {
+        edit_and_look(FULL, numbers);
     }
 
     /// The same where much is wrong to begin with.

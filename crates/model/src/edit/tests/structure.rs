@@ -308,6 +308,7 @@ const NESTED: &str = "
           flow .a -> GROUPX.x
           flow .v -> GROUPX.x
           flow GROUPX.y -> .b
+          flow GROUPX.y -> GROUPX.x
           execution AAAAAA
           barrier BARRIE
             outcome done
@@ -360,9 +361,12 @@ fn ungrouping_makes_room() {
               start -> FRESHX
               FRESHX.done -> .success as 4
               FRESHX.again -> FRESHX
-              flow .a -> FRESHX.x as 4
+              flow .a -> FRESHX.x as 5
               flow .v -> FRESHX.x
+              flow .GROUPX_v -> FRESHX.x
+              flow FRESHX.y -> FRESHX.x
               flow .a -> .GROUPX_v
+              flow FRESHX.y -> .GROUPX_v
               flow .GROUPX_v -> .b
               flow FRESHX.y -> .b
               execution AAAAAA
