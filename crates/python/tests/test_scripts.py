@@ -233,16 +233,17 @@ class Scripts(unittest.TestCase):
             sys.stderr.write("to stderr\\n")
             self.logger.verbose("quiet")
             logging.getLogger("elsewhere").warning("from elsewhere")
-            thread = threading.Thread(target=print, args=("from a thread",))
-            thread.start()
-            thread.join()
+            for target, text in ((print, "from a thread"), (self.logger.info, "logged by a thread")):
+                thread = threading.Thread(target=target, args=(text,))
+                thread.start()
+                thread.join()
             sys.stdout.write("unfinished")
             return 0
             """,
             lines=["one line", "unfinished"],
         )
         self.assertEqual(result.logged("stderr", "R/X"), ["to stderr", "from elsewhere"])
-        self.assertIn("quiet", result.logged("logger", "R/X"))
+        self.assertEqual(result.logged("logger", "R/X"), ["quiet", "logged by a thread"])
         self.assertEqual(result.logged("stdout"), ["one line", "from a thread", "unfinished"])
 
     def test_a_script_may_fork(self):

@@ -7,6 +7,10 @@ from rafcon._bridge import native
 from rafcon.utils.log import VERBOSE, get_logger
 
 
+#: Name of the logger of a state to the path of the state: for what threads log that a script has started.
+owners = {}
+
+
 class Handler(logging.Handler):
     """Sends each record of the logger ``rafcon`` as one message."""
 
@@ -21,7 +25,10 @@ class Handler(logging.Handler):
             if self._forked:
                 os.write(2, (message + "\n").encode("utf-8", "backslashreplace"))
                 return
-            native.emit(native.current_path(), "logger", record.levelno, _utf8(message))
+            path = native.current_path()
+            if path < 0:
+                path = owners.get(record.name, -1)
+            native.emit(path, "logger", record.levelno, _utf8(message))
         except Exception:
             self.handleError(record)
 

@@ -7,7 +7,7 @@ import os
 from enum import Enum
 from functools import cached_property
 
-from rafcon import _objects, _signals
+from rafcon import _logging, _objects, _signals
 from rafcon._bridge import native
 from rafcon.core._refusals import NoConstructor, fixed, refuses
 from rafcon.core.execution.execution_history import ExecutionHistory
@@ -98,7 +98,9 @@ class State(NoConstructor, SemanticData):
     @cached_property
     def logger(self):
         """The logger ``rafcon.<name>``, with ``verbose`` below ``debug``."""
-        return get_logger("rafcon." + self.name)
+        logger = get_logger("rafcon." + self.name)
+        _logging.owners[logger.name] = self._place
+        return logger
 
     @property
     def file_system_path(self):
