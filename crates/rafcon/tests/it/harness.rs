@@ -152,6 +152,12 @@ impl Run {
         kill_process(Pid::from_child(&self.child), signal).unwrap();
     }
 
+    /// Closes the output and waits for the exit code.
+    pub(crate) fn end_unread(mut self) -> Option<i32> {
+        drop(self.lines);
+        self.child.wait().unwrap().code()
+    }
+
     /// Exit code, what is left of the output, and the error output.
     pub(crate) fn end(self) -> (Option<i32>, Vec<String>, String) {
         let lines = self.lines.map(Result::unwrap).collect();

@@ -64,6 +64,22 @@ fn a_terminal_that_hangs_up_leaves_the_run_alive() {
     assert!(lines.last().unwrap().contains("finished"));
 }
 
+#[test]
+fn a_reader_that_goes_away_leaves_the_run_alive() {
+    let place = Place::with_script(
+        r#"
+def execute(self, inputs, outputs, gvm):
+    print("here")
+    for number in range(5000):
+        print("unread", number)
+    return "failure"
+"#,
+    );
+    let mut run = Run::start(&place, "");
+    run.wait_for("here");
+    assert_eq!(run.end_unread(), Some(3));
+}
+
 /// The script waits for a file that comes only after its viewer is gone, and answers with another.
 #[test]
 fn a_run_outlives_its_viewer() {
