@@ -7,7 +7,7 @@ use expect_test::{Expect, expect};
 fn check(script: &str, expect: &Expect) {
     let answer = Place::with_script(script).run("");
     // Marks below a line of code differ from one Python to the next.
-    let is_text = |line: &&str| line.trim_matches([' ', '^', '~']) != "";
+    let is_text = |line: &&str| !line.trim_matches([' ', '^', '~']).is_empty();
     let log: Vec<_> =
         answer.log().lines().filter(is_text).map(|line| format!("{line}\n")).collect();
     expect.assert_eq(&format!("{}{}", answer.ending(), log.concat()));
