@@ -10,10 +10,11 @@ import sys
 import tempfile
 import threading
 import unittest
+import warnings
 
 import stage
 from rafcon import _capture, _logging
-from rafcon.utils.log import get_logger
+from rafcon.utils.log import RAFCONDeprecationWarning, get_logger
 
 
 class Output(unittest.TestCase):
@@ -82,10 +83,11 @@ class Log(unittest.TestCase):
         stage.native.clear([stage.described("execution", "A", "a", "A")])
         stage.enter(0)
         self.addCleanup(stage.leave)
-        logger = logging.getLogger("rafcon")
-        before = (logger.level, logger.propagate, list(logger.handlers))
-        self.addCleanup(self.restore, logger, *before)
-        logger.handlers.clear()
+        self.addCleanup(logging.captureWarnings, False)
+        for name in ("rafcon", "py.warnings"):
+            logger = logging.getLogger(name)
+            self.addCleanup(self.restore, logger, logger.level, logger.propagate, list(logger.handlers))
+            logger.handlers.clear()
 
     @staticmethod
     def restore(logger, level, propagate, handlers):
@@ -116,6 +118,13 @@ class Log(unittest.TestCase):
         except ZeroDivisionError:
             get_logger("a").exception("failed")
         self.assertRegex(stage.native.sent[0][3], r"(?s)^failed\nTraceback .*ZeroDivisionError: division by zero$")
+
+    def test_warnings_are_logged(self):
+        _logging.install()
+        warnings.warn("old", RAFCONDeprecationWarning, stacklevel=1)
+        ((path, stream, level, message),) = stage.native.sent
+        self.assertEqual((path, stream, level), (0, "logger", 30))
+        self.assertIn("RAFCONDeprecationWarning: old", message)
 
     def test_a_configuration_of_the_user_holds(self):
         self.configured({

@@ -49,20 +49,27 @@ def _utf8(text):
 
 
 def install():
-    """Sets up the logger ``rafcon``: every level down to VERBOSE, one handler.
+    """Sets up the logger ``rafcon``: every level down to VERBOSE, one handler. Python's warnings are logged too.
 
     ``RAFCON_LOGGING_CONF`` may name a JSON file for ``logging.config.dictConfig``: its levels, filters and files hold.
-    Handlers of the logger ``rafcon`` that would print to the terminal make way for ours, or each line came twice.
+    Handlers that would print to the terminal make way for ours, or each line came twice.
     """
     logger = get_logger("rafcon")
     logger.setLevel(VERBOSE)
-    logger.propagate = False
     problem = _configure(os.environ.get("RAFCON_LOGGING_CONF"))
-    for handler in [handler for handler in logger.handlers if type(handler) is logging.StreamHandler]:
-        logger.removeHandler(handler)
-    logger.addHandler(Handler())
+    handler = Handler()
+    _take_over(logger, handler)
+    _take_over(logging.getLogger("py.warnings"), handler)
+    logging.captureWarnings(True)
     if problem:
         logger.warning(problem)
+
+
+def _take_over(logger, handler):
+    logger.propagate = False
+    for printing in [found for found in logger.handlers if type(found) is logging.StreamHandler]:
+        logger.removeHandler(printing)
+    logger.addHandler(handler)
 
 
 def _configure(path):

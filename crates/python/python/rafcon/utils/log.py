@@ -2,13 +2,14 @@
 
 import functools
 import logging
+import warnings
 
 #: Below ``logging.DEBUG``; ``logger.verbose(…)`` logs at it.
 VERBOSE = 5
 
 
 class RAFCONDeprecationWarning(DeprecationWarning):
-    """Something still works, and will go."""
+    """Something still works, and will go. Each is shown once."""
 
 
 def _verbose(self, message, *arguments, **named):
@@ -17,6 +18,7 @@ def _verbose(self, message, *arguments, **named):
         self._log(VERBOSE, message, arguments, **named)
 
 
+warnings.filterwarnings("once", category=RAFCONDeprecationWarning)
 logging.addLevelName(VERBOSE, "VERBOSE")
 logging.VERBOSE = VERBOSE
 logging.Logger.verbose = _verbose
