@@ -4,6 +4,7 @@
 //! that is the engine's.
 
 mod class;
+mod codes;
 mod config;
 mod copy;
 mod current;

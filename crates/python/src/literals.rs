@@ -2,9 +2,10 @@
 
 use crate::handle::Handle;
 use crate::runtime::Runtime;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyString, PyTuple};
-use rafcon_engine::Literals;
+use rafcon_engine::{Literals, failed};
 use rafcon_model::{Conversion, DataType, Value, convert, convert_runtime_value, json};
 use smol_str::SmolStr;
 
@@ -20,19 +21,26 @@ impl Literals<Handle> for PythonLiterals {
     fn runtime_literal(&mut self, value: &Value, data_type: &DataType) -> Result<Handle, SmolStr> {
         made(convert_runtime_value(value, data_type), value, data_type)
     }
+
+    fn error(&mut self, text: &str) -> Option<Handle> {
+        let error = PyRuntimeError::new_err(text.to_owned());
+        Some(Python::attach(|py| Handle::new(error.into_value(py).into_bound(py).into_any())))
+    }
 }
 
 fn made(conversion: Conversion, value: &Value, data_type: &DataType) -> Result<Handle, SmolStr> {
-    let object = |py: Python<'_>| match &conversion {
-        Conversion::Value(converted) => object(py, converted).map(Handle::new),
-        Conversion::Global(_) => object(py, value).map(Handle::new),
-        Conversion::NeedsPython => by_python(py, value, data_type).map(Handle::new),
-        Conversion::Fails(_) => Ok(Handle::default()),
+    let made = |py: Python<'_>, value: &Value| match object(py, value) {
+        Ok(object) => Ok(Handle::new(object)),
+        Err(error) => Err(SmolStr::new(error.value(py).to_string())),
     };
-    if let Conversion::Fails(reason) = conversion {
-        return Err(reason);
-    }
-    Python::attach(|py| object(py).map_err(|error| SmolStr::new(error.value(py).to_string())))
+    Python::attach(|py| match conversion {
+        Conversion::Value(converted) => made(py, &converted),
+        Conversion::Global(_) => made(py, value),
+        Conversion::NeedsPython => by_python(py, value, data_type)
+            .map(Handle::new)
+            .map_err(|error| SmolStr::new(error.value(py).to_string())),
+        Conversion::Fails(reason) => made(py, failed(value, reason)?),
+    })
 }
 
 fn by_python<'py>(

@@ -63,6 +63,8 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     signal.call_method1("signal", (signal.getattr("SIGINT")?, signal.getattr("SIG_DFL")?))?;
     runtime.install_capture.call0(py)?;
     runtime.hooks.call_method0(py, "load")?;
+    // What is there now stays for good: the collector need not look at it again and again.
+    py.import("gc")?.call_method0("freeze")?;
     let end = py.detach(|| serve(stream, PythonHost { literals: PythonLiterals }));
     runtime.flush_all.call0(py)?;
     runtime.hooks.call_method0(py, "shut_down")?;

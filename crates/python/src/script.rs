@@ -13,6 +13,7 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
 use crate::class;
+use crate::codes::Codes;
 use crate::handle::Handle;
 
 /// What is needed to run the script of one node, found out once.
@@ -21,6 +22,7 @@ pub(crate) struct Script {
     /// The file that tracebacks name.
     pub(crate) file: String,
     text: Option<Arc<str>>,
+    codes: Arc<Codes>,
     /// Names of the input ports.
     pub(crate) inputs: Box<[Py<PyString>]>,
     /// Names of the output ports.
@@ -36,26 +38,33 @@ pub(crate) struct Script {
     reported: Mutex<BTreeSet<SmolStr>>,
 }
 
+/// How a script is compiled and run.
+#[derive(Debug)]
+pub(crate) struct How {
+    /// The file that tracebacks name.
+    pub(crate) file: String,
+    /// Whether the module's body runs at each entry of the state.
+    pub(crate) recompile: bool,
+    /// What was compiled so far.
+    pub(crate) codes: Arc<Codes>,
+}
+
 impl Script {
-    /// Makes ready what is known before the script runs. `recompile` tells whether the module's body runs at each entry.
-    pub(crate) fn new(
-        py: Python<'_>,
-        program: &Program<Handle>,
-        node: NodeId,
-        (file, recompile): (String, bool),
-    ) -> Self {
+    /// Makes ready what is known before the script runs.
+    pub(crate) fn new(py: Python<'_>, program: &Program<Handle>, node: NodeId, how: How) -> Self {
         let node: &Node<Handle> = program.node(node);
         declare_types(py, node.inputs());
         declare_types(py, node.outputs());
         Self {
-            file,
+            file: how.file,
+            codes: how.codes,
             text: node.state().script().and_then(|script| script.text.clone()),
             inputs: names(py, node.inputs()),
             outputs: names(py, node.outputs()),
             has_error_output: node.outputs().iter().any(|port| port.name == "error"),
             outcomes: node.outcomes().into(),
             code: OnceLock::new(),
-            kept: (!recompile).then(OnceLock::new),
+            kept: (!how.recompile).then(OnceLock::new),
             reported: Mutex::default(),
         }
     }
@@ -84,14 +93,10 @@ impl Script {
     }
 
     fn compile(&self, py: Python<'_>) -> PyResult<Py<PyCode>> {
-        let text = self.text.as_deref().ok_or_else(|| {
+        let text = self.text.as_ref().ok_or_else(|| {
             PyRuntimeError::new_err("the state has no script: add a script.py to its folder")
         })?;
-        let options = PyDict::new(py);
-        options.set_item("dont_inherit", true)?;
-        let compile = Runtime::get(py)?.builtins.bind(py).get_item("compile")?;
-        let code = compile.call((text, self.file.as_str(), "exec"), Some(&options))?;
-        Ok(code.cast_into::<PyCode>()?.unbind())
+        self.codes.get(py, text, &self.file)
     }
 }
 

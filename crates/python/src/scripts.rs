@@ -1,9 +1,10 @@
 //! The host of Python scripts: the port of the runner, filled by an interpreter.
 
+use crate::codes::Codes;
 use crate::handle::Handle;
 use crate::run::run;
 use crate::runtime::Runtime;
-use crate::script::Script;
+use crate::script::{How, Script};
 use crate::seat::{Seat, Seats};
 use crate::signals::Signals;
 use crate::{current, graveyard, thread};
@@ -27,6 +28,7 @@ pub(crate) struct PythonScripts {
     pub(crate) files: StateFiles,
     pub(crate) config: Config,
     scripts: RwLock<BTreeMap<NodeId, Arc<Script>>>,
+    codes: Arc<Codes>,
     seats: Seats,
     globals: PythonGlobals,
 }
@@ -40,6 +42,7 @@ impl PythonScripts {
             files,
             config,
             scripts: RwLock::default(),
+            codes: Arc::default(),
             seats: Seats::default(),
             globals: PythonGlobals,
         }
@@ -65,8 +68,11 @@ impl PythonScripts {
     fn script(&self, py: Python<'_>, place: &Place) -> Arc<Script> {
         let known = self.scripts.read().get(&place.node).cloned();
         known.unwrap_or_else(|| {
-            let file = self.files.script(&place.text);
-            let how = (file, self.config.recompile_scripts);
+            let how = How {
+                file: self.files.script(&place.text),
+                recompile: self.config.recompile_scripts,
+                codes: Arc::clone(&self.codes),
+            };
             let script = Arc::new(Script::new(py, &self.program, place.node, how));
             Arc::clone(self.scripts.write().entry(place.node).or_insert(script))
         })

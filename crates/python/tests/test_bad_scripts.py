@@ -38,6 +38,14 @@ class BadScripts(unittest.TestCase):
         self.assertIn("bad_BAD/script.py\", line 2, in execute", shown)
         self.assertIn("raise ValueError('no')", shown)
 
+    def test_states_with_the_same_text_have_tracebacks_of_their_own(self):
+        text = "def execute(self, inputs, outputs, gvm):\n    (lambda: 1 / 0)()\n"
+        root = container("barrier", [script(text, "ONE"), script(text, "TWO"), script(DONE, decider=True)], [])
+        result = run(save(self.folder, root))
+        for name in ("one_ONE", "two_TWO"):
+            shown = "\n".join(result.logged("engine", "R/" + name[-3:]))
+            self.assertEqual(shown.count(name + "/script.py\", line 2"), 2, shown)
+
     def test_it_does_not_parse(self):
         result = self.run_one("def execute(self\n    return 0\n")
         self.assertTrue(result.logged("stdout", "R/NEXT")[0].startswith("SyntaxError("), result.logged())
