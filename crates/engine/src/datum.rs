@@ -42,4 +42,10 @@ pub trait Literals<D> {
     fn runtime_literal(&mut self, value: &Value, data_type: &DataType) -> Result<D, SmolStr> {
         self.literal(value, data_type)
     }
+
+    /// What an error of the engine's own (a missing library, a scoped variable that cannot be made) is to those who handle
+    /// it; the text says what happened and the way out.
+    fn error(&mut self, text: &str) -> Option<D> {
+        self.literal(&Value::str(text), &DataType::Str).ok()
+    }
 }

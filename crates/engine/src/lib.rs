@@ -20,7 +20,7 @@ pub use event::{Event, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{Input, Returned, ScriptResult, Start};
 pub use program::{Node, Program, UnknownPath};
-pub use values::ModelLiterals;
+pub use values::{ModelLiterals, failed};
 
 #[cfg(test)]
 mod tests;

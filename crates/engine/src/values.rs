@@ -25,8 +25,13 @@ fn made(conversion: Conversion, value: &Value, data_type: &DataType) -> Result<V
         Conversion::NeedsPython => {
             Err(format_smolstr!("only Python can make a value of the type {data_type}"))
         }
-        Conversion::Fails(reason) => Err(reason),
+        Conversion::Fails(reason) => failed(value, reason).cloned(),
     }
+}
+
+/// A text that cannot be converted has no value. Anything else passes as it is, as values of a run do, and is noted there.
+pub fn failed(value: &Value, reason: SmolStr) -> Result<&Value, SmolStr> {
+    if matches!(value, Value::Str(_)) { Err(reason) } else { Ok(value) }
 }
 
 impl Datum for Value {

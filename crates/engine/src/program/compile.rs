@@ -31,7 +31,7 @@ impl<D: Datum> Program<D> {
             nodes.push(compiler.node(nodes.len()));
         }
         let circle = "its children run in a circle in which there is no script; break the circle";
-        let circle = defaults::error(circle, compiler.literals);
+        let circle = compiler.literals.error(circle);
         Self { nodes, tables: compiler.tables.finish(), circle }
     }
 }
@@ -144,7 +144,7 @@ impl<D: Datum> Compiler<'_, D> {
 
     fn no_decider(&mut self) -> Fault<D> {
         let reason = "the barrier has no decider; make it anew, or restore its decider's folder";
-        Fault { port: None, reason: reason.into(), error: defaults::error(reason, self.literals) }
+        Fault { port: None, reason: reason.into(), error: self.literals.error(reason) }
     }
 
     fn inside(&mut self, node: NodeId, state: &State, container: &Container) -> Inside<D> {
@@ -223,7 +223,7 @@ impl<D: Datum> Compiler<'_, D> {
     }
 
     fn missing(&mut self, reason: &SmolStr) -> Content<D> {
-        Content::Missing { reason: reason.clone(), error: defaults::error(reason, self.literals) }
+        Content::Missing { reason: reason.clone(), error: self.literals.error(reason) }
     }
 }
 

@@ -118,7 +118,7 @@ pub(super) fn scoped<D: Datum>(
     let list = ports.iter().map(&mut make).collect();
     let fault = fault.map(|(port, reason)| {
         let text = format!("scoped variable '{port}' cannot be made: {reason}");
-        Fault { error: error(&text, literals), port: Some(port), reason }
+        Fault { error: literals.error(&text), port: Some(port), reason }
     });
     ScopedVariables { list, fault }
 }
@@ -130,11 +130,6 @@ fn scoped_value<D: Datum>(port: &Port, literals: &mut dyn Literals<D>) -> Result
     }
     let (found, declared) = (value.type_name(), &port.data_type);
     Err(format_smolstr!("its default is of type {found}, not {declared}; change one of them"))
-}
-
-/// A text as the entry `error`.
-pub(super) fn error<D: Datum>(text: &str, literals: &mut dyn Literals<D>) -> Option<D> {
-    literals.literal(&Value::str(text), &DataType::Str).ok()
 }
 
 /// Whether every value fits, so that no check is needed.

@@ -46,6 +46,20 @@ fn raw_text_is_converted_to_the_type_of_its_port() {
 }
 
 #[test]
+fn a_default_of_another_type_passes_with_a_note() {
+    check(
+        "execution ROOT\n  in x: int = [1]\n  in y: float = 2",
+        "start",
+        &expect![[r#"
+            > start
+            enter ROOT x=[1] y=2
+            error ROOT: x is list, not int
+              run ROOT
+        "#]],
+    );
+}
+
+#[test]
 fn a_default_that_cannot_be_made_is_none_with_a_note() {
     check(
         "execution ROOT\n  in x: int = \"abc\"\n  out y: int = \"z\"",

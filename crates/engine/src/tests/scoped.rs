@@ -173,10 +173,10 @@ fn a_scoped_variable_that_cannot_be_made_aborts_its_container() {
             > start
             enter ROOT
             enter ROOT/H
-            error ROOT/H: default of v: [1] is not of the type int
-            leave ROOT/H aborted error="scoped variable 'v' cannot be made: [1] is not of the type int"
+            error ROOT/H: default of v: its default is of type list, not int; change one of them
+            leave ROOT/H aborted error="scoped variable 'v' cannot be made: its default is of type list, not int; change one of them"
             enter ROOT/A
-              run ROOT/A error="scoped variable 'v' cannot be made: [1] is not of the type int"
+              run ROOT/A error="scoped variable 'v' cannot be made: its default is of type list, not int; change one of them"
         "#]],
     );
     check(

@@ -183,6 +183,16 @@ fn transitions_to_nowhere() {
 }
 
 #[test]
+fn a_missing_library() {
+    let place = Place::with("library ROOT \"Gone\" from \"nowhere/gone\"\n  outcome success\n");
+    let run = place.run("--output json");
+    assert_eq!(run.code, Some(4), "{run:?}");
+    let last = run.stdout.lines().last().unwrap();
+    let finished: serde_json::Value = serde_json::from_str(last).unwrap();
+    expect![[r#""#]].assert_eq(&finished["outputs"]["error"].to_string());
+}
+
+#[test]
 fn a_cycle_of_libraries() {
     let place = Place::with("library ROOT \"Loop\" from \"loops/machine\"\n  outcome success\n");
     let root = format!("--library-path loops={}", place.path("").display());
