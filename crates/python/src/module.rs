@@ -8,6 +8,7 @@ use pyo3::ffi;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyCode, PyDict, PyModule};
+use std::io::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How many script modules there were; each has a name of its own.
@@ -20,7 +21,7 @@ pub(crate) fn run_body<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let py = code.py();
     let number = COUNT.fetch_add(1, Ordering::Relaxed);
-    let globals = PyModule::new(py, &format!("script{number}"))?.dict();
+    let globals = PyModule::new(py, name(number, &mut [0; NAME_BYTES]))?.dict();
     globals.set_item(intern!(py, "__builtins__"), builtins)?;
     // SAFETY: all three are live objects of the right type and this thread is attached; the result is an owned reference
     // or null with an exception set, which is what `from_owned_ptr_or_err` takes.
@@ -29,6 +30,16 @@ pub(crate) fn run_body<'py>(
         Bound::from_owned_ptr_or_err(py, result)
     };
     result.map(|_none| globals)
+}
+
+/// Room for `script` and any number.
+const NAME_BYTES: usize = 26;
+
+/// `script` and the number.
+fn name(number: u64, room: &mut [u8; NAME_BYTES]) -> &str {
+    let mut rest = &mut room[..];
+    let written = write!(rest, "script{number}").map(|()| NAME_BYTES - rest.len());
+    std::str::from_utf8(&room[..written.unwrap_or(0)]).unwrap_or("script")
 }
 
 /// `function(a, b, c, d)`.

@@ -62,7 +62,7 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     let signal = py.import("signal")?;
     signal.call_method1("signal", (signal.getattr("SIGINT")?, signal.getattr("SIG_DFL")?))?;
     runtime.install_capture.call0(py)?;
-    runtime.hooks.call_method0(py, "load")?;
+    runtime.load_plugins(py)?;
     // What is there now stays for good: the collector need not look at it again and again.
     py.import("gc")?.call_method0("freeze")?;
     let end = py.detach(|| serve(stream, PythonHost { literals: PythonLiterals }));

@@ -123,28 +123,21 @@ impl<'py> Call<'_, 'py> {
         inputs: &Bound<'py, PyDict>,
         outputs: &Bound<'py, PyDict>,
     ) -> PyResult<Returned> {
-        let hooks = self.hooks()?;
-        if let Some(hooks) = &hooks {
+        let hooks = self.runtime.script_hooks(self.py);
+        if let Some(hooks) = hooks {
             hooks.call_method0(intern!(self.py, "pre_script"))?;
         }
         let execute = self.script.execute(self.py)?;
         let state = self.seat.object.bind(self.py);
         let variables = self.runtime.global_variables.bind(self.py);
         let value = module::call(&execute, [state, inputs, outputs, variables])?;
-        if let Some(hooks) = &hooks {
+        if let Some(hooks) = hooks {
             hooks.call_method0(intern!(self.py, "post_script"))?;
         }
         if self.seat.place.signals.any(PREEMPTED) {
             return Ok(Returned::Id(OutcomeId::PREEMPTED.0));
         }
         returned(&value, &self.script.outcomes)
-    }
-
-    /// The plugins that want to be told about each script.
-    fn hooks(&self) -> PyResult<Option<&Bound<'py, PyAny>>> {
-        let hooks = self.runtime.hooks.bind(self.py);
-        let active = hooks.getattr(intern!(self.py, "active"))?.is_truthy()?;
-        Ok(active.then_some(hooks))
     }
 
     fn raised(&self, error: PyErr) -> (Returned, Option<Handle>) {

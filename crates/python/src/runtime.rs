@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Functions and objects of `rafcon._runtime`.
 #[derive(Debug)]
@@ -35,6 +36,8 @@ pub(crate) struct Runtime {
     pub(crate) pending: Py<PyDict>,
     /// What plugins want to be told.
     pub(crate) hooks: Py<PyAny>,
+    /// Whether any plugin wants to be told about each script.
+    hooked: AtomicBool,
     /// Ends a script that was preempted inside a call.
     pub(crate) state_preempted: Py<PyAny>,
     /// Replaces the configuration in force.
@@ -57,6 +60,19 @@ impl Runtime {
         RUNTIME.get_or_try_init(py, || Self::import(py))
     }
 
+    /// Loads the user's plugins.
+    pub(crate) fn load_plugins(&self, py: Python<'_>) -> PyResult<()> {
+        let hooks = self.hooks.bind(py);
+        hooks.call_method0("load")?;
+        self.hooked.store(hooks.getattr("active")?.is_truthy()?, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// The plugins, if any wants to be told about each script.
+    pub(crate) fn script_hooks<'py>(&self, py: Python<'py>) -> Option<&Bound<'py, PyAny>> {
+        self.hooked.load(Ordering::Relaxed).then(|| self.hooks.bind(py))
+    }
+
     fn import(py: Python<'_>) -> PyResult<Self> {
         let module = py.import("rafcon._runtime")?;
         let get = |name: &str| module.getattr(name).map(Bound::unbind);
@@ -75,6 +91,7 @@ impl Runtime {
             flush_all: get("flush_all")?,
             pending: module.getattr("pending")?.cast_into::<PyDict>()?.unbind(),
             hooks: get("hooks")?,
+            hooked: AtomicBool::new(false),
             state_preempted: get("StatePreempted")?,
             configure: get("configure")?,
             install_capture: get("install_capture")?,
