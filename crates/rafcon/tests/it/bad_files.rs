@@ -185,11 +185,12 @@ fn transitions_to_nowhere() {
 #[test]
 fn a_missing_library() {
     let place = Place::with("library ROOT \"Gone\" from \"nowhere/gone\"\n  outcome success\n");
-    let run = place.run("--output json");
+    let run = place.run("");
     assert_eq!(run.code, Some(4), "{run:?}");
     let last = run.stdout.lines().last().unwrap();
     let finished: serde_json::Value = serde_json::from_str(last).unwrap();
-    expect![[r#""#]].assert_eq(&finished["outputs"]["error"].to_string());
+    expect![[r#"{"__exc__":"RuntimeError","msg":"no library root is named `nowhere`"}"#]]
+        .assert_eq(&finished["outputs"]["error"].to_string());
 }
 
 #[test]
