@@ -17,6 +17,7 @@ mod process;
 mod product;
 mod python;
 mod reference;
+mod soak;
 mod test;
 mod tidy;
 mod workspace;
@@ -49,6 +50,8 @@ enum Task {
     Demo(demo::Options),
     /// Pack an archive and a wheel.
     Dist,
+    /// Do for long what the tests do briefly: random runs of the engine, saves that are killed.
+    Soak(soak::Options),
     /// Check what neither compiler nor lints see: module docs, sizes, named tests, links, generated files.
     Tidy(tidy::Options),
 }
@@ -72,6 +75,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Bench(options) => bench::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
+        Task::Soak(options) => soak::run(&options),
         Task::Tidy(options) => tidy::run(options),
     }
 }

@@ -10,6 +10,8 @@ use std::process::{Command, Stdio};
 
 /// Where the child is to save; not set in a usual run of the tests.
 const FOLDER: &str = "RAFCON_TEST_SAVE_UNTIL_KILLED";
+/// How often a process is killed, where 12 times are not enough.
+const KILLS: &str = "RAFCON_TEST_KILLS";
 
 /// Two machines that differ in many files.
 fn machines() -> [Machine; 2] {
@@ -36,7 +38,9 @@ fn saves_until_it_is_killed() {
 #[test]
 fn a_killed_process_leaves_one_of_its_machines() {
     let machines = machines();
-    for round in 0..12 {
+    let kills =
+        env::var_os(KILLS).map_or(12, |kills| kills.to_str().unwrap().parse::<usize>().unwrap());
+    for round in 0..kills {
         let dir = tempfile::tempdir().unwrap();
         let mut child = Command::new(env::current_exe().unwrap())
             .args(["--exact", "kill::saves_until_it_is_killed", "--nocapture"])
