@@ -11,13 +11,7 @@ use rafcon_protocol::{LogLevel, Stream};
 
 /// Notes a line down. `level` is a level of Python's `logging`.
 #[pyfunction]
-pub(crate) fn emit(
-    py: Python<'_>,
-    path: i64,
-    stream: &str,
-    level: i64,
-    message: String,
-) -> PyResult<()> {
+pub(crate) fn emit(path: i64, stream: &str, level: i64, message: String) -> PyResult<()> {
     let stream = match stream {
         "stdout" => Stream::Stdout,
         "stderr" => Stream::Stderr,
@@ -25,8 +19,7 @@ pub(crate) fn emit(
         other => return Err(PyValueError::new_err(format!("no stream is named {other}"))),
     };
     let path = u32::try_from(path).ok().map(PathId);
-    let driver = current::driver()?;
-    thread::leave(py, || driver.log(path, log_level(level), stream, message));
+    current::driver()?.log(path, log_level(level), stream, message);
     Ok(())
 }
 

@@ -96,7 +96,8 @@ impl Scripts for PythonScripts {
     }
 
     fn failure(&self, reason: &str) -> ScriptResult<Handle> {
-        Python::attach(|py| failed(py, PyRuntimeError::new_err(reason.to_owned())))
+        let failed = |py: Python<'_>| failed(py, PyRuntimeError::new_err(reason.to_owned()));
+        thread::while_engine_waits(|| Python::attach(failed))
     }
 
     fn inhabit(&self, life: &mut (dyn FnMut() + Send)) {
