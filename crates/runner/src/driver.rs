@@ -2,20 +2,13 @@
 //! script goes on inline on the thread that finished the last one.
 
 use crate::active::Active;
-use crate::branch::{self, Turn, Worker};
-use crate::crew::Crew;
-use crate::recorder::{Record, Recorder};
-use crate::signals::{PAUSED, PREEMPTED, STARTED};
-use crate::{Clock, Place, Places, Scripts, tell};
+use crate::branch::{self, Worker};
+use crate::core::{Core, Next, Turning};
+use crate::recorder::Recorder;
+use crate::{Clock, Places, Scripts, tell};
 use parking_lot::{Condvar, Mutex};
-use rafcon_engine::{
-    BranchId, Datum, Effect, Engine, Event, Finish, Input, Job, NodeId, Outbox, PathId, Program,
-    Refusal, ScriptResult,
-};
-use rafcon_model::OutcomeId;
-use std::collections::VecDeque;
+use rafcon_engine::{BranchId, Effect, Finish, Input, Program, Refusal};
 use std::sync::Arc;
-use std::thread::JoinHandle;
 
 /// A run in progress.
 #[derive(Debug)]
@@ -30,33 +23,6 @@ pub struct Driver<S: Scripts> {
     ended: Condvar,
 }
 
-/// What only the holder of the lock touches.
-#[derive(Debug)]
-pub(crate) struct Core<D> {
-    pub(crate) engine: Engine<D>,
-    outbox: Outbox<D>,
-    /// Answers for scripts that could not be run.
-    pending: VecDeque<(rafcon_engine::FrameId, ScriptResult<D>)>,
-    known: Vec<Option<Arc<Place>>>,
-    crew: Crew<D>,
-    threads: Vec<JoinHandle<()>>,
-    /// The flags of every place that no script has been asked to end at.
-    flags: u8,
-}
-
-/// What one input came to, for the thread that gave it.
-type Next<D> = Option<Turn<D>>;
-
-/// What an input comes to, for the thread that gives it.
-struct Turning<D> {
-    /// The thread's branch; none for a command from outside.
-    own: Option<BranchId>,
-    /// The next script of that branch.
-    next: Next<D>,
-    /// The thread itself, if that branch has ended.
-    freed: Option<Arc<Worker<D>>>,
-}
-
 impl<S: Scripts> Driver<S> {
     /// A run that has not begun.
     pub(crate) fn new(
@@ -65,19 +31,12 @@ impl<S: Scripts> Driver<S> {
         clock: Clock,
         active: Active,
     ) -> Arc<Self> {
-        let core = Core {
-            engine: Engine::new(Arc::clone(&program)),
-            outbox: Outbox::default(),
-            pending: VecDeque::new(),
-            known: Vec::new(),
-            crew: Crew::new(active),
-            threads: Vec::new(),
-            flags: 0,
-        };
+        let places = Arc::new(Places::default());
+        let core = Core::new(Arc::clone(&program), Arc::clone(&places), active);
         Arc::new(Self {
             scripts,
             program,
-            places: Arc::default(),
+            places,
             recorder: Arc::default(),
             clock,
             core: Mutex::new(core),
@@ -204,7 +163,7 @@ impl<S: Scripts> Driver<S> {
         input: Input<S::Value>,
         own: Option<BranchId>,
     ) -> Result<Next<S::Value>, Refusal> {
-        let mut turn = Turning { own, next: None, freed: None };
+        let mut turn = Turning::of(own);
         core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
         self.carry_out(core, &mut turn);
         self.answer_pending(core, &mut turn)?;
@@ -217,7 +176,7 @@ impl<S: Scripts> Driver<S> {
     fn staff(self: &Arc<Self>, core: &mut Core<S::Value>) {
         self.recruit(core);
         while !core.pending.is_empty() {
-            let mut outside = Turning { own: None, next: None, freed: None };
+            let mut outside = Turning::of(None);
             if let Err(refusal) = self.answer_pending(core, &mut outside) {
                 self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
             }
@@ -240,12 +199,12 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn carry_out(&self, core: &mut Core<S::Value>, turn: &mut Turning<S::Value>) {
-        self.record(core);
+        core.record(self.clock, &self.recorder);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {
             match effect {
                 Effect::Run(job) => {
-                    let begun = self.begin(core, job);
+                    let begun = core.begin(job);
                     core.dispatch(begun, turn);
                 }
                 // A branch gets its thread with its first script.
@@ -291,141 +250,8 @@ impl<S: Scripts> Driver<S> {
         self.with_core(seek).flatten()
     }
 
-    /// Notes the events down, and makes the places that they are the first to name.
-    fn record(&self, core: &mut Core<S::Value>) {
-        if core.outbox.events.is_empty() {
-            return;
-        }
-        let now = self.clock.now_ns();
-        let events = std::mem::take(&mut core.outbox.events);
-        for event in &events {
-            match event {
-                Event::Entered { path, node, .. } => self.enter(core, *path, *node, now),
-                Event::Left { path, outcome, .. } => core.leave(*path, *outcome),
-                Event::Stopping => core.set_flags(0),
-                _ => {}
-            }
-        }
-        self.recorder.push(now, events.iter().filter_map(|event| told(&core.engine, event)));
-        core.outbox.events = events;
-        core.outbox.events.clear();
-    }
-
-    fn enter(&self, core: &mut Core<S::Value>, path: PathId, node: NodeId, now: u64) {
-        let place = Arc::clone(self.place_of(core, path, node));
-        place.enter(now, core.around(&place));
-    }
-
-    /// The place with this number, made if it is new.
-    pub(crate) fn place_of<'c>(
-        &self,
-        core: &'c mut Core<S::Value>,
-        path: PathId,
-        node: NodeId,
-    ) -> &'c Arc<Place> {
-        let index = path.index();
-        if core.known.len() <= index {
-            core.known.resize(index + 1, None);
-        }
-        let (known, engine, flags) = (&mut core.known[index], &core.engine, core.flags);
-        known.get_or_insert_with(|| {
-            let text = engine.path_text(path).to_string();
-            let place = Arc::new(Place::new(path, node, engine.path_parent(path), text.into()));
-            place.signals.set(flags, true);
-            self.places.insert(Arc::clone(&place));
-            place
-        })
-    }
-
-    /// Makes ready what the script's thread needs.
-    fn begin(&self, core: &mut Core<S::Value>, job: Job<S::Value>) -> Turn<S::Value> {
-        let place = Arc::clone(self.place_of(core, job.path, job.node));
-        place.signals.begin(job.preempted);
-        Turn { job, place }
-    }
-
     fn finish(&self, finish: Finish<S::Value>) {
         *self.end.lock() = Some(finish);
         self.ended.notify_all();
-    }
-}
-
-impl<D: Datum> Core<D> {
-    /// How many threads there were.
-    #[cfg(test)]
-    pub(crate) fn threads(&self) -> usize {
-        self.threads.len()
-    }
-
-    fn at(&self, path: PathId) -> Option<&Arc<Place>> {
-        self.known.get(path.index()).and_then(Option::as_ref)
-    }
-
-    fn around(&self, place: &Place) -> Option<&Place> {
-        self.at(place.parent?).map(|around| &**around)
-    }
-
-    fn leave(&self, path: PathId, outcome: OutcomeId) {
-        if let Some(place) = self.at(path) {
-            place.leave(outcome, self.around(place));
-        }
-    }
-
-    fn pause(&mut self, paused: bool) {
-        self.set_flags(if paused { PAUSED } else { STARTED });
-    }
-
-    fn set_flags(&mut self, flags: u8) {
-        self.flags = flags;
-        for place in self.known.iter().flatten() {
-            place.signals.set((PAUSED | STARTED) & !flags, false);
-            place.signals.set(flags, true);
-        }
-    }
-
-    fn signal(&self, path: PathId) {
-        if let Some(place) = self.at(path) {
-            place.signals.set(PREEMPTED, true);
-        }
-    }
-
-    fn dispatch(&mut self, begun: Turn<D>, turn: &mut Turning<D>) {
-        if turn.own == Some(begun.job.branch) {
-            self.crew.go_on(&begun);
-            turn.next = Some(begun);
-        } else {
-            self.crew.post(begun);
-        }
-    }
-
-    fn end_branch(&mut self, branch: BranchId, turn: &mut Turning<D>) {
-        let worker = self.crew.end(branch);
-        if turn.own == Some(branch) {
-            turn.freed = worker;
-        } else if let Some(waiting) = worker {
-            self.crew.retire(waiting);
-        }
-    }
-
-    /// What the thread that gave the input does next.
-    fn settle(&mut self, turn: Turning<D>) -> Next<D> {
-        match (turn.next, turn.freed, turn.own) {
-            (Some(next), _, _) => Some(next),
-            (None, Some(freed), _) => self.crew.take(freed),
-            (None, None, Some(branch)) => {
-                self.crew.rest(branch);
-                None
-            }
-            (None, None, None) => None,
-        }
-    }
-}
-
-fn told<D: Datum>(engine: &Engine<D>, event: &Event<D>) -> Option<Record> {
-    match event {
-        Event::Entered { path, .. } => Some(Record::Entered(*path)),
-        Event::Left { path, outcome, .. } => Some(Record::Left(*path, *outcome)),
-        Event::Finished { .. } => None,
-        event => tell::rare(event, engine),
     }
 }

@@ -1,6 +1,7 @@
 //! What scripts may ask about the run that they are part of. Called on any thread, never while the engine is locked.
 
-use crate::driver::{Core, Driver};
+use crate::core::Core;
+use crate::driver::Driver;
 use crate::{Place, Scripts, tell};
 use rafcon_engine::{Inspection, PathId};
 use rafcon_protocol::{Event, LogLevel, Stream};
@@ -12,7 +13,7 @@ impl<S: Scripts> Driver<S> {
         self.places().get(path).or_else(|| {
             let make = |core: &mut Core<S::Value>| {
                 let node = core.engine.path_node(path)?;
-                Some(Arc::clone(self.place_of(core, path, node)))
+                Some(Arc::clone(core.place_of(path, node)))
             };
             self.with_core(make)?
         })

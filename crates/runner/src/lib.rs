@@ -8,6 +8,7 @@ mod branch;
 mod clock;
 mod commands;
 mod connection;
+mod core;
 mod crew;
 mod driver;
 mod files;

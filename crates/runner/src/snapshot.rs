@@ -7,7 +7,7 @@ use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
 
 /// How things stand; the engine is held only while its active states are listed.
 pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
-    let look = |core: &mut crate::driver::Core<S::Value>| {
+    let look = |core: &mut crate::core::Core<S::Value>| {
         (core.engine.snapshot(), core.engine.status(), core.engine.states_run())
     };
     let (active, status, states_run) = driver.with_core(look)?;
