@@ -43,10 +43,15 @@ impl Host for PythonHost {
         current::set(driver);
         let scripts = driver.scripts();
         let roots = scripts.files.libraries().roots();
-        let configured = Python::attach(|py| config::put_in_force(py, &scripts.config, roots));
-        if let Err(error) = configured {
-            let message = format!("scripts see the default configuration: {error}");
-            current::say(LogLevel::Error, message);
+        let ready = Python::attach(|py| {
+            Runtime::get(py)?.prepare.call1(py, (scripts.script_kinds(),))?;
+            config::put_in_force(py, &scripts.config, roots)
+        });
+        if let Err(error) = ready {
+            current::say(
+                LogLevel::Error,
+                format!("scripts see the default configuration: {error}"),
+            );
         }
     }
 }

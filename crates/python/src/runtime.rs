@@ -8,6 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Functions and objects of `rafcon._runtime`.
 #[derive(Debug)]
 pub(crate) struct Runtime {
+    /// Loads the classes of some kinds of states.
+    pub(crate) prepare: Py<PyAny>,
     /// Makes the `self` of a script.
     pub(crate) new_state: Py<PyAny>,
     /// Tells a decider how its branches ended.
@@ -77,6 +79,7 @@ impl Runtime {
         let module = py.import("rafcon._runtime")?;
         let get = |name: &str| module.getattr(name).map(Bound::unbind);
         Ok(Self {
+            prepare: get("prepare")?,
             new_state: get("new_state")?,
             set_verdicts: get("set_verdicts")?,
             global_variables: get("global_variable_manager")?,

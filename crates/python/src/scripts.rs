@@ -17,7 +17,7 @@ use rafcon_protocol::LogLevel;
 use rafcon_runner::{Opening, Place, Scripts, StateFiles};
 use rafcon_storage::Config;
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Python as the host of one machine's scripts.
@@ -46,6 +46,12 @@ impl PythonScripts {
             seats: Seats::default(),
             globals: PythonGlobals,
         }
+    }
+
+    /// The kinds of the states that run scripts, each once.
+    pub(crate) fn script_kinds(&self) -> BTreeSet<&'static str> {
+        let nodes = self.program.nodes().filter(|(_, node)| node.is_script());
+        nodes.map(|(_, node)| kind_name(node.state().kind.name())).collect()
     }
 
     /// What Python keeps for a place, made at the first call.

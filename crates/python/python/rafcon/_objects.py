@@ -25,6 +25,12 @@ def new_state(place, kind, signals):
     return state
 
 
+def prepare(kinds):
+    """Loads the classes of these kinds, so that no state waits for its own."""
+    for kind in kinds:
+        _classes.get(kind) or _class(kind)
+
+
 def _class(kind):
     import importlib
 

@@ -29,6 +29,7 @@ __all__ = [
     "machine",
     "new_state",
     "pending",
+    "prepare",
     "resolve_global",
     "resolve_type",
     "set_verdicts",
@@ -39,6 +40,7 @@ __all__ = [
 hooks = Hooks()
 
 new_state = _objects.new_state
+prepare = _objects.prepare
 state = _objects.state
 machine = _objects.machine
 resolve_global = global_variable_manager._resolve
