@@ -35,6 +35,8 @@ pub(crate) enum Cause {
     Silence,
     /// The runner's process wrote a line past its capture: an extension in C, a child, a dying interpreter.
     Raw(Stream, String),
+    /// Nothing more comes from that pipe: whoever held it has closed it.
+    Drained(Stream),
     /// The runner's process ended.
     Exited(Exit),
     /// Ctrl-C, or a polite request to end.
@@ -149,7 +151,7 @@ fn raw(stream: Stream, pipe: impl Read, queue: &SyncSender<Cause>) -> Flow {
     loop {
         let mut text = Vec::new();
         match pipe.by_ref().take(RAW_LINE).read_until(b'\n', &mut text) {
-            Ok(0) | Err(_) => return Ok(()),
+            Ok(0) | Err(_) => return send(queue, Cause::Drained(stream)),
             Ok(_) => {
                 let text = String::from_utf8_lossy(&text);
                 let text = text.trim_end_matches(['\n', '\r']).to_owned();

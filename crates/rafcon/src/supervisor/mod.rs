@@ -70,6 +70,8 @@ pub(crate) struct Supervisor {
     kill_at: Option<Duration>,
     exit: Option<Exit>,
     silent: bool,
+    /// Its error output is at the end: no last word is still on its way.
+    drained: bool,
     /// When waiting for last words ends.
     settled_at: Option<Duration>,
     end: Option<End>,
@@ -91,6 +93,7 @@ impl Supervisor {
             kill_at: None,
             exit: None,
             silent: false,
+            drained: false,
             settled_at: None,
             end: None,
             active: Vec::new(),
@@ -112,6 +115,7 @@ impl Supervisor {
                 out.push(Action::Note(format!("the runner's words make no sense: {what}")));
             }
             Cause::Silence => self.silence(now),
+            Cause::Drained(stream) => self.drained |= stream == Stream::Stderr,
             Cause::Raw(stream, line) => self.raw(stream, line, out),
             Cause::Exited(exit) => self.exited(now, exit),
             Cause::Interrupt => self.interrupt(out),
@@ -235,8 +239,8 @@ impl Supervisor {
 
     /// What the time alone brings about, and the death of a process that has said its last word.
     fn watch(&mut self, now: Duration, out: &mut Vec<Action>) {
-        let settled = self.silent || self.settled_at.is_some_and(|at| now >= at);
-        if let Some(exit) = self.exit.filter(|_| settled && self.end.is_none()) {
+        let said = self.silent && self.drained || self.settled_at.is_some_and(|at| now >= at);
+        if let Some(exit) = self.exit.filter(|_| said && self.end.is_none()) {
             self.finish(self.death(exit.to_string()));
         }
         if self.deadline.is_some_and(|at| now >= at) {

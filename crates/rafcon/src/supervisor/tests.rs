@@ -45,6 +45,7 @@ fn cause(text: &str) -> Cause {
             states_run: 2,
         }),
         "stderr" => Cause::Raw(Stream::Stderr, argument.to_owned()),
+        "drained" => Cause::Drained(Stream::Stderr),
         "silence" => Cause::Silence,
         "exited" => Cause::Exited(Exit(ExitStatus::from_raw(argument.parse().unwrap()))),
         "interrupt" => Cause::Interrupt,
@@ -187,9 +188,10 @@ fn a_runner_that_dies_leaves_what_was_active_and_what_it_said() {
          1 entered A/B
          1 entered A/C
          1 left A/B
-         2 stderr Fatal Python error: Segmentation fault
          2 exited 11
-         2 silence",
+         2 silence
+         2 stderr Fatal Python error: Segmentation fault
+         2 drained",
         &expect![[r#"
             0: send launch
             0: Loaded { name: "M", states: 2 }
@@ -221,9 +223,10 @@ fn a_child_that_holds_the_socket_does_not_keep_us_waiting() {
 #[test]
 fn an_interpreter_that_never_becomes_a_runner_is_a_run_that_did_not_begin() {
     check(
-        "0 stderr No module named encodings
-         0 silence
-         0 exited 256",
+        "0 silence
+         0 exited 256
+         0 stderr No module named encodings
+         0 drained",
         &expect![[r#"
             0: NotStarted { reason: "exit status 1", said: ["No module named encodings"] }, exit code 1
         "#]],
