@@ -87,6 +87,9 @@ pub(crate) fn install(py: Python<'_>) -> PyResult<()> {
 }
 
 fn module(name: &str) -> Option<Module> {
+    if name.split('.').next() != Some("rafcon") {
+        return None;
+    }
     let stem = name.replace('.', "/");
     let found = |path: &str| FILES.iter().find(|(file, _)| *file == path).copied();
     found(&format!("{stem}/__init__.py")).or_else(|| found(&format!("{stem}.py")))

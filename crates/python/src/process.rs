@@ -70,15 +70,14 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     // What is there now stays for good: the collector need not look at it again and again.
     py.import("gc")?.call_method0("freeze")?;
     let end = py.detach(|| serve(stream, PythonHost { literals: PythonLiterals }));
-    // From here on a signal ends the process again, whatever a script's threads still do.
-    default_signals(py)?;
     runtime.flush_all.call0(py)?;
     runtime.hooks.call_method0(py, "shut_down")?;
     Ok(exit_code(end))
 }
 
-/// The run has handlers of its own; Python's would raise `KeyboardInterrupt` in a thread that waits for the run.
-fn default_signals(py: Python<'_>) -> PyResult<()> {
+/// A signal ends the process, whatever threads of scripts still do. Python's own handler would raise `KeyboardInterrupt` in
+/// the thread that waits for the run.
+pub(crate) fn default_signals(py: Python<'_>) -> PyResult<()> {
     let signal = py.import("signal")?;
     let default = signal.getattr("SIG_DFL")?;
     for name in ["SIGINT", "SIGTERM", "SIGHUP"] {

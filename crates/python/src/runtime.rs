@@ -8,6 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Functions and objects of `rafcon._runtime`.
 #[derive(Debug)]
 pub(crate) struct Runtime {
+    /// Makes this thread one that runs scripts.
+    pub(crate) adopt_thread: Py<PyAny>,
     /// Loads the classes of some kinds of states.
     pub(crate) prepare: Py<PyAny>,
     /// Makes the `self` of a script.
@@ -79,6 +81,7 @@ impl Runtime {
         let module = py.import("rafcon._runtime")?;
         let get = |name: &str| module.getattr(name).map(Bound::unbind);
         Ok(Self {
+            adopt_thread: get("adopt_thread")?,
             prepare: get("prepare")?,
             new_state: get("new_state")?,
             set_verdicts: get("set_verdicts")?,

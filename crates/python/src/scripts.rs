@@ -7,7 +7,7 @@ use crate::runtime::Runtime;
 use crate::script::{How, Script};
 use crate::seat::{Seat, Seats};
 use crate::signals::Signals;
-use crate::{current, graveyard, thread};
+use crate::{current, graveyard, process, thread};
 use parking_lot::RwLock;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -107,7 +107,14 @@ impl Scripts for PythonScripts {
     }
 
     fn inhabit(&self, life: &mut (dyn FnMut() + Send)) {
-        thread::inhabit(life);
+        thread::inhabit(&mut || {
+            let adopted = Python::attach(|py| Runtime::get(py)?.adopt_thread.call0(py));
+            if let Err(error) = adopted {
+                let message = format!("threads that scripts start here end with the run: {error}");
+                current::say(LogLevel::Warning, message);
+            }
+            life();
+        });
     }
 
     fn park(&self, wait: &mut (dyn FnMut() + Send)) {
@@ -138,6 +145,12 @@ impl Scripts for PythonScripts {
                 LogLevel::Error,
                 format!("a plugin failed at the end of the run: {error}"),
             );
+        }
+    }
+
+    fn released(&self) {
+        if let Err(error) = Python::attach(process::default_signals) {
+            current::say(LogLevel::Warning, format!("signals are ignored from now on: {error}"));
         }
     }
 

@@ -263,5 +263,29 @@ class Commands(unittest.TestCase):
             self.assertEqual(reading.read(), "go on")
 
 
+    def test_a_viewer_that_does_not_read_holds_up_nobody(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        door = folder.name + "/door"
+        os.mkfifo(door)
+        text = "def execute(self, inputs, outputs, gvm):\n    for n in range(100):\n        print(str(n)[-1] * 50_000)\n    open(%r, 'w').write('far')\n    return 0\n"
+        runner = Runner(save(folder.name + "/machine", sequence(script(text % door))))
+        with open(door) as reading:
+            self.assertEqual(reading.read(), "far")
+        result = runner.finish()
+        self.assertEqual(len("".join(result.logged("stdout"))), 5_000_000)
+        self.assertEqual(result.outcome, "success")
+
+    def test_a_thread_that_a_script_left_behind_ends_by_a_signal(self):
+        text = "import threading\ndef execute(self, inputs, outputs, gvm):\n    threading.Thread(target=threading.Event().wait).start()\n    return 0\n"
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        runner = Runner(save(folder.name, sequence(script(text))))
+        runner.read()
+        runner.process.terminate()
+        result = runner.finish()
+        self.assertEqual((result.outcome, result.exit_code), ("success", -signal.SIGTERM))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -116,6 +116,7 @@ impl<S: Scripts> Talk<S> {
             })?;
             self.conclude(&told);
             handle.close();
+            self.driver.scripts().released();
             self.socket.shut();
             Ok(())
         })

@@ -36,6 +36,10 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// The run is over; its last values are read after this.
     fn finished(&self);
 
+    /// The run is told; signals of the system mean what they mean to any program of the interpreter. Called on the thread
+    /// that called [`crate::serve`].
+    fn released(&self);
+
     /// A value as `docs/protocol.md` encodes it.
     fn encode(&self, value: &Self::Value) -> serde_json::Value;
 

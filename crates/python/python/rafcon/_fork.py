@@ -37,7 +37,7 @@ def _in_child():
     _logging.release()
     global_variables._after_fork_in_child()
     for number in _SIGNALS:
-        # A handler that a plugin set in Python stays; the runner's own is not known to Python.
-        if signal.getsignal(number) in (None, signal.SIG_DFL):
-            signal.signal(number, signal.SIG_DFL)
+        # What Python knows comes back (a plugin's handler, a signal that was ignored from the start); the runner's own
+        # handlers are not known to Python.
+        signal.signal(number, signal.getsignal(number) or signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_SETMASK, _masks.before)

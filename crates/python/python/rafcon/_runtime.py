@@ -7,6 +7,7 @@ import rafcon.utils.log  # noqa: F401, the level VERBOSE exists from here on
 from rafcon import _capture, _fork, _logging, _objects
 from rafcon._capture import flush_all, flush_capture, pending
 from rafcon._hooks import Hooks
+from rafcon._threads import adopt as adopt_thread
 from rafcon._tracebacks import format_error
 from rafcon._types import convert, resolve_type
 from rafcon._values import decode, encode
@@ -15,6 +16,7 @@ from rafcon.core.global_variable_manager import global_variables as global_varia
 
 __all__ = [
     "StatePreempted",
+    "adopt_thread",
     "configure",
     "convert",
     "decode",

@@ -70,6 +70,8 @@ impl Scripts for Players {
 
     fn finished(&self) {}
 
+    fn released(&self) {}
+
     fn globals(&self) -> &dyn Globals<Value> {
         &NoGlobals
     }
