@@ -50,12 +50,12 @@ fn a_default_of_another_type_passes_with_a_note() {
     check(
         "execution ROOT\n  in x: int = [1]\n  in y: float = 2",
         "start",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT x=[1] y=2
             error ROOT: x is list, not int
               run ROOT
-        "#]],
+        "]],
     );
 }
 
