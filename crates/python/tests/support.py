@@ -44,7 +44,8 @@ class Runner:
         theirs.close()
         self._printed = {}
         self._pumps = [self._pump(name) for name in ("stdout", "stderr")]
-        self._watchdog = threading.Timer(STUCK_S, self.process.kill)
+        self._stuck = False
+        self._watchdog = threading.Timer(STUCK_S, self._kill)
         self._watchdog.daemon = True
         self._watchdog.start()
         self.socket = ours
@@ -105,6 +106,10 @@ class Runner:
         """Reads until a line is logged that contains a text."""
         return self.read_event(lambda event: event["type"] == "log" and text in event["message"])
 
+    def _kill(self):
+        self._stuck = True
+        self.process.kill()
+
     def finish(self):
         """Reads to the end of the talk and of the process."""
         self.read()
@@ -116,6 +121,7 @@ class Runner:
         self.socket.close()
         files = self._files()
         self.folder.cleanup()
+        assert not self._stuck, "the run was stuck for %s s" % STUCK_S
         return Result(self.messages, self.process.returncode, self._printed, files)
 
     def _files(self):

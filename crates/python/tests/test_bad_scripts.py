@@ -40,8 +40,10 @@ class BadScripts(unittest.TestCase):
 
     def test_states_with_the_same_text_have_tracebacks_of_their_own(self):
         text = "def execute(self, inputs, outputs, gvm):\n    (lambda: 1 / 0)()\n"
-        root = container("barrier", [script(text, "ONE"), script(text, "TWO"), script(DONE, decider=True)], [])
-        result = run(save(self.folder, root))
+        decider = script(DONE, decider=True)
+        children = [script(text, "ONE"), script(text, "TWO"), decider]
+        result = run(save(self.folder, container("barrier", children, [(decider["id"], 0, 0)])))
+        self.assertEqual(result.outcome, "success")
         for name in ("one_ONE", "two_TWO"):
             shown = "\n".join(result.logged("engine", "R/" + name[-3:]))
             self.assertEqual(shown.count(name + "/script.py\", line 2"), 2, shown)
