@@ -167,14 +167,15 @@ impl Recorder {
 }
 
 impl Ring {
+    /// Makes room first, so that the list never grows beyond its limit.
     fn push(&mut self, t_ns: u64, record: Record, limit: usize) {
         self.text_bytes += record.text_bytes();
-        self.entries.push_back((t_ns, record));
-        while self.entries.len() > limit || self.text_bytes > TEXT_BYTES_MAX {
-            let Some((_, oldest)) = self.entries.pop_front() else { return };
+        while self.entries.len() >= limit || self.text_bytes > TEXT_BYTES_MAX {
+            let Some((_, oldest)) = self.entries.pop_front() else { break };
             self.text_bytes -= oldest.text_bytes();
             self.dropped += 1;
         }
+        self.entries.push_back((t_ns, record));
     }
 }
 

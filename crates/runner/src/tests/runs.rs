@@ -102,11 +102,11 @@ fn threads_are_used_again() {
 #[test]
 fn a_preemption_is_never_lost() {
     let children = ["go", "wait", "wait", "wait", "wait", "wait", "wait"];
-    let run = Run::new(&rounds("preemptive", &children), 1, 2_000);
+    let run = Run::new(&rounds("preemptive", &children), 1, 10_000);
     run.start();
     let report = run.end();
     assert_eq!(report.finish.outcome_name, "done");
-    assert_eq!(report.steps.iter().filter(|step| *step == "-ROOT/CONC=done").count(), 2_001);
+    assert_eq!(report.steps.iter().filter(|step| *step == "-ROOT/CONC=done").count(), 10_001);
 }
 
 #[test]
