@@ -56,10 +56,15 @@ fn runtime_values(
     aside: &mut Aside,
 ) -> RuntimeValues {
     let has_maps = document.get(side.values).is_some() || document.get(side.flags).is_some();
-    if !has_maps && document.get(side.legacy).is_some() {
-        let ports = decoder.map(document, side.legacy, aside, port);
-        let used = |value| RuntimeValue { value, used: true };
-        return ports.into_iter().map(|port| (port.id, used(port.default))).collect();
+    match document.get(side.legacy) {
+        Some(_) if !has_maps => {
+            let ports = decoder.map(document, side.legacy, aside, port);
+            let used = |value| RuntimeValue { value, used: true };
+            return ports.into_iter().map(|port| (port.id, used(port.default))).collect();
+        }
+        // What was set aside when the older form was read: it has no effect and stays.
+        Some(rest) => aside.whole(side.legacy, rest),
+        None => {}
     }
     let members = map(decoder, document, side.values, aside);
     let flags = map(decoder, document, side.flags, aside);

@@ -4,7 +4,7 @@ use super::{format, save};
 use crate::testing::{
     EVERY_KIND, VERSION_0_7_13, fingerprint, loaded, machine, make_files, show_files, show_problems,
 };
-use crate::{Naming, Saved};
+use crate::{Naming, Saved, core_data, state_from_core_data};
 use expect_test::expect;
 use rafcon_model::{Json, Kind, Machine, State, StatePath, Value, notation};
 use std::fs;
@@ -525,4 +525,15 @@ fn deep_machines_are_written_or_refused() {
     let cause = std::error::Error::source(&error).map(ToString::to_string);
     assert_eq!(cause.as_deref(), Some("File name too long (os error 36)"));
     assert!(fingerprint(dir.path()) == before);
+}
+
+#[test]
+fn a_faulty_port_of_an_older_library_state_is_kept() {
+    let older = r#"{"__jsonqualname__": "rafcon.statemachine.states.library_state.LibraryState",
+        "library_path": "p", "library_name": "n", "version": "0.1", "name": "N", "state_id": "ASKASK", "outcomes": {},
+        "input_data_ports": {"0": {"data_port_id": 0, "data_type": {"__type__": "str"}, "default_value": "x"}}}"#;
+    let written = |text: &str| core_data(&state_from_core_data(text, "N_ASKASK").unwrap().0);
+    let once = written(older);
+    assert!(once.contains("default_value"), "{once}");
+    assert_eq!(written(&once), once);
 }
