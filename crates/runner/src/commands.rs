@@ -3,6 +3,7 @@
 use crate::connection::{Line, Receiver, Sender};
 use crate::driver::Driver;
 use crate::{Clock, Scripts, tell};
+use parking_lot::Mutex;
 use rafcon_engine::Input;
 use rafcon_protocol::{Answer, Command, Envelope, LogLevel, ToRunner, ToViewer, decode};
 use std::collections::VecDeque;
@@ -11,10 +12,16 @@ use std::sync::Arc;
 /// How many answers are kept, in case a command is sent again.
 const ANSWERS_MAX: usize = 1024;
 
-/// Serves one viewer until it goes away.
-pub(crate) fn serve<S: Scripts>(driver: &Arc<Driver<S>>, mut receiver: Receiver, sender: &Sender) {
+/// Serves one viewer until it goes away. `answering` is held from a command to its answer.
+pub(crate) fn serve<S: Scripts>(
+    driver: &Arc<Driver<S>>,
+    mut receiver: Receiver,
+    sender: &Sender,
+    answering: &Mutex<()>,
+) {
     let mut desk = Desk { driver, answered: VecDeque::new() };
     while let Some(line) = receiver.line() {
+        let _until_it_is_answered = answering.lock();
         match line {
             Line::Text(text) => desk.read(&text, sender),
             Line::Nonsense => desk.complain("a line that is no text, or too long"),

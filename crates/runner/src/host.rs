@@ -104,17 +104,20 @@ impl<S: Scripts> Talk<S> {
         receiver: Receiver,
         (signals, handle): (Signals, signal_hook::iterator::Handle),
     ) -> Result<(), ServeError> {
-        let told = Told::default();
+        let (told, answering) = (Told::default(), Mutex::new(()));
         thread::scope(|scope| {
             let named = |name: &str| thread::Builder::new().name(name.to_owned());
-            named("commands")
-                .spawn_scoped(scope, || commands::serve(&self.driver, receiver, &self.sender))?;
+            named("commands").spawn_scoped(scope, || {
+                commands::serve(&self.driver, receiver, &self.sender, &answering);
+            })?;
             named("signals").spawn_scoped(scope, || stop::serve(&self.driver, signals))?;
             named("viewer").spawn_scoped(scope, || {
                 Viewer::new(&self.driver, &self.sender, self.every_event).follow();
                 told.set();
             })?;
             self.conclude(&told);
+            // A command that ended the run is answered like any other.
+            drop(answering.try_lock_for(LAST_WORDS));
             handle.close();
             self.driver.scripts().released();
             self.socket.shut();
