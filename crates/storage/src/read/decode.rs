@@ -142,7 +142,9 @@ impl Decoder {
         };
         let mut ids = elements::Ids::new(members.len());
         let mut found = Vec::with_capacity(members.len());
-        for (text, value) in members {
+        let plain = members.iter().filter(|(text, _)| elements::is_plain_id(text));
+        let odd = members.iter().filter(|(text, _)| !elements::is_plain_id(text));
+        for (text, value) in plain.chain(odd) {
             match ids.read(text, value).and_then(|id| Ok((id, element(id, value)?))) {
                 Ok((id, element)) => {
                     found.push(element);

@@ -6,7 +6,7 @@ use crate::testing::{
 };
 use crate::{Naming, Saved, core_data, state_from_core_data};
 use expect_test::expect;
-use rafcon_model::{Json, Kind, Machine, State, StatePath, Value, notation};
+use rafcon_model::{Json, Kind, Machine, OutcomeId, State, StatePath, Value, notation};
 use std::fs;
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::path::Path;
@@ -536,4 +536,19 @@ fn a_faulty_port_of_an_older_library_state_is_kept() {
     let once = written(older);
     assert!(once.contains("default_value"), "{once}");
     assert_eq!(written(&once), once);
+}
+
+#[test]
+fn of_two_keys_for_one_id_the_plain_one_counts_also_after_a_save() {
+    let outcome = |name: &str| format!(r#"{{"name": "{name}", "outcome_id": 2}}"#);
+    let (first, second, third) = (outcome("a"), outcome("b"), outcome("c"));
+    let text = format!(
+        r#"{{"__jsonqualname__": "x.ExecutionState", "name": "N", "state_id": "AAAAAA", "description": null,
+        "input_data_ports": {{}}, "output_data_ports": {{}},
+        "outcomes": {{"2 ": {first}, " 2": {second}, "2": {third}}}}}"#
+    );
+    let read = |text: &str| state_from_core_data(text, "N_AAAAAA").unwrap().0;
+    let state = read(&text);
+    assert_eq!(state.outcomes.get(OutcomeId(2)).unwrap().name, "c");
+    assert_eq!(read(&core_data(&state)).outcomes, state.outcomes);
 }
