@@ -10,7 +10,7 @@ use crate::{process, python, workspace};
 /// The reference without its desktop packages, plus what its core needs.
 const CONTENTS: python::Contents = python::Contents {
     bare: &["rafcon==2.5.2"],
-    full: &["jsonconversion<2", "yaml_configuration", "PyYAML", "psutil", "packaging", "numpy"],
+    full: &["jsonconversion<2", "yaml_configuration", "PyYAML", "psutil<6", "packaging", "numpy"],
 };
 
 /// The reference, ready to be started.
