@@ -8,8 +8,8 @@ use smol_str::SmolStr;
 
 pub(crate) use parse::parse_prefix;
 pub use parse::{MAX_DEPTH, ParseError, parse};
-pub(crate) use write::{canonical_int, python_float};
-pub use write::{write, write_compact};
+pub(crate) use write::python_float;
+pub use write::{canonical_int, write, write_compact};
 
 /// A parsed JSON document. Objects keep the order of their text; writing sorts.
 #[derive(Debug, Clone)]

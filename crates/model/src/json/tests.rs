@@ -1,6 +1,6 @@
 //! Text in, text out.
 
-use super::{parse, write, write_compact};
+use super::{canonical_int, parse, write, write_compact};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 
@@ -86,6 +86,14 @@ fn deep_nesting_is_refused_and_not_a_crash() {
 fn surrogates_join_and_lone_ones_are_replaced() {
     check(r#""\ud83d\ude00""#, &expect![[r#""\ud83d\ude00""#]]);
     check(r#""\ud83dx""#, &expect![[r#""\ufffdx""#]]);
+}
+
+#[test]
+fn an_integer_has_one_text() {
+    let texts =
+        ["0", "7", "-2", "01", "-0", "--1", "+1", " 1", "1_0", "", "-", "9223372036854775808"];
+    let found: Vec<_> = texts.into_iter().filter_map(canonical_int).collect();
+    assert_eq!(found, [0, 7, -2]);
 }
 
 proptest! {

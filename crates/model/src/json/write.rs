@@ -133,9 +133,12 @@ fn sorted(items: &[(SmolStr, Json)]) -> Vec<&(SmolStr, Json)> {
     members
 }
 
-/// The integer whose decimal text is exactly `text`.
-pub(crate) fn canonical_int(text: &str) -> Option<i64> {
-    text.parse::<i64>().ok().filter(|number| number.to_string() == text)
+/// The integer whose decimal text is exactly `text`; nothing for `01`, `-0`, ` 1` and what does not fit 64 bits.
+pub fn canonical_int(text: &str) -> Option<i64> {
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+    let is_plain = is_number && (text == "0" || !digits.starts_with('0'));
+    if is_plain { text.parse().ok() } else { None }
 }
 
 /// The text that Python's `repr` gives for a float: shortest digits that read back the same, an exponent below 1e-4 and

@@ -142,8 +142,10 @@ impl Decoder {
         };
         let mut ids = elements::Ids::new(members.len());
         let mut found = Vec::with_capacity(members.len());
-        let plain = members.iter().filter(|(text, _)| elements::is_plain_id(text));
-        let odd = members.iter().filter(|(text, _)| !elements::is_plain_id(text));
+        // Of two keys for one id the one counts that is written as ids are, wherever it stands.
+        let is_plain = |text: &str| json::canonical_int(text).is_some();
+        let plain = members.iter().filter(|(text, _)| is_plain(text));
+        let odd = members.iter().filter(|(text, _)| !is_plain(text));
         for (text, value) in plain.chain(odd) {
             match ids.read(text, value).and_then(|id| Ok((id, element(id, value)?))) {
                 Ok((id, element)) => {

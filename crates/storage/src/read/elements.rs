@@ -181,10 +181,3 @@ fn missing_or_wrong(key: &'static str, expected: &'static str, found: Option<&Js
 fn unknown(json: &Json, known: &[&str]) -> Extra {
     Aside::default().into_extra(json.as_object()?, |key| known.contains(&key))
 }
-
-/// Whether a key is written as an id is written here. Of two keys for one id such a one counts, wherever it stands.
-pub(super) fn is_plain_id(text: &str) -> bool {
-    let digits = text.strip_prefix('-').unwrap_or(text);
-    let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
-    is_number && (text == "0" || !digits.starts_with('0'))
-}
