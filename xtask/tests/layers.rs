@@ -9,7 +9,8 @@ use serde_json::Value;
 /// Each package and the packages of this workspace that it may name, for building and for testing.
 const LAYERS: [(&str, &[&str]); 8] = [
     ("rafcon-model", &[]),
-    ("rafcon-storage", &["rafcon-model"]),
+    // The journal keeps the events of the protocol, so storage speaks it.
+    ("rafcon-storage", &["rafcon-protocol", "rafcon-model"]),
     ("rafcon-engine", &["rafcon-model"]),
     ("rafcon-protocol", &["rafcon-model"]),
     ("rafcon-runner", &["rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"]),

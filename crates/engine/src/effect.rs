@@ -15,6 +15,8 @@ pub enum Effect<D> {
     },
     /// Run a script on its branch and answer with [`crate::Input::Finished`].
     Run(Job<D>),
+    /// Evaluate a condition on its branch and answer with [`crate::Input::Checked`].
+    Check(Check<D>),
     /// The active state at this place (and the script that it runs) is asked to end. Each active state is named once,
     /// parents before children; states that begin later are not meant.
     Preempt(PathId),
@@ -50,6 +52,30 @@ pub struct Job<D> {
     pub preempted: bool,
     /// For a decider: how the branches of its barrier ended.
     pub verdicts: Option<Arc<Verdicts<D>>>,
+    /// Whether `backward_execute` is to run instead of `execute`; its outcome and outputs do not count. A script without
+    /// one is finished at once.
+    pub backward: bool,
+}
+
+/// A condition to evaluate.
+#[derive(Debug, Clone)]
+pub struct Check<D> {
+    /// To be named in the answer.
+    pub check: u64,
+    /// The line of execution that came to it.
+    pub branch: BranchId,
+    /// The state of the breakpoint.
+    pub path: PathId,
+    /// Which state it is.
+    pub node: NodeId,
+    /// The text.
+    pub condition: SmolStr,
+    /// One value for each input port of the node: those that it would get, or got.
+    pub inputs: Arc<[D]>,
+    /// After exit: one value for each output port, and the outcome.
+    pub left: Option<(Arc<[D]>, OutcomeId)>,
+    /// The scoped variables of the container around the state, by name.
+    pub scoped_variables: Vec<(SmolStr, D)>,
 }
 
 /// How the branches of a barrier ended, in the order of the children.

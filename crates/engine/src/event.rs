@@ -3,6 +3,7 @@
 use crate::{NodeId, PathId};
 use rafcon_model::{DataType, OutcomeId, PortId};
 use smol_str::SmolStr;
+use std::num::NonZeroU64;
 use std::sync::Arc;
 
 /// One thing that happened. The list of all events is the history of the run, so an event is small: what is rare stands
@@ -17,8 +18,10 @@ pub enum Event<D> {
         node: NodeId,
         /// One value for each input port, in the node's order.
         inputs: Arc<[D]>,
+        /// It is entered backwards: the entry that is undone, counted from 1 over all entries of the run.
+        undoes: Option<NonZeroU64>,
     },
-    /// A state ended.
+    /// A state ended. A state that is left backwards has the outcome that is undone.
     Left {
         /// Where it stands.
         path: PathId,
@@ -28,8 +31,12 @@ pub enum Event<D> {
         outcome: OutcomeId,
         /// One value for each output port, in the node's order.
         outputs: Arc<[D]>,
+        /// Indices of the output ports that its script left out; `None` stands there in `outputs`, and flows nowhere.
+        absent: Option<Box<[u32]>>,
         /// Its error, if it left one.
         error: Option<Box<D>>,
+        /// It is left backwards: the entry that is undone.
+        undoes: Option<NonZeroU64>,
     },
     /// A scoped variable got a value.
     Scoped {
@@ -46,6 +53,45 @@ pub enum Event<D> {
         path: PathId,
         /// For what.
         reason: WaitReason,
+    },
+    /// A branch is held until somebody lets it go on.
+    Held {
+        /// The container that is held.
+        path: PathId,
+        /// The state before which it is held, if there is one.
+        next: Option<PathId>,
+        /// By what.
+        by: HeldBy,
+    },
+    /// A breakpoint was passed while its condition was true.
+    Hit {
+        /// The breakpoint.
+        breakpoint: u64,
+        /// Its state.
+        path: PathId,
+        /// How often by now.
+        hits: u32,
+        /// Whether it held anything.
+        held: bool,
+    },
+    /// Somebody chose the outcome of a state that waited or was held, or was skipped.
+    Forced {
+        /// The state.
+        path: PathId,
+        /// The outcome.
+        outcome: OutcomeId,
+    },
+    /// A state was active when the run was begun again; it has no outcome. Parents come before children.
+    Dropped {
+        /// The state.
+        path: PathId,
+    },
+    /// The run goes by the program of the last [`crate::Input::Change`] from now on.
+    Changed,
+    /// A change waits until this state is left.
+    ChangeWaits {
+        /// The state.
+        path: PathId,
     },
     /// Something the user should know.
     Note {
@@ -81,6 +127,23 @@ pub enum WaitReason {
     NoStart,
     /// A preemptive concurrency state has no children.
     NoChildren,
+    /// A crash interrupted the script, and nobody has decided what becomes of it.
+    Interrupted,
+}
+
+/// What holds a branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HeldBy {
+    /// A pause.
+    Pause,
+    /// A step has come to its end.
+    Step,
+    /// The state that it was to run to.
+    RunTo,
+    /// A breakpoint.
+    Breakpoint(u64),
+    /// It is where the run, or its branch, begins.
+    Start,
 }
 
 /// How bad a [`Note`] is.
@@ -130,5 +193,12 @@ pub enum Note {
     NoSuchInput {
         /// The name.
         name: SmolStr,
+    },
+    /// The condition of a breakpoint cannot be evaluated; it counts as true.
+    BadCondition {
+        /// The breakpoint.
+        breakpoint: u64,
+        /// Why.
+        reason: SmolStr,
     },
 }

@@ -1,20 +1,43 @@
 //! What the engine is told.
 
-use crate::FrameId;
-use rafcon_model::StatePath;
+use crate::{Breakpoint, FrameId, Interrupted, Program, Restored};
+use rafcon_model::{OutcomeId, StatePath};
 use smol_str::SmolStr;
+use std::sync::Arc;
 
 /// A cause of work. Every one is legal or refused in every status.
 #[derive(Debug, Clone)]
 pub enum Input<D> {
-    /// Begin the run.
+    /// Begin the run; or begin again, while everything is held or waits.
     Start(Start<D>),
+    /// Take up a run, or begin again at an earlier moment, while everything is held or waits.
+    Restore(Box<Restore<D>>),
     /// Hold every hierarchy before its next child; scripts see `paused`.
     Pause,
-    /// Go on after a pause.
-    Resume,
+    /// Go on after a pause, a step or a breakpoint: on all branches, or on one (path of a child of a concurrency state).
+    Resume(Option<StatePath>),
     /// End the run as if it were preempted.
     Stop,
+    /// Hold wherever a next state would begin, from now on.
+    StepMode,
+    /// One step: of all branches that are held, or of one.
+    Step(Stride, Option<StatePath>),
+    /// Run until before this state.
+    RunTo(StatePath),
+    /// End a waiting or held state with this outcome; or skip with it the state before which its container is held.
+    Force(StatePath, OutcomeId),
+    /// Ask one active state, and all in it, to end.
+    Preempt(StatePath),
+    /// Decide about interrupted scripts: all, or one.
+    Recover(Option<StatePath>, Interrupted),
+    /// Set a breakpoint; one with the same id is replaced.
+    Break(Breakpoint),
+    /// Remove a breakpoint.
+    Unbreak(u64),
+    /// Whether anybody is connected. A run begins attended.
+    Attended(bool),
+    /// Go by this program from now on. States keep their numbers where their paths are the same.
+    Change(Change<D>),
     /// The script of a frame ended.
     Finished {
         /// The frame of the [`crate::Job`].
@@ -22,6 +45,26 @@ pub enum Input<D> {
         /// How it ended.
         result: ScriptResult<D>,
     },
+    /// A condition was evaluated.
+    Checked {
+        /// The number of the [`crate::Check`].
+        check: u64,
+        /// Whether it is true; the error says why that cannot be told, and counts as true.
+        result: Result<bool, SmolStr>,
+    },
+}
+
+/// How far a step goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stride {
+    /// One child further, entering it.
+    Into,
+    /// One child further, running all that is in it.
+    Over,
+    /// To the end of the container.
+    Out,
+    /// One step back.
+    Back,
 }
 
 /// How a run begins.
@@ -31,12 +74,60 @@ pub struct Start<D> {
     pub inputs: Vec<(SmolStr, D)>,
     /// Begin at this state instead of the start states above it. Values that skipped states would have given are absent.
     pub start_from: Option<StatePath>,
+    /// Values for input ports and scoped variables of the states on the way to `start_from`, that state included.
+    pub given: Vec<(StatePath, SmolStr, D)>,
+    /// Hold before the first child (before the root itself, if it has none), in step mode.
+    pub hold: bool,
+    /// What happens once `start_from` was left.
+    pub then: Then,
+}
+
+/// What happens after the state that a run was begun at. Inside a concurrency state, the outermost one counts as that state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Then {
+    /// The run goes on.
+    #[default]
+    GoOn,
+    /// The run is held, in step mode.
+    Hold,
+    /// The run stops; if that state was the last, the run ends as it did.
+    Stop,
 }
 
 impl<D> Default for Start<D> {
     fn default() -> Self {
-        Self { inputs: Vec::new(), start_from: None }
+        Self {
+            inputs: Vec::new(),
+            start_from: None,
+            given: Vec::new(),
+            hold: false,
+            then: Then::GoOn,
+        }
     }
+}
+
+/// A moment to go on from.
+#[derive(Debug, Clone)]
+pub struct Restore<D> {
+    /// The root, with all that was active.
+    pub root: Restored<D>,
+    /// What becomes of scripts that were running.
+    pub interrupted: Interrupted,
+    /// The error of scripts that are aborted.
+    pub crash: Option<D>,
+    /// Whether the run is held, in step mode: hierarchies before their next child, and, with [`Interrupted::Again`],
+    /// scripts before they run again.
+    pub hold: bool,
+}
+
+/// A program to go on with.
+#[derive(Debug, Clone)]
+pub struct Change<D> {
+    /// Made by [`Program::change`] from the program that was given last.
+    pub program: Arc<Program<D>>,
+    /// Whether a change that touches an active state waits until that is left, instead of being refused. A change that
+    /// waits is replaced by the next one, which contains it.
+    pub wait: bool,
 }
 
 /// What a script gave back.

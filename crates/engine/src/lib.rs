@@ -4,6 +4,8 @@
 //! Python or I/O: it takes [`Input`]s and returns [`Effect`]s and [`Event`]s in an [`Outbox`].
 #![warn(clippy::wildcard_enum_match_arm)]
 
+pub mod breakpoint;
+pub mod configuration;
 pub mod datum;
 pub mod effect;
 pub mod engine;
@@ -13,12 +15,14 @@ pub mod input;
 pub mod program;
 mod values;
 
+pub use breakpoint::{Breakpoint, Scope, Unattended, When};
+pub use configuration::{Interrupted, Restored, RestoredEnd, RestoredVariable};
 pub use datum::{Datum, Globals, Literals, NoGlobals};
-pub use effect::{Effect, Finish, Job, Outbox, Verdict, Verdicts};
+pub use effect::{Check, Effect, Finish, Job, Outbox, Verdict, Verdicts};
 pub use engine::{Active, Activity, Command, Engine, Inspection, Refusal, Status};
-pub use event::{Event, Level, Note, WaitReason};
+pub use event::{Event, HeldBy, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
-pub use input::{Input, Returned, ScriptResult, Start};
+pub use input::{Change, Input, Restore, Returned, ScriptResult, Start, Stride, Then};
 pub use program::{Node, Program, UnknownPath};
 pub use values::{ModelLiterals, failed};
 

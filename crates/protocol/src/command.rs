@@ -1,5 +1,6 @@
 //! What a person or program asks of a run.
 
+use crate::{Breakpoint, OnCrash};
 use serde::{Deserialize, Serialize};
 
 /// A command with what law 7 asks for: an id, the moment it was decided on, and an expiry.
@@ -28,21 +29,28 @@ pub struct Expiry(pub u64);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Command {
-    /// Begin, or begin again after the end.
+    /// Begin; in a run in which everything is held or waits: begin again, elsewhere or with other data.
     Start {
         /// Begin at this state.
         #[serde(default)]
         from: Option<String>,
+        /// Values instead of those that would be there: input ports and scoped variables of the states on the way.
+        #[serde(default)]
+        data: Vec<Given>,
     },
     /// Hold every hierarchy before its next child.
     Pause,
-    /// Go on after a pause or a step.
-    Resume,
+    /// Go on after a pause, a step or a breakpoint.
+    Resume {
+        /// See [`Command::StepInto`].
+        #[serde(default)]
+        branch: Option<String>,
+    },
     /// End the run as if it were preempted.
     Stop,
     /// End the runner at once, whatever its scripts do.
     Kill,
-    /// Hold before the first child and then go step by step.
+    /// Hold before the first child, or wherever the run is, and then go step by step.
     StepMode,
     /// One child further, entering it.
     StepInto {
@@ -77,31 +85,84 @@ pub enum Command {
     RunSelected {
         /// The state.
         path: String,
+        /// See [`Command::Start`].
+        #[serde(default)]
+        data: Vec<Given>,
     },
     /// Begin at this state, run it, then stop.
     RunOnlySelected {
         /// The state.
         path: String,
+        /// See [`Command::Start`].
+        #[serde(default)]
+        data: Vec<Given>,
     },
-    /// Begin again at an entry of the history with the data it had then.
+    /// Begin again at an `entered` of the history with the data it had then, and hold there.
     StartFromHistory {
-        /// The entry's sequence number.
+        /// The event's sequence number.
         sequence: u64,
     },
-    /// End a waiting or held state with this outcome.
+    /// End a waiting or held state with this outcome, or skip the state before which its container is held.
     ForceOutcome {
         /// The state.
         path: String,
         /// Id of its outcome.
         outcome: i64,
     },
-    /// Answer the question of a state.
-    AnswerQuestion {
+    /// Ask one active state, and all in it, to end.
+    Preempt {
         /// The state.
         path: String,
-        /// The answer.
+    },
+    /// Set a breakpoint; one with the same id is replaced.
+    SetBreakpoint {
+        /// All of it.
+        breakpoint: Breakpoint,
+    },
+    /// Remove a breakpoint.
+    RemoveBreakpoint {
+        /// Its id.
+        id: u64,
+    },
+    /// Answer the question of a state.
+    AnswerQuestion {
+        /// The question's id.
+        question: u64,
+        /// The answer, of the shape that the question's form says.
         value: serde_json::Value,
     },
+    /// Decide about states that a crash has interrupted.
+    Recover {
+        /// One of them; `None`: all.
+        #[serde(default)]
+        path: Option<String>,
+        /// How: *ask* is refused here.
+        policy: OnCrash,
+    },
+    /// Read the machine's folder again and go by what is there from now on.
+    Reload {
+        /// Whether a change that touches an active state waits until it is left, instead of being refused.
+        #[serde(default)]
+        wait: bool,
+    },
+    /// Change the script of a state from its next entry on, in the run only.
+    EditScript {
+        /// The state.
+        path: String,
+        /// The whole new text.
+        script: String,
+    },
+}
+
+/// A value for an input port or scoped variable of one state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Given {
+    /// The state: the one that is begun at, or one around it.
+    pub path: String,
+    /// The port's name.
+    pub name: String,
+    /// The value, as JSON.
+    pub value: serde_json::Value,
 }
 
 /// What became of a command.

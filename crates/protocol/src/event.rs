@@ -1,6 +1,29 @@
 //! What a run tells its viewers.
 
+use crate::{Answer, Breakpoint, Closing, Crash, Envelope, OnCrash, Question};
 use serde::{Deserialize, Serialize};
+
+/// Values by name, each as `docs/protocol.md` encodes it.
+pub type Values = serde_json::Map<String, serde_json::Value>;
+
+/// What holds a branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum HeldBy {
+    /// A pause.
+    Pause,
+    /// A step has come to its end.
+    Step,
+    /// The state that it was to run to.
+    RunTo,
+    /// A breakpoint.
+    Breakpoint {
+        /// Its id.
+        id: u64,
+    },
+    /// It is where the run, or its branch, begins.
+    Start,
+}
 
 /// The outcome of a state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,6 +72,12 @@ pub enum Event {
     Entered {
         /// The state.
         path: String,
+        /// Its inputs by port name, if they are kept and were asked for.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        inputs: Option<Values>,
+        /// It is entered backwards, to undo the entry with this number (counted from 1 over all entries of the run).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        undoes: Option<u64>,
     },
     /// A state ended.
     Left {
@@ -56,6 +85,145 @@ pub enum Event {
         path: String,
         /// How.
         outcome: Outcome,
+        /// Its outputs by port name, if they are kept and were asked for. Ports that its script left out are missing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        outputs: Option<Values>,
+        /// Its error, if it left one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        error: Option<serde_json::Value>,
+        /// It is left backwards: to where it stood before the entry with this number.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        undoes: Option<u64>,
+    },
+    /// A scoped variable got a value.
+    Scoped {
+        /// The container.
+        path: String,
+        /// The variable's name.
+        name: String,
+        /// Its value.
+        value: serde_json::Value,
+    },
+    /// A global variable got a value, or was deleted.
+    Global {
+        /// Its name.
+        name: String,
+        /// Its value; `None` if it was deleted.
+        value: Option<serde_json::Value>,
+    },
+    /// What a state keeps from one run to the next changed.
+    Persistent {
+        /// The state.
+        path: String,
+        /// All of it.
+        value: serde_json::Value,
+    },
+    /// A branch is held.
+    Held {
+        /// The container that is held.
+        path: String,
+        /// The state before which it is held, if there is one.
+        next: Option<String>,
+        /// By what.
+        by: HeldBy,
+    },
+    /// A breakpoint was passed while its condition was true.
+    Hit {
+        /// The breakpoint.
+        breakpoint: u64,
+        /// Its state.
+        path: String,
+        /// How often by now.
+        hits: u32,
+        /// Whether it held anything.
+        held: bool,
+    },
+    /// A breakpoint was set or changed.
+    BreakpointSet {
+        /// As it is now.
+        breakpoint: Breakpoint,
+    },
+    /// A breakpoint was removed.
+    BreakpointRemoved {
+        /// Its id.
+        id: u64,
+    },
+    /// Somebody chose the outcome of a state that waited or was held.
+    Forced {
+        /// The state.
+        path: String,
+        /// The outcome.
+        outcome: Outcome,
+    },
+    /// A state was active when the run was begun again elsewhere; it has no outcome.
+    Dropped {
+        /// The state.
+        path: String,
+    },
+    /// The run goes by this machine from now on. The first one is that of the start.
+    Root {
+        /// Hash of its content, as the journal keeps it.
+        hash: String,
+        /// What was changed, for people; empty for the first.
+        change: String,
+    },
+    /// A change of the machine waits until a state is left.
+    ChangeWaits {
+        /// The state.
+        path: String,
+        /// What is to be changed, for people.
+        change: String,
+    },
+    /// Somebody asked for something, and this was the answer.
+    Commanded {
+        /// The command.
+        envelope: Box<Envelope>,
+        /// What became of it.
+        answer: Answer,
+    },
+    /// A state asks people.
+    Asked {
+        /// What it asks.
+        question: Box<Question>,
+    },
+    /// A question is closed.
+    Closed {
+        /// Its id.
+        id: u64,
+        /// How.
+        how: Closing,
+        /// The answer, if there is one.
+        answer: Option<serde_json::Value>,
+        /// Who answered; empty if nobody did.
+        author: String,
+    },
+    /// A state went past its deadline and is preempted.
+    DeadlinePassed {
+        /// The state.
+        path: String,
+        /// The deadline, in ms from its entry.
+        deadline_ms: u64,
+    },
+    /// A script did not end within its grace period after it was asked to; the runner ends.
+    CutOff {
+        /// The state.
+        path: String,
+        /// The grace period, in ms.
+        grace_ms: u64,
+    },
+    /// A runner took the run up again after another had ended in the middle of it.
+    Resumed {
+        /// How many runners there were, this one included.
+        life: u32,
+        /// How the last one ended.
+        crash: Crash,
+        /// What becomes of interrupted scripts.
+        policy: OnCrash,
+    },
+    /// Detail before this event was given up to keep the journal within its size.
+    Thinned {
+        /// The first event with full detail.
+        before: u64,
     },
     /// A line of a script or of the engine.
     Log {
@@ -105,6 +273,8 @@ pub enum RunStatus {
     Running,
     /// Hierarchies hold before their next child.
     Paused,
+    /// The same, from step to step.
+    Stepping,
     /// Asked to stop, states are ending.
     Stopping,
     /// Over.
@@ -119,7 +289,7 @@ pub enum Phase {
     Running,
     /// It cannot go on.
     Waiting,
-    /// Held by a pause.
+    /// Held before the next state.
     Held,
     /// Asked to end.
     Preempted,
@@ -136,10 +306,16 @@ pub struct ActiveState {
     pub phase: Phase,
     /// Time since it was entered, in ms.
     pub since_ms: u64,
+    /// The child of a concurrency state whose branch it belongs to; empty on the root's branch.
+    #[serde(default)]
+    pub branch: String,
+    /// For what it waits, or before which state it is held.
+    #[serde(default)]
+    pub detail: Option<String>,
 }
 
 /// The latest truth about a run: coalesced, at most every 100 ms.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The run as a whole.
     pub status: RunStatus,
@@ -149,4 +325,19 @@ pub struct Snapshot {
     pub states_run: u64,
     /// Time since the start, in ms.
     pub elapsed_ms: u64,
+    /// Number of the last event that happened.
+    #[serde(default)]
+    pub sequence: u64,
+    /// Number of the last event that survives a power cut; events up to here are told. 0 without a journal.
+    #[serde(default)]
+    pub disk_safe: u64,
+    /// Why the journal cannot be written, while it cannot.
+    #[serde(default)]
+    pub journal_problem: Option<String>,
+    /// All breakpoints.
+    #[serde(default)]
+    pub breakpoints: Vec<Breakpoint>,
+    /// Questions that nobody has answered yet.
+    #[serde(default)]
+    pub questions: Vec<Question>,
 }

@@ -1,10 +1,15 @@
 //! What a runner must know to begin.
 
+use crate::{Breakpoint, Crash, Keeping, Resume};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// One run, as asked for. Sent to the runner right after the [`crate::Hello`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a choice of its own, by name on the wire"
+)]
 pub struct Launch {
     /// Folder of the machine (or a file in it).
     pub machine: PathBuf,
@@ -26,4 +31,28 @@ pub struct Launch {
     /// A folder for the run's own files ([`crate::active`]); `None`: none are written.
     #[serde(default)]
     pub run_folder: Option<PathBuf>,
+    /// How much is kept in the run's folder.
+    #[serde(default)]
+    pub keeping: Keeping,
+    /// Whether an event is on disk before the script that follows it runs.
+    #[serde(default)]
+    pub strict: bool,
+    /// The journal's size, in bytes, beyond which old detail is given up; `None`: the default of the journal.
+    #[serde(default)]
+    pub size_max: Option<u64>,
+    /// Whether the run is held before its first state, for stepping or breakpoints.
+    #[serde(default)]
+    pub hold: bool,
+    /// Breakpoints that are there from the start.
+    #[serde(default)]
+    pub breakpoints: Vec<Breakpoint>,
+    /// Take up the run whose folder `run_folder` is, instead of beginning one: its machine is the one that it kept.
+    #[serde(default)]
+    pub resume: Option<Resume>,
+    /// How the runner before ended, if the run is taken up.
+    #[serde(default)]
+    pub crash: Option<Crash>,
+    /// Whether others may join the run, by the socket in its folder.
+    #[serde(default)]
+    pub listen: bool,
 }

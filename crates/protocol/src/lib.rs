@@ -6,16 +6,24 @@
 //! [`VERSION`] ends the talk with a reason. The vocabulary is in `docs/protocol.md`.
 
 pub mod active;
+pub mod breakpoint;
 pub mod command;
 pub mod event;
 pub mod frame;
 pub mod hello;
 pub mod launch;
 pub mod message;
+pub mod question;
+pub mod run;
 
-pub use command::{Answer, Command, Envelope, Expiry};
-pub use event::{ActiveState, Event, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream};
+pub use breakpoint::{Breakpoint, Scope, Unattended, When};
+pub use command::{Answer, Command, Envelope, Expiry, Given};
+pub use event::{
+    ActiveState, Event, HeldBy, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream, Values,
+};
 pub use frame::{FrameError, decode, encode};
 pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::Launch;
-pub use message::{ToRunner, ToViewer};
+pub use message::{Join, StateData, ToRunner, ToViewer};
+pub use question::{Closing, Form, Question};
+pub use run::{Crash, Keeping, OnCrash, Resume};

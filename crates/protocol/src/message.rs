@@ -1,6 +1,6 @@
 //! Everything that is said after the hello.
 
-use crate::{Answer, Envelope, Event, Launch, Snapshot};
+use crate::{Answer, Envelope, Event, Launch, Snapshot, Values};
 use serde::{Deserialize, Serialize};
 
 /// From a viewer (command line, server) to the runner.
@@ -9,8 +9,31 @@ use serde::{Deserialize, Serialize};
 pub enum ToRunner {
     /// What to run; the first message after the hello.
     Launch(Launch),
+    /// Join a run that is going on; the first message after the hello instead of a launch.
+    Join(Join),
     /// A command.
     Command(Envelope),
+    /// A question about one active state.
+    Inspect {
+        /// Named in the answer.
+        id: String,
+        /// The state.
+        path: String,
+    },
+}
+
+/// What a viewer that joins wants to be told.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Join {
+    /// The number of the first event that it has not seen; 0: from now on.
+    #[serde(default)]
+    pub from: u64,
+    /// Whether it wants every event, or only snapshots and what is rare.
+    #[serde(default)]
+    pub every_event: bool,
+    /// Whether events come with values.
+    #[serde(default)]
+    pub values: bool,
 }
 
 /// From the runner to a viewer.
@@ -30,6 +53,18 @@ pub enum ToViewer {
         states: u64,
         /// Faults of the machine, one line each, that did not keep it from loading.
         problems: Vec<String>,
+        /// The run's id: the name of its folder; empty if it has none.
+        #[serde(default)]
+        run: String,
+    },
+    /// What one active state holds.
+    Inspection {
+        /// The id of the request.
+        id: String,
+        /// The state.
+        path: String,
+        /// Its data; `None` if it is not active.
+        data: Option<StateData>,
     },
     /// Something happened.
     Event {
@@ -50,4 +85,15 @@ pub enum ToViewer {
         #[serde(flatten)]
         answer: Answer,
     },
+}
+
+/// The data of one active state, by port name.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct StateData {
+    /// Its inputs.
+    pub inputs: Values,
+    /// The defaults of its outputs.
+    pub outputs: Values,
+    /// Its scoped variables, if it is a container.
+    pub scoped_variables: Values,
 }

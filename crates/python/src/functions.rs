@@ -71,7 +71,7 @@ pub(crate) fn machine(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 pub(crate) fn command(py: Python<'_>, name: &str) -> PyResult<()> {
     let input = match name {
         "pause" => Input::Pause,
-        "resume" => Input::Resume,
+        "resume" => Input::Resume(None),
         "stop" => Input::Stop,
         other => return Err(PyValueError::new_err(format!("no command is named {other}"))),
     };

@@ -42,6 +42,9 @@ impl<S: Scripts> Desk<'_, S> {
                 let answer = self.answer(envelope);
                 sender.send(&ToViewer::Answer { id, answer });
             }
+            Ok(ToRunner::Join(_) | ToRunner::Inspect { .. }) => {
+                self.complain("a request that this runner does not know yet");
+            }
             Ok(ToRunner::Launch(_)) => self.complain("a second launch: this runner has its run"),
             Err(error) => match command_id(text) {
                 Some(id) => {
@@ -77,7 +80,7 @@ impl<S: Scripts> Desk<'_, S> {
     fn carry_out(&self, command: &Command) -> Answer {
         let input = match command {
             Command::Pause => Input::Pause,
-            Command::Resume => Input::Resume,
+            Command::Resume { branch: None } => Input::Resume(None),
             Command::Stop => Input::Stop,
             Command::Kill => kill(),
             Command::Start { .. }
@@ -91,6 +94,13 @@ impl<S: Scripts> Desk<'_, S> {
             | Command::RunOnlySelected { .. }
             | Command::StartFromHistory { .. }
             | Command::ForceOutcome { .. }
+            | Command::Resume { branch: Some(_) }
+            | Command::Preempt { .. }
+            | Command::SetBreakpoint { .. }
+            | Command::RemoveBreakpoint { .. }
+            | Command::Recover { .. }
+            | Command::Reload { .. }
+            | Command::EditScript { .. }
             | Command::AnswerQuestion { .. } => {
                 let reason = "this runner does not know this command yet; it knows pause, resume, stop and kill";
                 return Answer::Refused { reason: reason.to_owned() };

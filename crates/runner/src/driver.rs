@@ -207,8 +207,8 @@ impl<S: Scripts> Driver<S> {
                     let begun = core.begin(job);
                     core.dispatch(begun, turn);
                 }
-                // A branch gets its thread with its first script.
-                Effect::Fork { .. } => {}
+                // A branch gets its thread with its first script. No breakpoint can be set yet, so none has a condition.
+                Effect::Fork { .. } | Effect::Check(_) => {}
                 Effect::EndBranch { branch } => core.end_branch(branch, turn),
                 Effect::Preempt(path) => core.signal(path),
                 Effect::Paused(paused) => core.pause(paused),

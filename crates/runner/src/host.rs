@@ -71,6 +71,7 @@ fn begin<H: Host>(
     let loaded = ToViewer::Loaded {
         name: machine.root.name.to_string(),
         states: machine.count() as u64,
+        run: String::new(),
         problems,
     };
     let opening = crate::Opening { machine, program: Arc::clone(&program), files, config };

@@ -37,6 +37,8 @@ pub(crate) fn prepare<H: Host>(
     let start = Start {
         inputs: inputs(host, launch)?,
         start_from: launch.start_from.as_deref().map(StatePath::parse),
+        hold: launch.hold,
+        ..Start::default()
     };
     let files = StateFiles::new(loaded.saved, libraries);
     Ok(Prepared { machine: loaded.machine, files, problems, start, config })

@@ -13,7 +13,17 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     let (active, status, states_run) = driver.with_core(look)?;
     let elapsed_ms = driver.clock().now_ms();
     let active = active.iter().filter_map(|active| state(driver, active, elapsed_ms)).collect();
-    Some(Snapshot { status: run_status(status), active, states_run, elapsed_ms })
+    Some(Snapshot {
+        status: run_status(status),
+        active,
+        states_run,
+        elapsed_ms,
+        sequence: 0,
+        disk_safe: 0,
+        journal_problem: None,
+        breakpoints: Vec::new(),
+        questions: Vec::new(),
+    })
 }
 
 fn state<S: Scripts>(driver: &Driver<S>, active: &Active, now_ms: u64) -> Option<ActiveState> {
@@ -23,6 +33,8 @@ fn state<S: Scripts>(driver: &Driver<S>, active: &Active, now_ms: u64) -> Option
         name,
         phase: phase(active),
         since_ms: now_ms.saturating_sub(place.entered_ms()),
+        branch: String::new(),
+        detail: None,
     })
 }
 

@@ -1,7 +1,7 @@
 //! What the engine says, in the words of the protocol. Knows both vocabularies; must never know who listens.
 
 use crate::recorder::Record;
-use rafcon_engine::{Datum, Engine, Event, Level, Note, PathId, WaitReason};
+use rafcon_engine::{Datum, Engine, Event, HeldBy, Level, Note, PathId, WaitReason};
 use rafcon_model::OutcomeId;
 use rafcon_protocol as protocol;
 use rafcon_protocol::{LogLevel, Stream};
@@ -34,9 +34,32 @@ pub(crate) fn rare<D: Datum>(event: &Event<D>, engine: &Engine<D>) -> Option<Rec
         }
         Event::Paused(paused) => told(protocol::Event::Paused { paused: *paused }),
         Event::Stopping => told(protocol::Event::Stopping),
+        Event::Held { path, next, by } => told(protocol::Event::Held {
+            path: engine.path_text(*path).to_string(),
+            next: next.map(|next| engine.path_text(next).to_string()),
+            by: held_by(*by),
+        }),
+        Event::Hit { breakpoint, path, hits, held } => told(protocol::Event::Hit {
+            breakpoint: *breakpoint,
+            path: engine.path_text(*path).to_string(),
+            hits: *hits,
+            held: *held,
+        }),
+        Event::Forced { path, outcome } => told(protocol::Event::Forced {
+            path: engine.path_text(*path).to_string(),
+            outcome: protocol::Outcome {
+                id: outcome.0,
+                name: outcome_name(*path, *outcome, engine).unwrap_or_default(),
+            },
+        }),
+        Event::Dropped { path } => {
+            told(protocol::Event::Dropped { path: engine.path_text(*path).to_string() })
+        }
         Event::Entered { .. }
         | Event::Left { .. }
         | Event::Scoped { .. }
+        | Event::Changed
+        | Event::ChangeWaits { .. }
         | Event::Finished { .. } => {
             return None;
         }
@@ -57,6 +80,10 @@ fn waiting<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
             outcome_text(*child, *outcome, engine),
             engine.path_text(*child)
         ),
+        WaitReason::Interrupted => {
+            "its script was interrupted by a crash: decide whether it aborts or runs again, or force an outcome"
+                .to_owned()
+        }
         WaitReason::NoStart => {
             "there is no start state: connect the income, or stop the run".to_owned()
         }
@@ -68,9 +95,23 @@ fn waiting<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
 }
 
 fn outcome_text<D: Datum>(path: PathId, outcome: OutcomeId, engine: &Engine<D>) -> String {
-    let node = engine.path_node(path).map(|node| engine.program().node(node));
-    let name = node.and_then(|node| node.outcome(outcome)).map(|found| found.name.clone());
+    let name = outcome_name(path, outcome, engine);
     name.map_or_else(|| outcome.to_string(), |name| format!("\"{name}\""))
+}
+
+fn outcome_name<D: Datum>(path: PathId, outcome: OutcomeId, engine: &Engine<D>) -> Option<String> {
+    let node = engine.path_node(path).map(|node| engine.program().node(node))?;
+    Some(node.outcome(outcome)?.name.to_string())
+}
+
+fn held_by(by: HeldBy) -> protocol::HeldBy {
+    match by {
+        HeldBy::Pause => protocol::HeldBy::Pause,
+        HeldBy::Step => protocol::HeldBy::Step,
+        HeldBy::RunTo => protocol::HeldBy::RunTo,
+        HeldBy::Breakpoint(id) => protocol::HeldBy::Breakpoint { id },
+        HeldBy::Start => protocol::HeldBy::Start,
+    }
 }
 
 fn note(note: &Note) -> String {
@@ -90,6 +131,9 @@ fn note(note: &Note) -> String {
         Note::MissingLibrary { reason } => {
             format!("the library is missing: {reason}; the state aborts")
         }
+        Note::BadCondition { breakpoint, reason } => format!(
+            "the condition of breakpoint {breakpoint} cannot be evaluated ({reason}); it holds as if the condition were true"
+        ),
         Note::NoSuchInput { name } => {
             format!("the root state has no input port \"{name}\"; its start value is ignored")
         }

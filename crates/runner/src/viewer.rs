@@ -101,10 +101,16 @@ impl<'d, S: Scripts> Viewer<'d, S> {
     fn send_entries(&mut self) {
         for Entry { sequence, t_ns, record } in std::mem::take(&mut self.entries) {
             let event = match record {
-                Record::Entered(path) => Event::Entered { path: self.path(path) },
-                Record::Left(path, outcome) => {
-                    Event::Left { path: self.path(path), outcome: self.outcome(path, outcome) }
+                Record::Entered(path) => {
+                    Event::Entered { path: self.path(path), inputs: None, undoes: None }
                 }
+                Record::Left(path, outcome) => Event::Left {
+                    path: self.path(path),
+                    outcome: self.outcome(path, outcome),
+                    outputs: None,
+                    error: None,
+                    undoes: None,
+                },
                 Record::Told(event) => (*event).clone(),
             };
             self.push(&ToViewer::Event { sequence, t_ns, event });

@@ -1,9 +1,10 @@
-//! What lies on disk: RAFCON's format, library paths, config, atomic saves.
+//! What lies on disk: RAFCON's format, library paths, config, atomic saves, journals of runs.
 //!
 //! Knows files and folders. Must never know execution: nothing here runs a state or asks Python.
 
 pub mod config;
 pub mod files;
+pub mod journal;
 pub mod libraries;
 pub mod place;
 pub mod problem;

@@ -134,7 +134,9 @@ impl World {
         promise(self.branches == BTreeSet::from([0]), "a branch began and never ended")?;
         let balanced = self.visits.values().all(|(entered, left)| entered == left);
         promise(balanced, "a state was not left as often as it was entered")?;
-        for input in [Input::Start(Start::default()), Input::Stop, Input::Pause, Input::Resume] {
+        for input in
+            [Input::Start(Start::default()), Input::Stop, Input::Pause, Input::Resume(None)]
+        {
             promise(self.refuses(input), "a run that is over took an input")?;
         }
         Ok(())
@@ -147,7 +149,7 @@ impl World {
     fn something(&mut self) -> Checked {
         match self.random.below(100) {
             0..=4 => self.command(Input::Pause),
-            5..=12 => self.command(Input::Resume),
+            5..=12 => self.command(Input::Resume(None)),
             13 if self.random.percent(20) => self.feed(Input::Stop),
             14 => self.late_result(),
             _ => self.one_ends(),
@@ -249,9 +251,16 @@ impl World {
                 self.active.contains(path),
                 "something happened in a state that is not active",
             ),
-            Event::Note { .. } | Event::Paused(_) | Event::Stopping | Event::Finished { .. } => {
-                Ok(())
-            }
+            Event::Note { .. }
+            | Event::Held { .. }
+            | Event::Hit { .. }
+            | Event::Forced { .. }
+            | Event::Dropped { .. }
+            | Event::Changed
+            | Event::ChangeWaits { .. }
+            | Event::Paused(_)
+            | Event::Stopping
+            | Event::Finished { .. } => Ok(()),
         }
     }
 
@@ -279,7 +288,7 @@ impl World {
             Effect::Preempt(path) => {
                 promise(named.contains(&path), "a state was preempted that was not active")
             }
-            Effect::Paused(_) | Effect::Finish(_) => Ok(()),
+            Effect::Check(_) | Effect::Paused(_) | Effect::Finish(_) => Ok(()),
         }
     }
 

@@ -41,8 +41,21 @@ impl<D: Datum> Step<'_, D> {
             Input::Finished { frame, result } => self.script_ended(frame, result),
             Input::Start(start) => self.start(&start),
             Input::Pause => self.obey(Command::Pause),
-            Input::Resume => self.obey(Command::Resume),
+            Input::Resume(None) => self.obey(Command::Resume),
             Input::Stop => self.obey(Command::Stop),
+            Input::Restore(_)
+            | Input::Resume(Some(_))
+            | Input::StepMode
+            | Input::Step(..)
+            | Input::RunTo(_)
+            | Input::Force(..)
+            | Input::Preempt(_)
+            | Input::Recover(..)
+            | Input::Break(_)
+            | Input::Unbreak(_)
+            | Input::Attended(_)
+            | Input::Change(_)
+            | Input::Checked { .. } => Err(Refusal::NotYet),
         }
     }
 

@@ -136,7 +136,10 @@ impl<'s, D: Datum> Step<'s, D> {
         verdicts: Option<Arc<Verdicts<D>>>,
     ) -> u32 {
         let (path, inputs) = (seed.path, Arc::clone(&seed.inputs));
-        self.out.events.insert(seed.entered_at, Event::Entered { path, node: seed.node, inputs });
+        self.out.events.insert(
+            seed.entered_at,
+            Event::Entered { path, node: seed.node, inputs, undoes: None },
+        );
         self.check_inputs(path, node, &seed.inputs);
         for (port, reason) in &node.bad_outputs {
             let port = node.outputs().get(*port as usize).map(|port| port.name.clone());
@@ -168,6 +171,7 @@ impl<'s, D: Datum> Step<'s, D> {
             error: frame.error.take(),
             preempted: frame.preempted,
             verdicts,
+            backward: false,
         }));
     }
 

@@ -96,7 +96,9 @@ impl<'s, D: Datum> Step<'s, D> {
             node,
             outcome: about.outcome_id(ended.outcome),
             outputs: Arc::clone(&ended.outputs),
+            absent: (!ended.absent.is_empty()).then(|| ended.absent.clone().into()),
             error: ended.error.clone().map(Box::new),
+            undoes: None,
         });
         if parent == NONE {
             self.finish(slot, about, ended);

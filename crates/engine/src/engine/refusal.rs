@@ -44,6 +44,9 @@ pub enum Refusal {
         /// Where the run stands.
         status: Status,
     },
+    /// This engine cannot do that yet.
+    #[error("this engine does not know the command yet; it knows start, pause, resume and stop")]
+    NotYet,
     /// The state to start from does not exist.
     #[error(transparent)]
     StartFrom(#[from] UnknownPath),

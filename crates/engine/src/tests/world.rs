@@ -60,7 +60,7 @@ impl World {
             "active" => return self.show_active(),
             "start" => Input::Start(start(rest)),
             "pause" => Input::Pause,
-            "resume" => Input::Resume,
+            "resume" => Input::Resume(None),
             "stop" => Input::Stop,
             state => self.finished(state, rest),
         };
@@ -118,11 +118,11 @@ impl World {
 
     fn event(&mut self, event: &Event<Value>) {
         let line = match event {
-            Event::Entered { path, node, inputs } => {
+            Event::Entered { path, node, inputs, .. } => {
                 let ports = self.program.node(*node).inputs();
                 format!("enter {}{}", self.path(*path), values(ports, inputs))
             }
-            Event::Left { path, node, outcome, outputs, error } => {
+            Event::Left { path, node, outcome, outputs, error, .. } => {
                 let ports = self.program.node(*node).outputs();
                 let outputs = values(ports, outputs);
                 let (path, outcome) = (self.path(*path), self.outcome(*path, *outcome));
@@ -146,6 +146,20 @@ impl World {
             Event::Paused(false) => "goes on".to_owned(),
             Event::Stopping => "stopping".to_owned(),
             Event::Finished { .. } => "finished".to_owned(),
+            Event::Held { path, next, by } => {
+                let next = next.map(|next| format!(" before {}", self.path(next)));
+                format!("hold {}{} ({by:?})", self.path(*path), next.unwrap_or_default())
+            }
+            Event::Hit { breakpoint, path, hits, held } => {
+                let held = if *held { "" } else { ", goes on" };
+                format!("hit {breakpoint} at {} for the {hits}. time{held}", self.path(*path))
+            }
+            Event::Forced { path, outcome } => {
+                format!("force {} {}", self.path(*path), self.outcome(*path, *outcome))
+            }
+            Event::Dropped { path } => format!("drop {}", self.path(*path)),
+            Event::Changed => "changed".to_owned(),
+            Event::ChangeWaits { path } => format!("change waits for {}", self.path(*path)),
         };
         self.say(&line);
     }
@@ -161,6 +175,7 @@ impl World {
             }
             WaitReason::NoStart => "no start".to_owned(),
             WaitReason::NoChildren => "no children".to_owned(),
+            WaitReason::Interrupted => "interrupted".to_owned(),
         }
     }
 
@@ -170,6 +185,9 @@ impl World {
             Effect::Run(job) => {
                 self.running.push(job.clone());
                 self.job(job)
+            }
+            Effect::Check(check) => {
+                format!("  check {} at {}: {}", check.check, self.path(check.path), check.condition)
             }
             Effect::Preempt(path) => format!("  preempt {}", self.path(*path)),
             Effect::Paused(paused) => format!("  paused {paused}"),
@@ -203,7 +221,7 @@ fn start(text: &str) -> Start<Value> {
         return Start { start_from: Some(StatePath::parse(path)), ..Start::default() };
     }
     let inputs = assignments(text).into_iter().map(|(name, value)| (name.into(), value));
-    Start { inputs: inputs.collect(), start_from: None }
+    Start { inputs: inputs.collect(), ..Start::default() }
 }
 
 fn result(how: &str, ports: &[Port], defaults: &[Value]) -> ScriptResult<Value> {
@@ -282,5 +300,8 @@ fn noted(note: &Note) -> String {
         Note::BadDefault { port, reason } => format!("default of {port}: {reason}"),
         Note::MissingLibrary { reason } => format!("missing library: {reason}"),
         Note::NoSuchInput { name } => format!("no input {name}"),
+        Note::BadCondition { breakpoint, reason } => {
+            format!("bad condition of {breakpoint}: {reason}")
+        }
     }
 }

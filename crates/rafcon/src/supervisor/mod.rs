@@ -151,7 +151,8 @@ impl Supervisor {
     fn message(&mut self, now: Duration, message: ToViewer, out: &mut Vec<Action>) {
         match message {
             ToViewer::LoadFailed { reason } => self.finish(End::LoadFailed { reason }),
-            ToViewer::Loaded { name, states, problems } => {
+            ToViewer::Inspection { .. } => {}
+            ToViewer::Loaded { name, states, problems, .. } => {
                 self.loaded(name, states, problems, out);
             }
             ToViewer::Event { sequence: _, t_ns, event } => {
@@ -184,7 +185,7 @@ impl Supervisor {
 
     fn event(&mut self, now: Duration, event: Event, out: &mut Vec<Action>) {
         match &event {
-            Event::Entered { path } => self.active.push(path.clone()),
+            Event::Entered { path, .. } => self.active.push(path.clone()),
             Event::Left { path, .. } => {
                 if let Some(index) = self.active.iter().rposition(|active| active == path) {
                     self.active.remove(index);
@@ -194,7 +195,7 @@ impl Supervisor {
                 self.finish(End::Finished { outcome: outcome.clone(), timed_out: self.timed_out });
                 self.kill_at = Some(now + SETTLE);
             }
-            Event::Log { .. } | Event::Waiting { .. } | Event::Paused { .. } | Event::Stopping => {}
+            _ => {}
         }
         out.push(Action::Event(self.run_time, event));
     }

@@ -33,10 +33,23 @@ fn cause(text: &str) -> Cause {
     match word {
         "hello" => Cause::Hello(Hello::ours()),
         "stranger" => Cause::Hello(Hello { protocol: 99, program: "9.9".to_owned() }),
-        "loaded" => message(ToViewer::Loaded { name: "M".to_owned(), states: 2, problems: vec![] }),
+        "loaded" => message(ToViewer::Loaded {
+            name: "M".to_owned(),
+            states: 2,
+            problems: vec![],
+            run: String::new(),
+        }),
         "load-failed" => message(ToViewer::LoadFailed { reason: argument.to_owned() }),
-        "entered" => event(Event::Entered { path: argument.to_owned() }),
-        "left" => event(Event::Left { path: argument.to_owned(), outcome: outcome(0) }),
+        "entered" => {
+            event(Event::Entered { path: argument.to_owned(), inputs: None, undoes: None })
+        }
+        "left" => event(Event::Left {
+            path: argument.to_owned(),
+            outcome: outcome(0),
+            outputs: None,
+            error: None,
+            undoes: None,
+        }),
         "finished" => event(Event::Finished {
             outcome: outcome(argument.parse().unwrap()),
             outputs: serde_json::Map::default(),

@@ -131,7 +131,11 @@ mod tests {
             states_run: 1,
         };
         check(
-            vec![Event::Entered { path: "A".to_owned() }, finished, log()],
+            vec![
+                Event::Entered { path: "A".to_owned(), inputs: None, undoes: None },
+                finished,
+                log(),
+            ],
             &End::Finished { outcome, timed_out: false },
             &expect![[r#"
                 {"type":"entered","path":"A"}

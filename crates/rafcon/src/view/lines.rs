@@ -57,9 +57,9 @@ impl<W: Write> View for Lines<W> {
 
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()> {
         match event {
-            Event::Entered { path } => self.moment(time, &path, ""),
+            Event::Entered { path, .. } => self.moment(time, &path, ""),
             Event::Left { outcome, .. } if outcome.id >= 0 => Ok(()),
-            Event::Left { path, outcome } => {
+            Event::Left { path, outcome, .. } => {
                 self.moment(time, &path, &format!("ended by {}", outcome.name))
             }
             Event::Log { path, level: l, message, .. } => {
@@ -76,6 +76,7 @@ impl<W: Write> View for Lines<W> {
                 self.finished = Some((time, event));
                 Ok(())
             }
+            _ => Ok(()),
         }
     }
 
@@ -144,17 +145,29 @@ mod tests {
         let scan = || "ROOT/SCANID".to_owned();
         let error = serde_json::json!({"__exc__": "OSError", "msg": "no camera"});
         let events = [
-            Event::Entered { path: "ROOT".to_owned() },
-            Event::Entered { path: scan() },
+            Event::Entered { path: "ROOT".to_owned(), inputs: None, undoes: None },
+            Event::Entered { path: scan(), inputs: None, undoes: None },
             Event::Log {
                 path: scan(),
                 level: LogLevel::Error,
                 stream: Stream::Logger,
                 message: "Traceback:\n  no camera".to_owned(),
             },
-            Event::Left { path: scan(), outcome: outcome(-1, "aborted") },
+            Event::Left {
+                path: scan(),
+                outcome: outcome(-1, "aborted"),
+                outputs: None,
+                error: None,
+                undoes: None,
+            },
             Event::Stopping,
-            Event::Left { path: "ROOT".to_owned(), outcome: outcome(0, "done") },
+            Event::Left {
+                path: "ROOT".to_owned(),
+                outcome: outcome(0, "done"),
+                outputs: None,
+                error: None,
+                undoes: None,
+            },
             Event::Finished {
                 outcome: outcome(0, "done"),
                 outputs: [("error".to_owned(), error), ("n".to_owned(), 3.into())]

@@ -127,7 +127,7 @@ fn a_pause_holds_and_a_resume_goes_on() {
     run.driver.command(Input::Pause).unwrap();
     let held = run.driver.with_core(|core| core.engine.snapshot()).unwrap();
     assert!(!held.is_empty());
-    run.driver.command(Input::Resume).unwrap();
+    run.driver.command(Input::Resume(None)).unwrap();
     run.wait_for(|text| text == "-ROOT/CONC=done");
     run.driver.command(Input::Stop).unwrap();
     assert_eq!(run.end().finish.outcome_name, "preempted");

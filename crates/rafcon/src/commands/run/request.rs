@@ -51,6 +51,7 @@ impl Request {
             config: self.source.config.clone(),
             every_event,
             run_folder: Some(run_folder.to_path_buf()),
+            ..Launch::default()
         }
     }
 

@@ -38,6 +38,7 @@ fn head(picture: &Picture<'_>, width: usize) -> Line {
     let (style, word) = match snapshot.status {
         RunStatus::Running => (Style::Good, "running"),
         RunStatus::Paused => (Style::Warning, "paused"),
+        RunStatus::Stepping => (Style::Warning, "stepping"),
         RunStatus::Stopping => (Style::Warning, "stopping"),
         RunStatus::Finished => (Style::Dim, "finished"),
     };
@@ -155,13 +156,25 @@ mod tests {
                 _ => Phase::Preempted,
             };
             let (path, name) = (path.to_owned(), name.to_owned());
-            ActiveState { path, name, phase, since_ms: since_ms.parse().unwrap() }
+            ActiveState {
+                path,
+                name,
+                phase,
+                since_ms: since_ms.parse().unwrap(),
+                branch: String::new(),
+                detail: None,
+            }
         });
         let snapshot = Snapshot {
             status: RunStatus::Running,
             active: states.collect(),
             states_run: 1234,
             elapsed_ms: 12300,
+            sequence: 0,
+            disk_safe: 0,
+            journal_problem: None,
+            breakpoints: Vec::new(),
+            questions: Vec::new(),
         };
         let age = Duration::from_millis(100);
         let picture = Picture { machine: "Mission", snapshot: &snapshot, age, unicode };

@@ -94,7 +94,6 @@ impl View for Live {
 
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()> {
         match event {
-            Event::Entered { .. } | Event::Left { .. } => Ok(()),
             Event::Log { path, level, message, .. } => self.say(time, &path, level, &message),
             Event::Waiting { path, reason } => {
                 self.say(time, &path, LogLevel::Warning, &format!("waiting: {reason}"))
@@ -107,6 +106,7 @@ impl View for Live {
                 self.finished = Some((time, event));
                 Ok(())
             }
+            _ => Ok(()),
         }
     }
 
