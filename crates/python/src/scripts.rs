@@ -35,7 +35,7 @@ pub(crate) struct PythonScripts {
 
 impl PythonScripts {
     pub(crate) fn new(opening: Opening<Handle>) -> Self {
-        let Opening { machine, program, files, config } = opening;
+        let Opening { machine, program, files, config, .. } = opening;
         Self {
             machine,
             program,

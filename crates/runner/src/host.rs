@@ -8,7 +8,7 @@ use crate::viewer::Viewer;
 use crate::{Clock, Host, Scripts, commands, stop, tell};
 use parking_lot::{Condvar, Mutex};
 use rafcon_engine::{Finish, Input, Program, Refusal};
-use rafcon_protocol::{Event, Outcome, ToRunner, ToViewer};
+use rafcon_protocol::{Event, Keeping, Outcome, ToRunner, ToViewer};
 use signal_hook::iterator::Signals;
 use std::io;
 use std::os::unix::net::UnixStream;
@@ -74,7 +74,14 @@ fn begin<H: Host>(
         run: String::new(),
         problems,
     };
-    let opening = crate::Opening { machine, program: Arc::clone(&program), files, config };
+    let opening = crate::Opening {
+        machine,
+        program: Arc::clone(&program),
+        files,
+        config,
+        keeping: Keeping::Off,
+        values: None,
+    };
     let active = match &launch.run_folder {
         Some(folder) => Active::open(folder)?,
         None => Active::default(),

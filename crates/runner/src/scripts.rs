@@ -1,10 +1,15 @@
 //! The port through which a run reaches whatever runs its scripts. Knows values as handles; must never know an interpreter.
 
+use crate::keep::Keep;
 use crate::{Driver, Place, StateFiles};
-use rafcon_engine::{Datum, Globals, Job, Literals, Program, ScriptResult};
+use rafcon_engine::{Check, Datum, Globals, Job, Literals, Program, ScriptResult};
 use rafcon_model::Machine;
+use rafcon_protocol::Keeping;
 use rafcon_storage::Config;
+use rafcon_storage::journal::{Kept, Stored};
+use smol_str::SmolStr;
 use std::fmt::Debug;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A host of scripts: an interpreter, or plain Rust in tests.
@@ -45,6 +50,39 @@ pub trait Scripts: Debug + Send + Sync + 'static {
 
     /// All global variables, encoded.
     fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value>;
+
+    /// How the journal keeps a value. Called with the engine locked: runs no code of the user.
+    fn keep<'v>(&self, value: &'v Self::Value) -> Keep<'v> {
+        let reason = "this host keeps no values";
+        if value.is_none() {
+            Keep::Plain(Kept::None)
+        } else {
+            Keep::Plain(Kept::Text(reason.into()))
+        }
+    }
+
+    /// The value that an event names without a number.
+    fn plain(&self, kept: &Kept) -> Result<Self::Value, String> {
+        Err(format!("this host cannot make {kept:?} again"))
+    }
+
+    /// A value that was kept; `values` is the folder of large ones. The error is for people.
+    fn restore(&self, stored: &Stored, values: &Path) -> Result<Self::Value, String> {
+        let _ = values;
+        Err(format!("this host cannot make a value of type {} again", stored.type_name))
+    }
+
+    /// Evaluates the condition of a breakpoint on this thread; the error says why it cannot.
+    fn check(&self, check: &Check<Self::Value>, place: &Arc<Place>) -> Result<bool, SmolStr> {
+        let _ = (check, place);
+        Err("this host cannot evaluate conditions".into())
+    }
+
+    /// The run goes by another machine from now on. States keep their numbers; a script whose text changed is read again at
+    /// its next entry.
+    fn changed(&self, machine: &Machine, program: &Arc<Program<Self::Value>>) {
+        let _ = (machine, program);
+    }
 }
 
 /// An interpreter that can host the scripts of one machine.
@@ -79,4 +117,8 @@ pub struct Opening<D> {
     pub files: StateFiles,
     /// The reference's config, as far as it concerns a run.
     pub config: Config,
+    /// How much the journal keeps: without values, none need be made ready for it.
+    pub keeping: Keeping,
+    /// The folder of large values, if there is a journal; made when first needed.
+    pub values: Option<PathBuf>,
 }
