@@ -180,6 +180,14 @@ pub(crate) struct Libraries {
     pub(crate) config: Option<PathBuf>,
 }
 
+/// Where the folders of runs lie.
+#[derive(Debug, Args)]
+pub(crate) struct Runs {
+    /// Folder that keeps the runs; else `rafcon/runs` in the user's folder for program state
+    #[arg(long, value_name = "DIR", env = "RAFCON_RUNS")]
+    pub(crate) runs: Option<PathBuf>,
+}
+
 /// Which Python runs the scripts.
 #[derive(Debug, Args)]
 pub(crate) struct Python {

@@ -26,6 +26,15 @@ pub(crate) fn utc() -> String {
     date(now.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs())
 }
 
+/// Four hexadecimal digits that are not likely to be the same for two programs that begin in the same second.
+pub(crate) fn four_digits(attempt: u32) -> String {
+    #[expect(clippy::disallowed_methods, reason = "this is the program's one clock")]
+    let now = SystemTime::now();
+    let nanos = now.duration_since(UNIX_EPOCH).unwrap_or_default().subsec_nanos();
+    let mixed = (nanos / 1000).wrapping_add(std::process::id()).wrapping_add(attempt);
+    format!("{:04x}", mixed.wrapping_mul(0x9e37_79b1) >> 16)
+}
+
 /// Seconds since 1970 as a date of the Gregorian calendar.
 fn date(seconds: u64) -> String {
     let (days, second) = (seconds / 86_400, seconds % 86_400);

@@ -12,6 +12,10 @@ pub(crate) struct Environment {
     pub(crate) extension: Option<PathBuf>,
     /// This program's file, links followed.
     pub(crate) program: Option<PathBuf>,
+    /// `HOME`: the user's folder.
+    pub(crate) home: Option<PathBuf>,
+    /// `XDG_STATE_HOME`: where programs keep what they remember.
+    pub(crate) state_home: Option<PathBuf>,
     /// `NO_COLOR` is set and not empty.
     pub(crate) no_color: bool,
     /// `TERM` says that the terminal can do nothing but lines.
@@ -33,6 +37,8 @@ impl Environment {
             virtual_env: set("VIRTUAL_ENV").map(PathBuf::from),
             extension: set("RAFCON_EXTENSION").map(PathBuf::from),
             program: env::current_exe().ok().map(|file| file.canonicalize().unwrap_or(file)),
+            home: set("HOME").map(PathBuf::from),
+            state_home: set("XDG_STATE_HOME").map(PathBuf::from),
             no_color: set("NO_COLOR").is_some(),
             dumb_terminal: set("TERM").is_none_or(|term| term == "dumb"),
             unicode: ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).is_some_and(

@@ -7,6 +7,7 @@ mod environment;
 mod failure;
 mod machine;
 mod runner;
+mod runs;
 mod supervisor;
 mod templates;
 mod view;
