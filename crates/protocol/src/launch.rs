@@ -1,6 +1,6 @@
 //! What a runner must know to begin.
 
-use crate::{Breakpoint, Crash, Keeping, Resume};
+use crate::{Breakpoint, Crash, Keeping, OnCrash, Resume};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -46,6 +46,10 @@ pub struct Launch {
     /// Breakpoints that are there from the start.
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
+    /// What becomes of interrupted scripts if the runner dies; `None`: what the root's semantic data `on_crash` says, else
+    /// *ask*. The runner writes it down for whoever takes the run up again.
+    #[serde(default)]
+    pub on_crash: Option<OnCrash>,
     /// Take up the run whose folder `run_folder` is, instead of beginning one: its machine is the one that it kept.
     #[serde(default)]
     pub resume: Option<Resume>,
