@@ -63,7 +63,7 @@ fn children<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyDict>>
     }
     let paths = thread::leave(py, || driver.children(place.path));
     for (index, path) in paths.into_iter().enumerate() {
-        if let Some(id) = child_id(driver.program(), place.node, index) {
+        if let Some(id) = child_id(&driver.program(), place.node, index) {
             dict.set_item(id, path.0)?;
         }
     }

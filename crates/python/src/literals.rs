@@ -52,6 +52,15 @@ fn by_python<'py>(
     Runtime::get(py)?.convert.bind(py).call1((object(py, value)?, name.as_str()))
 }
 
+/// The Python object for JSON as `docs/protocol.md` encodes values.
+pub(crate) fn from_json(json: &serde_json::Value) -> Result<Handle, String> {
+    Python::attach(|py| {
+        let value =
+            Runtime::get(py).and_then(|runtime| runtime.decode.bind(py).call1((json.to_string(),)));
+        value.map(Handle::new).map_err(|error| error.value(py).to_string())
+    })
+}
+
 /// The Python object for a value.
 pub(crate) fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     let objects = |items: &[Value]| -> PyResult<Vec<Bound<'py, PyAny>>> {

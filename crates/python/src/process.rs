@@ -1,7 +1,7 @@
 //! `rafcon._native.main`: this process becomes a runner.
 
 use crate::handle::Handle;
-use crate::literals::PythonLiterals;
+use crate::literals::{PythonLiterals, from_json};
 use crate::runtime::Runtime;
 use crate::scripts::PythonScripts;
 use crate::{config, current, fork, package};
@@ -28,11 +28,7 @@ impl Host for PythonHost {
     }
 
     fn value(&mut self, json: &serde_json::Value) -> Result<Handle, String> {
-        Python::attach(|py| {
-            let value = Runtime::get(py)
-                .and_then(|runtime| runtime.decode.bind(py).call1((json.to_string(),)));
-            value.map(Handle::new).map_err(|error| error.value(py).to_string())
-        })
+        from_json(json)
     }
 
     fn open(self, opening: Opening<Handle>) -> PythonScripts {

@@ -2,6 +2,7 @@
 
 use crate::codes::Codes;
 use crate::handle::Handle;
+use crate::literals::{self, PythonLiterals};
 use crate::run::run;
 use crate::runtime::Runtime;
 use crate::script::{How, Script};
@@ -11,7 +12,7 @@ use crate::{current, graveyard, process, thread};
 use parking_lot::RwLock;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use rafcon_engine::{Globals, Job, NodeId, Program, Returned, ScriptResult};
+use rafcon_engine::{Globals, Job, Literals, NodeId, Program, Returned, ScriptResult};
 use rafcon_model::{KindName, Machine};
 use rafcon_protocol::LogLevel;
 use rafcon_runner::{Opening, Place, Scripts, StateFiles};
@@ -160,6 +161,14 @@ impl Scripts for PythonScripts {
                 Runtime::get(py).and_then(|runtime| runtime.encode.call1(py, (value.bind(py),)));
             to_json(py, encoded)
         })
+    }
+
+    fn value(&self, json: &Value) -> Result<Handle, String> {
+        literals::from_json(json)
+    }
+
+    fn with_literals(&self, make: &mut dyn FnMut(&mut dyn Literals<Handle>)) {
+        make(&mut PythonLiterals);
     }
 
     fn encode_globals(&self) -> Map<String, Value> {

@@ -27,7 +27,8 @@ pub(crate) fn status(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>> {
     let place = place(py, path)?;
     let driver = current::driver()?;
     let held = thread::leave(py, || driver.inspect(place.path));
-    let node = driver.program().node(place.node);
+    let program = driver.program();
+    let node = program.node(place.node);
     let status = PyDict::new(py);
     status.set_item("active", held.is_some())?;
     status.set_item("phase", held.as_ref().map_or("inactive", phase))?;

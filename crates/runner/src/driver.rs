@@ -4,6 +4,7 @@
 use crate::active::Active;
 use crate::branch::{self, Worker};
 use crate::core::{Core, Next, Turning};
+use crate::document::Document;
 use crate::recorder::Recorder;
 use crate::{Clock, Places, Scripts, tell};
 use parking_lot::{Condvar, Mutex};
@@ -14,7 +15,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Driver<S: Scripts> {
     scripts: S,
-    program: Arc<Program<S::Value>>,
+    document: Document<S::Value>,
     places: Arc<Places>,
     recorder: Arc<Recorder>,
     clock: Clock,
@@ -26,16 +27,16 @@ pub struct Driver<S: Scripts> {
 impl<S: Scripts> Driver<S> {
     /// A run that has not begun.
     pub(crate) fn new(
-        program: Arc<Program<S::Value>>,
+        document: Document<S::Value>,
         scripts: S,
         clock: Clock,
         active: Active,
     ) -> Arc<Self> {
         let places = Arc::new(Places::default());
-        let core = Core::new(Arc::clone(&program), Arc::clone(&places), active);
+        let core = Core::new(document.program(), Arc::clone(&places), active);
         Arc::new(Self {
             scripts,
-            program,
+            document,
             places,
             recorder: Arc::default(),
             clock,
@@ -50,9 +51,13 @@ impl<S: Scripts> Driver<S> {
         &self.scripts
     }
 
-    /// What is run.
-    pub fn program(&self) -> &Arc<Program<S::Value>> {
-        &self.program
+    /// What is run now.
+    pub fn program(&self) -> Arc<Program<S::Value>> {
+        self.document.program()
+    }
+
+    pub(crate) fn document(&self) -> &Document<S::Value> {
+        &self.document
     }
 
     /// The places met so far.

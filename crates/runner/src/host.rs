@@ -2,6 +2,7 @@
 
 use crate::active::Active;
 use crate::connection::{self, Receiver, Sender, Socket, TalkError};
+use crate::document::Document;
 use crate::driver::Driver;
 use crate::prepare::{Prepared, prepare};
 use crate::viewer::Viewer;
@@ -74,19 +75,14 @@ fn begin<H: Host>(
         run: String::new(),
         problems,
     };
-    let opening = crate::Opening {
-        machine,
-        program: Arc::clone(&program),
-        files,
-        config,
-        keeping: Keeping::Off,
-        values: None,
-    };
+    let document = Document::new(machine.clone(), Arc::clone(&program));
+    let opening =
+        crate::Opening { machine, program, files, config, keeping: Keeping::Off, values: None };
     let active = match &launch.run_folder {
         Some(folder) => Active::open(folder)?,
         None => Active::default(),
     };
-    let driver = Driver::new(program, host.open(opening), clock, active);
+    let driver = Driver::new(document, host.open(opening), clock, active);
     H::opened(&driver);
     let signals = stop::take_over()?;
     sender.send(&loaded);

@@ -4,6 +4,7 @@ use crate::core::Core;
 use crate::driver::Driver;
 use crate::{Place, Scripts, tell};
 use rafcon_engine::{Inspection, PathId};
+use rafcon_model::Machine;
 use rafcon_protocol::{Event, LogLevel, Stream};
 use std::sync::Arc;
 
@@ -35,10 +36,20 @@ impl<S: Scripts> Driver<S> {
         self.with_core(|core| core.engine.inspect(path))?
     }
 
+    /// The machine that is run now.
+    pub fn machine(&self) -> Arc<Machine> {
+        self.document().machine()
+    }
+
     /// Notes a line down that a state wrote.
     pub fn log(&self, path: Option<PathId>, level: LogLevel, stream: Stream, message: String) {
         let path = path.and_then(|path| self.places().with(path, |place| place.text.to_string()));
         let event = Event::Log { path: path.unwrap_or_default(), level, stream, message };
+        self.tell(event);
+    }
+
+    /// Notes an event down.
+    pub(crate) fn tell(&self, event: Event) {
         self.recorder().push(self.clock().now_ns(), [tell::told(event)]);
     }
 }

@@ -10,6 +10,7 @@ mod commands;
 mod connection;
 mod core;
 mod crew;
+mod document;
 mod driver;
 mod files;
 mod host;

@@ -51,6 +51,12 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// All global variables, encoded.
     fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value>;
 
+    /// A value from JSON as `docs/protocol.md` encodes it; the error is for people.
+    fn value(&self, json: &serde_json::Value) -> Result<Self::Value, String>;
+
+    /// Lends what makes values of what files hold, for a machine that changes while it runs.
+    fn with_literals(&self, make: &mut dyn FnMut(&mut dyn Literals<Self::Value>));
+
     /// How the journal keeps a value. Called with the engine locked: runs no code of the user.
     fn keep<'v>(&self, value: &'v Self::Value) -> Keep<'v> {
         let reason = "this host keeps no values";
@@ -72,6 +78,19 @@ pub trait Scripts: Debug + Send + Sync + 'static {
         Err(format!("this host cannot make a value of type {} again", stored.type_name))
     }
 
+    /// Puts a global variable back, before anything of a run that is taken up again runs.
+    fn restore_global(&self, name: &str, value: Self::Value) -> Result<(), String> {
+        let _ = (name, value);
+        Err("this host keeps no global variables".to_owned())
+    }
+
+    /// Puts back what the state at `path` (ids joined by `/`) keeps from one of its runs to the next, before anything of a
+    /// run that is taken up again runs.
+    fn restore_persistent(&self, path: &str, value: Self::Value) -> Result<(), String> {
+        let _ = (path, value);
+        Err("this host keeps nothing from one run of a state to the next".to_owned())
+    }
+
     /// Evaluates the condition of a breakpoint on this thread; the error says why it cannot.
     fn check(&self, check: &Check<Self::Value>, place: &Arc<Place>) -> Result<bool, SmolStr> {
         let _ = (check, place);
@@ -79,7 +98,7 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     }
 
     /// The run goes by another machine from now on. States keep their numbers; a script whose text changed is read again at
-    /// its next entry.
+    /// its next entry. Called with the engine locked, before any script of the new machine begins: enters no interpreter.
     fn changed(&self, machine: &Machine, program: &Arc<Program<Self::Value>>) {
         let _ = (machine, program);
     }

@@ -1,12 +1,13 @@
 //! Scripts without an interpreter, and runs of them.
 
 use crate::active::Active;
+use crate::document::Document;
 use crate::recorder::{Entry, Record};
 use crate::signals::PREEMPTED;
 use crate::{Clock, Driver, Place, Scripts};
 use rafcon_engine::{
-    Finish, Globals, Input, Job, ModelLiterals, NoGlobals, NodeId, Program, Returned, ScriptResult,
-    Start,
+    Finish, Globals, Input, Job, Literals, ModelLiterals, NoGlobals, NodeId, Program, Returned,
+    ScriptResult, Start,
 };
 use rafcon_model::{Value, notation};
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -80,6 +81,14 @@ impl Scripts for Players {
         serde_json::Value::Null
     }
 
+    fn value(&self, _json: &serde_json::Value) -> Result<Value, String> {
+        Ok(Value::None)
+    }
+
+    fn with_literals(&self, make: &mut dyn FnMut(&mut dyn Literals<Value>)) {
+        make(&mut ModelLiterals);
+    }
+
     fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value> {
         serde_json::Map::new()
     }
@@ -109,7 +118,8 @@ impl Run {
             meeting: Barrier::new(meeting),
             rounds: AtomicI64::new(rounds),
         };
-        Self { driver: Driver::new(program, players, Clock::start(), Active::default()) }
+        let document = Document::new(machine, program);
+        Self { driver: Driver::new(document, players, Clock::start(), Active::default()) }
     }
 
     pub(super) fn start(&self) {
@@ -145,7 +155,8 @@ impl Run {
             Record::Entered(at) => format!("+{}", path(*at).text),
             Record::Left(at, outcome) => {
                 let place = path(*at);
-                let outcome = self.driver.program().node(place.node).outcome(*outcome).unwrap();
+                let program = self.driver.program();
+                let outcome = program.node(place.node).outcome(*outcome).unwrap();
                 format!("-{}={}", place.text, outcome.name)
             }
             Record::Told(event) => format!("{event:?}"),
