@@ -5,4 +5,5 @@
 mod binary;
 pub mod record;
 
+pub use binary::Broken;
 pub use record::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
