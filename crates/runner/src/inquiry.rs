@@ -22,13 +22,7 @@ impl<S: Scripts> Driver<S> {
 
     /// The places of the states inside, in their order.
     pub fn children(&self, path: PathId) -> Vec<PathId> {
-        let list = |core: &mut Core<S::Value>| {
-            let first = core.engine.first_child_place(path)?;
-            let node = core.engine.path_node(path)?;
-            let count = u32::try_from(self.program().node(node).children()).ok()?;
-            Some((first.0..first.0 + count).map(PathId).collect())
-        };
-        self.with_core(list).flatten().unwrap_or_default()
+        self.with_core(|core| core.engine.child_places(path).to_vec()).unwrap_or_default()
     }
 
     /// What the state at this place holds; `None` if it is not active.

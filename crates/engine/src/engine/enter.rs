@@ -99,7 +99,7 @@ impl<'s, D: Datum> Step<'s, D> {
 
     pub(super) fn child_path(&mut self, parent: u32, child: u32) -> PathId {
         let path = self.run.frames.get(parent).path;
-        PathId(self.run.places.children(path, self.program).0 + child)
+        self.run.places.enter(path, child, self.program)
     }
 
     /// How far along the start path a child is, if it is on it and entered first.
@@ -196,9 +196,9 @@ impl<'s, D: Datum> Step<'s, D> {
         };
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Branches;
-        frame.children.resize(inside.children as usize, NONE);
-        frame.ended.resize_with(inside.children as usize, || None);
-        let branches = (0..inside.children).rev().filter(|&child| Some(child) != decider);
+        frame.children.resize(inside.children.len(), NONE);
+        frame.ended.resize_with(inside.children.len(), || None);
+        let branches = (0..inside.count()).rev().filter(|&child| Some(child) != decider);
         let before = self.run.work.len();
         self.run.work.extend(branches.map(|child| Work::Enter { parent: slot, child }));
         let open = self.run.work.len() - before;

@@ -54,11 +54,12 @@ impl<D: Datum> Engine<D> {
             .collect()
     }
 
-    /// The place of the first child of the state at `path`; the others follow it. Gives the children their places if the
-    /// state was never entered. `None` if it has no children.
-    pub fn first_child_place(&mut self, path: PathId) -> Option<PathId> {
-        let node = self.path_node(path)?;
-        let has_children = self.program.node(node).children() > 0;
-        has_children.then(|| self.run.places.children(path, &self.program))
+    /// The places of the children of the state at `path`, in their order; of no children, if nothing stands there. Gives the
+    /// children their places if the state was never entered.
+    pub fn child_places(&mut self, path: PathId) -> &[PathId] {
+        if self.run.places.node(path).is_none() {
+            return &[];
+        }
+        self.run.places.children(path, &self.program)
     }
 }

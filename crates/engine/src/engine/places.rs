@@ -1,40 +1,103 @@
-//! Numbers for the places where states run. The children of a place are numbered in one block when it is first entered,
-//! so that the place of a child is one addition away.
+//! Numbers for the places where states run. The children of a place get theirs when it is first entered, as a list, so that
+//! the place of a child is one step away.
 
 use crate::{NodeId, PathId, Program};
-use rafcon_model::StatePath;
+use rafcon_model::{StateId, StatePath};
+use std::collections::BTreeMap;
 
 #[derive(Debug, Clone, Copy)]
 struct Place {
     node: NodeId,
     parent: Option<PathId>,
-    children: Option<PathId>,
+    /// Where its children begin in [`Places::lists`].
+    children: Option<u32>,
 }
 
 /// All places that were entered, and those beside them.
 #[derive(Debug)]
 pub(super) struct Places {
     all: Vec<Place>,
+    /// The children of all places.
+    lists: Vec<PathId>,
+    /// Places where no state stands any more, by the place around them.
+    former: BTreeMap<(PathId, StateId), PathId>,
 }
 
 impl Places {
     /// The place of the root has the number 0.
     pub(super) fn new(root: NodeId) -> Self {
-        Self { all: vec![Place { node: root, parent: None, children: None }] }
+        Self {
+            all: vec![Place { node: root, parent: None, children: None }],
+            lists: Vec::new(),
+            former: BTreeMap::new(),
+        }
     }
 
-    /// The first of the block of children of `path`; made at the first call.
-    pub(super) fn children<D>(&mut self, path: PathId, program: &Program<D>) -> PathId {
+    /// The place of a child of `path`, whose children get their places at the first call.
+    pub(super) fn enter<D>(&mut self, path: PathId, child: u32, program: &Program<D>) -> PathId {
+        let first = match self.all[path.index()].children {
+            Some(first) => first,
+            None => self.number_children(path, program),
+        };
+        self.lists[(first + child) as usize]
+    }
+
+    /// The places of all children of `path`, made at the first call.
+    pub(super) fn children<D>(&mut self, path: PathId, program: &Program<D>) -> &[PathId] {
         let place = self.all[path.index()];
-        if let Some(first) = place.children {
-            return first;
+        let first = place.children.unwrap_or_else(|| self.number_children(path, program)) as usize;
+        let count = program.node(place.node).children();
+        &self.lists[first..first + count]
+    }
+
+    fn number_children<D>(&mut self, path: PathId, program: &Program<D>) -> u32 {
+        let first = length(&self.lists);
+        let node = program.node(self.all[path.index()].node);
+        for child in (0..node.children()).filter_map(|index| node.child(index)) {
+            let place = self.stand(path, child, program);
+            self.lists.push(place);
         }
-        let first = PathId(u32::try_from(self.all.len()).unwrap_or(u32::MAX));
-        let node = program.node(place.node);
-        let block = (0..node.children()).filter_map(|index| node.child(index));
-        self.all.extend(block.map(|node| Place { node, parent: Some(path), children: None }));
         self.all[path.index()].children = Some(first);
         first
+    }
+
+    /// The place where a state begins to stand: a new one, unless a state of this id stood there before.
+    fn stand<D>(&mut self, parent: PathId, node: NodeId, program: &Program<D>) -> PathId {
+        if !self.former.is_empty() {
+            let key = (parent, program.node(node).id().clone());
+            if let Some(path) = self.former.remove(&key) {
+                self.all[path.index()].node = node;
+                return path;
+            }
+        }
+        self.all.push(Place { node, parent: Some(parent), children: None });
+        PathId(length(&self.all) - 1)
+    }
+
+    /// The program is another one now. Where a state of the same id still stands, its place keeps its number.
+    pub(super) fn change<D>(&mut self, program: &Program<D>) {
+        let had_children: Vec<_> = self.all.iter().map(|place| place.children.is_some()).collect();
+        for path in (1..length(&self.all)).map(PathId) {
+            self.former.extend(self.key(path, program).map(|key| (key, path)));
+        }
+        self.lists.clear();
+        self.all.iter_mut().for_each(|place| place.children = None);
+        // A place has a higher number than the place around it.
+        for (path, _) in (0..).map(PathId).zip(had_children).filter(|(_, had)| *had) {
+            if self.stands(path, program) {
+                self.number_children(path, program);
+            }
+        }
+    }
+
+    fn key<D>(&self, path: PathId, program: &Program<D>) -> Option<(PathId, StateId)> {
+        let place = self.all.get(path.index())?;
+        Some((place.parent?, program.node(place.node).id().clone()))
+    }
+
+    /// Whether a state of the program stands there.
+    fn stands<D>(&self, path: PathId, program: &Program<D>) -> bool {
+        self.key(path, program).is_none_or(|key| self.former.get(&key) != Some(&path))
     }
 
     pub(super) fn node(&self, path: PathId) -> Option<NodeId> {
@@ -52,9 +115,8 @@ impl Places {
         program: &Program<D>,
     ) -> Option<PathId> {
         let place = self.all.get(path.index())?;
-        let offset = u32::try_from(index).ok()?;
         program.node(place.node).child(index)?;
-        Some(PathId(place.children?.0 + offset))
+        self.lists.get(place.children? as usize + index).copied()
     }
 
     /// Ids from the root down.
@@ -68,4 +130,8 @@ impl Places {
         ids.reverse();
         StatePath(ids)
     }
+}
+
+fn length<T>(list: &[T]) -> u32 {
+    u32::try_from(list.len()).unwrap_or(u32::MAX)
 }

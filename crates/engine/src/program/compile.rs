@@ -6,6 +6,7 @@ use super::flows::{ChildWires, wires};
 use super::node::{
     ABORTED, Body, Concurrency, Content, Exit, Fault, Initial, Inside, Node, PortMap,
 };
+use super::numbers::Numbers;
 use super::tables::{TablesBuilder, Wires};
 use crate::{Datum, Literals, NodeId};
 use rafcon_model::{
@@ -20,20 +21,36 @@ impl<D: Datum> Program<D> {
     /// Compiles a machine. Never fails: what is wrong in the machine is noted, or aborts the state it is about, when it
     /// runs.
     pub fn compile(machine: &Machine, literals: &mut dyn Literals<D>) -> Self {
-        let mut compiler = Compiler {
-            queue: vec![Pending::root(&machine.root)],
-            tables: TablesBuilder::default(),
-            libraries: BTreeMap::new(),
-            literals,
-        };
-        let mut nodes = Vec::new();
-        while nodes.len() < compiler.queue.len() {
-            nodes.push(compiler.node(nodes.len()));
-        }
-        let circle = "its children run in a circle in which there is no script; break the circle";
-        let circle = compiler.literals.error(circle);
-        Self { nodes, tables: compiler.tables.finish(), circle }
+        compile(machine, literals, Numbers::new(None))
     }
+
+    /// Compiles the machine that this one has become. A state that stands where one stood before, in the machine or in the
+    /// same library content, keeps its number; new ones get new numbers, and no number is used for another state.
+    #[must_use]
+    pub fn change(&self, machine: &Machine, literals: &mut dyn Literals<D>) -> Self {
+        compile(machine, literals, Numbers::new(Some(self)))
+    }
+}
+
+fn compile<D: Datum>(
+    machine: &Machine,
+    literals: &mut dyn Literals<D>,
+    numbers: Numbers<'_, D>,
+) -> Program<D> {
+    let mut compiler = Compiler {
+        queue: vec![Pending::root(Program::<D>::ROOT, &machine.root)],
+        tables: TablesBuilder::default(),
+        numbers,
+        literals,
+    };
+    let mut nodes = Vec::new();
+    while nodes.len() < compiler.queue.len() {
+        let number = compiler.queue[nodes.len()].number;
+        nodes.push((number, compiler.node(nodes.len())));
+    }
+    let circle = "its children run in a circle in which there is no script; break the circle";
+    let circle = compiler.literals.error(circle);
+    Program { nodes: compiler.numbers.finish(nodes), tables: compiler.tables.finish(), circle }
 }
 
 /// A number of something that a machine has, as an index.
@@ -45,13 +62,13 @@ struct Compiler<'l, D> {
     /// One entry for each node, made or not.
     queue: Vec<Pending>,
     tables: TablesBuilder,
-    /// The root node of each library content, by its address. Never iterated.
-    libraries: BTreeMap<*const State, NodeId>,
+    numbers: Numbers<'l, D>,
     literals: &'l mut dyn Literals<D>,
 }
 
 /// A node to be made, and what its parent knows about it.
 struct Pending {
+    number: NodeId,
     state: Arc<State>,
     parent: Option<NodeId>,
     child_index: u32,
@@ -61,9 +78,10 @@ struct Pending {
 }
 
 impl Pending {
-    fn root(state: &Arc<State>) -> Self {
+    fn root(number: NodeId, state: &Arc<State>) -> Self {
         let outcomes = outcomes(state);
         Self {
+            number,
             state: Arc::clone(state),
             parent: None,
             child_index: 0,
@@ -89,13 +107,14 @@ fn outcome_index(outcomes: &[Outcome], id: OutcomeId) -> Option<u32> {
 }
 
 impl<D: Datum> Compiler<'_, D> {
-    fn node(&mut self, number: usize) -> Node<D> {
-        let state = Arc::clone(&self.queue[number].state);
-        let body = self.body(NodeId(index(number)), &state);
+    fn node(&mut self, place: usize) -> Node<D> {
+        let Pending { number, state, .. } = &self.queue[place];
+        let (number, state) = (*number, Arc::clone(state));
+        let body = self.body(number, &state);
         let runtime = runtime_values(&state);
         let inputs = defaults::inputs(&state.inputs, runtime.map(|r| r.0), self.literals);
         let outputs = defaults::outputs(&state.outputs, runtime.map(|r| r.1), self.literals);
-        let pending = &mut self.queue[number];
+        let pending = &mut self.queue[place];
         let wires = std::mem::take(&mut pending.wires);
         let outcomes = std::mem::take(&mut pending.outcomes);
         let gather = self.tables.wires(&wires.gather);
@@ -103,6 +122,7 @@ impl<D: Datum> Compiler<'_, D> {
         Node {
             parent: pending.parent,
             child_index: pending.child_index,
+            gone: false,
             exits: self.tables.exits(&std::mem::take(&mut pending.exits)),
             plain_outcomes: (-2..).zip(&outcomes).all(|(id, outcome)| outcome.id.0 == id),
             outcomes,
@@ -138,7 +158,7 @@ impl<D: Datum> Compiler<'_, D> {
                 let inside = self.inside(node, state, container);
                 Body::Concurrency(Concurrency::Preemptive, Box::new(inside))
             }
-            Kind::Library(library) => Body::Library(Box::new(self.content(state, library))),
+            Kind::Library(library) => Body::Library(Box::new(self.content(node, state, library))),
         }
     }
 
@@ -148,25 +168,23 @@ impl<D: Datum> Compiler<'_, D> {
     }
 
     fn inside(&mut self, node: NodeId, state: &State, container: &Container) -> Inside<D> {
-        let first_child = NodeId(index(self.queue.len()));
+        let first = self.queue.len();
         let wires = wires(state, container);
-        let children = container.states.values().zip(wires.children);
-        self.queue.extend((0..).zip(children).map(|(child_index, (child, wires))| Pending {
-            parent: Some(node),
-            child_index,
-            wires,
-            ..Pending::root(child)
+        let numbers = self.numbers.children(node, container);
+        let children = container.states.values().zip(wires.children).zip(&numbers);
+        self.queue.extend((0..).zip(children).map(|(child_index, ((child, wires), number))| {
+            Pending { parent: Some(node), child_index, wires, ..Pending::root(*number, child) }
         }));
-        let start = self.connect(first_child, state, container);
+        let start = self.connect(first, state, container);
         let ScopedVariables { list, fault } =
             defaults::scoped(&container.scoped_variables, self.literals);
-        let exits = &self.queue[first_child.index()..];
+        let exits = &self.queue[first..];
         Inside {
             exits: exits.iter().map(|child| index(child.exits.len())).sum(),
-            first_child,
-            children: index(container.states.len()),
+            children: numbers.into(),
             start,
             slots: wires.slots,
+            sources: wires.sources.into(),
             scoped: list,
             scatter: self.tables.wires(&wires.scatter),
             gather: self.tables.wires(&wires.gather),
@@ -175,9 +193,9 @@ impl<D: Datum> Compiler<'_, D> {
     }
 
     /// Writes the transitions of a container into its children; gives back where it begins.
-    fn connect(&mut self, first_child: NodeId, state: &State, container: &Container) -> Exit {
+    fn connect(&mut self, first: usize, state: &State, container: &Container) -> Exit {
         let own_outcomes = outcomes(state);
-        let children: BTreeMap<_, _> = container.states.keys().zip(0..).collect();
+        let children: BTreeMap<_, _> = container.states.keys().zip(0_u32..).collect();
         let exit = |transition: &Transition| match transition.target(&state.id) {
             Some(Target::State(id)) => children.get(&id).map_or(Exit::Nowhere, |&c| Exit::Child(c)),
             Some(Target::Outcome(id)) => {
@@ -190,7 +208,7 @@ impl<D: Datum> Compiler<'_, D> {
             let place = match (&transition.from_state, transition.from_outcome) {
                 (None, None) => Some(&mut start),
                 (Some(from), Some(outcome)) => children.get(from).and_then(|&child| {
-                    let child = &mut self.queue[(first_child.0 + child) as usize];
+                    let child = &mut self.queue[first + child as usize];
                     let outcome = outcome_index(&child.outcomes, outcome)?;
                     child.exits.get_mut(outcome as usize)
                 }),
@@ -203,15 +221,14 @@ impl<D: Datum> Compiler<'_, D> {
         start
     }
 
-    fn content(&mut self, state: &State, library: &Library) -> Content<D> {
+    fn content(&mut self, node: NodeId, state: &State, library: &Library) -> Content<D> {
         let root = match &library.content {
             LibraryContent::Found(root) => root,
             LibraryContent::Missing { reason } => return self.missing(reason),
         };
-        let fresh = NodeId(index(self.queue.len()));
-        let root_node = *self.libraries.entry(Arc::as_ptr(root)).or_insert(fresh);
-        if root_node == fresh {
-            self.queue.push(Pending::root(root));
+        let (root_node, is_first) = self.numbers.content(node, root);
+        if is_first {
+            self.queue.push(Pending::root(root_node, root));
         }
         let own = outcomes(state);
         let outcome = |outcome: &Outcome| outcome_index(&own, outcome.id).unwrap_or(ABORTED);

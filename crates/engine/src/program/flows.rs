@@ -18,6 +18,8 @@ pub(super) struct ChildWires {
 #[derive(Debug)]
 pub(super) struct ContainerWires {
     pub(super) slots: u32,
+    /// The child and the output of it that each of the last slots is for.
+    pub(super) sources: Vec<(u32, u32)>,
     pub(super) scatter: Lists,
     pub(super) gather: Lists,
     pub(super) children: Vec<ChildWires>,
@@ -41,10 +43,12 @@ struct Plan<'m> {
     /// For each output of the container.
     gather: Lists,
     slots: u32,
+    sources: Vec<(u32, u32)>,
 }
 
 struct Child<'m> {
     state: &'m State,
+    index: u32,
     gather: Lists,
     scatter: Lists,
     /// The slot of each output that flows to a port.
@@ -53,8 +57,9 @@ struct Child<'m> {
 
 impl<'m> Plan<'m> {
     fn new(state: &'m State, container: &'m Container) -> Self {
-        let child = |state: &'m State| Child {
+        let child = |state: &'m State, index: u32| Child {
             state,
+            index,
             gather: vec![Vec::new(); state.inputs.len()],
             scatter: vec![Vec::new(); state.outputs.len()],
             slots: vec![None; state.outputs.len()],
@@ -62,10 +67,14 @@ impl<'m> Plan<'m> {
         Self {
             state,
             scoped: &container.scoped_variables,
-            children: container.states.iter().map(|(id, state)| (id, child(state))).collect(),
+            children: (0..)
+                .zip(container.states.iter())
+                .map(|(index, (id, state))| (id, child(state, index)))
+                .collect(),
             scatter: vec![Vec::new(); state.inputs.len()],
             gather: vec![Vec::new(); state.outputs.len()],
             slots: index(state.inputs.len() + container.scoped_variables.len()),
+            sources: Vec::new(),
         }
     }
 
@@ -128,6 +137,7 @@ impl<'m> Plan<'m> {
         }
         let slot = self.slots;
         self.slots += 1;
+        self.sources.push((child.index, index(port)));
         child.slots[port] = Some(slot);
         child.scatter[port].push(slot);
         Some(slot)
@@ -137,6 +147,7 @@ impl<'m> Plan<'m> {
         let child = |child: Child<'_>| ChildWires { gather: child.gather, scatter: child.scatter };
         ContainerWires {
             slots: self.slots,
+            sources: self.sources,
             scatter: self.scatter,
             gather: self.gather,
             children: self.children.into_values().map(child).collect(),

@@ -62,7 +62,7 @@ impl<D> Program<D> {
                 root.map(|root| (root, 0))
             }
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
-                let found = (0..inside.children).find(|&c| self.node(inside.child(c)).id() == id);
+                let found = (0..inside.count()).find(|&c| self.node(inside.child(c)).id() == id);
                 found.map(|child| (inside.child(child), child))
             }
         }

@@ -5,6 +5,7 @@ mod defaults;
 mod flows;
 mod locate;
 mod node;
+mod numbers;
 mod tables;
 
 pub use locate::UnknownPath;
@@ -35,12 +36,12 @@ impl<D> Program<D> {
         &self.nodes[id.index()]
     }
 
-    /// All nodes; the root is the first, and the children of a container follow one another in their order.
+    /// All nodes that the machine has; the root is the first.
     pub fn nodes(&self) -> impl Iterator<Item = (NodeId, &Node<D>)> {
-        (0..).map(NodeId).zip(&self.nodes)
+        (0..).map(NodeId).zip(&self.nodes).filter(|(_, node)| !node.gone)
     }
 
-    /// How many nodes there are.
+    /// One more than the highest number of a node; [`Program::change`] keeps the numbers of states that are gone.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }

@@ -17,6 +17,8 @@ pub struct Node<D> {
     pub(super) state: Arc<State>,
     pub(super) parent: Option<NodeId>,
     pub(crate) child_index: u32,
+    /// It stood in an earlier program of the run and stands in this one no more.
+    pub(super) gone: bool,
     pub(super) outcomes: Box<[Outcome]>,
     /// Where the parent goes after each outcome.
     pub(crate) exits: Exits,
@@ -74,12 +76,13 @@ pub(crate) enum Concurrency {
 /// children that flow somewhere.
 #[derive(Debug)]
 pub(crate) struct Inside<D> {
-    pub(crate) first_child: NodeId,
-    pub(crate) children: u32,
+    pub(crate) children: Box<[NodeId]>,
     pub(crate) start: Exit,
     /// In how many ways its children can end, taken together.
     pub(crate) exits: u32,
     pub(crate) slots: u32,
+    /// The child and the output of it that each of the last slots is for.
+    pub(crate) sources: Box<[(u32, u32)]>,
     pub(crate) scoped: Box<[Scoped<D>]>,
     /// From its inputs to its scoped variables.
     pub(crate) scatter: Wires,
@@ -91,7 +94,11 @@ pub(crate) struct Inside<D> {
 
 impl<D> Inside<D> {
     pub(crate) fn child(&self, index: u32) -> NodeId {
-        NodeId(self.first_child.0 + index)
+        self.children[index as usize]
+    }
+
+    pub(crate) fn count(&self) -> u32 {
+        super::compile::index(self.children.len())
     }
 }
 
@@ -180,12 +187,17 @@ impl<D> Node<D> {
         self.child_index as usize
     }
 
+    /// Whether it was in an earlier program of the run only: it is never entered, and here so that what happened in it can
+    /// still be read.
+    pub fn is_gone(&self) -> bool {
+        self.gone
+    }
+
     /// The node of its child with this index. The root of its content is the only child of a library state.
     pub fn child(&self, index: usize) -> Option<NodeId> {
-        let index = u32::try_from(index).ok()?;
         match &self.body {
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
-                (index < inside.children).then(|| inside.child(index))
+                inside.children.get(index).copied()
             }
             Body::Library(content) => content.root().filter(|_| index == 0),
             Body::Script => None,
@@ -199,7 +211,7 @@ impl<D> Node<D> {
 
     pub(crate) fn child_count(&self) -> u32 {
         match &self.body {
-            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => inside.children,
+            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => inside.count(),
             Body::Library(content) => u32::from(content.root().is_some()),
             Body::Script => 0,
         }
