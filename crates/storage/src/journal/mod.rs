@@ -2,8 +2,33 @@
 //!
 //! Knows how events are kept and found again. Must never know what makes them happen.
 
+mod about;
+mod batch;
 mod binary;
+mod committer;
+mod database;
+mod error;
+pub mod folder;
+mod frame;
+mod group;
+#[expect(
+    clippy::module_inception,
+    reason = "the type that writes journals stands in the file of its name"
+)]
+mod journal;
+mod leftovers;
+mod lock;
 pub mod record;
+mod recorder;
+#[cfg(test)]
+mod tests;
+mod values;
 
+pub use about::About;
+pub use batch::{Batch, Left};
 pub use binary::Broken;
+pub use error::{Doing, Full, JournalError};
+pub use folder::{make_folder, run_id};
+pub use journal::{Committed, Journal, Options, RECORDER_BYTES, SIZE_MAX, TakenUp};
+pub use lock::writer_of;
 pub use record::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};

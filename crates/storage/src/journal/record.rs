@@ -169,6 +169,20 @@ pub enum Content {
     Nothing(String),
 }
 
+impl Stored {
+    /// The value as bytes, as the database keeps it.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        Writer::new(&mut bytes).stored(self);
+        bytes
+    }
+
+    /// The value from [`Stored::to_bytes`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Broken> {
+        Reader::new(bytes).stored()
+    }
+}
+
 impl Item {
     /// Appends the item to `out`; `before` is the time of the record before it, and becomes that of this one.
     pub fn write(&self, before: &mut u64, out: &mut Vec<u8>) {
@@ -195,6 +209,11 @@ impl<'b> Items<'b> {
     /// The items in `bytes`; `t_ns` is the time of the record before them.
     pub fn new(bytes: &'b [u8], t_ns: u64) -> Self {
         Self { reader: Reader::new(bytes), t_ns }
+    }
+
+    /// The next record counts its time from 0.
+    pub(super) fn count_from_zero(&mut self) {
+        self.t_ns = 0;
     }
 }
 

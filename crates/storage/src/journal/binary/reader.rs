@@ -94,7 +94,7 @@ impl<'b> Reader<'b> {
         })
     }
 
-    fn stored(&mut self) -> Result<Stored, Broken> {
+    pub(in crate::journal) fn stored(&mut self) -> Result<Stored, Broken> {
         let (view, type_name) = (self.json()?, SmolStr::from(self.text()?));
         let content = match self.byte()? {
             0 => Content::View,
@@ -191,7 +191,7 @@ impl<'b> Reader<'b> {
         Ok((value >> 1).cast_signed() ^ -(value & 1).cast_signed())
     }
 
-    fn number(&mut self) -> Result<u64, Broken> {
+    pub(in crate::journal) fn number(&mut self) -> Result<u64, Broken> {
         let mut value = 0_u64;
         for shift in (0..64).step_by(7) {
             let byte = self.byte()?;
@@ -203,7 +203,7 @@ impl<'b> Reader<'b> {
         Err(self.broken("a number that is too long"))
     }
 
-    fn broken(&self, what: &'static str) -> Broken {
+    pub(in crate::journal) fn broken(&self, what: &'static str) -> Broken {
         Broken { what, rest: self.bytes.len() }
     }
 }

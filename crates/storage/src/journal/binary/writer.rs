@@ -1,8 +1,12 @@
 //! Items to bytes. Knows the encoding of each part; must never know where the bytes go.
 
 use super::{ENTERED, GLOBAL, LEFT, LEVELS, LOG, PERSISTENT, PLACE, SCOPED, STREAMS, TOLD, VALUE};
-use crate::journal::record::{Content, Definition, Kept, Place, PlaceNumber, Record, Stored};
+use crate::journal::batch::Left;
+use crate::journal::record::{
+    Content, Definition, Kept, Place, PlaceNumber, Record, Stored, ValueNumber,
+};
 use serde::Serialize;
+use std::borrow::Borrow;
 use std::num::NonZeroU64;
 
 pub(in crate::journal) struct Writer<'o> {
@@ -17,22 +21,13 @@ impl<'o> Writer<'o> {
     pub(in crate::journal) fn record(&mut self, delta: u64, record: &Record) {
         match record {
             Record::Entered { place, inputs, undoes } => {
-                self.head(ENTERED, delta, *place);
-                self.list(inputs, Writer::kept);
-                self.number(undoes.map_or(0, NonZeroU64::get));
+                self.entered(delta, *place, inputs, *undoes);
             }
             Record::Left { place, outcome, outputs, error, undoes } => {
-                self.head(LEFT, delta, *place);
-                self.signed(*outcome);
-                self.list(outputs, Writer::kept);
-                self.maybe(error.as_ref(), Writer::kept);
-                self.number(undoes.map_or(0, NonZeroU64::get));
+                let (place, outcome, error, undoes) = (*place, *outcome, error.as_ref(), *undoes);
+                self.left(delta, Left { place, outcome, outputs, error, undoes });
             }
-            Record::Scoped { place, port, value } => {
-                self.head(SCOPED, delta, *place);
-                self.number(*port);
-                self.kept(value);
-            }
+            Record::Scoped { place, port, value } => self.scoped(delta, *place, *port, value),
             Record::Global { name, value } => {
                 self.tag(GLOBAL, delta);
                 self.text(name);
@@ -56,19 +51,59 @@ impl<'o> Writer<'o> {
         }
     }
 
+    pub(in crate::journal) fn entered(
+        &mut self,
+        delta: u64,
+        place: PlaceNumber,
+        inputs: impl IntoIterator<Item = impl Borrow<Kept>>,
+        undoes: Option<NonZeroU64>,
+    ) {
+        self.head(ENTERED, delta, place);
+        self.values(inputs);
+        self.number(undoes.map_or(0, NonZeroU64::get));
+    }
+
+    pub(in crate::journal) fn left(
+        &mut self,
+        delta: u64,
+        left: Left<'_, impl IntoIterator<Item = impl Borrow<Kept>>>,
+    ) {
+        self.head(LEFT, delta, left.place);
+        self.signed(left.outcome);
+        self.values(left.outputs);
+        self.maybe(left.error, Writer::kept);
+        self.number(left.undoes.map_or(0, NonZeroU64::get));
+    }
+
+    pub(in crate::journal) fn scoped(
+        &mut self,
+        delta: u64,
+        place: PlaceNumber,
+        port: u64,
+        value: &Kept,
+    ) {
+        self.head(SCOPED, delta, place);
+        self.number(port);
+        self.kept(value);
+    }
+
     pub(in crate::journal) fn definition(&mut self, definition: &Definition) {
         match definition {
-            Definition::Place(number, place) => {
-                self.out.push(PLACE);
-                self.number(u64::from(number.0));
-                self.place(place);
-            }
-            Definition::Value(number, stored) => {
-                self.out.push(VALUE);
-                self.number(number.0);
-                self.stored(stored);
-            }
+            Definition::Place(number, place) => self.place_definition(*number, place),
+            Definition::Value(number, stored) => self.value_definition(*number, stored),
         }
+    }
+
+    pub(in crate::journal) fn place_definition(&mut self, number: PlaceNumber, place: &Place) {
+        self.out.push(PLACE);
+        self.number(u64::from(number.0));
+        self.place(place);
+    }
+
+    pub(in crate::journal) fn value_definition(&mut self, number: ValueNumber, stored: &Stored) {
+        self.out.push(VALUE);
+        self.number(number.0);
+        self.stored(stored);
     }
 
     fn tag(&mut self, tag: u8, delta: u64) {
@@ -97,7 +132,7 @@ impl<'o> Writer<'o> {
         });
     }
 
-    fn stored(&mut self, stored: &Stored) {
+    pub(in crate::journal) fn stored(&mut self, stored: &Stored) {
         self.json(&stored.view);
         self.text(&stored.type_name);
         match &stored.content {
@@ -149,6 +184,28 @@ impl<'o> Writer<'o> {
         }
     }
 
+    /// A list whose length shows at its end.
+    fn values(&mut self, values: impl IntoIterator<Item = impl Borrow<Kept>>) {
+        let at = self.out.len();
+        self.out.push(0);
+        let mut count = 0_u64;
+        for value in values {
+            self.kept(value.borrow());
+            count += 1;
+        }
+        match u8::try_from(count) {
+            Ok(count) if count < 0x80 => self.out[at] = count,
+            _ => self.correct_length(at, count),
+        }
+    }
+
+    /// Puts a length that needs more than the byte at `at` in its place.
+    fn correct_length(&mut self, at: usize, count: u64) {
+        let mut length = Vec::new();
+        Writer::new(&mut length).number(count);
+        self.out.splice(at..=at, length);
+    }
+
     fn maybe<T>(&mut self, item: Option<&T>, one: impl FnOnce(&mut Self, &T)) {
         self.out.push(u8::from(item.is_some()));
         if let Some(item) = item {
@@ -175,7 +232,7 @@ impl<'o> Writer<'o> {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "the low seven bits are what is meant")]
-    fn number(&mut self, mut value: u64) {
+    pub(in crate::journal) fn number(&mut self, mut value: u64) {
         while value >= 0x80 {
             self.out.push(value as u8 | 0x80);
             value >>= 7;

@@ -1,0 +1,135 @@
+//! Events on their way into a journal, encoded as they will be kept. A batch is used again and again: once it has grown to
+//! its usual size it allocates nothing. Knows items; must never know where they go.
+
+use super::binary::Writer;
+use super::record::{Definition, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
+use std::borrow::Borrow;
+use std::num::NonZeroU64;
+
+/// A group of events that is kept as a whole or not at all, with what its numbers stand for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Batch {
+    pub(super) definitions: Vec<u8>,
+    pub(super) records: Vec<u8>,
+    pub(super) count: u32,
+    pub(super) t_before: u64,
+    pub(super) t_last: u64,
+}
+
+impl Batch {
+    /// An empty batch; `t_ns` is the time of the last record before it, 0 in a new journal.
+    pub fn new(t_ns: u64) -> Self {
+        Self { t_before: t_ns, t_last: t_ns, ..Self::default() }
+    }
+
+    /// Empties it for what comes next, once it is kept.
+    pub fn clear(&mut self) {
+        self.definitions.clear();
+        self.records.clear();
+        self.count = 0;
+        self.t_before = self.t_last;
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0 && self.definitions.is_empty()
+    }
+
+    /// How many records are in it.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Its records as [`super::Item`]s in bytes, without the definitions.
+    pub fn records(&self) -> &[u8] {
+        &self.records
+    }
+
+    /// The time of the record before it, with which its records are read.
+    pub fn t_before(&self) -> u64 {
+        self.t_before
+    }
+
+    /// The time of its last record.
+    pub fn t_last(&self) -> u64 {
+        self.t_last
+    }
+
+    /// What a number stands for in all records from here on.
+    pub fn define(&mut self, definition: &Definition) {
+        match definition {
+            Definition::Place(number, place) => self.define_place(*number, place),
+            Definition::Value(number, stored) => self.define_value(*number, stored),
+        }
+    }
+
+    /// The same for a place.
+    pub fn define_place(&mut self, number: PlaceNumber, place: &Place) {
+        self.definition().place_definition(number, place);
+    }
+
+    /// The same for a value.
+    pub fn define_value(&mut self, number: ValueNumber, stored: &Stored) {
+        self.definition().value_definition(number, stored);
+    }
+
+    /// A state began; see [`Record::Entered`].
+    pub fn entered(
+        &mut self,
+        t_ns: u64,
+        place: PlaceNumber,
+        inputs: impl IntoIterator<Item = impl Borrow<Kept>>,
+        undoes: Option<NonZeroU64>,
+    ) {
+        let delta = self.delta(t_ns);
+        Writer::new(&mut self.records).entered(delta, place, inputs, undoes);
+    }
+
+    /// A state ended; see [`Record::Left`].
+    pub fn left(&mut self, t_ns: u64, left: Left<'_, impl IntoIterator<Item = impl Borrow<Kept>>>) {
+        let delta = self.delta(t_ns);
+        Writer::new(&mut self.records).left(delta, left);
+    }
+
+    /// A scoped variable got a value; see [`Record::Scoped`].
+    pub fn scoped(&mut self, t_ns: u64, place: PlaceNumber, port: u64, value: &Kept) {
+        let delta = self.delta(t_ns);
+        Writer::new(&mut self.records).scoped(delta, place, port, value);
+    }
+
+    /// Anything.
+    pub fn record(&mut self, t_ns: u64, record: &Record) {
+        let delta = self.delta(t_ns);
+        Writer::new(&mut self.records).record(delta, record);
+    }
+
+    /// Notes how many records stand before a definition.
+    fn definition(&mut self) -> Writer<'_> {
+        let mut writer = Writer::new(&mut self.definitions);
+        writer.number(u64::from(self.count));
+        writer
+    }
+
+    /// Counts a record; the time between it and the one before, never below 0.
+    fn delta(&mut self, t_ns: u64) -> u64 {
+        let delta = t_ns.saturating_sub(self.t_last);
+        self.t_last += delta;
+        self.count += 1;
+        delta
+    }
+}
+
+/// How a state ended; see [`Record::Left`].
+#[derive(Debug)]
+pub struct Left<'k, O> {
+    /// Where it stands.
+    pub place: PlaceNumber,
+    /// Id of its outcome.
+    pub outcome: i64,
+    /// One for each output port, in the order of the place's definition; none if values are not kept.
+    pub outputs: O,
+    /// Its error, if it left one.
+    pub error: Option<&'k Kept>,
+    /// The entry that is undone, if it was left backwards.
+    pub undoes: Option<NonZeroU64>,
+}

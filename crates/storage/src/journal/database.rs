@@ -1,0 +1,210 @@
+//! The tables of a journal, and what is put into them. Knows `SQLite`; must never know where rows come from.
+
+use super::error::JournalError;
+use super::folder::DATABASE_FILE;
+use super::group::{Block, Group};
+use super::record::{Item, Items, Place, PlaceNumber, ValueNumber};
+use super::{Definition, binary};
+use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
+use std::path::{Path, PathBuf};
+
+/// The version of the tables.
+pub(super) const VERSION: u32 = 1;
+/// Values shorter than this stand where they are named.
+const SHORT: usize = 128;
+
+const TABLES: &str = "
+    CREATE TABLE blocks(first INTEGER PRIMARY KEY, count INTEGER NOT NULL, t_before INTEGER NOT NULL,
+        t_last INTEGER NOT NULL, data BLOB NOT NULL);
+    CREATE TABLE places(number INTEGER NOT NULL, first INTEGER NOT NULL, data BLOB NOT NULL,
+        PRIMARY KEY(number, first)) WITHOUT ROWID;
+    CREATE TABLE vals(number INTEGER PRIMARY KEY, hash BLOB, data BLOB);
+    CREATE TABLE blobs(hash BLOB PRIMARY KEY, data BLOB NOT NULL);
+    CREATE TABLE keyframes(sequence INTEGER PRIMARY KEY, data BLOB NOT NULL);
+    CREATE TABLE roots(hash BLOB PRIMARY KEY, base BLOB, data BLOB NOT NULL);
+    CREATE TABLE files(hash BLOB PRIMARY KEY, data BLOB NOT NULL);
+    CREATE TABLE lives(life INTEGER PRIMARY KEY, first INTEGER NOT NULL);
+    CREATE TABLE thinned(before INTEGER PRIMARY KEY);
+";
+
+/// The open database of one run.
+#[derive(Debug)]
+pub(super) struct Database {
+    connection: Connection,
+    path: PathBuf,
+}
+
+impl Database {
+    /// Makes the tables of a new run.
+    pub(super) fn create(folder: &Path) -> Result<Self, JournalError> {
+        let mut database = Self::open_with(folder, OpenFlags::SQLITE_OPEN_CREATE)?;
+        let text = format!("BEGIN IMMEDIATE; {TABLES} PRAGMA user_version = {VERSION}; COMMIT;");
+        database.run(|connection| connection.execute_batch(&text))?;
+        Ok(database)
+    }
+
+    /// Opens that of an earlier run, to go on with it.
+    pub(super) fn open(folder: &Path) -> Result<Self, JournalError> {
+        if !folder.join(DATABASE_FILE).exists() {
+            return Err(JournalError::NoRun { folder: folder.to_owned(), file: DATABASE_FILE });
+        }
+        let mut database = Self::open_with(folder, OpenFlags::empty())?;
+        let found = database.run(|connection| {
+            connection.pragma_query_value(None, "user_version", |row| row.get(0))
+        })?;
+        if found == 0 {
+            let what = "it has no tables".to_owned();
+            return Err(JournalError::Damaged { path: database.path, what });
+        }
+        if found > VERSION {
+            return Err(JournalError::Newer { path: database.path, found, known: VERSION });
+        }
+        Ok(database)
+    }
+
+    fn open_with(folder: &Path, flags: OpenFlags) -> Result<Self, JournalError> {
+        let path = folder.join(DATABASE_FILE);
+        let flags = flags | OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let set_up = || {
+            let connection = Connection::open_with_flags(&path, flags)?;
+            // A reader that checkpoints may hold the database for a moment.
+            connection.busy_timeout(std::time::Duration::from_secs(5))?;
+            connection.pragma_update(None, "journal_mode", "wal")?;
+            connection.pragma_update(None, "synchronous", "full")?;
+            connection.pragma_update(None, "journal_size_limit", WAL_BYTES)?;
+            Ok(connection)
+        };
+        let connection = set_up().map_err(|source| JournalError::database(&path, source))?;
+        Ok(Self { connection, path })
+    }
+
+    /// Does something with the connection.
+    pub(super) fn run<T>(
+        &mut self,
+        action: impl FnOnce(&mut Connection) -> rusqlite::Result<T>,
+    ) -> Result<T, JournalError> {
+        action(&mut self.connection).map_err(|source| JournalError::database(&self.path, source))
+    }
+
+    /// Puts a group of events in; it is safe from a power cut when this returns. Whatever an earlier attempt put in after
+    /// record number `committed` is replaced.
+    pub(super) fn put(&mut self, group: &Group, committed: u64) -> Result<(), JournalError> {
+        self.run(|connection| {
+            let transaction = connection.transaction()?;
+            delete_after(&transaction, committed)?;
+            put_blocks(&transaction, group)?;
+            if !group.places.is_empty() {
+                put_places(&transaction, group)?;
+            }
+            if !group.values.is_empty() {
+                put_values(&transaction, group)?;
+            }
+            transaction.commit()
+        })
+    }
+
+    /// The last block, if there is one.
+    pub(super) fn last_block(&mut self) -> Result<Option<Block>, JournalError> {
+        let query =
+            "SELECT first, count, t_before, t_last, data FROM blocks ORDER BY first DESC LIMIT 1";
+        self.run(|connection| {
+            let block = |row: &rusqlite::Row<'_>| {
+                Ok(Block {
+                    first: row.get::<_, i64>(0)?.cast_unsigned(),
+                    count: row.get::<_, i64>(1)?.cast_unsigned(),
+                    t_before: row.get::<_, i64>(2)?.cast_unsigned(),
+                    t_last: row.get::<_, i64>(3)?.cast_unsigned(),
+                    data: row.get(4)?,
+                })
+            };
+            connection.query_row(query, [], block).optional()
+        })
+    }
+
+    /// The number after the highest that a value has.
+    pub(super) fn next_value(&mut self) -> Result<ValueNumber, JournalError> {
+        let query = "SELECT coalesce(max(number), 0) + 1 FROM vals";
+        let next: i64 = self.run(|connection| connection.query_row(query, [], |row| row.get(0)))?;
+        Ok(ValueNumber(next.cast_unsigned()))
+    }
+
+    /// All places as they were defined last.
+    pub(super) fn places(&mut self) -> Result<Vec<(PlaceNumber, Place)>, JournalError> {
+        let query = "SELECT data, max(first) FROM places GROUP BY number ORDER BY number";
+        let rows: Vec<Vec<u8>> = self.run(|connection| {
+            let mut statement = connection.prepare(query)?;
+            statement.query_map([], |row| row.get(0))?.collect()
+        })?;
+        let place = |bytes: &Vec<u8>| match Items::new(bytes, 0).next() {
+            Some(Ok(Item::Definition(Definition::Place(number, place)))) => Ok((number, place)),
+            _ => Err(self.damaged("a place that cannot be read")),
+        };
+        rows.iter().map(place).collect()
+    }
+
+    /// The number of this runner's life, one more than that of the last; events from `first` on are its own.
+    pub(super) fn begin_life(&mut self, first: u64) -> Result<u32, JournalError> {
+        let query =
+            "INSERT INTO lives SELECT coalesce(max(life), 0) + 1, ?1 FROM lives RETURNING life";
+        self.run(|connection| connection.query_row(query, [first.cast_signed()], |row| row.get(0)))
+    }
+
+    /// Moves everything from the write-ahead log into the database itself, and cuts the log.
+    pub(super) fn checkpoint(&mut self) -> Result<(), JournalError> {
+        self.run(|connection| {
+            connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()))
+        })
+    }
+
+    /// Where it lies.
+    pub(super) fn damaged(&self, what: &str) -> JournalError {
+        JournalError::Damaged { path: self.path.clone(), what: what.to_owned() }
+    }
+}
+
+/// The write-ahead log is cut to this after a checkpoint.
+const WAL_BYTES: i64 = 4 << 20;
+
+fn delete_after(transaction: &Transaction<'_>, committed: u64) -> rusqlite::Result<()> {
+    let delete = "DELETE FROM blocks WHERE first > ?1";
+    transaction.execute(delete, [committed.cast_signed()])?;
+    Ok(())
+}
+
+fn put_blocks(transaction: &Transaction<'_>, group: &Group) -> rusqlite::Result<()> {
+    let mut insert =
+        transaction.prepare("INSERT OR REPLACE INTO blocks VALUES (?1, ?2, ?3, ?4, ?5)")?;
+    for block in group.blocks() {
+        let numbers = [block.first, block.count, block.t_before, block.t_last];
+        let [first, count, t_before, t_last] = numbers.map(u64::cast_signed);
+        insert.execute(params![first, count, t_before, t_last, block.data])?;
+    }
+    Ok(())
+}
+
+fn put_places(transaction: &Transaction<'_>, group: &Group) -> rusqlite::Result<()> {
+    let mut insert = transaction.prepare("INSERT OR REPLACE INTO places VALUES (?1, ?2, ?3)")?;
+    let mut data = Vec::new();
+    for (number, first, place) in &group.places {
+        data.clear();
+        binary::Writer::new(&mut data).place_definition(*number, place);
+        insert.execute(params![number.0, first.cast_signed(), data])?;
+    }
+    Ok(())
+}
+
+fn put_values(transaction: &Transaction<'_>, group: &Group) -> rusqlite::Result<()> {
+    let mut insert = transaction.prepare("INSERT OR REPLACE INTO vals VALUES (?1, ?2, ?3)")?;
+    let mut keep = transaction.prepare("INSERT OR IGNORE INTO blobs VALUES (?1, ?2)")?;
+    for (number, stored) in &group.values {
+        let (number, data) = (number.0.cast_signed(), stored.to_bytes());
+        if data.len() < SHORT {
+            insert.execute(params![number, None::<Vec<u8>>, data])?;
+            continue;
+        }
+        let hash = *blake3::hash(&data).as_bytes();
+        keep.execute(params![hash, data])?;
+        insert.execute(params![number, hash, None::<Vec<u8>>])?;
+    }
+    Ok(())
+}

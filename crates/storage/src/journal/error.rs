@@ -1,0 +1,160 @@
+//! What can go wrong with a journal, and the way out. Knows texts for people.
+
+use super::folder::LOCK_FILE;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What was tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doing {
+    /// Making a folder.
+    Make,
+    /// Opening or reading a file.
+    Read,
+    /// Writing a file.
+    Write,
+    /// Making a file or folder safe from a power cut.
+    Sync,
+    /// Locking the run.
+    Lock,
+}
+
+impl std::fmt::Display for Doing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Make => "make",
+            Self::Read => "read",
+            Self::Write => "write",
+            Self::Sync => "sync",
+            Self::Lock => "lock",
+        })
+    }
+}
+
+/// Why a journal cannot be opened, read or written. Nothing that was safe before is lost.
+#[derive(Debug, thiserror::Error)]
+pub enum JournalError {
+    /// Another process writes it.
+    #[error("the run in {} is still going on (process {process}): join it with `rafcon attach`, or end it first", folder.display())]
+    Going {
+        /// The run's folder.
+        folder: PathBuf,
+        /// The process that has it.
+        process: u32,
+    },
+    /// There is a journal already.
+    #[error("there is a run in {} already: take it up with `rafcon resume`, or use another folder", folder.display())]
+    Exists {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The folder is no run's.
+    #[error("there is no run in {}: it has no {file}; `rafcon runs` lists all runs", folder.display())]
+    NoRun {
+        /// The folder.
+        folder: PathBuf,
+        /// What is missing.
+        file: &'static str,
+    },
+    /// Written by a newer version.
+    #[error("{} is of version {found}, this rafcon reads up to {known}: use the rafcon that wrote it, or a newer one", path.display())]
+    Newer {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u32,
+        /// The newest that is understood.
+        known: u32,
+    },
+    /// No space left.
+    #[error("the disk with {} is full: make room (for example with `rafcon runs --prune`)", path.display())]
+    DiskFull {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The folder or its disk may not be written to.
+    #[error("{} cannot be written: it or its disk is read-only; make it writable, or choose another folder with --runs", path.display())]
+    ReadOnly {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The disk refused something else.
+    #[error("cannot {doing} {}: check the disk and the permissions", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        doing: Doing,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The database refused something else.
+    #[error("the database {} fails: check the disk, and free it from other programs", path.display())]
+    Database {
+        /// The file.
+        path: PathBuf,
+        /// What `SQLite` says.
+        source: rusqlite::Error,
+    },
+    /// The bytes are not what they should be.
+    #[error("{} is damaged: {what}; what was kept before can be read with `rafcon history`", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What was found.
+        what: String,
+    },
+}
+
+impl JournalError {
+    /// What the system said about a file.
+    pub(super) fn io(path: &Path, doing: Doing, source: io::Error) -> Self {
+        let path = path.to_owned();
+        match source.kind() {
+            io::ErrorKind::StorageFull
+            | io::ErrorKind::QuotaExceeded
+            | io::ErrorKind::FileTooLarge => Self::DiskFull { path, source: source.into() },
+            io::ErrorKind::ReadOnlyFilesystem | io::ErrorKind::PermissionDenied
+                if doing != Doing::Read =>
+            {
+                Self::ReadOnly { path, source: source.into() }
+            }
+            _ => Self::Io { path, doing, source },
+        }
+    }
+
+    /// What `SQLite` said.
+    pub(super) fn database(path: &Path, source: rusqlite::Error) -> Self {
+        use rusqlite::ErrorCode;
+        let path = path.to_owned();
+        match source.sqlite_error_code() {
+            Some(ErrorCode::DiskFull) => Self::DiskFull { path, source: source.into() },
+            Some(ErrorCode::ReadOnly | ErrorCode::PermissionDenied) => {
+                Self::ReadOnly { path, source: source.into() }
+            }
+            Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => {
+                Self::Damaged { path, what: source.to_string() }
+            }
+            _ => Self::Database { path, source },
+        }
+    }
+
+    pub(super) fn lock(folder: &Path, source: io::Error) -> Self {
+        Self::io(&folder.join(LOCK_FILE), Doing::Lock, source)
+    }
+}
+
+/// Why a batch was not taken. It is still the caller's; nothing of it was kept.
+#[derive(Debug, thiserror::Error)]
+pub enum Full {
+    /// The recorder has no room before the next commit.
+    #[error("the recorder is full until the next commit")]
+    Recorder,
+    /// The batch is too large for the recorder, and the disk did not take it either. A commit does not help by itself.
+    #[error("a large group of events cannot be written")]
+    Disk(#[source] JournalError),
+}

@@ -1,0 +1,113 @@
+//! What lies where in the folder of a run, and how the folder is made. Knows names; must never know what the files say.
+
+use super::error::{Doing, JournalError};
+use rustix::fs::{Mode, mkdir};
+use rustix::io::Errno;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+/// What the run is: [`super::About`] as JSON.
+pub const ABOUT_FILE: &str = "run.json";
+/// The events that are safe from a power cut: `SQLite`.
+pub const DATABASE_FILE: &str = "journal.db";
+/// The newest events: a mapped file in front of the database.
+pub const RECORDER_FILE: &str = "recorder";
+/// Large values, one file each, named by their BLAKE3 hash in hex.
+pub const VALUES_FOLDER: &str = "values";
+/// Groups of events that are too large for the recorder, until they are in the database.
+pub const SPILL_FOLDER: &str = "spill";
+/// Locked by the process that writes.
+pub const LOCK_FILE: &str = "lock";
+/// Where others join a run that is going on.
+pub const SOCKET_FILE: &str = "socket";
+
+/// Makes the folder of a run, and those around it; only its owner may look into it. It may exist.
+pub fn make_folder(folder: &Path) -> Result<(), JournalError> {
+    let failed = |source| JournalError::io(folder, Doing::Make, source);
+    if let Some(parent) = folder.parent() {
+        fs::create_dir_all(parent).map_err(failed)?;
+    }
+    match mkdir(folder, Mode::RWXU) {
+        Ok(()) | Err(Errno::EXIST) => Ok(()),
+        Err(error) => Err(failed(error.into())),
+    }
+}
+
+/// The id of a run: when it began (UTC), what it runs, and four digits that tell apart what began in the same second.
+pub fn run_id(started_ms: u64, name: &str, salt: u16) -> String {
+    let seconds = started_ms / 1000;
+    let (year, month, day) = date(seconds / 86_400);
+    let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
+    let name = slug(name);
+    format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}-{name}-{salt:04x}")
+}
+
+/// Lower case letters and digits, with single hyphens between.
+fn slug(name: &str) -> String {
+    const LONGEST: usize = 40;
+    let lower = name.to_lowercase();
+    let words = lower.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let mut slug = words.collect::<Vec<_>>().join("-");
+    slug.truncate(LONGEST);
+    let slug = slug.trim_end_matches('-');
+    if slug.is_empty() { "run".to_owned() } else { slug.to_owned() }
+}
+
+/// Year, month and day of a day counted from 1970-01-01, by the Gregorian calendar.
+fn date(days: u64) -> (u64, u64, u64) {
+    // Counted from 0000-03-01, so that the leap day is a year's last.
+    let days = days + 719_468;
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (month, next_year) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
+    (year + era * 400 + next_year, month, day)
+}
+
+/// Makes the names in `folder` safe from a power cut.
+pub(super) fn sync_folder(folder: &Path) -> Result<(), JournalError> {
+    let synced = File::open(folder).and_then(|folder| folder.sync_all());
+    synced.map_err(|source| JournalError::io(folder, Doing::Sync, source))
+}
+
+/// Writes a file so that there is the old one or the new one, whatever happens.
+pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+    use std::io::Write as _;
+    let fresh = fresh_name(path);
+    let write = || {
+        let mut file = File::create(&fresh)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        fs::rename(&fresh, path)
+    };
+    write().map_err(|source| JournalError::io(path, Doing::Write, source))?;
+    path.parent().map_or(Ok(()), sync_folder)
+}
+
+/// The name under which a file is prepared.
+pub(super) fn fresh_name(path: &Path) -> PathBuf {
+    path.with_extension("new")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::run_id;
+
+    fn check(started_ms: u64, name: &str, id: &str) {
+        assert_eq!(run_id(started_ms, name, 0xbee), id);
+    }
+
+    #[test]
+    fn ids_of_runs_sort_by_time_and_name_their_machine() {
+        check(0, "Pick & Place", "19700101-000000-pick-place-0bee");
+        check(951_782_399_999, "é", "20000228-235959-run-0bee");
+        check(951_782_400_000, "", "20000229-000000-run-0bee");
+        check(
+            1_795_290_001_000,
+            "x".repeat(90).as_str(),
+            &format!("20261121-194001-{}-0bee", "x".repeat(40)),
+        );
+    }
+}

@@ -1,0 +1,112 @@
+//! What a dead run left in its recorder: the frames after the last commit. Knows the file as bytes, whatever became of them.
+
+use super::error::{Doing, JournalError};
+use super::folder::RECORDER_FILE;
+use super::frame::{self, Frame};
+use super::recorder::{HEADER, MAGIC, SEGMENTS, spill_file};
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// The bytes of a recorder.
+#[derive(Debug, Default)]
+pub(super) struct Leftovers {
+    bytes: Vec<u8>,
+    life: u32,
+    segment_bytes: usize,
+    spilled: Vec<(u64, Vec<u8>)>,
+}
+
+impl Leftovers {
+    /// Reads the recorder of the run in `folder`; one that is not there, or no recorder, has nothing.
+    pub(super) fn read(folder: &Path) -> Result<Self, JournalError> {
+        let path = folder.join(RECORDER_FILE);
+        let mut leftovers = match fs::read(&path) {
+            Ok(bytes) => Self::new(bytes),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Self::default(),
+            Err(source) => return Err(JournalError::io(&path, Doing::Read, source)),
+        };
+        leftovers.read_spilled(folder);
+        Ok(leftovers)
+    }
+
+    /// The same from the bytes of the file.
+    pub(super) fn new(bytes: Vec<u8>) -> Self {
+        let Some(header) = bytes.get(..32).filter(|header| header[..8] == MAGIC) else {
+            return Self::default();
+        };
+        let long = |at: usize| {
+            let mut eight = [0; 8];
+            eight.copy_from_slice(&header[at..at + 8]);
+            u64::from_le_bytes(eight)
+        };
+        let (Ok(life), Ok(segment_bytes)) = (u32::try_from(long(8)), usize::try_from(long(16)))
+        else {
+            return Self::default();
+        };
+        Self { bytes, life, segment_bytes, spilled: Vec::new() }
+    }
+
+    /// Files of large frames; one that is missing or torn ends what is left.
+    fn read_spilled(&mut self, folder: &Path) {
+        let spilled = self.all().into_iter().filter(|frame| frame.head.spilled);
+        let numbers: Vec<u64> = spilled.map(|frame| frame.head.number).collect();
+        let read = |number| Some((number, fs::read(spill_file(folder, self.life, number)).ok()?));
+        self.spilled = numbers.into_iter().filter_map(read).collect();
+    }
+
+    /// The frames after record number `committed`, in order and without a gap; nothing after the first that is torn.
+    pub(super) fn frames(&self, committed: u64) -> Vec<Frame<'_>> {
+        let mut found: Vec<Frame<'_>> = Vec::new();
+        let mut next = committed + 1;
+        for frame in self.all() {
+            if found.is_empty() && frame.head.first < next {
+                continue;
+            }
+            let follows = found.last().is_none_or(|last| last.head.number + 1 == frame.head.number);
+            let Some(frame) = self.whole(frame).filter(|_| follows && frame.head.first == next)
+            else {
+                break;
+            };
+            next = frame.head.next();
+            found.push(frame);
+        }
+        found
+    }
+
+    /// The frame with its body.
+    fn whole<'s>(&'s self, short: Frame<'s>) -> Option<Frame<'s>> {
+        if !short.head.spilled {
+            return Some(short);
+        }
+        let index = self.spilled.binary_search_by_key(&short.head.number, |(number, _)| *number);
+        let (frame, _) = frame::read(&self.spilled[index.ok()?].1, self.life)?;
+        let same = (frame.head.number, frame.head.first, frame.head.count)
+            == (short.head.number, short.head.first, short.head.count);
+        same.then_some(frame)
+    }
+
+    /// All frames by rising number.
+    fn all(&self) -> Vec<Frame<'_>> {
+        let start = |index: usize| HEADER.checked_add(index.checked_mul(self.segment_bytes)?);
+        let end = |index: usize| Some(start(index + 1)?.min(self.bytes.len()));
+        let segment = |index: usize| self.bytes.get(start(index)?..end(index)?);
+        let mut runs: Vec<Vec<Frame<'_>>> =
+            (0..SEGMENTS).filter_map(segment).map(|bytes| run(bytes, self.life)).collect();
+        runs.sort_by_key(|run| run.first().map(|frame| frame.head.number));
+        runs.into_iter().flatten().collect()
+    }
+}
+
+/// The frames at the beginning of a segment; behind them lies what is older.
+fn run(mut bytes: &[u8], life: u32) -> Vec<Frame<'_>> {
+    let mut frames: Vec<Frame<'_>> = Vec::new();
+    while let Some((frame, length)) = frame::read(bytes, life) {
+        if frames.last().is_some_and(|last| last.head.number + 1 != frame.head.number) {
+            break;
+        }
+        frames.push(frame);
+        bytes = bytes.get(length..).unwrap_or_default();
+    }
+    frames
+}
