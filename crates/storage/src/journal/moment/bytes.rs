@@ -1,0 +1,179 @@
+//! Moments as bytes: the shortest run of records that leads there, so that a reader need not begin at the first.
+//!
+//! Layout: version (u8), length of the header (u32, little-endian), header (JSON), items. Where an item has its time, these
+//! have the number of the record that they stand for, counted from 0 for each. Places are those of the journal.
+
+use super::inside::{End, Inside, Step};
+use super::{Active, Moment, Whole};
+use crate::journal::places::Places;
+use crate::journal::record::{Item, Items, PlaceNumber, Record};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroU64;
+
+const VERSION: u8 = 1;
+/// So many ended states are written; who goes back further reads from an earlier moment.
+const STEPS_KEPT: usize = 500;
+/// Stands for any entry: what is undone is found by its place.
+const SOME_ENTRY: Option<NonZeroU64> = Some(NonZeroU64::MIN);
+
+/// Bytes that are no moment, or one of another version.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("not a moment of a journal: {0}")]
+pub struct BadMoment(&'static str);
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Header {
+    sequence: u64,
+    t_ns: u64,
+    entries: u64,
+    states_run: u64,
+    /// Since when each active state is, in the order of their entries.
+    since_ns: Vec<u64>,
+    /// Places of containers in which a step was just undone.
+    undone: Vec<u32>,
+    whole: Whole,
+}
+
+impl Moment {
+    /// The moment as bytes; with few steps for going back.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        if self.steps() <= STEPS_KEPT {
+            return self.all_to_bytes();
+        }
+        let mut shorter = self.clone();
+        shorter.settle(STEPS_KEPT);
+        shorter.all_to_bytes()
+    }
+
+    fn all_to_bytes(&self) -> Vec<u8> {
+        let active = self.in_order();
+        let header = Header {
+            sequence: self.sequence,
+            t_ns: self.t_ns,
+            entries: self.entries,
+            states_run: self.states_run,
+            since_ns: active.iter().map(|(_, active)| active.t_ns).collect(),
+            undone: self.undone().collect(),
+            whole: self.whole.clone(),
+        };
+        let header = serde_json::to_vec(&header).unwrap_or_default();
+        let mut out = vec![VERSION];
+        out.extend_from_slice(&u32::try_from(header.len()).unwrap_or_default().to_le_bytes());
+        out.extend_from_slice(&header);
+        let mut items = Writer { out };
+        for (place, active) in active {
+            items.active(place, active, self.is_reopened(place));
+        }
+        items.data(self);
+        items.out
+    }
+
+    /// The moment that [`Moment::to_bytes`] made, in a run with these places.
+    pub fn from_bytes(bytes: &[u8], places: Places) -> Result<Self, BadMoment> {
+        let (header, items) = split(bytes)?;
+        let mut moment = Self { places, ..Self::default() };
+        let mut items = Items::new(items, 0);
+        while let Some(item) = items.next() {
+            match item.map_err(|_broken| BadMoment("an item is broken"))? {
+                Item::Record(order, record) => moment.apply(order, 0, &record),
+                Item::Definition(definition) => moment.define(&definition),
+            }
+            items.count_from_zero();
+        }
+        moment.take_header(header);
+        Ok(moment)
+    }
+
+    fn take_header(&mut self, header: Header) {
+        let mut active: Vec<&mut Active> = self.active.values_mut().collect();
+        active.sort_by_key(|active| active.order);
+        for (active, since_ns) in active.into_iter().zip(&header.since_ns) {
+            active.t_ns = *since_ns;
+        }
+        for place in header.undone {
+            if let Some(active) = self.active.get_mut(&PlaceNumber(place)) {
+                active.inside.set_undone();
+            }
+        }
+        (self.sequence, self.t_ns) = (header.sequence, header.t_ns);
+        (self.entries, self.states_run) = (header.entries, header.states_run);
+        (self.whole, self.lacks_steps) = (header.whole, false);
+    }
+
+    fn undone(&self) -> impl Iterator<Item = u32> {
+        let undone = self.active.iter().filter(|(_, active)| active.inside.is_undone());
+        undone.map(|(place, _)| place.0)
+    }
+
+    fn in_order(&self) -> Vec<(PlaceNumber, &Active)> {
+        let mut active: Vec<_> = self.active.iter().map(|(place, it)| (*place, it)).collect();
+        active.sort_by_key(|(_, active)| active.order);
+        active
+    }
+
+    fn is_reopened(&self, place: PlaceNumber) -> bool {
+        let around = self.places.parent(place).and_then(|parent| self.active.get(&parent));
+        around.is_some_and(|around| around.inside.is_open(place))
+    }
+}
+
+fn split(bytes: &[u8]) -> Result<(Header, &[u8]), BadMoment> {
+    let (version, rest) = bytes.split_first().ok_or(BadMoment("it is empty"))?;
+    if *version != VERSION {
+        return Err(BadMoment("it is of another version"));
+    }
+    let (length, rest) = rest.split_first_chunk().ok_or(BadMoment("it is cut off"))?;
+    let length = usize::try_from(u32::from_le_bytes(*length)).unwrap_or(usize::MAX);
+    let (header, items) = rest.split_at_checked(length).ok_or(BadMoment("it is cut off"))?;
+    let header = serde_json::from_slice(header).map_err(|_bad| BadMoment("a bad header"))?;
+    Ok((header, items))
+}
+
+/// Writes the items.
+struct Writer {
+    out: Vec<u8>,
+}
+
+impl Writer {
+    fn active(&mut self, place: PlaceNumber, active: &Active, reopened: bool) {
+        let undoes = if reopened { SOME_ENTRY } else { None };
+        let inputs = active.inputs.clone();
+        self.record(active.order, Record::Entered { place, inputs, undoes });
+        self.inside(place, &active.inside);
+    }
+
+    fn inside(&mut self, place: PlaceNumber, inside: &Inside) {
+        for step in inside.all() {
+            match step {
+                Step::Scoped(port, variable) => {
+                    let value = variable.value;
+                    self.record(variable.order, Record::Scoped { place, port, value });
+                }
+                Step::End(end) => self.end(end),
+            }
+        }
+    }
+
+    fn end(&mut self, end: End) {
+        let End { place, inputs, outcome, outputs, error, .. } = end;
+        self.record(end.entered, Record::Entered { place, inputs, undoes: None });
+        if let Some(inside) = &end.inside {
+            self.inside(place, inside);
+        }
+        self.record(end.order, Record::Left { place, outcome, outputs, error, undoes: None });
+    }
+
+    fn data(&mut self, moment: &Moment) {
+        for (name, value) in &moment.globals {
+            let (name, value) = (name.clone(), Some(value.clone()));
+            self.record(0, Record::Global { name, value });
+        }
+        for (place, value) in &moment.persistent {
+            self.record(0, Record::Persistent { place: *place, value: value.clone() });
+        }
+    }
+
+    fn record(&mut self, order: u64, record: Record) {
+        Item::Record(order, record).write(&mut 0, &mut self.out);
+    }
+}

@@ -1,0 +1,192 @@
+//! How a run stands at one moment of its journal: what is active with which data, what was set, asked and held.
+//!
+//! Knows what each record changes. Must never know where records come from, nor what a machine would do next.
+
+mod bytes;
+mod inside;
+mod standing;
+mod told;
+
+#[cfg(test)]
+mod tests;
+
+pub use bytes::BadMoment;
+pub use standing::{Ended, Standing, Variable};
+pub use told::{Holding, Whole};
+
+use super::places::Places;
+use super::record::{Definition, Kept, PlaceNumber, Record};
+use inside::{End, Inside};
+use smol_str::SmolStr;
+use std::collections::BTreeMap;
+use std::num::NonZeroU64;
+
+/// So many ended states are kept for going back, more than any run goes back; half of them when there are more.
+const STEPS_MAX: usize = 24_000;
+/// How many entries pass before steps are counted.
+const COUNT_EVERY: u64 = 1024;
+
+/// The state of a run after one of its records. A new one is the moment before the first.
+#[derive(Debug, Clone, Default)]
+pub struct Moment {
+    places: Places,
+    sequence: u64,
+    t_ns: u64,
+    entries: u64,
+    states_run: u64,
+    active: BTreeMap<PlaceNumber, Active>,
+    globals: BTreeMap<SmolStr, Kept>,
+    persistent: BTreeMap<PlaceNumber, Kept>,
+    whole: Whole,
+    lacks_steps: bool,
+    /// The moment that the run goes on from as soon as its root is entered.
+    restored: Option<Vec<u8>>,
+}
+
+#[derive(Debug, Clone)]
+struct Active {
+    inputs: Vec<Kept>,
+    /// The record that it was entered by.
+    order: u64,
+    t_ns: u64,
+    inside: Inside,
+}
+
+impl Moment {
+    /// A number gets its meaning.
+    pub fn define(&mut self, definition: &Definition) {
+        match definition {
+            Definition::Place(number, place) => self.places.define(*number, place.clone()),
+            Definition::Value(..) => {}
+        }
+    }
+
+    /// A record, by its number and time.
+    pub fn apply(&mut self, sequence: u64, t_ns: u64, record: &Record) {
+        (self.sequence, self.t_ns) = (sequence, t_ns);
+        match record {
+            Record::Entered { place, inputs, undoes } => self.enter(*place, inputs, *undoes),
+            Record::Left { place, outcome, outputs, error, undoes } => {
+                self.leave(
+                    End {
+                        place: *place,
+                        entered: 0,
+                        inputs: Vec::new(),
+                        outcome: *outcome,
+                        outputs: outputs.clone(),
+                        error: error.clone(),
+                        order: sequence,
+                        inside: None,
+                        is_open: false,
+                    },
+                    undoes.is_some(),
+                );
+            }
+            Record::Scoped { place, port, value } => {
+                if let Some(active) = self.active.get_mut(place) {
+                    let value = inside::Variable { value: value.clone(), order: sequence };
+                    active.inside.set(*port, value);
+                }
+            }
+            Record::Global { name, value } => match value {
+                Some(value) => drop(self.globals.insert(name.clone(), value.clone())),
+                None => drop(self.globals.remove(name)),
+            },
+            Record::Persistent { place, value } => {
+                self.persistent.insert(*place, value.clone());
+            }
+            Record::Log { .. } => {}
+            Record::Told(event) => self.told(event),
+        }
+    }
+
+    fn enter(&mut self, place: PlaceNumber, inputs: &[Kept], undoes: Option<NonZeroU64>) {
+        let parent = self.places.parent(place);
+        if parent.is_none() {
+            self.begin_restored();
+        }
+        self.count_entry();
+        self.whole.entered(self.places.path(place));
+        // What is active is only entered when a run is taken up: its data is what it was.
+        if self.active.contains_key(&place) {
+            return;
+        }
+        let is_library = self.places.get(place).is_some_and(|place| place.is_library);
+        self.states_run += u64::from(undoes.is_none() && !is_library);
+        let around = parent.and_then(|parent| self.active.get_mut(&parent));
+        let (order, t_ns) = (self.sequence, self.t_ns);
+        let mut active = Active { inputs: inputs.to_vec(), order, t_ns, inside: Inside::default() };
+        if let Some(around) = around {
+            around.inside.begin();
+            if undoes.is_some() {
+                match around.inside.reopen(place) {
+                    Some(end) => {
+                        active.order = end.entered;
+                        active.inside = end.inside.map(|inside| *inside).unwrap_or_default();
+                    }
+                    None => self.lacks_steps = true,
+                }
+            }
+        }
+        self.active.insert(place, active);
+    }
+
+    fn leave(&mut self, mut end: End, backwards: bool) {
+        self.whole.left(self.places.path(end.place));
+        let Some(active) = self.active.remove(&end.place) else { return };
+        let parent = self.places.parent(end.place);
+        let Some(around) = parent.and_then(|parent| self.active.get_mut(&parent)) else { return };
+        if backwards {
+            return around.inside.undo(end.place, |place| self.places.is_decider(place));
+        }
+        (end.entered, end.inputs) = (active.order, active.inputs);
+        end.inside = (!active.inside.is_empty()).then(|| Box::new(active.inside));
+        around.inside.end(end);
+    }
+
+    fn count_entry(&mut self) {
+        self.entries += 1;
+        if self.entries.is_multiple_of(COUNT_EVERY) && self.steps() > STEPS_MAX {
+            self.settle(STEPS_MAX / 2);
+        }
+    }
+
+    fn steps(&self) -> usize {
+        self.active.values().map(|active| active.inside.weight()).sum()
+    }
+
+    /// Gives up the oldest steps, the outermost first, until there are no more than `wanted`.
+    fn settle(&mut self, wanted: usize) {
+        let mut steps = self.steps();
+        let mut outermost: Vec<&mut Active> = self.active.values_mut().collect();
+        outermost.sort_by_key(|active| active.order);
+        for active in outermost {
+            let mut before = active.inside.weight();
+            while steps > wanted && active.inside.settle_oldest() {
+                let now = active.inside.weight();
+                steps -= before - now;
+                before = now;
+            }
+        }
+    }
+
+    /// What is active becomes what was active at the moment that the run was taken back to.
+    fn begin_restored(&mut self) {
+        let Some(bytes) = self.restored.take() else { return };
+        if let Ok(earlier) = Self::from_bytes(&bytes, self.places.clone()) {
+            self.active = earlier.active;
+        }
+    }
+
+    /// Whether a step back went further than the steps that are known here: to be exact, one must begin earlier.
+    pub fn lacks_steps(&self) -> bool {
+        self.lacks_steps
+    }
+
+    fn drop_state(&mut self, path: &str) {
+        self.whole.left(path);
+        if let Some(place) = self.places.number(path) {
+            self.active.remove(&place);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! What is true of a run as a whole: whether it is paused, what is held or asked, breakpoints, its end.
+//!
+//! Knows the protocol's events. Must never know data of states.
+
+use super::Moment;
+use rafcon_protocol::{Answer, Breakpoint, Command, Event, HeldBy, Outcome, Question, RunStatus};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What concerns the whole run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Whole {
+    /// What it is doing.
+    pub status: RunStatus,
+    /// How it ended, once it has.
+    pub outcome: Option<Outcome>,
+    /// Hash of the machine that it goes by, if one was kept.
+    pub root: Option<String>,
+    /// How many runners there were.
+    pub life: u32,
+    /// All breakpoints, by id.
+    pub breakpoints: BTreeMap<u64, Breakpoint>,
+    /// How often breakpoints were hit.
+    pub hits: BTreeMap<u64, u32>,
+    /// Questions without an answer, by id.
+    pub questions: BTreeMap<u64, Question>,
+    /// Branches that are held.
+    pub held: Vec<Holding>,
+    /// States that wait, by path, and for what.
+    pub waiting: BTreeMap<String, String>,
+}
+
+/// A branch that is held.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Holding {
+    /// The container that is held.
+    pub path: String,
+    /// The state before which it is held.
+    pub next: Option<String>,
+    /// By what.
+    pub by: HeldBy,
+}
+
+impl Default for Whole {
+    fn default() -> Self {
+        Self {
+            status: RunStatus::Running,
+            outcome: None,
+            root: None,
+            life: 1,
+            breakpoints: BTreeMap::new(),
+            hits: BTreeMap::new(),
+            questions: BTreeMap::new(),
+            held: Vec::new(),
+            waiting: BTreeMap::new(),
+        }
+    }
+}
+
+impl Whole {
+    pub(super) fn entered(&mut self, path: &str) {
+        self.lets_go(path);
+        if let Some((around, _)) = path.rsplit_once('/') {
+            self.waiting.remove(around);
+            // A hierarchy goes on with whatever is next now; of several branches only the named one does.
+            if self.held.iter().filter(|held| held.path == around).count() == 1 {
+                self.held.retain(|held| held.path != around);
+            }
+        }
+    }
+
+    pub(super) fn left(&mut self, path: &str) {
+        self.lets_go(path);
+        self.waiting.remove(path);
+        self.held.retain(|held| held.path != path);
+    }
+
+    fn lets_go(&mut self, next: &str) {
+        self.held.retain(|held| held.next.as_deref() != Some(next));
+    }
+
+    fn steps(&mut self) {
+        if !matches!(self.status, RunStatus::Stopping | RunStatus::Finished) {
+            self.status = RunStatus::Stepping;
+        }
+    }
+
+    fn is_held(&mut self, holding: Holding) {
+        match holding.by {
+            HeldBy::Step | HeldBy::RunTo | HeldBy::Start => self.steps(),
+            HeldBy::Pause | HeldBy::Breakpoint { .. } => {}
+        }
+        self.held.retain(|held| (&held.path, &held.next) != (&holding.path, &holding.next));
+        self.held.push(holding);
+    }
+
+    fn commanded(&mut self, command: &Command) {
+        match command {
+            Command::StepMode
+            | Command::StepInto { .. }
+            | Command::StepOver { .. }
+            | Command::StepOut { .. }
+            | Command::StepBack { .. } => self.steps(),
+            Command::Resume { branch: None } if self.status == RunStatus::Stepping => {
+                self.status = RunStatus::Running;
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Moment {
+    pub(super) fn told(&mut self, event: &Event) {
+        let whole = &mut self.whole;
+        match event {
+            Event::Held { path, next, by } => {
+                whole.is_held(Holding { path: path.clone(), next: next.clone(), by: *by });
+            }
+            Event::Hit { breakpoint, hits, .. } => drop(whole.hits.insert(*breakpoint, *hits)),
+            Event::BreakpointSet { breakpoint } => {
+                whole.breakpoints.insert(breakpoint.id, breakpoint.clone());
+            }
+            Event::BreakpointRemoved { id } => drop(whole.breakpoints.remove(id)),
+            Event::Forced { path, .. } => whole.lets_go(path),
+            Event::Dropped { path } => self.drop_state(path),
+            Event::Root { hash, .. } => whole.root = Some(hash.clone()),
+            Event::Commanded { envelope, answer: Answer::Applied } => {
+                whole.commanded(&envelope.command);
+            }
+            Event::Asked { question } => {
+                whole.questions.insert(question.id, (**question).clone());
+            }
+            Event::Closed { id, .. } => drop(whole.questions.remove(id)),
+            Event::Resumed { life, .. } => whole.taken_up(*life),
+            Event::Waiting { path, reason } => {
+                whole.waiting.insert(path.clone(), reason.clone());
+            }
+            Event::Paused { paused: true } => whole.status = RunStatus::Paused,
+            Event::Paused { paused: false } => whole.status = RunStatus::Running,
+            Event::Stopping => whole.status = RunStatus::Stopping,
+            Event::Finished { outcome, .. } => {
+                whole.status = RunStatus::Finished;
+                whole.outcome = Some(outcome.clone());
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Whole {
+    /// What a runner that died had in hand is gone; what belongs to the run is not.
+    fn taken_up(&mut self, life: u32) {
+        self.life = life;
+        self.status = RunStatus::Running;
+        self.outcome = None;
+        self.questions.clear();
+        self.held.clear();
+        self.waiting.clear();
+    }
+}
