@@ -118,6 +118,8 @@ pub struct Restore<D> {
     /// Whether the run is held, in step mode: hierarchies before their next child, and, with [`Interrupted::Again`],
     /// scripts before they run again.
     pub hold: bool,
+    /// How many states had been run in earlier lives of the run; counts only in an engine that has not started.
+    pub states_run: u64,
 }
 
 /// A program to go on with.

@@ -7,12 +7,14 @@ use crate::{Datum, Effect, Event, Input, Start};
 
 /// What a command does in a status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Action {
+pub(super) enum Action {
     Begin,
     Pause,
     Resume,
     Stop,
     StopPaused,
+    Restore,
+    Change,
 }
 
 /// The table. The same rows stand in `docs/semantics.md`.
@@ -23,13 +25,20 @@ fn action(status: Status, command: Command) -> Option<Action> {
         (Status::Paused, Command::Resume) => Action::Resume,
         (Status::Running | Status::Stopping, Command::Stop) => Action::Stop,
         (Status::Paused, Command::Stop) => Action::StopPaused,
+        (Status::Idle | Status::Running | Status::Paused, Command::Restore) => Action::Restore,
+        (_, Command::Change) if status != Status::Finished => Action::Change,
         (Status::Idle, Command::Pause | Command::Resume | Command::Stop)
         | (Status::Running, Command::Start | Command::Resume)
         | (Status::Paused, Command::Start | Command::Pause)
-        | (Status::Stopping, Command::Start | Command::Pause | Command::Resume)
-        | (Status::Finished, Command::Start | Command::Pause | Command::Resume | Command::Stop) => {
-            return None;
-        }
+        | (
+            Status::Stopping,
+            Command::Start | Command::Pause | Command::Resume | Command::Restore,
+        )
+        | (
+            Status::Finished,
+            Command::Start | Command::Pause | Command::Resume | Command::Stop | Command::Restore,
+        )
+        | (_, Command::Change) => return None,
     };
     Some(action)
 }
@@ -43,14 +52,14 @@ impl<D: Datum> Step<'_, D> {
             Input::Pause => self.obey(Command::Pause),
             Input::Resume(None) => self.obey(Command::Resume),
             Input::Stop => self.obey(Command::Stop),
-            Input::Restore(_)
-            | Input::Resume(Some(_))
+            Input::Restore(restore) => self.restore(*restore),
+            Input::Recover(path, interrupted) => self.recover(path.as_ref(), interrupted),
+            Input::Resume(Some(_))
             | Input::StepMode
             | Input::Step(..)
             | Input::RunTo(_)
             | Input::Force(..)
             | Input::Preempt(_)
-            | Input::Recover(..)
             | Input::Break(_)
             | Input::Unbreak(_)
             | Input::Attended(_)
@@ -59,7 +68,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    fn legal(&self, command: Command) -> Result<Action, Refusal> {
+    pub(super) fn legal(&self, command: Command) -> Result<Action, Refusal> {
         let status = self.run.status;
         action(status, command).ok_or(Refusal::NotNow { command, status })
     }
@@ -68,6 +77,7 @@ impl<D: Datum> Step<'_, D> {
         match self.legal(command)? {
             Action::Begin => self.run.status = Status::Running,
             Action::Pause => self.pause(true),
+            Action::Restore | Action::Change => {}
             Action::Resume => self.resume(),
             Action::Stop => self.stop(),
             Action::StopPaused => {
@@ -88,7 +98,7 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    fn pause(&mut self, paused: bool) {
+    pub(super) fn pause(&mut self, paused: bool) {
         self.run.status = if paused { Status::Paused } else { Status::Running };
         self.out.events.push(Event::Paused(paused));
         self.out.effects.push(Effect::Paused(paused));
@@ -108,7 +118,7 @@ impl<D: Datum> Step<'_, D> {
         self.preempt(&active);
     }
 
-    fn active(&self) -> Vec<u32> {
+    pub(super) fn active(&self) -> Vec<u32> {
         self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::frames::{Ended, Slot};
 use super::step::Step;
-use crate::program::{Checks, Initial, Inside, Node, Wires};
+use crate::program::{Checks, Initial, Inside, Node, Wires, index};
 use crate::{Datum, Event, Globals, Level, Note, PathId};
 use rafcon_model::{Answer, DataType, Port};
 use smol_str::SmolStr;
@@ -97,12 +97,17 @@ impl<'s, D: Datum> Step<'s, D> {
         if wires.is_empty() {
             return;
         }
-        for (port, value) in values.iter().enumerate() {
-            if absent.iter().any(|&index| index as usize == port) {
-                continue;
-            }
-            for &target in self.program.tables.slots(wires, port) {
-                self.put(slot, inside, target, value);
+        // Ports before scoped variables, so that of what one state gave the scoped variable is the newer.
+        let node = self.program.node(self.run.frames.get(slot).node);
+        let variables = index(node.inputs.len())..index(node.inputs.len() + inside.scoped.len());
+        for to_variables in [false, true] {
+            for (port, value) in values.iter().enumerate() {
+                if absent.iter().any(|&index| index as usize == port) {
+                    continue;
+                }
+                let targets = self.program.tables.slots(wires, port).iter();
+                let targets = targets.filter(|target| variables.contains(target) == to_variables);
+                targets.for_each(|&target| self.put(slot, inside, target, value));
             }
         }
     }

@@ -70,7 +70,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.enter_with(seed, child, Some(Arc::new(verdicts)));
     }
 
-    fn fork(&mut self) -> BranchId {
+    pub(super) fn fork(&mut self) -> BranchId {
         let branch = self.run.branches.begin();
         self.out.effects.push(Effect::Fork { branch });
         branch
@@ -120,8 +120,13 @@ impl<'s, D: Datum> Step<'s, D> {
     ) {
         let parent = seed.parent;
         let node = self.program.node(seed.node);
-        let is_concurrency = matches!(self.body(parent), Body::Concurrency(..));
         let slot = self.begin(seed, node, verdicts);
+        self.hang(parent, child, slot);
+    }
+
+    /// Makes a frame the active child of another.
+    pub(super) fn hang(&mut self, parent: u32, child: u32, slot: u32) {
+        let is_concurrency = matches!(self.body(parent), Body::Concurrency(..));
         let children = &mut self.run.frames.get_mut(parent).children;
         match children.get_mut(child as usize).filter(|_| is_concurrency) {
             Some(place) => *place = slot,
@@ -157,7 +162,7 @@ impl<'s, D: Datum> Step<'s, D> {
         slot
     }
 
-    fn run_script(&mut self, slot: u32, verdicts: Option<Arc<Verdicts<D>>>) {
+    pub(super) fn run_script(&mut self, slot: u32, verdicts: Option<Arc<Verdicts<D>>>) {
         let id = self.run.frames.id(slot);
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Script;
@@ -168,7 +173,7 @@ impl<'s, D: Datum> Step<'s, D> {
             node: frame.node,
             inputs: frame.inputs.clone().unwrap_or_default(),
             outputs: frame.outputs.clone().unwrap_or_default(),
-            error: frame.error.take(),
+            error: frame.error.clone(),
             preempted: frame.preempted,
             verdicts,
             backward: false,

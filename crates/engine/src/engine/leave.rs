@@ -168,7 +168,8 @@ fn shown(returned: &Returned) -> SmolStr {
     }
 }
 
-fn ended<D: Datum>(
+/// The end of a script; outputs that are missing flow nowhere.
+pub(super) fn ended<D: Datum>(
     node: &Node<D>,
     outcome: u32,
     mut outputs: Vec<Option<D>>,

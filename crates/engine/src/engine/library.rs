@@ -3,7 +3,7 @@
 use super::frames::{Ended, Seed};
 use super::phase::Phase;
 use super::step::{Step, Work};
-use crate::program::{ABORTED, Content};
+use crate::program::{ABORTED, Content, Node};
 use crate::{Datum, Level, Note};
 use std::sync::Arc;
 
@@ -36,13 +36,12 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(parent);
         let error = frame.error.take();
         let mut inputs = frame.inputs.clone().unwrap_or_default();
-        let mut outputs = frame.outputs.clone().unwrap_or_default();
         if let Some(ports) = ports {
             let given = inputs;
             let from = |port: usize| given.get(ports.inputs[port]? as usize).cloned();
             inputs = self.default_inputs(node, path, from);
-            outputs = mapped(&ports.defaults, &outputs, &node.outputs);
         }
+        let outputs = self.root_outputs(parent, content, node);
         let frame = self.run.frames.get(parent);
         let seed = Seed {
             node: *root,
@@ -57,6 +56,22 @@ impl<'s, D: Datum> Step<'s, D> {
             entered_at,
         };
         self.enter_with(seed, 0, None);
+    }
+
+    /// The defaults of the outputs of a root are those of its library state.
+    pub(super) fn root_outputs(
+        &self,
+        library: u32,
+        content: &Content<D>,
+        root: &Node<D>,
+    ) -> Arc<[D]> {
+        let outputs = self.run.frames.get(library).outputs.clone().unwrap_or_default();
+        match content {
+            Content::Found { ports: Some(ports), .. } => {
+                mapped(&ports.defaults, &outputs, &root.outputs)
+            }
+            Content::Found { ports: None, .. } | Content::Missing { .. } => outputs,
+        }
     }
 
     /// The library state ends as its root did.

@@ -1,10 +1,13 @@
 //! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
 
+mod again;
 mod barrier;
 mod branches;
 mod control;
 mod data;
 mod enter;
+mod export;
+mod fitting;
 mod frames;
 mod hierarchy;
 mod inspect;
@@ -14,7 +17,9 @@ mod phase;
 mod places;
 mod preempt;
 mod preemptive;
+mod recover;
 mod refusal;
+mod restore;
 mod snapshot;
 mod step;
 
@@ -57,6 +62,8 @@ struct Run<D> {
     turn: u64,
     /// States entered, without library states.
     entered: u64,
+    /// What scripts that a crash interrupted end with, if they are aborted.
+    crash: Option<D>,
 }
 
 impl<D: Datum> Engine<D> {
@@ -74,6 +81,7 @@ impl<D: Datum> Engine<D> {
             stopped_twice: false,
             turn: 0,
             entered: 0,
+            crash: None,
         };
         Self { program, run }
     }

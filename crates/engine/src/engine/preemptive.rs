@@ -39,11 +39,11 @@ impl<'s, D: Datum> Step<'s, D> {
                 self.store_outputs(slot, inside, child, ended);
             }
         }
-        let won = ended.into_iter().nth(winner as usize).flatten();
         let frame = self.run.frames.get_mut(slot);
-        if let Some(won) = won {
+        if let Some(won) = ended.get(winner as usize).and_then(Option::as_ref) {
             frame.last = Some((winner, won.outcome));
-            frame.last_error = won.error;
+            frame.last_error.clone_from(&won.error);
         }
+        frame.ended = ended;
     }
 }

@@ -2,6 +2,8 @@
 
 use crate::FrameId;
 use crate::program::UnknownPath;
+use rafcon_model::StatePath;
+use smol_str::SmolStr;
 use std::fmt;
 use thiserror::Error;
 
@@ -31,6 +33,10 @@ pub enum Command {
     Resume,
     /// [`crate::Input::Stop`]
     Stop,
+    /// [`crate::Input::Restore`]
+    Restore,
+    /// [`crate::Input::Change`]
+    Change,
 }
 
 /// An input that changed nothing.
@@ -47,6 +53,32 @@ pub enum Refusal {
     /// This engine cannot do that yet.
     #[error("this engine does not know the command yet; it knows start, pause, resume and stop")]
     NotYet,
+    /// A script runs, and the command would end it without a result.
+    #[error(
+        "cannot {command}: the script of '{path}' runs; hold the run and wait for its end, or preempt it"
+    )]
+    StillRuns {
+        /// What was asked for.
+        command: Command,
+        /// Where the script runs.
+        path: StatePath,
+    },
+    /// What is to be restored does not fit the machine.
+    #[error(
+        "cannot take the run up there: '{path}' {problem}; choose another moment, or take the change of the machine back"
+    )]
+    CannotRestore {
+        /// The state that does not fit.
+        path: StatePath,
+        /// Why.
+        problem: SmolStr,
+    },
+    /// No interrupted script waits there.
+    #[error("no script that a crash interrupted waits {}", there(path.as_ref()))]
+    NotInterrupted {
+        /// Where; anywhere if there is none.
+        path: Option<StatePath>,
+    },
     /// The state to start from does not exist.
     #[error(transparent)]
     StartFrom(#[from] UnknownPath),
@@ -56,6 +88,13 @@ pub enum Refusal {
         /// The frame that was named.
         frame: FrameId,
     },
+}
+
+fn there(path: Option<&StatePath>) -> String {
+    path.map_or_else(
+        || "in this run".into(),
+        |path| format!("at '{path}'; the snapshot names those that do"),
+    )
 }
 
 fn way_out(status: Status) -> &'static str {
@@ -87,6 +126,8 @@ impl fmt::Display for Command {
             Self::Pause => "pause",
             Self::Resume => "resume",
             Self::Stop => "stop",
+            Self::Restore => "take the run up elsewhere",
+            Self::Change => "change the machine",
         })
     }
 }

@@ -50,7 +50,8 @@ impl<'s, D: Datum> Step<'s, D> {
         match self.body(slot) {
             Body::Hierarchy(inside) => self.advance_hierarchy(slot, inside),
             Body::Concurrency(kind, inside) => self.advance_concurrency(slot, *kind, inside),
-            Body::Script | Body::Library(_) => {}
+            Body::Script => self.advance_script(slot),
+            Body::Library(_) => {}
         }
     }
 

@@ -54,7 +54,7 @@ fn compile<D: Datum>(
 }
 
 /// A number of something that a machine has, as an index.
-pub(super) fn index(number: usize) -> u32 {
+pub(crate) fn index(number: usize) -> u32 {
     u32::try_from(number).unwrap_or(u32::MAX)
 }
 

@@ -1,6 +1,6 @@
 //! From a path of ids to the way down through the nodes.
 
-use super::{Body, Program};
+use super::{Body, Node, Program};
 use crate::NodeId;
 use rafcon_model::{StateId, StatePath};
 use smol_str::{SmolStr, format_smolstr};
@@ -55,15 +55,21 @@ impl<D> Program<D> {
     }
 
     fn step(&self, node: NodeId, id: &StateId) -> Option<(NodeId, u32)> {
-        match &self.node(node).body {
+        self.child_of(self.node(node), id).map(|(index, child)| (child, index))
+    }
+
+    /// Index and node of the child with this id.
+    pub(crate) fn child_of(&self, node: &Node<D>, id: &StateId) -> Option<(u32, NodeId)> {
+        match &node.body {
             Body::Script => None,
             Body::Library(content) => {
                 let root = content.root().filter(|root| self.node(*root).id() == id);
-                root.map(|root| (root, 0))
+                root.map(|root| (0, root))
             }
+            // Children stand in the order of their ids.
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
-                let found = (0..inside.count()).find(|&c| self.node(inside.child(c)).id() == id);
-                found.map(|child| (inside.child(child), child))
+                let found = inside.children.binary_search_by(|&c| self.node(c).id().cmp(id));
+                found.ok().map(|index| (super::index(index), inside.children[index]))
             }
         }
     }

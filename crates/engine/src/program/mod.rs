@@ -8,6 +8,7 @@ mod node;
 mod numbers;
 mod tables;
 
+pub(crate) use compile::index;
 pub use locate::UnknownPath;
 pub use node::Node;
 pub(crate) use node::{ABORTED, Body, Concurrency, Content, Exit, Initial, Inside, PREEMPTED};

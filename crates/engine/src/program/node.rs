@@ -72,6 +72,16 @@ pub(crate) enum Concurrency {
     Preemptive,
 }
 
+impl Concurrency {
+    /// The child that decides.
+    pub(crate) fn decider(self) -> Option<u32> {
+        match self {
+            Self::Barrier(decider) => decider,
+            Self::Preemptive => None,
+        }
+    }
+}
+
 /// The inside of a container. Its values live in slots: first its inputs, then its scoped variables, then those outputs of
 /// children that flow somewhere.
 #[derive(Debug)]

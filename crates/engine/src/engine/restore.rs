@@ -1,0 +1,326 @@
+//! Taking a run up at a moment: frames, values and places as they were. Knows names and orders; what goes on from there is
+//! the same as ever.
+
+use super::frames::{Ended, NONE, Seed, Slot};
+use super::phase::Phase;
+use super::step::{Step, Work};
+use super::{Command, Refusal, Status};
+use crate::program::{ABORTED, Body, Concurrency, Content, Inside, Node, PREEMPTED};
+use crate::{
+    BranchId, Datum, Event, Interrupted, NodeId, PathId, Program, Restore, Restored, RestoredEnd,
+    WaitReason,
+};
+use rafcon_model::{Port, PortId, StateId};
+use std::sync::Arc;
+
+impl<'s, D: Datum> Step<'s, D> {
+    pub(super) fn restore(&mut self, restore: Restore<D>) -> Result<(), Refusal> {
+        self.nothing_runs(Command::Restore)?;
+        super::fitting::fits(self.program, &restore.root)?;
+        if self.run.status == Status::Idle {
+            self.run.entered = restore.states_run;
+        }
+        self.drop_all();
+        self.run.crash = restore.crash;
+        let waits = restore.interrupted == Interrupted::Wait;
+        self.run.status = Status::Running;
+        if restore.hold || waits {
+            self.pause(true);
+        }
+        let made = self.rebuild(restore.root);
+        self.set_going(&made, restore.interrupted, restore.hold);
+        Ok(())
+    }
+
+    /// All frames of a moment, parents before children.
+    fn rebuild(&mut self, root: Restored<D>) -> Vec<u32> {
+        let mut made = Vec::new();
+        let mut stack = vec![(NONE, 0, root)];
+        while let Some((parent, child, mut restored)) = stack.pop() {
+            let children = std::mem::take(&mut restored.children);
+            let slot = self.rebuild_frame(parent, child, &restored);
+            made.push(slot);
+            let node = self.program.node(self.run.frames.get(slot).node);
+            let numbered = children.into_iter().filter_map(|child| {
+                Some((slot, self.program.child_of(node, &child.state)?.0, child))
+            });
+            let first = stack.len();
+            stack.extend(numbered);
+            stack[first..].sort_by_key(|(_, child, _)| std::cmp::Reverse(*child));
+        }
+        made
+    }
+
+    fn rebuild_frame(&mut self, parent: u32, child: u32, restored: &Restored<D>) -> u32 {
+        let seed = self.restored_seed(parent, child, restored);
+        let (path, id) = (seed.path, seed.node);
+        let entered =
+            Event::Entered { path, node: id, inputs: Arc::clone(&seed.inputs), undoes: None };
+        self.out.events.insert(seed.entered_at, entered);
+        let slot = self.run.frames.add(seed);
+        match parent {
+            NONE => self.run.root = Some(slot),
+            _ => self.hang(parent, child, slot),
+        }
+        match &self.program.node(id).body {
+            Body::Script | Body::Library(_) => {
+                let ends = restored.ended.iter().map(|end| self.end_of(id, end));
+                self.run.frames.get_mut(slot).ended = ends.collect();
+            }
+            Body::Hierarchy(inside) => {
+                self.refill(slot, inside, restored, true);
+                self.restore_last(slot, inside, restored);
+            }
+            Body::Concurrency(kind, inside) => {
+                self.refill(slot, inside, restored, *kind != Concurrency::Preemptive);
+                self.restore_ends(slot, *kind, inside, restored);
+            }
+        }
+        slot
+    }
+
+    fn restored_seed(&mut self, parent: u32, child: u32, restored: &Restored<D>) -> Seed<D> {
+        let id = self.node_of_child(parent, child);
+        let node = self.program.node(id);
+        let path = if parent == NONE { PathId(0) } else { self.child_path(parent, child) };
+        let entered_at = self.out.events.len();
+        let given = |port: usize| value_of(&restored.inputs, node.inputs().get(port)?);
+        let inputs = self.default_inputs(node, path, given);
+        Seed {
+            node: id,
+            path,
+            branch: self.restored_branch(parent, child),
+            parent,
+            preempted: restored.preempted || self.passes_preemption(parent),
+            start_depth: None,
+            inputs,
+            outputs: self.restored_outputs(parent, node),
+            error: restored.error.clone(),
+            entered_at,
+        }
+    }
+
+    fn node_of_child(&self, parent: u32, child: u32) -> NodeId {
+        if parent == NONE {
+            return Program::<D>::ROOT;
+        }
+        let around = self.program.node(self.run.frames.get(parent).node);
+        around.child(child as usize).unwrap_or(Program::<D>::ROOT)
+    }
+
+    fn restored_branch(&mut self, parent: u32, child: u32) -> BranchId {
+        if parent == NONE {
+            return BranchId(0);
+        }
+        match self.body(parent) {
+            Body::Concurrency(kind, _) if kind.decider() != Some(child) => self.fork(),
+            Body::Script | Body::Hierarchy(_) | Body::Concurrency(..) | Body::Library(_) => {
+                self.run.frames.get(parent).branch
+            }
+        }
+    }
+
+    /// Whether a state that is active in `parent` was asked to end with it: all are, but handlers in hierarchies.
+    fn passes_preemption(&self, parent: u32) -> bool {
+        if parent == NONE {
+            return false;
+        }
+        let frame = self.run.frames.get(parent);
+        let is_hierarchy = matches!(self.body(parent), Body::Hierarchy(_));
+        let handles = is_hierarchy && frame.last.is_some_and(|(_, end)| end == PREEMPTED);
+        frame.winner.is_some() || frame.preempted && !handles
+    }
+
+    fn restored_outputs(&self, parent: u32, node: &Node<D>) -> Arc<[D]> {
+        let library = (parent != NONE).then(|| self.body(parent));
+        match library {
+            Some(Body::Library(content)) => self.root_outputs(parent, content, node),
+            Some(Body::Script | Body::Hierarchy(_) | Body::Concurrency(..)) | None => {
+                Arc::clone(&node.outputs)
+            }
+        }
+    }
+
+    /// The values in a container, put down in their order. At one moment outputs come before scoped variables.
+    fn refill(&mut self, slot: u32, inside: &Inside<D>, restored: &Restored<D>, outputs: bool) {
+        let inputs = self.run.frames.get(slot).inputs.clone().unwrap_or_default();
+        let mut writes: Vec<(u64, bool, u32, D)> = Vec::new();
+        writes.extend((0..).zip(inputs.iter()).map(|(i, v)| (restored.order, false, i, v.clone())));
+        let variables = (0..).skip(inputs.len()).zip(&*inside.scoped);
+        writes.extend(variables.map(|(target, scoped)| {
+            let kept = restored.scoped.iter().rfind(|kept| kept.port == scoped.port.id);
+            kept.map_or_else(
+                || (restored.order, true, target, scoped.initial.clone()),
+                |kept| (kept.order, true, target, kept.value.clone()),
+            )
+        }));
+        for end in restored.ended.iter().filter(|_| outputs) {
+            self.outputs_of(slot, inside, end, &mut writes);
+        }
+        writes.sort_by_key(|(order, is_variable, ..)| (*order, *is_variable));
+        self.write_all(slot, inside, writes);
+    }
+
+    /// Where the outputs of a child flow, other than to scoped variables, which stand for themselves.
+    fn outputs_of(
+        &self,
+        slot: u32,
+        inside: &Inside<D>,
+        end: &RestoredEnd<D>,
+        writes: &mut Vec<(u64, bool, u32, D)>,
+    ) {
+        let node = self.program.node(self.run.frames.get(slot).node);
+        let Some((_, child)) = self.program.child_of(node, &end.state) else { return };
+        let first = node.inputs().len() + inside.scoped.len();
+        let child = self.program.node(child);
+        for (port, output) in child.outputs().iter().enumerate() {
+            let Some(value) = value_of(&end.outputs, output) else { continue };
+            let targets = self.program.tables.slots(child.scatter, port).iter();
+            let slots = targets.filter(|&&target| target as usize >= first);
+            writes.extend(slots.map(|&target| (end.order, false, target, value.clone())));
+        }
+    }
+
+    fn write_all(&mut self, slot: u32, inside: &Inside<D>, writes: Vec<(u64, bool, u32, D)>) {
+        let frame = self.run.frames.get_mut(slot);
+        let (path, inputs) = (frame.path, frame.inputs.as_ref().map_or(0, |inputs| inputs.len()));
+        frame.slots.resize(inside.slots as usize, Slot { sequence: 0, value: None });
+        for (_, is_variable, target, value) in writes {
+            let Some(place) = frame.slots.get_mut(target as usize) else { continue };
+            self.run.sequence += 1;
+            *place = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
+            let variable = (target as usize).checked_sub(inputs).filter(|_| is_variable);
+            if let Some(scoped) = variable.and_then(|index| inside.scoped.get(index)) {
+                self.out.events.push(Event::Scoped { path, port: scoped.port.id, value });
+            }
+        }
+    }
+
+    /// The child of a hierarchy that ended last, and its error.
+    fn restore_last(&mut self, slot: u32, inside: &Inside<D>, restored: &Restored<D>) {
+        let Some(last) = &restored.last else { return };
+        let position = inside.children.iter().position(|&c| self.program.node(c).id() == last);
+        let end = restored.ended.iter().find(|end| end.state == *last);
+        let Some((child, end)) = position.zip(end) else { return };
+        let outcome = self.program.node(inside.children[child]).outcome_index(end.outcome.0);
+        let Some(outcome) = outcome else { return };
+        let frame = self.run.frames.get_mut(slot);
+        frame.last = Some((crate::program::index(child), outcome));
+        frame.last_error = end.error.clone().filter(|_| outcome == ABORTED);
+    }
+
+    /// How the children of a concurrency state ended. Those that are active again have not.
+    fn restore_ends(
+        &mut self,
+        slot: u32,
+        kind: Concurrency,
+        inside: &Inside<D>,
+        restored: &Restored<D>,
+    ) {
+        let runs = |id: &StateId| restored.children.iter().any(|child| child.state == *id);
+        let ends = inside.children.iter().map(|&child| {
+            let id = self.program.node(child).id();
+            let end = restored.ended.iter().find(|end| end.state == *id && !runs(id))?;
+            Some((end.order, self.end_of_child(child, end)?))
+        });
+        let ends: Vec<_> = ends.collect();
+        let decider = kind.decider().map(|decider| decider as usize);
+        let branches = ends.iter().enumerate().filter(|(child, _)| Some(*child) != decider);
+        let open = branches.clone().filter(|(_, end)| end.is_none()).count();
+        let first = branches.filter_map(|(child, end)| Some((end.as_ref()?.0, child))).min();
+        let frame = self.run.frames.get_mut(slot);
+        frame.children.resize(inside.children.len(), NONE);
+        frame.open = crate::program::index(open);
+        frame.ended = ends.into_iter().map(|end| end.map(|(_, end)| end)).collect();
+        if kind == Concurrency::Preemptive {
+            frame.winner = first.map(|(_, child)| crate::program::index(child));
+        }
+        let decided = decider.and_then(|decider| Some((decider, frame.ended[decider].as_ref()?)));
+        let decided = decided.map(|(decider, end)| (decider, end.outcome, end.error.clone()));
+        if let Some((decider, outcome, error)) = decided {
+            frame.last = Some((crate::program::index(decider), outcome));
+            frame.last_error = error.filter(|_| outcome == ABORTED);
+        }
+    }
+
+    /// How the root of a library ended.
+    fn end_of(&self, library: NodeId, end: &RestoredEnd<D>) -> Option<Ended<D>> {
+        let (_, child) = self.program.child_of(self.program.node(library), &end.state)?;
+        self.end_of_child(child, end)
+    }
+
+    fn end_of_child(&self, child: NodeId, end: &RestoredEnd<D>) -> Option<Ended<D>> {
+        let node = self.program.node(child);
+        let outcome = node.outcome_index(end.outcome.0)?;
+        let outputs = node.outputs().iter().map(|port| value_of(&end.outputs, port)).collect();
+        Some(super::leave::ended(node, outcome, outputs, end.error.clone()))
+    }
+
+    /// Lets each frame do what it would have done next: works stand in reverse, for the last of them is done first.
+    fn set_going(&mut self, made: &[u32], interrupted: Interrupted, hold: bool) {
+        for &slot in made {
+            if let Body::Script = self.body(slot) {
+                self.take_up_script(slot, interrupted, hold);
+            }
+        }
+        self.run.work.reverse();
+        for &slot in made.iter().rev() {
+            match self.body(slot) {
+                Body::Script => {}
+                Body::Library(content) => self.take_up_library(slot, content),
+                Body::Hierarchy(_) => self.take_up_hierarchy(slot),
+                Body::Concurrency(kind, inside) => self.take_up_branches(slot, *kind, inside),
+            }
+        }
+    }
+
+    fn take_up_hierarchy(&mut self, slot: u32) {
+        let frame = self.run.frames.get_mut(slot);
+        frame.phase = Phase::Child;
+        if frame.children.is_empty() {
+            self.advance_later(slot);
+        }
+    }
+
+    fn take_up_library(&mut self, slot: u32, content: &'s Content<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        frame.phase = Phase::Child;
+        let ended = std::mem::take(&mut frame.ended).into_iter().flatten().next();
+        if !frame.children.is_empty() {
+            return;
+        }
+        match ended {
+            Some(ended) => self.library_root_ended(slot, content, ended),
+            None => self.begin_library(slot, content),
+        }
+    }
+
+    fn take_up_branches(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        let is_active = |child: u32| frame.children[child as usize] != NONE;
+        let decides = kind.decider().is_some_and(is_active);
+        frame.phase =
+            if decides || frame.last.is_some() { Phase::Deciding } else { Phase::Branches };
+        if frame.open == 0 && !decides {
+            return match kind {
+                Concurrency::Preemptive if inside.children.is_empty() => {
+                    self.wait(slot, WaitReason::NoChildren);
+                }
+                Concurrency::Preemptive | Concurrency::Barrier(_) => self.advance_later(slot),
+            };
+        }
+        let waits = |child: &u32| {
+            let index = *child as usize;
+            frame.children[index] == NONE && frame.ended[index].is_none()
+        };
+        let begin = (0..inside.count()).rev().filter(|&child| Some(child) != kind.decider());
+        let begin: Vec<_> = begin.filter(waits).collect();
+        let enter = begin.into_iter().map(|child| Work::Enter { parent: slot, child });
+        self.run.work.extend(enter);
+    }
+}
+
+/// The value with the id of this port.
+fn value_of<D: Clone>(values: &[(PortId, D)], port: &Port) -> Option<D> {
+    values.iter().rfind(|(id, _)| *id == port.id).map(|(_, value)| value.clone())
+}
