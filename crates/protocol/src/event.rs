@@ -220,6 +220,11 @@ pub enum Event {
         /// What becomes of interrupted scripts.
         policy: OnCrash,
     },
+    /// The run begins again at an entry of its history, with the data of then.
+    WentBack {
+        /// Number of the `entered`.
+        sequence: u64,
+    },
     /// Detail before this event was given up to keep the journal within its size.
     Thinned {
         /// The first event with full detail.

@@ -18,6 +18,9 @@ mod group;
 mod journal;
 mod leftovers;
 mod lock;
+mod moment;
+pub mod notation;
+mod places;
 pub mod record;
 mod recorder;
 #[cfg(test)]
@@ -31,4 +34,6 @@ pub use error::{Doing, Full, JournalError};
 pub use folder::{make_folder, run_id};
 pub use journal::{Committed, Journal, Options, RECORDER_BYTES, SIZE_MAX, TakenUp};
 pub use lock::writer_of;
+pub use moment::{BadMoment, Ended, Holding, Moment, Standing, Variable, Whole};
+pub use places::Places;
 pub use record::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};

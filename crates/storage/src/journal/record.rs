@@ -84,6 +84,13 @@ pub enum Record {
         /// The text.
         message: String,
     },
+    /// The run begins again at an entry of its history, with the data of then. It counts from the next entry of the root on.
+    WentBack {
+        /// The entry.
+        sequence: u64,
+        /// What was active before it ([`super::Moment::to_bytes`]).
+        moment: Vec<u8>,
+    },
     /// Anything else, as it is told.
     Told(Box<Event>),
 }

@@ -19,6 +19,7 @@ const LOG: u8 = 6;
 const TOLD: u8 = 7;
 const PLACE: u8 = 8;
 const VALUE: u8 = 9;
+const WENT_BACK: u8 = 10;
 
 const LEVELS: [LogLevel; 5] =
     [LogLevel::Verbose, LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error];

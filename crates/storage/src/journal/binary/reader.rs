@@ -2,6 +2,7 @@
 
 use super::{
     Broken, ENTERED, GLOBAL, LEFT, LEVELS, LOG, PERSISTENT, PLACE, SCOPED, STREAMS, TOLD, VALUE,
+    WENT_BACK,
 };
 use crate::journal::record::{
     Content, Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber,
@@ -64,6 +65,9 @@ impl<'b> Reader<'b> {
             GLOBAL => Record::Global { name: self.text()?.into(), value: self.maybe(Self::kept)? },
             PERSISTENT => Record::Persistent { place: self.place_number()?, value: self.kept()? },
             LOG => self.log()?,
+            WENT_BACK => {
+                Record::WentBack { sequence: self.number()?, moment: self.bytes()?.to_vec() }
+            }
             TOLD => Record::Told(Box::new(self.json()?)),
             _ => return Err(self.broken("an unknown tag")),
         })

@@ -51,6 +51,8 @@ fn record() -> impl Strategy<Value = Record> {
             stream: Stream::Stderr,
             message
         }),
+        (any::<u64>(), prop::collection::vec(any::<u8>(), 0..9))
+            .prop_map(|(sequence, moment)| Record::WentBack { sequence, moment }),
         Just(Record::Told(Box::new(Event::Stopping))),
     ]
 }

@@ -1,6 +1,8 @@
 //! Items to bytes. Knows the encoding of each part; must never know where the bytes go.
 
-use super::{ENTERED, GLOBAL, LEFT, LEVELS, LOG, PERSISTENT, PLACE, SCOPED, STREAMS, TOLD, VALUE};
+use super::{
+    ENTERED, GLOBAL, LEFT, LEVELS, LOG, PERSISTENT, PLACE, SCOPED, STREAMS, TOLD, VALUE, WENT_BACK,
+};
 use crate::journal::batch::Left;
 use crate::journal::record::{
     Content, Definition, Kept, Place, PlaceNumber, Record, Stored, ValueNumber,
@@ -43,6 +45,11 @@ impl<'o> Writer<'o> {
                 self.number(position(&LEVELS, level));
                 self.number(position(&STREAMS, stream));
                 self.text(message);
+            }
+            Record::WentBack { sequence, moment } => {
+                self.tag(WENT_BACK, delta);
+                self.number(*sequence);
+                self.bytes(moment);
             }
             Record::Told(event) => {
                 self.tag(TOLD, delta);

@@ -171,6 +171,10 @@ impl Writer {
         for (place, value) in &moment.persistent {
             self.record(0, Record::Persistent { place: *place, value: value.clone() });
         }
+        // At last: the next entry of the root would make use of it.
+        if let Some(restored) = &moment.restored {
+            self.record(0, Record::WentBack { sequence: 0, moment: restored.clone() });
+        }
     }
 
     fn record(&mut self, order: u64, record: Record) {

@@ -95,6 +95,7 @@ impl Moment {
             Record::Persistent { place, value } => {
                 self.persistent.insert(*place, value.clone());
             }
+            Record::WentBack { moment, .. } => self.restored = Some(moment.clone()),
             Record::Log { .. } => {}
             Record::Told(event) => self.told(event),
         }

@@ -40,7 +40,8 @@ fn shown(moment: &Moment) -> String {
         write!(text, "{:1$}{2}", "", depth * 2, line(standing)).unwrap();
     }
     for held in &whole.held {
-        writeln!(text, "held {} before {:?}", held.path, held.next).unwrap();
+        let next = held.next.as_deref().unwrap_or("nothing");
+        writeln!(text, "held {} before {next}", held.path).unwrap();
     }
     text
 }
@@ -263,7 +264,7 @@ fn what_is_held_is_held_until_it_goes_on() {
         &expect![[r"
         #2 Stepping, 1 run
         R #1
-        held R before Some("R/A")
+        held R before R/A
     "]],
     );
     check(
