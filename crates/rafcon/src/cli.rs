@@ -18,6 +18,9 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Run(Run),
+    Attach(Attach),
+    Tell(Tell),
+    Resume(Resume),
     Check(Check),
     Show(Show),
     Fmt(Fmt),
@@ -53,6 +56,118 @@ pub(crate) struct Run {
     /// Stop the machine after this time, and kill it if it does not end then
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) runs: Runs,
+    #[command(flatten)]
+    pub(crate) keeping: Keeping,
+    /// Hold before the first state, to go on step by step or after breakpoints were set
+    #[arg(long)]
+    pub(crate) hold: bool,
+    /// Hold at this state: path or name, then `after` if it is to be left first, then `if` and a Python condition over
+    /// `inputs`, `outputs`, `scoped`, `outcome`, `gvm` (repeat for more)
+    #[arg(long = "break", value_name = "STATE [after] [if CONDITION]")]
+    pub(crate) breakpoints: Vec<String>,
+}
+
+/// What is kept of a run, and what becomes of it when its runner dies.
+#[derive(Debug, Args)]
+pub(crate) struct Keeping {
+    /// How much of the run is kept
+    #[arg(long, value_enum, default_value_t = Level::Full)]
+    pub(crate) keep: Level,
+    /// Let no script begin before everything up to it is safe from a power cut
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Size of the run's journal beyond which old detail is given up
+    #[arg(long, value_name = "MEGABYTES")]
+    pub(crate) keep_max: Option<u64>,
+    /// What becomes of the scripts that were running if the runner dies; else what the root state's semantic data
+    /// `on_crash` says, else `ask`
+    #[arg(long, value_enum)]
+    pub(crate) on_crash: Option<OnCrash>,
+}
+
+/// How much of a run is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Level {
+    /// Everything: it can be replayed and taken up again
+    Full,
+    /// States, outcomes, commands and the log, without values
+    Status,
+    /// Nothing
+    Off,
+}
+
+/// What becomes of scripts that a crash has interrupted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum OnCrash {
+    /// Nothing moves until somebody decides
+    Ask,
+    /// They are aborted, so that the machine's recovery transitions take over
+    Abort,
+    /// They run again, with the inputs that they had
+    Restart,
+}
+
+/// Take up a run whose runner has died.
+///
+/// It goes on in its own folder, with the machine, the data and the history that it had.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct Resume {
+    /// The run: its id, the beginning of it, its folder, or `last`
+    pub(crate) run: String,
+    /// What becomes of the scripts that were running
+    #[arg(long, value_enum, default_value_t = OnCrash::Ask)]
+    pub(crate) policy: OnCrash,
+    /// Go on from this `entered` event of its history instead, and hold there
+    #[arg(long, value_name = "SEQUENCE")]
+    pub(crate) from: Option<u64>,
+    #[command(flatten)]
+    pub(crate) runs: Runs,
+    #[command(flatten)]
+    pub(crate) python: Python,
+    /// What is written to the standard output
+    #[arg(long, value_enum, default_value_t = Output::Text)]
+    pub(crate) output: Output,
+    /// Stop the machine after this time, and kill it if it does not end then
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) timeout: Option<f64>,
+}
+
+/// Join a run that is going on: watch it, step it, answer its questions.
+///
+/// Leaving (`q` or Ctrl-C) leaves it running. `?` lists the keys.
+#[derive(Debug, Args)]
+pub(crate) struct Attach {
+    /// The run: its id, the beginning of it, its folder, or `last`
+    pub(crate) run: String,
+    #[command(flatten)]
+    pub(crate) runs: Runs,
+    /// What is written to the standard output
+    #[arg(long, value_enum, default_value_t = Output::Text)]
+    pub(crate) output: Output,
+    /// Begin with this event of its history instead of now
+    #[arg(long, value_name = "SEQUENCE", default_value_t = 0)]
+    pub(crate) from: u64,
+}
+
+/// Say one command to a run that is going on, and print the answer.
+///
+/// The command is its name, then its fields as NAME=JSON (a text needs no quotes), such as
+/// `rafcon tell last step_into` or `rafcon tell last force_outcome path=ROOT/SCAN outcome=0`.
+/// docs/protocol.md lists them. Exits with 1 if it is refused.
+#[derive(Debug, Args)]
+pub(crate) struct Tell {
+    /// The run: its id, the beginning of it, its folder, or `last`
+    pub(crate) run: String,
+    /// The command's name
+    pub(crate) command: String,
+    /// Its fields
+    #[arg(value_name = "NAME=JSON")]
+    pub(crate) fields: Vec<String>,
+    #[command(flatten)]
+    pub(crate) runs: Runs,
 }
 
 const EXIT_CODES: &str = "\

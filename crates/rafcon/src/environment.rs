@@ -12,6 +12,8 @@ pub(crate) struct Environment {
     pub(crate) extension: Option<PathBuf>,
     /// This program's file, links followed.
     pub(crate) program: Option<PathBuf>,
+    /// `USER`: who gives commands.
+    pub(crate) user: String,
     /// `HOME`: the user's folder.
     pub(crate) home: Option<PathBuf>,
     /// `XDG_STATE_HOME`: where programs keep what they remember.
@@ -37,6 +39,7 @@ impl Environment {
             virtual_env: set("VIRTUAL_ENV").map(PathBuf::from),
             extension: set("RAFCON_EXTENSION").map(PathBuf::from),
             program: env::current_exe().ok().map(|file| file.canonicalize().unwrap_or(file)),
+            user: variable("USER").unwrap_or_default(),
             home: set("HOME").map(PathBuf::from),
             state_home: set("XDG_STATE_HOME").map(PathBuf::from),
             no_color: set("NO_COLOR").is_some(),

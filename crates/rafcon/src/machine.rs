@@ -28,6 +28,11 @@ impl Source {
         })
     }
 
+    /// A machine with the libraries of the configuration.
+    pub(crate) fn of(machine: PathBuf) -> Self {
+        Self { machine, libraries: Vec::new(), config: None }
+    }
+
     /// Reads the machine; whatever is wrong with the libraries' roots is told at once.
     pub(crate) fn load(&self) -> Result<Loaded> {
         let (config, _file) = config::find(self.config.as_deref(), &variable)?;

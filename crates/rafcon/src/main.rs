@@ -3,6 +3,7 @@
 mod cli;
 mod clock;
 mod commands;
+mod console;
 mod environment;
 mod failure;
 mod machine;

@@ -106,6 +106,11 @@ impl Runs {
     }
 }
 
+/// What a run says about itself; nothing if its file is missing or damaged.
+pub(crate) fn about(folder: &Path) -> Option<serde_json::Value> {
+    serde_json::from_slice(&fs::read(folder.join(ABOUT)).ok()?).ok()
+}
+
 fn matching<'i>(ids: &'i [String], text: &str) -> Vec<&'i String> {
     if let Some(exact) = ids.iter().find(|id| *id == text) {
         return vec![exact];

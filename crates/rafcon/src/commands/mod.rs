@@ -1,11 +1,13 @@
 //! One module a command; each turns raw words into a checked request and carries it out.
 
+mod attach;
 mod check;
 mod fmt;
 mod new;
 mod run;
 mod shell;
 mod show;
+mod tell;
 
 use crate::cli::{Cli, Command};
 use crate::clock::Clock;
@@ -17,6 +19,9 @@ use std::process::ExitCode;
 pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<ExitCode> {
     match cli.command {
         Command::Run(request) => run::run(&request, environment, clock),
+        Command::Attach(request) => attach::attach(&request, environment, clock),
+        Command::Tell(request) => tell::tell(&request, environment),
+        Command::Resume(request) => run::resume(&request, environment, clock),
         Command::Check(request) => check::check(&request, environment),
         Command::Show(request) => show::show(&request, environment),
         Command::Fmt(request) => fmt::fmt(&request),

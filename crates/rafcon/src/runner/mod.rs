@@ -5,6 +5,7 @@
 pub(crate) mod extension;
 pub(crate) mod interpreter;
 pub(crate) mod process;
+pub(crate) mod socket;
 pub(crate) mod wires;
 
 pub(crate) use process::{Process, Start};

@@ -3,6 +3,7 @@
 //! One thread a source; the queue has a bound, so that a slow terminal holds the sources back and not this memory.
 
 use super::Process;
+use crate::console::{Key, Wish};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Hello, Stream, ToViewer, decode};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGTSTP};
@@ -12,13 +13,16 @@ use std::io::{BufRead as _, BufReader, Read};
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::{Child, ExitStatus};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
+use std::time::Duration;
 
 /// How many causes wait at most.
 const QUEUE: usize = 256;
 /// How many messages are handed over at once at most.
 const BATCH: usize = 512;
+/// How often it is looked whether the keyboard is still ours.
+const KEYS_EVERY: Duration = Duration::from_millis(200);
 /// Longer lines of raw output are cut into pieces.
 const RAW_LINE: u64 = 64 * 1024;
 
@@ -41,6 +45,10 @@ pub(crate) enum Cause {
     Exited(Exit),
     /// Ctrl-C, or a polite request to end.
     Interrupt,
+    /// A key of the terminal.
+    Key(Key),
+    /// What a key leads to.
+    Wish(Wish),
     /// The terminal is gone.
     HungUp,
     /// Ctrl-Z.
@@ -71,22 +79,105 @@ pub(crate) fn signals() -> Result<Signals> {
     Signals::new([SIGINT, SIGTERM, SIGHUP, SIGTSTP]).context("cannot listen to signals")
 }
 
-/// Connects every source to one queue.
-pub(crate) fn connect(process: Process, signals: Signals) -> Result<Receiver<Cause>> {
-    let (queue, causes) = sync_channel(QUEUE);
-    let Process { mut child, control } = process;
-    let stdout = child.stdout.take();
-    let stderr = child.stderr.take();
-    source("messages", &queue, move |queue| messages(control, queue))?;
-    if let Some(stdout) = stdout {
-        source("stdout", &queue, move |queue| raw(Stream::Stdout, stdout, queue))?;
+/// The queue, and who fills it. Sources of an earlier runner are not heard any more.
+#[derive(Debug)]
+pub(crate) struct Wires {
+    queue: SyncSender<(u32, Cause)>,
+    causes: Receiver<(u32, Cause)>,
+    /// Which runner is listened to.
+    life: u32,
+}
+
+/// Sources of every life.
+const ALWAYS: u32 = 0;
+
+impl Wires {
+    /// Connects the signals, and the keyboard if there is one.
+    pub(crate) fn new(signals: Signals, has_keys: bool) -> Result<Self> {
+        let (queue, causes) = sync_channel(QUEUE);
+        let wires = Self { queue, causes, life: ALWAYS };
+        wires.source("signals", ALWAYS, move |queue| forward(signals, queue))?;
+        if has_keys {
+            wires.source("keys", ALWAYS, keys)?;
+        }
+        Ok(wires)
     }
-    if let Some(stderr) = stderr {
-        source("stderr", &queue, move |queue| raw(Stream::Stderr, stderr, queue))?;
+
+    /// Connects a runner that was started, instead of any before.
+    pub(crate) fn connect(&mut self, process: Process) -> Result<()> {
+        let Process { mut child, control } = process;
+        let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+        self.join(control)?;
+        let life = self.life;
+        if let Some(stdout) = stdout {
+            self.source("stdout", life, move |queue| raw(Stream::Stdout, stdout, queue))?;
+        }
+        if let Some(stderr) = stderr {
+            self.source("stderr", life, move |queue| raw(Stream::Stderr, stderr, queue))?;
+        }
+        self.source("exit", life, move |queue| exit(child, queue))
     }
-    source("exit", &queue, move |queue| exit(child, queue))?;
-    source("signals", &queue, move |queue| forward(signals, queue))?;
-    Ok(causes)
+
+    /// Connects a runner that is somebody else's.
+    pub(crate) fn join(&mut self, control: UnixStream) -> Result<()> {
+        self.life += 1;
+        self.source("messages", self.life, move |queue| messages(control, queue))
+    }
+
+    /// The next cause; a tick after `wait` without one.
+    pub(crate) fn next(&self, wait: Option<Duration>) -> Cause {
+        loop {
+            let received = match wait {
+                Some(wait) => self.causes.recv_timeout(wait),
+                None => self.causes.recv().map_err(|_gone| RecvTimeoutError::Disconnected),
+            };
+            match received {
+                Ok((life, cause)) if life == ALWAYS || life == self.life => return cause,
+                Ok(_of_an_earlier_life) => {}
+                Err(_nothing) => return Cause::Tick,
+            }
+        }
+    }
+
+    fn source(
+        &self,
+        name: &str,
+        life: u32,
+        work: impl FnOnce(&Queue) -> Flow + Send + 'static,
+    ) -> Result<()> {
+        let queue = Queue { queue: self.queue.clone(), life };
+        thread::Builder::new()
+            .name(name.to_owned())
+            .spawn(move || work(&queue).unwrap_or(()))
+            .with_context(|| format!("cannot start a thread for {name}"))?;
+        Ok(())
+    }
+}
+
+/// The end of the queue that one source fills.
+struct Queue {
+    queue: SyncSender<(u32, Cause)>,
+    life: u32,
+}
+
+/// The keys of the terminal, while this program is the one that it listens to.
+fn keys(queue: &Queue) -> Flow {
+    while let Ok(is_there) = crossterm::event::poll(KEYS_EVERY) {
+        if !is_there || !in_front() {
+            continue;
+        }
+        let Ok(event) = crossterm::event::read() else { break };
+        if let Some(key) = Key::of(&event) {
+            send(queue, Cause::Key(key))?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether the terminal's input is ours: a program in the background that reads it would be stopped.
+fn in_front() -> bool {
+    let group = rustix::termios::tcgetpgrp(std::io::stdin());
+    group.is_ok_and(|group| group == rustix::process::getpgrp())
 }
 
 /// The other end went away: nobody wants to know any more.
@@ -94,24 +185,11 @@ struct Gone;
 
 type Flow = Result<(), Gone>;
 
-fn source(
-    name: &str,
-    queue: &SyncSender<Cause>,
-    work: impl FnOnce(&SyncSender<Cause>) -> Flow + Send + 'static,
-) -> Result<()> {
-    let queue = queue.clone();
-    thread::Builder::new()
-        .name(name.to_owned())
-        .spawn(move || work(&queue).unwrap_or(()))
-        .with_context(|| format!("cannot start a thread for {name}"))?;
-    Ok(())
+fn send(queue: &Queue, cause: Cause) -> Flow {
+    queue.queue.send((queue.life, cause)).map_err(|_gone| Gone)
 }
 
-fn send(queue: &SyncSender<Cause>, cause: Cause) -> Flow {
-    queue.send(cause).map_err(|_gone| Gone)
-}
-
-fn messages(control: UnixStream, queue: &SyncSender<Cause>) -> Flow {
+fn messages(control: UnixStream, queue: &Queue) -> Flow {
     let mut lines = BufReader::with_capacity(64 * 1024, control);
     if let Some(line) = line(&mut lines) {
         send(queue, decode(&line).map_or_else(nonsense, Cause::Hello))?;
@@ -146,7 +224,7 @@ fn line(lines: &mut BufReader<UnixStream>) -> Option<String> {
     }
 }
 
-fn raw(stream: Stream, pipe: impl Read, queue: &SyncSender<Cause>) -> Flow {
+fn raw(stream: Stream, pipe: impl Read, queue: &Queue) -> Flow {
     let mut pipe = BufReader::new(pipe);
     loop {
         let mut text = Vec::new();
@@ -161,12 +239,12 @@ fn raw(stream: Stream, pipe: impl Read, queue: &SyncSender<Cause>) -> Flow {
     }
 }
 
-fn exit(mut child: Child, queue: &SyncSender<Cause>) -> Flow {
+fn exit(mut child: Child, queue: &Queue) -> Flow {
     let status = child.wait().unwrap_or_default();
     send(queue, Cause::Exited(Exit(status)))
 }
 
-fn forward(mut signals: Signals, queue: &SyncSender<Cause>) -> Flow {
+fn forward(mut signals: Signals, queue: &Queue) -> Flow {
     for signal in signals.forever() {
         send(
             queue,

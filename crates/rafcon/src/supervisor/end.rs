@@ -44,6 +44,8 @@ pub(crate) struct Death {
     pub(crate) active: Vec<String>,
     /// Its last lines on the error output.
     pub(crate) said: Vec<String>,
+    /// The runner ended itself, because a script did not end in its grace period.
+    pub(crate) is_cut_off: bool,
 }
 
 impl End {

@@ -5,10 +5,12 @@
 
 mod end;
 
+use crate::console::Wish;
 use crate::runner::{Cause, Exit};
 pub(crate) use end::{Death, End};
 use rafcon_protocol::{
-    Command, Envelope, Event, Hello, Launch, LogLevel, Snapshot, Stream, ToRunner, ToViewer,
+    Command, Envelope, Event, Hello, Launch, LogLevel, Snapshot, StateData, Stream, ToRunner,
+    ToViewer,
 };
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -19,6 +21,8 @@ const GRACE: Duration = Duration::from_secs(3);
 const SETTLE: Duration = Duration::from_secs(2);
 /// How long the last words of a dead process are waited for.
 const LAST_WORDS: Duration = Duration::from_millis(500);
+/// Exit status of a runner that ended itself because a script ignored its grace period.
+const CUT_OFF: i32 = 86;
 /// How many lines of a dead process's error output are shown.
 const TAIL: usize = 12;
 
@@ -40,6 +44,13 @@ pub(crate) enum Action {
     Event(Duration, Event),
     /// How things stand.
     Snapshot(Snapshot),
+    /// What a state holds, as was asked for.
+    Inspected {
+        /// The state.
+        path: String,
+        /// Its data; nothing if it is not active.
+        data: Option<StateData>,
+    },
     /// Something about this program that the user should know.
     Note(String),
 }
@@ -66,6 +77,8 @@ pub(crate) struct Supervisor {
     timed_out: bool,
     /// How often the user asked to stop.
     interrupts: u32,
+    /// How often a key asked for something.
+    wishes: u32,
     /// When patience ends and the process is killed.
     kill_at: Option<Duration>,
     exit: Option<Exit>,
@@ -90,6 +103,7 @@ impl Supervisor {
             deadline: timeout.map(|timeout| now.saturating_add(timeout)),
             timed_out: false,
             interrupts: 0,
+            wishes: 0,
             kill_at: None,
             exit: None,
             silent: false,
@@ -119,7 +133,8 @@ impl Supervisor {
             Cause::Raw(stream, line) => self.raw(stream, line, out),
             Cause::Exited(exit) => self.exited(now, exit),
             Cause::Interrupt => self.interrupt(out),
-            Cause::HungUp | Cause::Suspend | Cause::Tick => {}
+            Cause::Wish(wish) => self.wish(wish, out),
+            Cause::Key(_) | Cause::HungUp | Cause::Suspend | Cause::Tick => {}
         }
         self.watch(now, out);
     }
@@ -151,7 +166,9 @@ impl Supervisor {
     fn message(&mut self, now: Duration, message: ToViewer, out: &mut Vec<Action>) {
         match message {
             ToViewer::LoadFailed { reason } => self.finish(End::LoadFailed { reason }),
-            ToViewer::Inspection { .. } => {}
+            ToViewer::Inspection { path, data, .. } => {
+                out.push(Action::Inspected { path, data });
+            }
             ToViewer::Loaded { name, states, problems, .. } => {
                 self.loaded(name, states, problems, out);
             }
@@ -227,6 +244,18 @@ impl Supervisor {
         }
     }
 
+    /// What the user asked for by a key.
+    fn wish(&mut self, wish: Wish, out: &mut Vec<Action>) {
+        self.wishes += 1;
+        let id = format!("key-{}", self.wishes);
+        match wish {
+            Wish::Send(asked) => out.push(Action::Send(command(&id, asked))),
+            Wish::Inspect(path) => out.push(Action::Send(ToRunner::Inspect { id, path })),
+            Wish::Say(text) => out.push(Action::Note(text)),
+            Wish::Leave => {}
+        }
+    }
+
     fn exited(&mut self, now: Duration, exit: Exit) {
         self.exit = Some(exit);
         self.settled_at = Some(now + LAST_WORDS);
@@ -290,7 +319,8 @@ impl Supervisor {
         if self.phase == Phase::Starting {
             return End::NotStarted { reason, said };
         }
-        End::Died(Death { reason, active: self.active.clone(), said })
+        let is_cut_off = self.exit.is_some_and(|exit| exit.0.code() == Some(CUT_OFF));
+        End::Died(Death { reason, active: self.active.clone(), said, is_cut_off })
     }
 }
 

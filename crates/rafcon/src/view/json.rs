@@ -84,7 +84,7 @@ impl<W: Write> View for Json<W> {
             End::Killed { timed_out, active } => {
                 self.line(&CutOff::Killed { timed_out: *timed_out, active })?;
             }
-            End::Died(Death { reason, active, said }) => {
+            End::Died(Death { reason, active, said, .. }) => {
                 self.line(&CutOff::Died { reason, active, stderr: said })?;
             }
         }
@@ -151,6 +151,7 @@ mod tests {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["A/B".to_owned()],
             said: vec!["Segmentation fault".to_owned()],
+            is_cut_off: false,
         };
         check(
             vec![log()],

@@ -15,9 +15,11 @@ pub(crate) use lines::Lines;
 pub(crate) use live::Live;
 pub(crate) use names::{Names, names_of};
 pub(crate) use text::{Line, Paint, Style, counted, harmless};
+pub(crate) use value::shown;
 
+use crate::console::{Key, Wish};
 use crate::supervisor::End;
-use rafcon_protocol::{Event, Snapshot};
+use rafcon_protocol::{Event, Snapshot, StateData};
 use std::io;
 use std::time::Duration;
 
@@ -37,6 +39,14 @@ pub(crate) trait View {
     fn snapshot(&mut self, now: Duration, snapshot: Snapshot) -> io::Result<()>;
     /// Something about this program.
     fn note(&mut self, text: &str) -> io::Result<()>;
+    /// A key was pressed.
+    fn key(&mut self, _key: Key) -> Option<Wish> {
+        None
+    }
+    /// What a state holds, as was asked for.
+    fn inspected(&mut self, _path: &str, _data: Option<StateData>) -> io::Result<()> {
+        Ok(())
+    }
     /// There is a moment to bring everything to the eye.
     fn refresh(&mut self, now: Duration) -> io::Result<()>;
     /// The user puts this program aside; the next refresh is when it is back.

@@ -1,6 +1,6 @@
 //! Names of states by path: people read names, the protocol says ids. Loads the machine by itself, beside the runner.
 
-use rafcon_model::{Kind, Machine, StatePath};
+use rafcon_model::{Kind, Machine, State, StatePath};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -20,12 +20,34 @@ impl Names {
         Self { loading, machine: None, known: BTreeMap::new() }
     }
 
-    /// The names along a path, joined by `/`. A library state and the root of its content are one name
-    /// if they are called the same.
-    pub(crate) fn path(&mut self, path: &str) -> Arc<str> {
+    /// The path of ids that the user means by a path of ids, a path of names, or a name that only one state has.
+    pub(crate) fn resolve(&mut self, text: &str) -> Result<String, String> {
+        self.wait();
+        let Some(machine) = &self.machine else { return Ok(text.to_owned()) };
+        if machine.state(&StatePath::parse(text)).is_some() {
+            return Ok(text.to_owned());
+        }
+        let mut found = Vec::new();
+        collect(&machine.root, &mut Vec::new(), &mut Vec::new(), text, &mut found);
+        match found.as_slice() {
+            [one] => Ok(one.clone()),
+            [] => {
+                Err(format!("there is no state `{text}`: write a path of ids or names, or a name"))
+            }
+            many => Err(format!("`{text}` could be {}: write its path", many.join(" or "))),
+        }
+    }
+
+    fn wait(&mut self) {
         if let Some(loading) = self.loading.take() {
             self.machine = loading.join().unwrap_or(None);
         }
+    }
+
+    /// The names along a path, joined by `/`. A library state and the root of its content are one name
+    /// if they are called the same.
+    pub(crate) fn path(&mut self, path: &str) -> Arc<str> {
+        self.wait();
         if let Some(known) = self.known.get(path) {
             return Arc::clone(known);
         }
@@ -38,6 +60,26 @@ impl Names {
         let machine = self.machine.as_ref()?;
         names_of(machine, &StatePath::parse(path))
     }
+}
+
+/// Finds the states that are called `text`, or whose names from the root on are.
+fn collect(
+    state: &Arc<State>,
+    ids: &mut Vec<String>,
+    names: &mut Vec<String>,
+    text: &str,
+    found: &mut Vec<String>,
+) {
+    ids.push(state.id.to_string());
+    names.push(state.name.to_string());
+    if state.name == text || names.join("/") == text {
+        found.push(ids.join("/"));
+    }
+    for child in state.container().into_iter().flat_map(|container| container.states.values()) {
+        collect(child, ids, names, text, found);
+    }
+    ids.pop();
+    names.pop();
 }
 
 /// The names along a path, joined by `/`; nothing if the machine does not have the path.
@@ -74,6 +116,18 @@ hierarchy ROOT "Mission"
     #[test]
     fn a_path_becomes_names() {
         check("ROOT/WAITED", "Mission/Wait a bit");
+    }
+
+    #[test]
+    fn names_become_a_path() {
+        let resolve = |text: &str| Names::new(|| notation::parse(MACHINE).ok()).resolve(text);
+        assert_eq!(resolve("Wait a bit").unwrap(), "ROOT/WAITED");
+        assert_eq!(resolve("Mission/Wait a bit").unwrap(), "ROOT/WAITED");
+        assert_eq!(resolve("ROOT/WAITED").unwrap(), "ROOT/WAITED");
+        assert_eq!(
+            resolve("Nobody").unwrap_err(),
+            "there is no state `Nobody`: write a path of ids or names, or a name"
+        );
     }
 
     #[test]

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 const WIDTH: usize = 200;
 
 /// One line for a value.
-pub(super) fn shown(value: &Value) -> String {
+pub(crate) fn shown(value: &Value) -> String {
     let text = full(value);
     match text.char_indices().nth(WIDTH) {
         Some((index, _)) => format!("{}…", &text[..index]),

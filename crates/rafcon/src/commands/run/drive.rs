@@ -1,43 +1,69 @@
-//! The loop of a run: causes from the wires to the supervisor, its actions to runner and view. Decides nothing itself.
+//! The loop of a run: causes from the wires to the supervisor, its actions to runner and view; and from one runner to the
+//! next. Decides nothing itself.
 
-use super::report;
-use super::request::Request;
+use super::lives::{Lives, Next};
+use super::place::Place;
 use crate::clock::Clock;
 use crate::failure::complain;
 use crate::runner::process::Group;
-use crate::runner::{Cause, Start, wires};
+use crate::runner::wires::{self, Wires};
+use crate::runner::{Cause, Start};
 use crate::supervisor::{Action, End, Supervisor};
 use crate::view::{Nothing, View};
-use anyhow::{Context as _, Result};
-use rafcon_protocol::{Hello, active, encode};
+use anyhow::Result;
+use rafcon_protocol::{Hello, Launch, active, encode};
 use serde::Serialize;
 use std::io::{self, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::Duration;
 
-/// Runs the machine and tells how that ended, in every sense.
-pub(super) fn follow(
-    request: &Request,
-    start: &Start<'_>,
-    view: Box<dyn View>,
-    clock: Clock,
-) -> Result<End> {
-    let folder = tempfile::Builder::new().prefix("rafcon-run-").tempdir();
-    let folder = folder.context("cannot make a folder for the run")?;
-    let signals = wires::signals()?;
-    let process = start.spawn()?;
-    let (control, group) = (process.control.try_clone()?, process.group());
-    let causes = wires::connect(process, signals)?;
-    let launch = request.launch(view.every_event(), folder.path());
-    let supervisor = Supervisor::new(launch, clock.now(), request.timeout);
-    let mut drive = Drive { supervisor, view, control, group, clock };
-    drive.send(&Hello::ours());
-    let mut end = drive.until_the_end(&causes);
-    add_running(&mut end, folder.path());
-    drive.show(|view| view.end(&end));
-    report::end(&end, || request.names());
-    Ok(end)
+/// What a run needs from the outside.
+pub(super) struct Outside<'a> {
+    /// How runners are started.
+    pub(super) start: &'a Start<'a>,
+    /// What shows it.
+    pub(super) view: Box<dyn View>,
+    /// Whether there is a keyboard.
+    pub(super) has_keys: bool,
+    pub(super) clock: Clock,
+    /// When the machine is stopped.
+    pub(super) timeout: Option<Duration>,
+}
+
+/// Runs the machine to its end, by as many runners as that takes and its policy allows.
+pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Result<End> {
+    let Outside { start, mut view, has_keys, clock, timeout } = outside;
+    let mut wires = Wires::new(wires::signals()?, has_keys)?;
+    let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
+    let (mut lives, mut launch) = (Lives::default(), launch);
+    loop {
+        let process = start.spawn()?;
+        let (control, group) = (process.control.try_clone()?, process.group());
+        wires.connect(process)?;
+        let left = deadline.map(|deadline| deadline.saturating_sub(clock.now()));
+        let supervisor = Supervisor::new(launch.clone(), clock.now(), left);
+        let mut drive = Drive { supervisor, view, control, group, clock };
+        drive.send(&Hello::ours());
+        let mut end = drive.until_the_end(&wires);
+        add_running(&mut end, place.folder());
+        let End::Died(death) = &end else {
+            drive.show(|view| view.end(&end));
+            return Ok(end);
+        };
+        match lives.next(clock.now(), death, place.on_crash()) {
+            Next::Again(resume, crash) if place.is_kept() => {
+                let note = format!("the runner died ({}); the run is taken up again", death.reason);
+                drive.show(|view| view.note(&note));
+                (launch.resume, launch.crash) = (Some(resume), Some(crash));
+                view = drive.view;
+            }
+            Next::Again(..) | Next::Ask(_) => {
+                drive.show(|view| view.end(&end));
+                return Ok(end);
+            }
+        }
+    }
 }
 
 struct Drive {
@@ -49,11 +75,11 @@ struct Drive {
 }
 
 impl Drive {
-    fn until_the_end(&mut self, causes: &Receiver<Cause>) -> End {
+    fn until_the_end(&mut self, wires: &Wires) -> End {
         let mut actions = Vec::new();
         loop {
-            let cause = self.next(causes);
-            self.by_itself(&cause);
+            let cause = self.next(wires);
+            let cause = self.by_itself(cause);
             let now = self.clock.now();
             self.supervisor.handle(now, cause, &mut actions);
             for action in actions.drain(..) {
@@ -66,20 +92,16 @@ impl Drive {
         }
     }
 
-    fn next(&self, causes: &Receiver<Cause>) -> Cause {
+    fn next(&self, wires: &Wires) -> Cause {
         let now = self.clock.now();
         let until = self.supervisor.wake_at().map(|at| at.saturating_sub(now));
-        let wait = [until, self.view.rhythm()].into_iter().flatten().min();
-        let received = match wait {
-            Some(wait) => causes.recv_timeout(wait),
-            None => causes.recv().map_err(|_gone| RecvTimeoutError::Disconnected),
-        };
-        received.unwrap_or(Cause::Tick)
+        wires.next([until, self.view.rhythm()].into_iter().flatten().min())
     }
 
-    /// What concerns this program alone.
-    fn by_itself(&mut self, cause: &Cause) {
+    /// What concerns this program alone; a key becomes what it stands for.
+    fn by_itself(&mut self, cause: Cause) -> Cause {
         match cause {
+            Cause::Key(key) => return self.view.key(key).map_or(Cause::Tick, Cause::Wish),
             Cause::HungUp if self.view.rhythm().is_some() => self.view = Box::new(Nothing),
             Cause::Suspend => {
                 self.show(|view| view.set_aside());
@@ -88,6 +110,7 @@ impl Drive {
             }
             _ => {}
         }
+        cause
     }
 
     fn act(&mut self, action: Action) {
@@ -98,6 +121,7 @@ impl Drive {
             Action::Loaded { name, states } => self.show(|view| view.loaded(&name, states)),
             Action::Event(time, event) => self.show(|view| view.event(time, event)),
             Action::Snapshot(snapshot) => self.show(|view| view.snapshot(now, snapshot)),
+            Action::Inspected { path, data } => self.show(|view| view.inspected(&path, data)),
             Action::Note(text) => self.show(|view| view.note(&text)),
         }
     }
@@ -124,10 +148,15 @@ impl Drive {
 /// The runner's own marks of what runs are better than its last messages: they were made before each script began.
 fn add_running(end: &mut End, folder: &Path) {
     let Some(known) = end.active_mut() else { return };
-    let slots = std::fs::read(folder.join(active::SLOTS_FILE)).unwrap_or_default();
-    let paths = std::fs::read_to_string(folder.join(active::PATHS_FILE)).unwrap_or_default();
-    let running = active::running(&slots, &paths);
+    let running = running(folder);
     if !running.is_empty() {
         *known = running;
     }
+}
+
+/// Paths of the states whose scripts ran when the runner of this folder ended.
+pub(super) fn running(folder: &Path) -> Vec<String> {
+    let slots = std::fs::read(folder.join(active::SLOTS_FILE)).unwrap_or_default();
+    let paths = std::fs::read_to_string(folder.join(active::PATHS_FILE)).unwrap_or_default();
+    active::running(&slots, &paths)
 }

@@ -1,39 +1,135 @@
-//! `rafcon run`: from the words of the command line to the exit code.
+//! `rafcon run` and `rafcon resume`: from the words of the command line to the exit code.
 
 mod drive;
+mod lives;
+mod place;
 mod report;
 mod request;
 
 use crate::cli;
 use crate::clock::Clock;
+use crate::console::Console;
 use crate::environment::Environment;
-use crate::runner::extension;
+use crate::failure::Usage;
 use crate::runner::interpreter::Interpreter;
-use crate::view::{Json, Lines, Live, Paint, View};
+use crate::runner::{Start, extension};
+use crate::runs::{self, Runs};
+use crate::view::{Json, Lines, Live, Names, Paint, View};
 use anyhow::Result;
+use drive::Outside;
+use place::Place;
+use rafcon_protocol::{Crash, Launch, Resume};
 use request::Request;
 use std::io::{self, IsTerminal as _};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Runs a machine until it ends.
 pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Result<ExitCode> {
     let request = Request::new(raw)?;
-    let interpreter = Interpreter::choose(raw.python.python.as_deref(), environment)?;
-    let extension = extension::find(environment)?;
-    let view = view(&request, environment);
-    let start = crate::runner::Start { interpreter: &interpreter, extension: &extension };
-    let end = drive::follow(&request, &start, view, clock)?;
-    Ok(ExitCode::from(end.code()))
+    let place = match raw.keeping.keep {
+        cli::Level::Off => Place::passing()?,
+        cli::Level::Full | cli::Level::Status => {
+            Place::Kept(Runs::new(&raw.runs, environment)?.make(&request.machine_name())?)
+        }
+    };
+    let launch = request.launch(&place)?;
+    let names = || request.names();
+    let timeout = request.timeout;
+    Whole { raw: &raw.python, output: raw.output, timeout, environment, clock }
+        .run(launch, &place, &names)
 }
 
-fn view(request: &Request, environment: &Environment) -> Box<dyn View> {
-    let terminal = io::stdout().is_terminal() && !environment.dumb_terminal;
-    match request.output {
-        cli::Output::Json => Box::new(Json::new(io::stdout())),
-        cli::Output::Text if terminal => {
-            let paint = Paint { colour: !environment.no_color, unicode: environment.unicode };
-            Box::new(Live::new(paint, request.names()))
-        }
-        cli::Output::Text => Box::new(Lines::new(io::stdout(), request.names())),
+/// Takes a run up again until it ends.
+pub(super) fn resume(
+    raw: &cli::Resume,
+    environment: &Environment,
+    clock: Clock,
+) -> Result<ExitCode> {
+    let place = Place::Kept(Runs::new(&raw.runs, environment)?.find(&raw.run)?);
+    let machine = machine_of(place.folder());
+    let launch = Launch {
+        machine: machine.clone(),
+        run_folder: Some(place.folder().to_path_buf()),
+        resume: Some(Resume { policy: request::on_crash(raw.policy), from: raw.from }),
+        crash: Some(Crash {
+            reason: "its runner ended before the run did".to_owned(),
+            active: drive::running(place.folder()),
+        }),
+        listen: true,
+        ..Launch::default()
+    };
+    let names = move || names_of_run(machine.clone());
+    let timeout = raw.timeout.map(request::timeout).transpose()?;
+    Whole { raw: &raw.python, output: raw.output, timeout, environment, clock }
+        .run(launch, &place, &names)
+}
+
+/// Where the machine of a run was, as the run keeps it.
+pub(super) fn machine_of(folder: &Path) -> PathBuf {
+    let about = runs::about(folder);
+    let machine = about.as_ref().and_then(|about| about.get("machine")?.as_str());
+    machine.map(PathBuf::from).unwrap_or_default()
+}
+
+/// The names of the machine that lies where that of a run was.
+pub(super) fn names_of_run(machine: PathBuf) -> Names {
+    Names::new(move || crate::machine::Source::of(machine).load_quietly().ok().map(|l| l.machine))
+}
+
+/// What is needed besides the launch.
+struct Whole<'a> {
+    raw: &'a cli::Python,
+    output: cli::Output,
+    timeout: Option<std::time::Duration>,
+    environment: &'a Environment,
+    clock: Clock,
+}
+
+impl Whole<'_> {
+    fn run(self, launch: Launch, place: &Place, names: &dyn Fn() -> Names) -> Result<ExitCode> {
+        let interpreter = Interpreter::choose(self.raw.python.as_deref(), self.environment)?;
+        let extension = extension::find(self.environment)?;
+        let start = Start { interpreter: &interpreter, extension: &extension };
+        let has_keys = self.output == cli::Output::Text
+            && is_terminal(self.environment)
+            && io::stdin().is_terminal();
+        let console = has_keys.then(|| Console::new(false));
+        let view = view(self.output, self.environment, names(), console);
+        let launch = Launch { every_event: view.every_event(), ..launch };
+        let outside =
+            Outside { start: &start, view, has_keys, clock: self.clock, timeout: self.timeout };
+        let end = drive::follow(launch, place, outside)?;
+        report::end(&end, place.id(), names);
+        Ok(ExitCode::from(end.code()))
     }
+}
+
+fn is_terminal(environment: &Environment) -> bool {
+    io::stdout().is_terminal() && !environment.dumb_terminal
+}
+
+/// What shows a run.
+pub(super) fn view(
+    output: cli::Output,
+    environment: &Environment,
+    names: Names,
+    console: Option<Console>,
+) -> Box<dyn View> {
+    match output {
+        cli::Output::Json => Box::new(Json::new(io::stdout())),
+        cli::Output::Text if is_terminal(environment) => {
+            let paint = Paint { colour: !environment.no_color, unicode: environment.unicode };
+            Box::new(Live::new(paint, names, console))
+        }
+        cli::Output::Text => Box::new(Lines::new(io::stdout(), names)),
+    }
+}
+
+/// A breakpoint in the words of the command line.
+fn breakpoint(id: u64, text: &str, names: &mut Names) -> Result<rafcon_protocol::Breakpoint> {
+    let refused = |reason: String| Usage(format!("--break {text}: {reason}"));
+    let mut breakpoint = crate::console::breakpoint(id, text).map_err(refused)?;
+    breakpoint.path = names.resolve(&breakpoint.path).map_err(refused)?;
+    Ok(breakpoint)
 }

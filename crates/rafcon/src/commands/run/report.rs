@@ -5,10 +5,19 @@ use crate::supervisor::{Death, End};
 use crate::view::Names;
 
 /// Tells the user; a run that finished has been shown already.
-pub(super) fn end(end: &End, names: impl FnOnce() -> Names) {
+pub(super) fn end(end: &End, run: Option<&str>, names: impl FnOnce() -> Names) {
     if !matches!(end, End::Finished { timed_out: false, .. }) {
         complain(&text(end, &mut names()));
+        if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, run) {
+            complain(&way_out(run));
+        }
     }
+}
+
+fn way_out(run: &str) -> String {
+    format!(
+        "  everything up to there is kept; to go on:\n    rafcon resume {run} --policy abort   (the recovery transitions of what was running take over)\n    rafcon resume {run}                  (nothing moves until you decide)"
+    )
 }
 
 fn text(end: &End, names: &mut Names) -> String {
@@ -29,7 +38,7 @@ fn text(end: &End, names: &mut Names) -> String {
         End::Killed { timed_out: false, active } => {
             format!("error: killed{}", block("what was running:", &named(active, names)))
         }
-        End::Died(Death { reason, active, said }) => format!(
+        End::Died(Death { reason, active, said, .. }) => format!(
             "error: the Python process that ran the machine died: {reason}{}{}",
             block("what was running:", &named(active, names)),
             block("its last words:", said)
@@ -73,6 +82,7 @@ mod tests {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["ROOT/SCANID".to_owned(), "ROOT/X".to_owned()],
             said: vec!["Fatal Python error: Segmentation fault".to_owned()],
+            is_cut_off: false,
         };
         check(
             &End::Died(death),

@@ -1,12 +1,13 @@
 //! What `rafcon run` was asked for, checked: what is here can no longer be wrong.
 
+use super::breakpoint;
+use super::place::Place;
 use crate::cli;
 use crate::failure::Usage;
 use crate::machine::Source;
 use crate::view::Names;
 use anyhow::Result;
-use rafcon_protocol::Launch;
-use std::path::Path;
+use rafcon_protocol::{Breakpoint, Keeping, Launch, OnCrash};
 use std::time::Duration;
 
 /// A run to be made.
@@ -15,10 +16,14 @@ pub(super) struct Request {
     source: Source,
     start_from: Option<String>,
     inputs: Vec<(String, serde_json::Value)>,
-    /// What is written.
-    pub(super) output: cli::Output,
     /// When the machine is stopped.
     pub(super) timeout: Option<Duration>,
+    keeping: Keeping,
+    strict: bool,
+    size_max: Option<u64>,
+    on_crash: Option<OnCrash>,
+    hold: bool,
+    breakpoints: Vec<String>,
 }
 
 impl Request {
@@ -36,23 +41,49 @@ impl Request {
             source: Source::new(&raw.path, &raw.libraries)?,
             start_from: raw.start_from.clone(),
             inputs,
-            output: raw.output,
             timeout: raw.timeout.map(timeout).transpose()?,
+            keeping: keeping(raw.keeping.keep),
+            strict: raw.keeping.strict,
+            size_max: raw.keeping.keep_max.map(|megabytes| megabytes.saturating_mul(1 << 20)),
+            on_crash: raw.keeping.on_crash.map(on_crash),
+            hold: raw.hold,
+            breakpoints: raw.breakpoints.clone(),
         })
     }
 
     /// The message that begins the run.
-    pub(super) fn launch(&self, every_event: bool, run_folder: &Path) -> Launch {
-        Launch {
+    pub(super) fn launch(&self, place: &Place) -> Result<Launch> {
+        Ok(Launch {
             machine: self.source.machine.clone(),
             start_from: self.start_from.clone(),
             inputs: self.inputs.clone(),
             libraries: self.source.libraries.clone(),
             config: self.source.config.clone(),
-            every_event,
-            run_folder: Some(run_folder.to_path_buf()),
+            run_folder: Some(place.folder().to_path_buf()),
+            keeping: self.keeping,
+            strict: self.strict,
+            size_max: self.size_max,
+            hold: self.hold,
+            breakpoints: self.breakpoints()?,
+            on_crash: self.on_crash,
+            listen: place.is_kept(),
             ..Launch::default()
+        })
+    }
+
+    fn breakpoints(&self) -> Result<Vec<Breakpoint>> {
+        if self.breakpoints.is_empty() {
+            return Ok(Vec::new());
         }
+        let mut names = self.names();
+        let numbered = (1..).zip(&self.breakpoints);
+        numbered.map(|(id, text)| breakpoint(id, text, &mut names)).collect()
+    }
+
+    /// What the run is called after.
+    pub(super) fn machine_name(&self) -> String {
+        let name = self.source.machine.file_stem().unwrap_or_default();
+        name.to_string_lossy().into_owned()
     }
 
     /// The names of the machine's states.
@@ -78,7 +109,25 @@ fn input(text: &str) -> Result<(String, serde_json::Value)> {
     }
 }
 
-fn timeout(seconds: f64) -> Result<Duration> {
+fn keeping(level: cli::Level) -> Keeping {
+    match level {
+        cli::Level::Full => Keeping::Full,
+        cli::Level::Status => Keeping::Status,
+        cli::Level::Off => Keeping::Off,
+    }
+}
+
+/// The protocol's word for a policy.
+pub(super) fn on_crash(policy: cli::OnCrash) -> OnCrash {
+    match policy {
+        cli::OnCrash::Ask => OnCrash::Ask,
+        cli::OnCrash::Abort => OnCrash::Abort,
+        cli::OnCrash::Restart => OnCrash::Restart,
+    }
+}
+
+/// Seconds of the command line.
+pub(super) fn timeout(seconds: f64) -> Result<Duration> {
     match Duration::try_from_secs_f64(seconds) {
         Ok(timeout) if !timeout.is_zero() => Ok(timeout),
         _ => Err(Usage(format!("--timeout {seconds}: write seconds, more than 0")).into()),

@@ -15,6 +15,8 @@ pub(super) struct Picture<'a> {
     pub(super) age: Duration,
     /// Characters beyond ASCII may be drawn.
     pub(super) unicode: bool,
+    /// Path of the state that keys are about.
+    pub(super) selected: Option<&'a str>,
 }
 
 /// The picture in at most `height` lines of at most `width` columns.
@@ -51,6 +53,11 @@ fn head(picture: &Picture<'_>, width: usize) -> Line {
     let fits = left.width() + right.width() < width;
     let rule = if picture.unicode { '─' } else { '-' };
     left.with_right_after(rule, if fits { right } else { time }, width)
+}
+
+/// The paths of the active states from the top of the picture down.
+pub(super) fn order(active: &[ActiveState]) -> Vec<&str> {
+    rows(active).into_iter().map(|row| row.state.path.as_str()).collect()
 }
 
 /// One line of the tree.
@@ -113,8 +120,12 @@ fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> Line {
     let since = Duration::from_millis(row.state.since_ms) + picture.age;
     let time = Line::of(Style::Dim, format!("{:>6}", time(since)));
     let right = Line::of(style, word).followed_by(time.clone());
+    let selected = picture.selected == Some(row.state.path.as_str());
+    let name_style = if selected { Style::Strong } else { style };
+    let mark = if selected { "> " } else { "" };
     let left = Line::of(Style::Dim, branch(&row.followed, picture.unicode))
-        .and(style, harmless(&row.state.name));
+        .and(Style::Good, mark)
+        .and(name_style, harmless(&row.state.name));
     let fits = left.width() + right.width() < width;
     left.with_right(if fits { right } else { time }, width)
 }
@@ -177,7 +188,8 @@ mod tests {
             questions: Vec::new(),
         };
         let age = Duration::from_millis(100);
-        let picture = Picture { machine: "Mission", snapshot: &snapshot, age, unicode };
+        let picture =
+            Picture { machine: "Mission", snapshot: &snapshot, age, unicode, selected: None };
         let lines = draw(&picture, width, height);
         assert!(lines.len() <= height && lines.iter().all(|line| line.width() <= width));
         let paint = Paint { colour: false, unicode };

@@ -6,8 +6,9 @@ mod terminal;
 use super::lines::log_lines;
 use super::text::{Line, Paint, Style, counted, harmless};
 use super::{Names, View, summary};
+use crate::console::{Console, Key, Wish};
 use crate::supervisor::End;
-use rafcon_protocol::{Event, LogLevel, Snapshot};
+use rafcon_protocol::{Command, Event, HeldBy, LogLevel, Snapshot, StateData};
 use std::io;
 use std::time::Duration;
 use terminal::Screen;
@@ -28,11 +29,13 @@ pub(crate) struct Live {
     snapshot: Option<(Duration, Snapshot)>,
     drawn_at: Option<Duration>,
     finished: Option<(Duration, Event)>,
+    /// What keys do, if there are any.
+    console: Option<Console>,
 }
 
 impl Live {
     /// On the terminal that is the standard output.
-    pub(crate) fn new(paint: Paint, names: Names) -> Self {
+    pub(crate) fn new(paint: Paint, names: Names, console: Option<Console>) -> Self {
         Self {
             screen: Screen::new(paint),
             paint,
@@ -42,6 +45,23 @@ impl Live {
             snapshot: None,
             drawn_at: None,
             finished: None,
+            console,
+        }
+    }
+
+    /// The command with paths of ids where the user wrote names.
+    fn by_path(&mut self, mut command: Command) -> Wish {
+        let path = match &mut command {
+            Command::RunTo { path } => path,
+            Command::SetBreakpoint { breakpoint } => &mut breakpoint.path,
+            _ => return Wish::Send(command),
+        };
+        match self.names.resolve(path) {
+            Ok(found) => {
+                *path = found;
+                Wish::Send(command)
+            }
+            Err(reason) => Wish::Say(reason),
         }
     }
 
@@ -63,11 +83,14 @@ impl Live {
         let lines = self.snapshot.as_ref().map_or_else(Vec::new, |(at, snapshot)| {
             let age = now.saturating_sub(*at);
             let unicode = self.paint.unicode;
-            frame::draw(
-                &frame::Picture { machine: &self.machine, snapshot, age, unicode },
-                width,
-                height,
-            )
+            let console = self.console.as_ref();
+            let below = console.map(|console| console.lines(snapshot)).unwrap_or_default();
+            let selected = console.and_then(|console| console.selected(snapshot));
+            let picture =
+                frame::Picture { machine: &self.machine, snapshot, age, unicode, selected };
+            let mut lines = frame::draw(&picture, width, height.saturating_sub(below.len()).max(1));
+            lines.extend(below.into_iter().map(|line| line.cut(width)));
+            lines
         });
         self.screen.draw(&self.above, &lines)?;
         self.above.clear();
@@ -102,6 +125,32 @@ impl View for Live {
                 self.say(time, "", LogLevel::Info, if paused { "paused" } else { "goes on" })
             }
             Event::Stopping => self.say(time, "", LogLevel::Info, "stopping"),
+            Event::Hit { breakpoint, path, held: true, .. } => {
+                self.say(time, &path, LogLevel::Warning, &format!("breakpoint {breakpoint}"))
+            }
+            Event::Held { path, by: HeldBy::RunTo, .. } => {
+                self.say(time, &path, LogLevel::Info, "run to here")
+            }
+            Event::Forced { path, outcome } => {
+                let text = format!("ended by hand: {}", outcome.name);
+                self.say(time, &path, LogLevel::Warning, &text)
+            }
+            Event::DeadlinePassed { path, deadline_ms } => {
+                let text = format!("its deadline of {deadline_ms} ms is over; it is preempted");
+                self.say(time, &path, LogLevel::Warning, &text)
+            }
+            Event::CutOff { path, grace_ms } => {
+                let text = format!("did not end within {grace_ms} ms; its runner is ended");
+                self.say(time, &path, LogLevel::Error, &text)
+            }
+            Event::Asked { question } => {
+                let text = format!("asks: {}", question.message);
+                self.say(time, &question.path, LogLevel::Warning, &text)
+            }
+            Event::Resumed { life, crash, .. } => {
+                let text = format!("taken up by runner {life} after a crash: {}", crash.reason);
+                self.say(time, "", LogLevel::Warning, &text)
+            }
             Event::Finished { .. } => {
                 self.finished = Some((time, event));
                 Ok(())
@@ -127,6 +176,25 @@ impl View for Live {
         }
         self.drawn_at = Some(now);
         self.draw(now)
+    }
+
+    fn key(&mut self, key: Key) -> Option<Wish> {
+        let (_, snapshot) = self.snapshot.as_ref()?;
+        let order = frame::order(&snapshot.active);
+        let wish = self.console.as_mut()?.key(key, snapshot, &order);
+        self.drawn_at = None;
+        match wish {
+            Some(Wish::Send(command)) => Some(self.by_path(command)),
+            wish => wish,
+        }
+    }
+
+    fn inspected(&mut self, path: &str, data: Option<StateData>) -> io::Result<()> {
+        if let Some(console) = &mut self.console {
+            console.inspected(path, data);
+        }
+        self.drawn_at = None;
+        Ok(())
     }
 
     fn set_aside(&mut self) -> io::Result<()> {

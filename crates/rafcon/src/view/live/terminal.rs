@@ -21,8 +21,8 @@ pub(super) struct Screen {
 }
 
 impl Screen {
-    /// The standard output. From the first drawing on the terminal is quiet: no cursor, no echo of keys; Ctrl-C and Ctrl-Z
-    /// go on working.
+    /// The standard output. From the first drawing on the terminal is quiet: no cursor, no echo of keys, which come one by one;
+    /// Ctrl-C and Ctrl-Z go on working.
     pub(super) fn new(paint: Paint) -> Self {
         Self { out: io::stdout(), paint, drawn: Vec::new(), keyboard: None }
     }
@@ -85,7 +85,7 @@ impl Drop for Screen {
     }
 }
 
-/// The keyboard without echo, until dropped.
+/// The keyboard key by key and without echo, until dropped.
 #[derive(Debug)]
 struct Keyboard {
     before: Option<Termios>,
@@ -96,7 +96,7 @@ impl Keyboard {
         let before = tcgetattr(io::stdin()).ok();
         if let Some(before) = &before {
             let mut modes = before.clone();
-            modes.local_modes -= LocalModes::ECHO;
+            modes.local_modes -= LocalModes::ECHO | LocalModes::ICANON;
             tcsetattr(io::stdin(), OptionalActions::Now, &modes).unwrap_or_default();
         }
         Self { before }

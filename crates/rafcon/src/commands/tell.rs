@@ -1,0 +1,108 @@
+//! `rafcon tell`: one command to a run that is going on, for scripts and for hands without a live view.
+
+use crate::cli;
+use crate::commands::attach::envelope;
+use crate::environment::Environment;
+use crate::failure::{Usage, complain};
+use crate::runner::socket;
+use crate::runs::Runs;
+use anyhow::{Context as _, Result, bail};
+use rafcon_protocol::{Answer, Command, Hello, Join, ToRunner, ToViewer, decode, encode};
+use serde_json::{Map, Value};
+use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::process::ExitCode;
+
+/// Says it, and waits for the answer.
+pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCode> {
+    let command = command(&raw.command, &raw.fields)?;
+    let folder = Runs::new(&raw.runs, environment)?.find(&raw.run)?;
+    let mut control = socket::connect(&folder)?;
+    let mut lines = BufReader::new(control.try_clone()?).lines();
+    let mut next = || {
+        lines
+            .next()
+            .context("the runner went away before it answered")?
+            .map_err(anyhow::Error::from)
+    };
+    control.write_all(&encode(&Hello::ours())?)?;
+    decode::<Hello>(&next()?)?.check()?;
+    let id = format!("tell-{}-{}", std::process::id(), crate::clock::four_digits(0));
+    control.write_all(&encode(&ToRunner::Join(Join::default()))?)?;
+    control.write_all(&encode(&ToRunner::Command(envelope(
+        id.clone(),
+        &environment.user,
+        command,
+    )))?)?;
+    loop {
+        match decode(&next()?)? {
+            ToViewer::Answer { id: about, answer } if about == id => return said(answer),
+            ToViewer::LoadFailed { reason } => bail!(reason),
+            _ => {}
+        }
+    }
+}
+
+fn said(answer: Answer) -> Result<ExitCode> {
+    match answer {
+        Answer::Applied => {
+            writeln!(io::stdout(), "applied")?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Answer::Refused { reason } => {
+            complain(&format!("refused: {reason}"));
+            Ok(ExitCode::FAILURE)
+        }
+        Answer::Expired => {
+            complain("the command came too late");
+            Ok(ExitCode::FAILURE)
+        }
+    }
+}
+
+/// A command from its name and its fields.
+fn command(name: &str, fields: &[String]) -> Result<Command> {
+    let mut members = Map::from_iter([("type".to_owned(), Value::String(name.replace('-', "_")))]);
+    for field in fields {
+        let Some((name, text)) = field.split_once('=') else {
+            return Err(Usage(format!("{field}: write NAME=JSON, such as outcome=0")).into());
+        };
+        let value =
+            serde_json::from_str(text).unwrap_or_else(|_text| Value::String(text.to_owned()));
+        members.insert(name.to_owned(), value);
+    }
+    serde_json::from_value(Value::Object(members)).map_err(|error| {
+        Usage(format!("`{name}` is no command of a run ({error}); docs/protocol.md lists them"))
+            .into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::command;
+    use expect_test::{Expect, expect};
+
+    fn check(words: &str, expect: &Expect) {
+        let mut words = words.split(' ').map(str::to_owned);
+        let name = words.next().unwrap();
+        let told = command(&name, &words.collect::<Vec<_>>());
+        expect.assert_eq(&match told {
+            Ok(command) => format!("{command:?}"),
+            Err(error) => error.to_string(),
+        });
+    }
+
+    #[test]
+    fn words_become_a_command() {
+        check("pause", &expect![[""]]);
+        check("step-over branch=R/A", &expect![[""]]);
+        check("force_outcome path=R/A outcome=-1", &expect![[""]]);
+        check(r#"answer_question question=1 value={"button":0}"#, &expect![[""]]);
+    }
+
+    #[test]
+    fn what_is_no_command_is_refused() {
+        check("dance", &expect![[""]]);
+        check("run_to R/A", &expect![[""]]);
+        check("run_to", &expect![[""]]);
+    }
+}

@@ -1,0 +1,259 @@
+//! The keyboard of whoever looks at a run: what a key means, what is asked for next, and the lines that show it.
+//!
+//! Knows keys, snapshots and commands. Must never know terminals or sockets: keys come in, wishes go out.
+
+mod answering;
+mod help;
+mod inspection;
+mod key;
+mod prompt;
+#[cfg(test)]
+mod tests;
+
+use crate::view::{Line, Style};
+use answering::Answering;
+pub(crate) use key::Key;
+pub(crate) use prompt::breakpoint;
+use prompt::{Prompt, Purpose};
+use rafcon_protocol::{ActiveState, Command, OnCrash, Phase, RunStatus, Snapshot, StateData};
+
+/// What a key leads to.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Wish {
+    /// Say this to the run.
+    Send(Command),
+    /// Ask what this state holds.
+    Inspect(String),
+    /// End this view; the run goes on if others may join it.
+    Leave,
+    /// Tell the user something.
+    Say(String),
+}
+
+/// What the keys are for at the moment.
+#[derive(Debug)]
+enum Mode {
+    Watch,
+    Help,
+    Look { path: String, data: Data },
+    Write(Prompt),
+    Answer(Answering),
+}
+
+/// What a state holds, as far as it is known.
+#[derive(Debug)]
+enum Data {
+    Asked,
+    NotActive,
+    Told(StateData),
+}
+
+/// The keyboard's state.
+#[derive(Debug)]
+pub(crate) struct Console {
+    mode: Mode,
+    /// Path of the state that keys are about.
+    selected: Option<String>,
+    /// Whether leaving leaves the run going.
+    may_leave: bool,
+}
+
+impl Console {
+    /// A console of a run that can be left (`may_leave`) or ends with this program.
+    pub(crate) fn new(may_leave: bool) -> Self {
+        Self { mode: Mode::Watch, selected: None, may_leave }
+    }
+
+    /// Path of the state that keys are about, if it is still active.
+    pub(crate) fn selected<'s>(&self, snapshot: &'s Snapshot) -> Option<&'s str> {
+        let chosen = self.selected.as_deref();
+        let found = snapshot.active.iter().find(|state| Some(state.path.as_str()) == chosen);
+        let held = || snapshot.active.iter().rfind(|state| state.phase == Phase::Held);
+        found.or_else(held).or(snapshot.active.last()).map(|state| state.path.as_str())
+    }
+
+    /// Takes one key in; `order` are the paths of the active states as they are shown.
+    pub(crate) fn key(&mut self, key: Key, snapshot: &Snapshot, order: &[&str]) -> Option<Wish> {
+        match &mut self.mode {
+            Mode::Watch => self.watch(key, snapshot, order),
+            Mode::Help => {
+                self.mode = Mode::Watch;
+                None
+            }
+            Mode::Look { .. } => match key {
+                Key::Up | Key::Down => {
+                    self.move_selection(key == Key::Down, snapshot, order);
+                    self.look(snapshot)
+                }
+                _ => {
+                    self.mode = Mode::Watch;
+                    None
+                }
+            },
+            Mode::Write(prompt) => match prompt.key(key) {
+                prompt::Step::More => None,
+                prompt::Step::Given(wish) => {
+                    self.mode = Mode::Watch;
+                    Some(wish)
+                }
+                prompt::Step::Left => {
+                    self.mode = Mode::Watch;
+                    None
+                }
+            },
+            Mode::Answer(answering) => match answering.key(key) {
+                answering::Step::More => None,
+                answering::Step::Given(command) => {
+                    self.mode = Mode::Watch;
+                    Some(Wish::Send(command))
+                }
+                answering::Step::Left => {
+                    self.mode = Mode::Watch;
+                    None
+                }
+            },
+        }
+    }
+
+    fn watch(&mut self, key: Key, snapshot: &Snapshot, order: &[&str]) -> Option<Wish> {
+        let branch = || self.branch(snapshot);
+        let send = |command| Some(Wish::Send(command));
+        match key {
+            Key::Char('p') => send(Command::Pause),
+            Key::Char('c' | ' ') => send(Command::Resume { branch: None }),
+            Key::Char('C') => send(Command::Resume { branch: branch() }),
+            Key::Char('s') => send(Command::StepInto { branch: None }),
+            Key::Char('S') => send(Command::StepInto { branch: branch() }),
+            Key::Char('n') => send(Command::StepOver { branch: None }),
+            Key::Char('N') => send(Command::StepOver { branch: branch() }),
+            Key::Char('o') => send(Command::StepOut { branch: None }),
+            Key::Char('O') => send(Command::StepOut { branch: branch() }),
+            Key::Char('b') => send(Command::StepBack { branch: None }),
+            Key::Char('B') => send(Command::StepBack { branch: branch() }),
+            Key::Char('m') => send(Command::StepMode),
+            Key::Char('X') => send(Command::Stop),
+            Key::Char('A') => send(Command::Recover { path: None, policy: OnCrash::Abort }),
+            Key::Char('R') => send(Command::Recover { path: None, policy: OnCrash::Restart }),
+            Key::Char('e') => {
+                let path = self.selected(snapshot)?.to_owned();
+                send(Command::Preempt { path })
+            }
+            Key::Char('q') if self.may_leave => Some(Wish::Leave),
+            Key::Up | Key::Down => {
+                self.move_selection(key == Key::Down, snapshot, order);
+                None
+            }
+            _ => self.open(key, snapshot),
+        }
+    }
+
+    /// Keys that begin something longer.
+    fn open(&mut self, key: Key, snapshot: &Snapshot) -> Option<Wish> {
+        let target = self.target(snapshot);
+        match key {
+            Key::Char('?' | 'h') => self.mode = Mode::Help,
+            Key::Char('i') | Key::Enter => return self.look(snapshot),
+            Key::Char('k') => {
+                let id = snapshot.breakpoints.iter().map(|b| b.id).max().unwrap_or(0) + 1;
+                self.mode = Mode::Write(Prompt::new(Purpose::Break { id }, target));
+            }
+            Key::Char('K') => self.mode = Mode::Write(Prompt::new(Purpose::Unbreak, String::new())),
+            Key::Char('t') => self.mode = Mode::Write(Prompt::new(Purpose::RunTo, target)),
+            Key::Char('f') => {
+                self.mode =
+                    Mode::Write(Prompt::new(Purpose::Force { path: target }, String::new()));
+            }
+            Key::Char('a') => match snapshot.questions.first() {
+                Some(question) => self.mode = Mode::Answer(Answering::new(question)),
+                None => return Some(Wish::Say("no state asks anything".to_owned())),
+            },
+            _ => {}
+        }
+        None
+    }
+
+    fn look(&mut self, snapshot: &Snapshot) -> Option<Wish> {
+        let path = self.selected(snapshot)?.to_owned();
+        self.mode = Mode::Look { path: path.clone(), data: Data::Asked };
+        Some(Wish::Inspect(path))
+    }
+
+    /// What a state holds, if it was asked for.
+    pub(crate) fn inspected(&mut self, about: &str, answer: Option<StateData>) {
+        if let Mode::Look { path, data } = &mut self.mode
+            && path == about
+        {
+            *data = answer.map_or(Data::NotActive, Data::Told);
+        }
+    }
+
+    /// The state before which the selected one is held, or the selected one itself.
+    fn target(&self, snapshot: &Snapshot) -> String {
+        let state = self.state(snapshot);
+        let next = state.filter(|state| state.phase == Phase::Held);
+        let next = next.and_then(|state| state.detail.as_deref()?.strip_prefix("before "));
+        next.or(state.map(|state| state.path.as_str())).unwrap_or_default().to_owned()
+    }
+
+    fn state<'s>(&self, snapshot: &'s Snapshot) -> Option<&'s ActiveState> {
+        let path = self.selected(snapshot)?;
+        snapshot.active.iter().find(|state| state.path == path)
+    }
+
+    fn branch(&self, snapshot: &Snapshot) -> Option<String> {
+        let branch = &self.state(snapshot)?.branch;
+        (!branch.is_empty()).then(|| branch.clone())
+    }
+
+    fn move_selection(&mut self, down: bool, snapshot: &Snapshot, order: &[&str]) {
+        let at = self.selected(snapshot).and_then(|path| order.iter().position(|o| *o == path));
+        let next = match at {
+            Some(at) if down => (at + 1).min(order.len().saturating_sub(1)),
+            Some(at) => at.saturating_sub(1),
+            None => 0,
+        };
+        self.selected = order.get(next).map(|path| (*path).to_owned());
+    }
+
+    /// The lines below the picture, the most important last.
+    pub(crate) fn lines(&self, snapshot: &Snapshot) -> Vec<Line> {
+        match &self.mode {
+            Mode::Watch => self.watching(snapshot),
+            Mode::Help => help::lines(self.may_leave),
+            Mode::Look { path, data } => inspection::lines(path, data),
+            Mode::Write(prompt) => prompt.lines(),
+            Mode::Answer(answering) => answering.lines(),
+        }
+    }
+
+    fn watching(&self, snapshot: &Snapshot) -> Vec<Line> {
+        let mut lines = Vec::new();
+        if let Some(problem) = &snapshot.journal_problem {
+            lines.push(Line::of(Style::Bad, format!("the journal cannot be written: {problem}")));
+        }
+        for question in &snapshot.questions {
+            lines.push(Line::of(Style::Warning, "? ").and(Style::Strong, question.message.clone()));
+        }
+        lines.push(self.hint(snapshot));
+        lines
+    }
+
+    fn hint(&self, snapshot: &Snapshot) -> Line {
+        let mut keys: Vec<&str> = Vec::new();
+        if !snapshot.questions.is_empty() {
+            keys.push("a answer");
+        }
+        let is_held = snapshot.active.iter().any(|state| state.phase == Phase::Held);
+        let stands = is_held || matches!(snapshot.status, RunStatus::Paused | RunStatus::Stepping);
+        if stands {
+            keys.extend(["s step", "n over", "o out", "b back", "c go on"]);
+        } else {
+            keys.push("p pause");
+        }
+        keys.extend(["i look", "? keys"]);
+        if self.may_leave {
+            keys.push("q leave");
+        }
+        Line::of(Style::Dim, keys.join("   "))
+    }
+}

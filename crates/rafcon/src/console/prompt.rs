@@ -1,0 +1,113 @@
+//! A line that the user writes, and what it is for.
+
+use super::{Key, Wish};
+use crate::view::{Line, Style, harmless};
+use rafcon_protocol::{Breakpoint, Command, Scope, Unattended, When};
+
+/// What a line is for.
+#[derive(Debug)]
+pub(super) enum Purpose {
+    /// A new breakpoint: `STATE [after] [if CONDITION]`.
+    Break { id: u64 },
+    /// The number of a breakpoint to remove.
+    Unbreak,
+    /// A state to run to.
+    RunTo,
+    /// The id of an outcome for this state.
+    Force { path: String },
+}
+
+/// A line that is being written.
+#[derive(Debug)]
+pub(super) struct Prompt {
+    purpose: Purpose,
+    text: String,
+    complaint: Option<String>,
+}
+
+/// What a key came to.
+#[derive(Debug)]
+pub(super) enum Step {
+    More,
+    Given(Wish),
+    Left,
+}
+
+impl Prompt {
+    pub(super) fn new(purpose: Purpose, text: String) -> Self {
+        Self { purpose, text, complaint: None }
+    }
+
+    pub(super) fn key(&mut self, key: Key) -> Step {
+        self.complaint = None;
+        match key {
+            Key::Escape => return Step::Left,
+            Key::Enter => match self.command() {
+                Ok(command) => return Step::Given(Wish::Send(command)),
+                Err(complaint) => self.complaint = Some(complaint),
+            },
+            Key::Backspace => drop(self.text.pop()),
+            Key::Char(c) => self.text.push(c),
+            Key::Up | Key::Down => {}
+        }
+        Step::More
+    }
+
+    fn command(&self) -> Result<Command, String> {
+        let text = self.text.trim();
+        match &self.purpose {
+            Purpose::Break { id } => {
+                breakpoint(*id, text).map(|breakpoint| Command::SetBreakpoint { breakpoint })
+            }
+            Purpose::Unbreak => number(text, "the number of a breakpoint")
+                .map(|id| Command::RemoveBreakpoint { id }),
+            Purpose::RunTo if text.is_empty() => Err("write the path of a state".to_owned()),
+            Purpose::RunTo => Ok(Command::RunTo { path: text.to_owned() }),
+            Purpose::Force { path } => number(text, "the id of an outcome, such as 0 or -1")
+                .map(|outcome| Command::ForceOutcome { path: path.clone(), outcome }),
+        }
+    }
+
+    pub(super) fn lines(&self) -> Vec<Line> {
+        let complaint = self.complaint.iter().map(|text| Line::of(Style::Bad, text.clone()));
+        let question = match &self.purpose {
+            Purpose::Break { .. } => "break at (STATE [after] [if CONDITION]): ".to_owned(),
+            Purpose::Unbreak => "remove breakpoint: ".to_owned(),
+            Purpose::RunTo => "run to: ".to_owned(),
+            Purpose::Force { path } => format!("outcome of {}: ", harmless(path)),
+        };
+        let line = Line::of(Style::Strong, question).and(Style::Plain, harmless(&self.text));
+        complaint.chain([line.and(Style::Dim, "_   Enter takes it, Escape leaves")]).collect()
+    }
+}
+
+fn number<T: std::str::FromStr>(text: &str, what: &str) -> Result<T, String> {
+    text.parse().map_err(|_no_number| format!("write {what}"))
+}
+
+/// A breakpoint as people write it: `STATE [after] [if CONDITION]`.
+pub(crate) fn breakpoint(id: u64, text: &str) -> Result<Breakpoint, String> {
+    let (place, condition) = match text.split_once(" if ") {
+        Some((place, condition)) => (place.trim(), Some(condition.trim().to_owned())),
+        None => (text.trim(), None),
+    };
+    let (path, when) = match place.strip_suffix(" after") {
+        Some(path) => (path.trim(), When::After),
+        None => (place.strip_suffix(" before").unwrap_or(place).trim(), When::Before),
+    };
+    if path.is_empty() || condition.as_ref().is_some_and(String::is_empty) {
+        return Err(
+            "write STATE [after] [if CONDITION], such as ROOT/SCAN if inputs['n'] > 3".to_owned()
+        );
+    }
+    Ok(Breakpoint {
+        id,
+        path: path.to_owned(),
+        when,
+        condition,
+        hit_count: 0,
+        scope: Scope::Branch,
+        unattended: Unattended::Hold,
+        enabled: true,
+    })
+}

@@ -1,0 +1,115 @@
+use super::{Console, Key, Wish};
+use crate::view::Paint;
+use expect_test::{Expect, expect};
+use rafcon_protocol::{ActiveState, Form, Phase, Question, RunStatus, Snapshot};
+
+fn state(path: &str, phase: Phase, branch: &str, detail: Option<&str>) -> ActiveState {
+    ActiveState {
+        path: path.to_owned(),
+        name: path.rsplit('/').next().unwrap().to_owned(),
+        phase,
+        since_ms: 0,
+        branch: branch.to_owned(),
+        detail: detail.map(str::to_owned),
+    }
+}
+
+fn snapshot(form: Option<Form>) -> Snapshot {
+    let question = |form| Question {
+        id: 7,
+        path: "R/A/X".to_owned(),
+        message: "Is the arm free?".to_owned(),
+        form,
+        timeout_ms: None,
+        default: None,
+    };
+    Snapshot {
+        status: RunStatus::Stepping,
+        active: vec![
+            state("R", Phase::Running, "", None),
+            state("R/A", Phase::Held, "R/A", Some("before R/A/X")),
+            state("R/B", Phase::Held, "R/B", Some("before R/B/Y")),
+        ],
+        states_run: 3,
+        elapsed_ms: 0,
+        sequence: 9,
+        disk_safe: 9,
+        journal_problem: None,
+        breakpoints: Vec::new(),
+        questions: form.map(question).into_iter().collect(),
+    }
+}
+
+fn key(word: &str) -> Vec<Key> {
+    match word {
+        "enter" => vec![Key::Enter],
+        "esc" => vec![Key::Escape],
+        "up" => vec![Key::Up],
+        "down" => vec![Key::Down],
+        "rub" => vec![Key::Backspace],
+        "space" => vec![Key::Char(' ')],
+        text => text.chars().map(Key::Char).collect(),
+    }
+}
+
+/// Presses keys, words apart, and shows what each wish was, and the lines at the end.
+fn check(form: Option<Form>, keys: &str, expect: &Expect) {
+    let (snapshot, mut console) = (snapshot(form), Console::new(true));
+    let order = ["R/A", "R/B"];
+    let mut text = String::new();
+    for key in keys.split(' ').flat_map(key) {
+        match console.key(key, &snapshot, &order) {
+            None => {}
+            Some(Wish::Send(command)) => {
+                text += &serde_json::to_string(&command).unwrap();
+                text += "\n";
+            }
+            Some(wish) => text += &format!("{wish:?}\n"),
+        }
+    }
+    let paint = Paint { colour: false, unicode: true };
+    for line in console.lines(&snapshot) {
+        text += &format!("| {}\n", line.render(paint));
+    }
+    expect.assert_eq(&text);
+}
+
+#[test]
+fn one_key_is_one_command() {
+    check(None, "snob space S", &expect![[""]]);
+}
+
+#[test]
+fn the_arrows_select_the_state_that_keys_are_about() {
+    check(None, "up up S i esc", &expect![[""]]);
+}
+
+#[test]
+fn a_breakpoint_is_written() {
+    check(None, "k space if space n>1 enter", &expect![[""]]);
+    check(None, "up k space after enter", &expect![[""]]);
+    check(None, "K x enter", &expect![[""]]);
+}
+
+#[test]
+fn an_outcome_is_forced_on_what_is_next() {
+    check(None, "up f -1 enter", &expect![[""]]);
+}
+
+#[test]
+fn buttons_are_chosen_by_number() {
+    let form = Form::Buttons { buttons: vec!["Yes".to_owned(), "No".to_owned()] };
+    check(Some(form.clone()), "a", &expect![[""]]);
+    check(Some(form), "a 3 2", &expect![[""]]);
+}
+
+#[test]
+fn numbers_and_boxes_are_answered() {
+    let ok = || vec!["OK".to_owned()];
+    let number =
+        Form::Number { buttons: ok(), minimum: None, maximum: None, initial: None, whole: true };
+    check(Some(number), "a 4x enter rub 2 enter", &expect![[""]]);
+    let boxes = vec!["left".to_owned(), "right".to_owned()];
+    let buttons = vec!["Take".to_owned(), "Leave".to_owned()];
+    check(Some(Form::Checks { buttons, boxes, initial: vec![] }), "a 2 enter 1", &expect![[""]]);
+}
