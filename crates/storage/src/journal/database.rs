@@ -7,9 +7,14 @@ use super::record::{Item, Items, Place, PlaceNumber, ValueNumber};
 use super::{Definition, binary};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The version of the tables.
 pub(super) const VERSION: u32 = 1;
+/// How long others may hold the database.
+const BUSY: Duration = Duration::from_secs(5);
+/// The write-ahead log is cut to this after a checkpoint.
+const WAL_BYTES: i64 = 4 << 20;
 /// Values shorter than this stand where they are named.
 const SHORT: usize = 128;
 
@@ -37,7 +42,8 @@ pub(super) struct Database {
 impl Database {
     /// Makes the tables of a new run.
     pub(super) fn create(folder: &Path) -> Result<Self, JournalError> {
-        let mut database = Self::open_with(folder, OpenFlags::SQLITE_OPEN_CREATE)?;
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
+        let mut database = Self::open_with(folder, flags)?;
         let text = format!("BEGIN IMMEDIATE; {TABLES} PRAGMA user_version = {VERSION}; COMMIT;");
         database.run(|connection| connection.execute_batch(&text))?;
         Ok(database)
@@ -45,33 +51,48 @@ impl Database {
 
     /// Opens that of an earlier run, to go on with it.
     pub(super) fn open(folder: &Path) -> Result<Self, JournalError> {
-        if !folder.join(DATABASE_FILE).exists() {
-            return Err(JournalError::NoRun { folder: folder.to_owned(), file: DATABASE_FILE });
+        Self::known(folder, OpenFlags::SQLITE_OPEN_READ_WRITE)?.checked()
+    }
+
+    /// Opens that of any run, alive or not, to read it.
+    pub(super) fn open_to_read(folder: &Path) -> Result<Self, JournalError> {
+        Self::known(folder, OpenFlags::SQLITE_OPEN_READ_ONLY)?.checked()
+    }
+
+    fn known(folder: &Path, flags: OpenFlags) -> Result<Self, JournalError> {
+        if folder.join(DATABASE_FILE).exists() {
+            Self::open_with(folder, flags)
+        } else {
+            Err(JournalError::NoRun { folder: folder.to_owned(), file: DATABASE_FILE })
         }
-        let mut database = Self::open_with(folder, OpenFlags::empty())?;
-        let found = database.run(|connection| {
+    }
+
+    /// Checks that its tables are of a version that is understood.
+    fn checked(mut self) -> Result<Self, JournalError> {
+        let query = |connection: &mut Connection| {
             connection.pragma_query_value(None, "user_version", |row| row.get(0))
-        })?;
-        if found == 0 {
-            let what = "it has no tables".to_owned();
-            return Err(JournalError::Damaged { path: database.path, what });
+        };
+        match self.run(query)? {
+            0 => Err(self.damaged("it has no tables")),
+            found if found > VERSION => {
+                Err(JournalError::Newer { path: self.path, found, known: VERSION })
+            }
+            _ => Ok(self),
         }
-        if found > VERSION {
-            return Err(JournalError::Newer { path: database.path, found, known: VERSION });
-        }
-        Ok(database)
     }
 
     fn open_with(folder: &Path, flags: OpenFlags) -> Result<Self, JournalError> {
         let path = folder.join(DATABASE_FILE);
-        let flags = flags | OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let set_up = || {
-            let connection = Connection::open_with_flags(&path, flags)?;
-            // A reader that checkpoints may hold the database for a moment.
-            connection.busy_timeout(std::time::Duration::from_secs(5))?;
-            connection.pragma_update(None, "journal_mode", "wal")?;
-            connection.pragma_update(None, "synchronous", "full")?;
-            connection.pragma_update(None, "journal_size_limit", WAL_BYTES)?;
+            let connection =
+                Connection::open_with_flags(&path, flags | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
+            // A checkpoint of another may hold the database for a moment.
+            connection.busy_timeout(BUSY)?;
+            if flags.contains(OpenFlags::SQLITE_OPEN_READ_WRITE) {
+                connection.pragma_update(None, "journal_mode", "wal")?;
+                connection.pragma_update(None, "synchronous", "full")?;
+                connection.pragma_update(None, "journal_size_limit", WAL_BYTES)?;
+            }
             Ok(connection)
         };
         let connection = set_up().map_err(|source| JournalError::database(&path, source))?;
@@ -156,14 +177,11 @@ impl Database {
         })
     }
 
-    /// Where it lies.
+    /// What is wrong with it.
     pub(super) fn damaged(&self, what: &str) -> JournalError {
         JournalError::Damaged { path: self.path.clone(), what: what.to_owned() }
     }
 }
-
-/// The write-ahead log is cut to this after a checkpoint.
-const WAL_BYTES: i64 = 4 << 20;
 
 fn delete_after(transaction: &Transaction<'_>, committed: u64) -> rusqlite::Result<()> {
     let delete = "DELETE FROM blocks WHERE first > ?1";

@@ -9,6 +9,7 @@ use super::error::{Doing, Full, JournalError};
 use super::folder::{DATABASE_FILE, RECORDER_FILE, make_folder, sync_folder};
 use super::leftovers::Leftovers;
 use super::lock::RunLock;
+use super::pack::{Hash, Pack, Roots};
 use super::record::{Place, PlaceNumber, ValueNumber};
 use super::recorder::Recorder;
 use parking_lot::Mutex;
@@ -42,6 +43,7 @@ pub struct Journal {
     folder: PathBuf,
     recorder: Mutex<Recorder>,
     committer: Mutex<Committer>,
+    roots: Mutex<Roots>,
     disk_safe: AtomicU64,
     /// Ends last.
     _lock: RunLock,
@@ -110,7 +112,8 @@ impl Journal {
     fn new(lock: RunLock, recorder: Recorder, committer: Committer, folder: &Path) -> Self {
         let disk_safe = AtomicU64::new(committer.sequence());
         let (recorder, committer) = (Mutex::new(recorder), Mutex::new(committer));
-        Self { folder: folder.to_owned(), recorder, committer, disk_safe, _lock: lock }
+        let roots = Mutex::default();
+        Self { folder: folder.to_owned(), recorder, committer, roots, disk_safe, _lock: lock }
     }
 
     /// The run's folder.
@@ -148,6 +151,12 @@ impl Journal {
             self.disk_safe.store(committer.sequence(), Ordering::Release);
         }
         Ok(Committed { sequence: committer.sequence(), thinned: None })
+    }
+
+    /// Keeps a machine, and returns when it is safe from a power cut; commits go on meanwhile. If it fails, keep the same pack
+    /// again: the packer believes that its files are there.
+    pub fn keep_root(&self, pack: &Pack) -> Result<Hash, JournalError> {
+        self.roots.lock().keep(pack, &self.committer, |committer| &mut committer.database)
     }
 
     /// Commits what is left and gives up the files that only a run needs that is going on. The journal can still be read, and

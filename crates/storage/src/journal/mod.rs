@@ -20,7 +20,9 @@ mod leftovers;
 mod lock;
 mod moment;
 pub mod notation;
+mod pack;
 mod places;
+mod reader;
 pub mod record;
 mod recorder;
 #[cfg(test)]
@@ -35,5 +37,7 @@ pub use folder::{make_folder, run_id};
 pub use journal::{Committed, Journal, Options, RECORDER_BYTES, SIZE_MAX, TakenUp};
 pub use lock::writer_of;
 pub use moment::{BadMoment, Ended, Holding, Moment, Standing, Variable, Whole};
+pub use pack::{Hash, Manifest, Pack, Packer, Unpacked, unpack};
 pub use places::Places;
+pub use reader::{Entry, Picture, PicturedEnd, PicturedState, Reader};
 pub use record::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};

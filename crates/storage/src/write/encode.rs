@@ -38,6 +38,11 @@ pub(crate) fn header(header: &Header) -> String {
     object.text(header.extra.as_deref())
 }
 
+/// The text of the machine's own layout file, if it has one.
+pub(crate) fn machine_layout(header: &Header) -> Option<String> {
+    header.layout.text().map(document)
+}
+
 /// The version of the last writer, at least that of the layout.
 fn writer_version(version: Option<&SmolStr>) -> SmolStr {
     let number = |part: &str| part.parse::<u32>().unwrap_or(0);

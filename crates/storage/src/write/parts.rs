@@ -2,7 +2,7 @@
 
 use super::encode;
 use crate::files::Part;
-use crate::place::Place;
+use crate::place::{Place, Saved};
 use rafcon_model::{Container, Kind, Library, State, StateId, json};
 
 /// A state as it lies on a disk.
@@ -13,6 +13,11 @@ pub(crate) struct Old<'o> {
 }
 
 impl<'o> Old<'o> {
+    /// The root of a machine.
+    pub(crate) fn of(saved: &'o Saved) -> Self {
+        Self { state: &saved.root, place: &saved.place }
+    }
+
     /// The states in it, by rising id.
     pub(crate) fn children(self) -> impl Iterator<Item = (&'o StateId, Self)> {
         let container = self.state.container().into_iter();

@@ -98,7 +98,7 @@ pub(crate) fn plan(
     let mut planner = Planner::new(disk, target, mode);
     let before = old.filter(|_| mode.here).map(|old| &old.header);
     machine_files(&mut planner, &machine.header, before)?;
-    let old = old.map(|old| Old { state: &old.root, place: &old.place });
+    let old = old.map(Old::of);
     let shared = old.filter(|_| mode.is_lazy()).map(|old| old.state);
     let depth = deep::depth(&machine.root, shared);
     let place = deep::with_room(depth, || planner.root(&machine.root, old))?;
@@ -109,9 +109,8 @@ fn machine_files(planner: &mut Planner<'_>, new: &Header, old: Option<&Header>) 
     let header = encode::header(new);
     let same = old.is_some_and(|old| encode::header(old) == header);
     planner.machine_file(HEADER, Some(header.into_bytes()), same)?;
-    let layout = |header: &Header| header.layout.text().map(encode::document);
     let same = old.map_or(new.layout.text().is_none(), |old| old.layout == new.layout);
-    planner.machine_file(MACHINE_LAYOUT, layout(new).map(String::into_bytes), same)
+    planner.machine_file(MACHINE_LAYOUT, encode::machine_layout(new).map(String::into_bytes), same)
 }
 
 /// The machine that is in the folder already.

@@ -128,7 +128,7 @@ impl<'b> Reader<'b> {
         })
     }
 
-    fn list<T>(
+    pub(in crate::journal) fn list<T>(
         &mut self,
         mut one: impl FnMut(&mut Self) -> Result<T, Broken>,
     ) -> Result<Vec<T>, Broken> {
@@ -168,12 +168,12 @@ impl<'b> Reader<'b> {
         serde_json::from_slice(bytes).map_err(|_short| self.broken("JSON of another kind"))
     }
 
-    fn text(&mut self) -> Result<&'b str, Broken> {
+    pub(in crate::journal) fn text(&mut self) -> Result<&'b str, Broken> {
         let bytes = self.bytes()?;
         std::str::from_utf8(bytes).map_err(|_short| self.broken("a text that is not UTF-8"))
     }
 
-    fn bytes(&mut self) -> Result<&'b [u8], Broken> {
+    pub(in crate::journal) fn bytes(&mut self) -> Result<&'b [u8], Broken> {
         let count = self.number()?;
         let count = usize::try_from(count).map_err(|_short| self.broken("too many bytes"))?;
         self.take(count)

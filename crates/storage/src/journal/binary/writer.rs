@@ -184,7 +184,7 @@ impl<'o> Writer<'o> {
         }
     }
 
-    fn list<T>(&mut self, items: &[T], mut one: impl FnMut(&mut Self, &T)) {
+    pub(in crate::journal) fn list<T>(&mut self, items: &[T], mut one: impl FnMut(&mut Self, &T)) {
         self.number(items.len() as u64);
         for item in items {
             one(self, item);
@@ -225,11 +225,11 @@ impl<'o> Writer<'o> {
         self.bytes(&serde_json::to_vec(value).unwrap_or_default());
     }
 
-    fn text(&mut self, text: &str) {
+    pub(in crate::journal) fn text(&mut self, text: &str) {
         self.bytes(text.as_bytes());
     }
 
-    fn bytes(&mut self, bytes: &[u8]) {
+    pub(in crate::journal) fn bytes(&mut self, bytes: &[u8]) {
         self.number(bytes.len() as u64);
         self.out.extend_from_slice(bytes);
     }

@@ -1,0 +1,105 @@
+//! Which files a machine consists of, and what changed from one to the next. Knows paths and hashes, no content.
+
+use crate::journal::binary::{Broken, Reader, Writer};
+use std::fmt;
+
+/// The BLAKE3 hash of some bytes.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Hash(pub [u8; 32]);
+
+impl Hash {
+    /// The hash of these bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self(*blake3::hash(bytes).as_bytes())
+    }
+
+    /// The hash that `hex` means.
+    pub fn parse(hex: &str) -> Option<Self> {
+        blake3::Hash::from_hex(hex).ok().map(|hash| Self(*hash.as_bytes()))
+    }
+}
+
+impl fmt::Display for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        blake3::Hash::from_bytes(self.0).to_hex().fmt(f)
+    }
+}
+
+impl fmt::Debug for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// Paths (with `/`, relative) and the hash of each file, by rising path.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Manifest {
+    pub(super) files: Vec<(String, Hash)>,
+}
+
+impl Manifest {
+    /// The manifest of these files, in any order; of two with one path the first counts.
+    pub(super) fn new(mut files: Vec<(String, Hash)>) -> Self {
+        files.sort_by(|a, b| a.0.cmp(&b.0));
+        files.dedup_by(|later, first| later.0 == first.0);
+        Self { files }
+    }
+
+    /// The files by rising path.
+    pub fn files(&self) -> &[(String, Hash)] {
+        &self.files
+    }
+
+    /// The hash of all paths and hashes.
+    pub fn hash(&self) -> Hash {
+        let mut hasher = blake3::Hasher::new();
+        for (path, hash) in &self.files {
+            hasher.update(path.as_bytes());
+            hasher.update(&[0]);
+            hasher.update(&hash.0);
+        }
+        Hash(*hasher.finalize().as_bytes())
+    }
+
+    /// What turns `base` into this one, as bytes: files that are new or changed, then paths that are gone.
+    pub(super) fn changes(&self, base: &Self) -> Vec<u8> {
+        let (mut changed, mut gone) = (Vec::new(), Vec::new());
+        let mut before = base.files.iter().peekable();
+        for file in &self.files {
+            while let Some((path, _)) = before.next_if(|(path, _)| *path < file.0) {
+                gone.push(path);
+            }
+            if before.next_if(|(path, _)| *path == file.0).is_none_or(|old| old != file) {
+                changed.push(file);
+            }
+        }
+        gone.extend(before.map(|(path, _)| path));
+        let mut bytes = Vec::new();
+        let mut writer = Writer::new(&mut bytes);
+        writer.list(&changed, |writer, (path, hash)| {
+            writer.text(path);
+            writer.bytes(&hash.0);
+        });
+        writer.list(&gone, |writer, path| writer.text(path));
+        bytes
+    }
+
+    /// This one with [`Manifest::changes`] made.
+    pub(super) fn changed(self, changes: &[u8]) -> Result<Self, Broken> {
+        let mut reader = Reader::new(changes);
+        let changed = reader.list(|reader| Ok((reader.text()?.to_owned(), reader.hash()?)))?;
+        let gone = reader.list(|reader| Ok(reader.text()?.to_owned()))?;
+        let mut files = changed;
+        let stays = |path: &String| gone.binary_search(path).is_err();
+        files.extend(self.files.into_iter().filter(|(path, _)| stays(path)));
+        // The changed ones come first, and the sort keeps their order.
+        Ok(Self::new(files))
+    }
+}
+
+impl Reader<'_> {
+    fn hash(&mut self) -> Result<Hash, Broken> {
+        let bytes = self.bytes()?.try_into();
+        bytes.map(Hash).map_err(|_other| self.broken("a hash of another length"))
+    }
+}
