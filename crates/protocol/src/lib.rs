@@ -9,6 +9,7 @@ pub mod active;
 pub mod breakpoint;
 pub mod command;
 pub mod event;
+pub mod form;
 pub mod frame;
 pub mod hello;
 pub mod launch;

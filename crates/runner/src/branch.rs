@@ -3,7 +3,7 @@
 use crate::driver::Driver;
 use crate::mailbox::Mailbox;
 use crate::{Place, Scripts};
-use rafcon_engine::{Input, Job, ScriptResult};
+use rafcon_engine::{BranchId, Check, Input, Job};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -12,11 +12,30 @@ use std::thread::{self, JoinHandle};
 /// Room for deep recursion in scripts, the same that a main thread has. Only what is used takes memory.
 const STACK_BYTES: usize = 8 << 20;
 
-/// One script to run, and where.
+/// One piece of work for a branch, and where.
 #[derive(Debug)]
 pub(crate) struct Turn<D> {
-    pub(crate) job: Job<D>,
+    pub(crate) work: Work<D>,
     pub(crate) place: Arc<Place>,
+}
+
+/// What a branch's thread can be asked to do.
+#[derive(Debug)]
+pub(crate) enum Work<D> {
+    /// Run a script.
+    Script(Job<D>),
+    /// Evaluate a condition.
+    Condition(Check<D>),
+}
+
+impl<D> Turn<D> {
+    /// The branch whose turn it is.
+    pub(crate) fn branch(&self) -> BranchId {
+        match &self.work {
+            Work::Script(job) => job.branch,
+            Work::Condition(check) => check.branch,
+        }
+    }
 }
 
 /// What a thread is told.
@@ -65,21 +84,38 @@ fn live<S: Scripts>(driver: &Arc<Driver<S>>, worker: &Arc<Worker<S::Value>>) {
     }
 }
 
-/// Runs a script and every one that follows it: no hand-off on the way.
+/// Does a piece of work and all that follows it: no hand-off on the way.
 fn follow<S: Scripts>(driver: &Arc<Driver<S>>, mut next: Option<Turn<S::Value>>) {
     while let Some(turn) = next {
-        let (frame, branch) = (turn.job.frame, turn.job.branch);
-        let result = run(driver.scripts(), turn);
-        next = driver.finished(Input::Finished { frame, result }, branch);
+        let branch = turn.branch();
+        driver.wait_for_safety();
+        next = driver.finished(answer(driver.scripts(), turn), branch);
     }
 }
 
-fn run<S: Scripts>(scripts: &S, turn: Turn<S::Value>) -> ScriptResult<S::Value> {
-    let Turn { job, place } = turn;
-    catch_unwind(AssertUnwindSafe(|| scripts.run(job, &place))).unwrap_or_else(|_panic| {
-        scripts.failure(&format!(
-            "running the script of {} failed inside RAFCON itself; this is a defect of RAFCON, please report it",
-            place.text
-        ))
-    })
+/// Does a piece of work; a defect of ours becomes its error.
+fn answer<S: Scripts>(scripts: &S, turn: Turn<S::Value>) -> Input<S::Value> {
+    let Turn { work, place } = turn;
+    match work {
+        Work::Script(job) => {
+            let frame = job.frame;
+            let result = catch_unwind(AssertUnwindSafe(|| scripts.run(job, &place)));
+            let result = result
+                .unwrap_or_else(|_panic| scripts.failure(&defect("running the script", &place)));
+            Input::Finished { frame, result }
+        }
+        Work::Condition(check) => {
+            let result = catch_unwind(AssertUnwindSafe(|| scripts.check(&check, &place)));
+            let result = result
+                .unwrap_or_else(|_panic| Err(defect("evaluating a condition", &place).into()));
+            Input::Checked { check: check.check, result }
+        }
+    }
+}
+
+fn defect(what: &str, place: &Place) -> String {
+    format!(
+        "{what} of {} failed inside RAFCON itself; this is a defect of RAFCON, please report it",
+        place.text
+    )
 }

@@ -2,27 +2,41 @@
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Time since the runner began, and the time of day where a command's expiry asks for it.
+/// Time since the run began, and the time of day where a command's expiry asks for it.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
     start: Instant,
+    /// What had passed of the run when this runner began, in ns.
+    before_ns: u64,
 }
 
 impl Clock {
     /// A clock that begins now.
     #[expect(clippy::disallowed_methods, reason = "this is the crate's one clock module")]
     pub fn start() -> Self {
-        Self { start: Instant::now() }
+        Self { start: Instant::now(), before_ns: 0 }
+    }
+
+    /// The same for a run of which so much had passed before.
+    pub(crate) fn after(self, before_ns: u64) -> Self {
+        Self { before_ns, ..self }
     }
 
     /// Time since the start, in ns.
     pub fn now_ns(&self) -> u64 {
-        u64::try_from(self.start.elapsed().as_nanos()).unwrap_or(u64::MAX)
+        let elapsed = u64::try_from(self.start.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        elapsed.saturating_add(self.before_ns)
     }
 
     /// Time since the start, in ms.
     pub fn now_ms(&self) -> u64 {
         self.now_ns() / 1_000_000
+    }
+
+    /// When so much time has passed since the start.
+    pub(crate) fn instant(&self, at_ns: u64) -> Option<Instant> {
+        let after = Duration::from_nanos(at_ns.saturating_sub(self.before_ns));
+        self.start.checked_add(after)
     }
 
     /// Time of day, in ms since 1970 UTC.

@@ -1,57 +1,60 @@
-//! Commands of a viewer: each id once, none after its expiry, every one answered.
+//! What viewers send: each command once whoever sends it, every one answered; questions about active states.
 
-use crate::connection::{Line, Receiver, Sender};
+use crate::connection::{Receiver, Sender, Words};
 use crate::driver::Driver;
-use crate::{Clock, Scripts, tell};
-use parking_lot::Mutex;
-use rafcon_engine::Input;
-use rafcon_protocol::{Answer, Command, Envelope, LogLevel, ToRunner, ToViewer, decode};
+use crate::{Scripts, inquiry, tell};
+use parking_lot::{Condvar, Mutex};
+use rafcon_protocol::{Answer, Envelope, LogLevel, ToRunner, ToViewer, decode};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// How many answers are kept, in case a command is sent again.
 const ANSWERS_MAX: usize = 1024;
 
-/// Serves one viewer until it goes away. `answering` is held from a command to its answer.
-pub(crate) fn serve<S: Scripts>(
-    driver: &Arc<Driver<S>>,
-    mut receiver: Receiver,
-    sender: &Sender,
-    answering: &Mutex<()>,
-) {
-    let mut desk = Desk { driver, answered: VecDeque::new() };
-    while let Some(line) = receiver.line() {
-        let _until_it_is_answered = answering.lock();
-        match line {
-            Line::Text(text) => desk.read(&text, sender),
-            Line::Nonsense => desk.complain("a line that is no text, or too long"),
+/// Where all viewers of a run hand their commands in.
+#[derive(Debug)]
+pub(crate) struct Desk<S: Scripts> {
+    driver: Arc<Driver<S>>,
+    /// The latest commands by id, with their answers; none yet where one is being carried out.
+    known: Mutex<VecDeque<(String, Option<Answer>)>>,
+    answered: Condvar,
+}
+
+impl<S: Scripts> Desk<S> {
+    /// A desk at which nobody was.
+    pub(crate) fn new(driver: Arc<Driver<S>>) -> Self {
+        Self { driver, known: Mutex::default(), answered: Condvar::new() }
+    }
+
+    /// Serves one viewer until it goes away. `answering` is held from a command to its answer.
+    pub(crate) fn serve(&self, mut receiver: Receiver, sender: &Sender, answering: &Mutex<()>) {
+        while let Some(line) = receiver.line() {
+            let _until_it_is_answered = answering.lock();
+            match line {
+                Words::Text(text) => self.read(&text, sender),
+                Words::Nonsense => self.complain("a line that is no text, or too long"),
+            }
         }
     }
-}
 
-struct Desk<'d, S: Scripts> {
-    driver: &'d Arc<Driver<S>>,
-    answered: VecDeque<(String, Answer)>,
-}
-
-impl<S: Scripts> Desk<'_, S> {
-    fn read(&mut self, text: &str, sender: &Sender) {
+    fn read(&self, text: &str, sender: &Sender) {
         match decode::<ToRunner>(text) {
             Ok(ToRunner::Command(envelope)) => {
                 let id = envelope.id.clone();
                 let answer = self.answer(envelope);
                 sender.send(&ToViewer::Answer { id, answer });
             }
-            Ok(ToRunner::Join(_) | ToRunner::Inspect { .. }) => {
-                self.complain("a request that this runner does not know yet");
+            Ok(ToRunner::Inspect { id, path }) => {
+                let data = inquiry::state_data(&self.driver, &path);
+                sender.send(&ToViewer::Inspection { id, path, data });
             }
-            Ok(ToRunner::Launch(_)) => self.complain("a second launch: this runner has its run"),
+            Ok(ToRunner::Launch(_) | ToRunner::Join(_)) => {
+                self.complain("a second launch or join: it has its run");
+            }
             Err(error) => match command_id(text) {
                 Some(id) => {
-                    let answer = Answer::Refused {
-                        reason: format!("this runner does not know the command: {error}"),
-                    };
-                    sender.send(&ToViewer::Answer { id, answer });
+                    let reason = format!("this runner does not know the command: {error}");
+                    sender.send(&ToViewer::Answer { id, answer: Answer::Refused { reason } });
                 }
                 None => self.complain(&error.to_string()),
             },
@@ -59,63 +62,43 @@ impl<S: Scripts> Desk<'_, S> {
     }
 
     fn complain(&self, what: &str) {
-        let message = format!("the viewer sent {what}; it was ignored");
+        let message = format!("a viewer sent {what}; it was ignored");
         let record = tell::log(String::new(), LogLevel::Warning, message);
         self.driver.recorder().push(self.driver.clock().now_ns(), [record]);
     }
 
-    fn answer(&mut self, envelope: Envelope) -> Answer {
-        if let Some((_, answer)) = self.answered.iter().find(|(id, _)| *id == envelope.id) {
-            return answer.clone();
+    /// The answer of a command that was sent before, from whomever; else it is carried out.
+    fn answer(&self, envelope: Envelope) -> Answer {
+        let id = envelope.id.clone();
+        if let Some(answer) = self.earlier(&id) {
+            return answer;
         }
-        let expired = envelope.expiry.is_some_and(|expiry| expiry.0 < Clock::epoch_ms());
-        let answer = if expired { Answer::Expired } else { self.carry_out(&envelope.command) };
-        if self.answered.len() == ANSWERS_MAX {
-            self.answered.pop_front();
+        let answer = self.driver.obey(envelope);
+        let mut known = self.known.lock();
+        if let Some(entry) = known.iter_mut().find(|(known, _)| *known == id) {
+            entry.1 = Some(answer.clone());
         }
-        self.answered.push_back((envelope.id, answer.clone()));
+        self.answered.notify_all();
         answer
     }
 
-    fn carry_out(&self, command: &Command) -> Answer {
-        let input = match command {
-            Command::Pause => Input::Pause,
-            Command::Resume { branch: None } => Input::Resume(None),
-            Command::Stop => Input::Stop,
-            Command::Kill => kill(),
-            Command::Start { .. }
-            | Command::StepMode
-            | Command::StepInto { .. }
-            | Command::StepOver { .. }
-            | Command::StepOut { .. }
-            | Command::StepBack { .. }
-            | Command::RunTo { .. }
-            | Command::RunSelected { .. }
-            | Command::RunOnlySelected { .. }
-            | Command::StartFromHistory { .. }
-            | Command::ForceOutcome { .. }
-            | Command::Resume { branch: Some(_) }
-            | Command::Preempt { .. }
-            | Command::SetBreakpoint { .. }
-            | Command::RemoveBreakpoint { .. }
-            | Command::Recover { .. }
-            | Command::Reload { .. }
-            | Command::EditScript { .. }
-            | Command::AnswerQuestion { .. } => {
-                let reason = "this runner does not know this command yet; it knows pause, resume, stop and kill";
-                return Answer::Refused { reason: reason.to_owned() };
+    /// The answer to this id, waited for if need be; without one the id is taken.
+    fn earlier(&self, id: &str) -> Option<Answer> {
+        let mut known = self.known.lock();
+        while let Some((_, answer)) = known.iter().find(|(known, _)| known == id) {
+            if let Some(answer) = answer {
+                return Some(answer.clone());
             }
-        };
-        match self.driver.command(input) {
-            Ok(()) => Answer::Applied,
-            Err(refusal) => Answer::Refused { reason: refusal.to_string() },
+            self.answered.wait(&mut known);
         }
+        if known.len() == ANSWERS_MAX
+            && let Some(oldest) = known.iter().position(|(_, answer)| answer.is_some())
+        {
+            known.remove(oldest);
+        }
+        known.push_back((id.to_owned(), None));
+        None
     }
-}
-
-/// Ends the process, whatever its scripts do. The viewer sees the connection end.
-fn kill() -> ! {
-    signal_hook::low_level::exit(137)
 }
 
 /// The id of a command that does not decode.

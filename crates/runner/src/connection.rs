@@ -8,6 +8,7 @@ use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// No message of a viewer is longer.
 const LINE_BYTES_MAX: u64 = 16 << 20;
@@ -27,6 +28,9 @@ pub enum TalkError {
     /// The viewer went away before it said what to run.
     #[error("the viewer went away before it said what to run")]
     Gone,
+    /// The viewer wants something else than to join.
+    #[error("the viewer's first message is not a join")]
+    NoJoin,
 }
 
 /// The socket. There is one descriptor of it and no copy, so that a forked process can let go of it.
@@ -40,6 +44,21 @@ impl Read for Socket {
 }
 
 impl Socket {
+    /// A connection that nothing was said on.
+    pub(crate) fn new(stream: UnixStream) -> Self {
+        Self(Arc::new(stream))
+    }
+
+    /// Whether both are the same connection.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// How long a read waits.
+    pub(crate) fn wait_at_most(&self, time: Option<Duration>) -> io::Result<()> {
+        self.0.set_read_timeout(time)
+    }
+
     /// Closes the talk, so that a blocked write or read ends.
     pub(crate) fn shut(&self) {
         // A socket that is closed already is as closed as it should be.
@@ -63,21 +82,28 @@ pub(crate) struct Receiver {
 
 /// One line that was read.
 #[derive(Debug)]
-pub(crate) enum Line {
+pub(crate) enum Words {
     /// A text, without its newline.
     Text(String),
     /// Something that is no line of text.
     Nonsense,
 }
 
-/// Exchanges hellos over `stream`.
-pub(crate) fn open(stream: UnixStream) -> Result<(Sender, Receiver, Socket), TalkError> {
-    let socket = Socket(Arc::new(stream));
+/// The connection to one viewer, hellos said.
+#[derive(Debug)]
+pub(crate) struct Line {
+    pub(crate) sender: Sender,
+    pub(crate) receiver: Receiver,
+    pub(crate) socket: Socket,
+}
+
+/// Exchanges hellos.
+pub(crate) fn open(socket: Socket) -> Result<Line, TalkError> {
     let sender = Sender { socket: Mutex::new(socket.clone()), lost: AtomicBool::new(false) };
     let mut receiver = Receiver { lines: BufReader::new(socket.clone()), line: Vec::new() };
     sender.write(&encode(&Hello::ours())?)?;
     receiver.message::<Hello>()?.check()?;
-    Ok((sender, receiver, socket))
+    Ok(Line { sender, receiver, socket })
 }
 
 impl Sender {
@@ -91,8 +117,13 @@ impl Sender {
     /// Sends lines that are encoded already.
     pub(crate) fn send_lines(&self, lines: &[u8]) {
         if !self.is_lost() && self.write(lines).is_err() {
-            self.lost.store(true, Ordering::Relaxed);
+            self.lose();
         }
+    }
+
+    /// Nobody listens any more.
+    pub(crate) fn lose(&self) {
+        self.lost.store(true, Ordering::Relaxed);
     }
 
     /// Whether nobody listens any more.
@@ -107,7 +138,7 @@ impl Sender {
 
 impl Receiver {
     /// The next line; `None` when the viewer is gone.
-    pub(crate) fn line(&mut self) -> Option<Line> {
+    pub(crate) fn line(&mut self) -> Option<Words> {
         self.line.clear();
         let mut limited = self.lines.by_ref().take(LINE_BYTES_MAX);
         let count = limited.read_until(b'\n', &mut self.line).ok()?;
@@ -115,18 +146,18 @@ impl Receiver {
             return None;
         }
         if self.line.pop() != Some(b'\n') {
-            return Some(Line::Nonsense);
+            return Some(Words::Nonsense);
         }
         let text = String::from_utf8(std::mem::take(&mut self.line));
-        Some(text.map_or(Line::Nonsense, Line::Text))
+        Some(text.map_or(Words::Nonsense, Words::Text))
     }
 
     /// The next line as a message.
     pub(crate) fn message<T: DeserializeOwned>(&mut self) -> Result<T, TalkError> {
         match self.line() {
             None => Err(TalkError::Gone),
-            Some(Line::Text(text)) => Ok(decode(&text)?),
-            Some(Line::Nonsense) => Ok(decode("(not a line of text)")?),
+            Some(Words::Text(text)) => Ok(decode(&text)?),
+            Some(Words::Nonsense) => Ok(decode("(not a line of text)")?),
         }
     }
 }

@@ -1,15 +1,14 @@
 //! What only the holder of the engine touches: the engine, its places, and who runs what.
 
 use crate::active::Active;
-use crate::branch::{Turn, Worker};
+use crate::branch::{Turn, Work, Worker};
 use crate::crew::Crew;
-use crate::recorder::{Record, Recorder};
+use crate::level;
+use crate::names::Numbering;
 use crate::signals::{PAUSED, PREEMPTED, STARTED};
-use crate::{Clock, Place, Places, tell};
-use rafcon_engine::{
-    BranchId, Datum, Engine, Event, FrameId, Job, NodeId, Outbox, PathId, Program, ScriptResult,
-};
-use rafcon_model::OutcomeId;
+use crate::{Place, Places};
+use rafcon_engine::{BranchId, Check, Datum, Engine, Input, Job, NodeId, Outbox, PathId, Program};
+use rafcon_protocol::Keeping;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -19,15 +18,26 @@ use std::thread::JoinHandle;
 pub(crate) struct Core<D> {
     pub(crate) engine: Engine<D>,
     pub(crate) outbox: Outbox<D>,
-    /// Answers for scripts that could not be run.
-    pub(crate) pending: VecDeque<(FrameId, ScriptResult<D>)>,
-    known: Vec<Option<Arc<Place>>>,
-    /// The same, for those who do not hold the engine.
+    /// Answers for work that could not be done.
+    pub(crate) pending: VecDeque<Input<D>>,
+    pub(crate) known: Vec<Option<Known>>,
+    pub(crate) numbering: Numbering,
+    /// How often the program changed, counted from 1.
+    pub(crate) generation: u32,
+    /// The same places, for those who do not hold the engine.
     places: Arc<Places>,
     pub(crate) crew: Crew<D>,
     pub(crate) threads: Vec<JoinHandle<()>>,
     /// The flags of every place that no script has been asked to end at.
     flags: u8,
+}
+
+/// A place that the run has met.
+#[derive(Debug)]
+pub(crate) struct Known {
+    pub(crate) place: Arc<Place>,
+    /// The generation of its latest definition in the record; 0 if it has none.
+    pub(crate) defined: u32,
 }
 
 /// What one input came to, for the thread that gave it.
@@ -57,6 +67,8 @@ impl<D: Datum> Core<D> {
             outbox: Outbox::default(),
             pending: VecDeque::new(),
             known: Vec::new(),
+            numbering: Numbering::default(),
+            generation: 1,
             places,
             crew: Crew::new(active),
             threads: Vec::new(),
@@ -64,44 +76,28 @@ impl<D: Datum> Core<D> {
         }
     }
 
-    /// Notes the events down, and makes the places that they are the first to name.
-    pub(crate) fn record(&mut self, clock: Clock, recorder: &Recorder) {
-        if self.outbox.events.is_empty() {
-            return;
-        }
-        let now = clock.now_ns();
-        let mut events = std::mem::take(&mut self.outbox.events);
-        for event in &events {
-            match event {
-                Event::Entered { path, node, .. } => self.enter(*path, *node, now),
-                Event::Left { path, outcome, .. } => self.leave(*path, *outcome),
-                Event::Stopping => self.set_flags(0),
-                _ => {}
-            }
-        }
-        recorder.push(now, events.iter().filter_map(|event| told(&self.engine, event)));
-        events.clear();
-        self.outbox.events = events;
-    }
-
-    fn enter(&mut self, path: PathId, node: NodeId, now: u64) {
-        let place = Arc::clone(self.place_of(path, node));
-        place.enter(now, self.around(&place));
-    }
-
     /// The place with this number, made if it is new.
     pub(crate) fn place_of(&mut self, path: PathId, node: NodeId) -> &Arc<Place> {
+        &self.known(path, node).place
+    }
+
+    /// The same with what the record knows of it.
+    pub(crate) fn known(&mut self, path: PathId, node: NodeId) -> &mut Known {
         let index = path.index();
         if self.known.len() <= index {
-            self.known.resize(index + 1, None);
+            self.known.resize_with(index + 1, || None);
         }
-        let (engine, flags, places) = (&self.engine, self.flags, &self.places);
+        let (engine, numbering) = (&self.engine, &mut self.numbering);
+        let (flags, places) = (self.flags, &self.places);
         self.known[index].get_or_insert_with(|| {
             let text = engine.path_text(path).to_string();
-            let place = Arc::new(Place::new(path, node, engine.path_parent(path), text.into()));
+            let number = numbering.number(&text);
+            let parent = engine.path_parent(path);
+            let place = Place::new(path, node, parent, text.into());
+            let place = Arc::new(place.recorded(number, level(engine, path)));
             place.signals.set(flags, true);
             places.insert(Arc::clone(&place));
-            place
+            Known { place, defined: 0 }
         })
     }
 
@@ -109,7 +105,13 @@ impl<D: Datum> Core<D> {
     pub(crate) fn begin(&mut self, job: Job<D>) -> Turn<D> {
         let place = Arc::clone(self.place_of(job.path, job.node));
         place.signals.begin(job.preempted);
-        Turn { job, place }
+        Turn { work: Work::Script(job), place }
+    }
+
+    /// The same for a condition.
+    pub(crate) fn begin_check(&mut self, check: Check<D>) -> Turn<D> {
+        let place = Arc::clone(self.place_of(check.path, check.node));
+        Turn { work: Work::Condition(check), place }
     }
 
     /// How many threads there were.
@@ -118,27 +120,21 @@ impl<D: Datum> Core<D> {
         self.threads.len()
     }
 
-    fn at(&self, path: PathId) -> Option<&Arc<Place>> {
-        self.known.get(path.index()).and_then(Option::as_ref)
+    pub(crate) fn at(&self, path: PathId) -> Option<&Arc<Place>> {
+        self.known.get(path.index()).and_then(Option::as_ref).map(|known| &known.place)
     }
 
-    fn around(&self, place: &Place) -> Option<&Place> {
+    pub(crate) fn around(&self, place: &Place) -> Option<&Place> {
         self.at(place.parent?).map(|around| &**around)
-    }
-
-    fn leave(&self, path: PathId, outcome: OutcomeId) {
-        if let Some(place) = self.at(path) {
-            place.leave(outcome, self.around(place));
-        }
     }
 
     pub(crate) fn pause(&mut self, paused: bool) {
         self.set_flags(if paused { PAUSED } else { STARTED });
     }
 
-    fn set_flags(&mut self, flags: u8) {
+    pub(crate) fn set_flags(&mut self, flags: u8) {
         self.flags = flags;
-        for place in self.known.iter().flatten() {
+        for Known { place, .. } in self.known.iter().flatten() {
             place.signals.set((PAUSED | STARTED) & !flags, false);
             place.signals.set(flags, true);
         }
@@ -151,7 +147,7 @@ impl<D: Datum> Core<D> {
     }
 
     pub(crate) fn dispatch(&mut self, begun: Turn<D>, turn: &mut Turning<D>) {
-        if turn.own == Some(begun.job.branch) {
+        if turn.own == Some(begun.branch()) {
             self.crew.go_on(&begun);
             turn.next = Some(begun);
         } else {
@@ -182,11 +178,9 @@ impl<D: Datum> Core<D> {
     }
 }
 
-fn told<D: Datum>(engine: &Engine<D>, event: &Event<D>) -> Option<Record> {
-    match event {
-        Event::Entered { path, .. } => Some(Record::Entered(*path)),
-        Event::Left { path, outcome, .. } => Some(Record::Left(*path, *outcome)),
-        Event::Finished { .. } => None,
-        event => tell::rare(event, engine),
-    }
+/// How much is kept of the state at `path`, if everything is kept of the run.
+fn level<D: Datum>(engine: &Engine<D>, path: PathId) -> Keeping {
+    let around = std::iter::successors(Some(path), |path| engine.path_parent(*path));
+    let node = |path| Some(engine.program().node(engine.path_node(path)?));
+    around.filter_map(node).fold(Keeping::Full, |level, node| level::of(node.state(), level))
 }

@@ -39,7 +39,7 @@ impl<D> Crew<D> {
 
     /// Work for another thread than the one that says so.
     pub(crate) fn post(&mut self, turn: Turn<D>) {
-        match self.owners.get(&turn.job.branch) {
+        match self.owners.get(&turn.branch()) {
             Some(owner) => {
                 self.active.begin(owner.slot, &turn.place);
                 owner.mailbox.post(Mail::Run(turn));
@@ -50,7 +50,7 @@ impl<D> Crew<D> {
 
     /// The thread of this branch goes on with this script of its own.
     pub(crate) fn go_on(&mut self, turn: &Turn<D>) {
-        if let Some(owner) = self.owners.get(&turn.job.branch) {
+        if let Some(owner) = self.owners.get(&turn.branch()) {
             self.active.begin(owner.slot, &turn.place);
         }
     }
@@ -76,7 +76,7 @@ impl<D> Crew<D> {
             return None;
         };
         self.active.begin(worker.slot, &turn.place);
-        self.owners.insert(turn.job.branch, worker);
+        self.owners.insert(turn.branch(), worker);
         Some(turn)
     }
 

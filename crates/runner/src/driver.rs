@@ -2,13 +2,17 @@
 //! script goes on inline on the thread that finished the last one.
 
 use crate::active::Active;
-use crate::branch::{self, Worker};
+use crate::branch::{self, Work, Worker};
 use crate::core::{Core, Next, Turning};
 use crate::document::Document;
+use crate::points::Points;
+use crate::questions::Questions;
 use crate::recorder::Recorder;
-use crate::{Clock, Places, Scripts, tell};
+use crate::signals::PREEMPTED;
+use crate::timers::Timers;
+use crate::{Clock, Places, Scripts, tell, written};
 use parking_lot::{Condvar, Mutex};
-use rafcon_engine::{BranchId, Effect, Finish, Input, Program, Refusal};
+use rafcon_engine::{BranchId, Effect, Event, Finish, Input, NodeId, PathId, Program, Refusal};
 use std::sync::Arc;
 
 /// A run in progress.
@@ -20,6 +24,9 @@ pub struct Driver<S: Scripts> {
     recorder: Arc<Recorder>,
     clock: Clock,
     core: Mutex<Core<S::Value>>,
+    questions: Questions,
+    points: Points,
+    timers: Timers,
     end: Mutex<Option<Finish<S::Value>>>,
     ended: Condvar,
 }
@@ -31,16 +38,23 @@ impl<S: Scripts> Driver<S> {
         scripts: S,
         clock: Clock,
         active: Active,
+        recorder: Recorder,
     ) -> Arc<Self> {
         let places = Arc::new(Places::default());
-        let core = Core::new(document.program(), Arc::clone(&places), active);
+        let mut core = Core::new(document.program(), Arc::clone(&places), active);
+        core.numbering = recorder.names().numbering();
+        let timers = Timers::default();
+        timers.adopt(&document.program());
         Arc::new(Self {
             scripts,
             document,
             places,
-            recorder: Arc::default(),
+            recorder: Arc::new(recorder),
             clock,
             core: Mutex::new(core),
+            questions: Questions::default(),
+            points: Points::default(),
+            timers,
             end: Mutex::new(None),
             ended: Condvar::new(),
         })
@@ -63,6 +77,18 @@ impl<S: Scripts> Driver<S> {
     /// The places met so far.
     pub fn places(&self) -> &Arc<Places> {
         &self.places
+    }
+
+    pub(crate) fn questions(&self) -> &Questions {
+        &self.questions
+    }
+
+    pub(crate) fn timers(&self) -> &Timers {
+        &self.timers
+    }
+
+    pub(crate) fn points(&self) -> &Points {
+        &self.points
     }
 
     pub(crate) fn recorder(&self) -> &Arc<Recorder> {
@@ -162,7 +188,7 @@ impl<S: Scripts> Driver<S> {
         answer
     }
 
-    fn drive(
+    pub(crate) fn drive(
         self: &Arc<Self>,
         core: &mut Core<S::Value>,
         input: Input<S::Value>,
@@ -195,8 +221,7 @@ impl<S: Scripts> Driver<S> {
         core: &mut Core<S::Value>,
         turn: &mut Turning<S::Value>,
     ) -> Result<(), Refusal> {
-        while let Some((frame, result)) = core.pending.pop_front() {
-            let input = Input::Finished { frame, result };
+        while let Some(input) = core.pending.pop_front() {
             core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
             self.carry_out(core, turn);
         }
@@ -204,23 +229,72 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn carry_out(&self, core: &mut Core<S::Value>, turn: &mut Turning<S::Value>) {
-        core.record(self.clock, &self.recorder);
+        let entered = self.look_ahead(core);
+        written::record(core, &self.scripts, self.clock, &self.recorder);
+        self.set_alarms(core, &entered);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {
-            match effect {
-                Effect::Run(job) => {
-                    let begun = core.begin(job);
-                    core.dispatch(begun, turn);
-                }
-                // A branch gets its thread with its first script. No breakpoint can be set yet, so none has a condition.
-                Effect::Fork { .. } | Effect::Check(_) => {}
-                Effect::EndBranch { branch } => core.end_branch(branch, turn),
-                Effect::Preempt(path) => core.signal(path),
-                Effect::Paused(paused) => core.pause(paused),
-                Effect::Finish(finish) => self.finish(finish),
-            }
+            self.carry_out_one(core, turn, effect);
         }
         core.outbox.effects = effects;
+        self.questions.withdraw_orphans();
+    }
+
+    fn carry_out_one(
+        &self,
+        core: &mut Core<S::Value>,
+        turn: &mut Turning<S::Value>,
+        effect: Effect<S::Value>,
+    ) {
+        match effect {
+            Effect::Run(job) => {
+                let begun = core.begin(job);
+                if begun.place.signals.any(PREEMPTED) {
+                    self.timers.asked_to_end(&begun.place, self.clock.now_ns());
+                }
+                core.dispatch(begun, turn);
+            }
+            Effect::Check(check) => {
+                let begun = core.begin_check(check);
+                core.dispatch(begun, turn);
+            }
+            // A branch gets its thread with its first piece of work.
+            Effect::Fork { .. } => {}
+            Effect::EndBranch { branch } => core.end_branch(branch, turn),
+            Effect::Preempt(path) => {
+                core.signal(path);
+                self.questions.withdraw(path);
+                if let Some(place) = core.at(path) {
+                    self.timers.asked_to_end(place, self.clock.now_ns());
+                }
+            }
+            Effect::Paused(paused) => core.pause(paused),
+            Effect::Finish(finish) => self.finish(finish),
+        }
+    }
+
+    /// What the events about to be recorded mean to the driver itself: another machine is run from now on; the states that
+    /// are entered, if any has a deadline.
+    fn look_ahead(&self, core: &Core<S::Value>) -> Vec<(PathId, NodeId)> {
+        let mut entered = Vec::new();
+        let any = self.timers.any();
+        for event in &core.outbox.events {
+            match event {
+                Event::Entered { path, node, .. } if any => entered.push((*path, *node)),
+                Event::Changed => self.adopt(core),
+                Event::ChangeWaits { path } => self.change_waits(core, *path),
+                _ => {}
+            }
+        }
+        entered
+    }
+
+    fn set_alarms(&self, core: &Core<S::Value>, entered: &[(PathId, NodeId)]) {
+        for (path, node) in entered {
+            if let Some(place) = core.at(*path) {
+                self.timers.entered(place, *node, self.clock.now_ns());
+            }
+        }
     }
 
     fn recruit(self: &Arc<Self>, core: &mut Core<S::Value>) {
@@ -236,12 +310,18 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn give_up(&self, core: &mut Core<S::Value>, error: &std::io::Error) {
-        if let Some(turn) = core.crew.give_up() {
-            let reason = format!(
-                "the system gave no thread for this branch ({error}); let fewer states run side by side"
-            );
-            core.pending.push_back((turn.job.frame, self.scripts.failure(&reason)));
-        }
+        let Some(turn) = core.crew.give_up() else { return };
+        let reason = format!(
+            "the system gave no thread for this branch ({error}); let fewer states run side by side"
+        );
+        core.pending.push_back(match turn.work {
+            Work::Script(job) => {
+                Input::Finished { frame: job.frame, result: self.scripts.failure(&reason) }
+            }
+            Work::Condition(check) => {
+                Input::Checked { check: check.check, result: Err(reason.into()) }
+            }
+        });
     }
 
     /// The next branch without a thread, for a thread that was sent for it; without one the thread is idle.
@@ -256,6 +336,8 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn finish(&self, finish: Finish<S::Value>) {
+        self.questions.end();
+        self.timers.close();
         *self.end.lock() = Some(finish);
         self.ended.notify_all();
     }

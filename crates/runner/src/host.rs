@@ -1,24 +1,22 @@
 //! One run from hello to the last word. Knows the order of things; the parts know how.
 
 use crate::active::Active;
-use crate::connection::{self, Receiver, Sender, Socket, TalkError};
+use crate::company::Company;
+use crate::connection::{self, Line, Socket, TalkError};
 use crate::document::Document;
 use crate::driver::Driver;
-use crate::prepare::{Prepared, prepare};
-use crate::viewer::Viewer;
-use crate::{Clock, Host, Scripts, commands, stop, tell};
-use parking_lot::{Condvar, Mutex};
-use rafcon_engine::{Finish, Input, Program, Refusal};
-use rafcon_protocol::{Event, Keeping, Outcome, ToRunner, ToViewer};
-use signal_hook::iterator::Signals;
+use crate::join::{Closer, Door};
+use crate::prepare::{Prepared, prepare, reason};
+use crate::{Clock, Host, Scripts, committer, due, journal, stop};
+use rafcon_engine::{Finish, Input, Program, Start};
+use rafcon_protocol::{Event, Join, Launch, Outcome, ToRunner, ToViewer};
+use rafcon_storage::journal::folder::VALUES_FOLDER;
+use signal_hook::iterator::{Handle, Signals};
 use std::io;
 use std::os::unix::net::UnixStream;
+use std::path::Path;
 use std::sync::Arc;
 use std::thread;
-use std::time::Duration;
-
-/// How long a viewer that does not read may hold up the end of the process, after the run is over.
-const LAST_WORDS: Duration = Duration::from_secs(10);
 
 /// Why there was no run.
 #[derive(Debug, thiserror::Error)]
@@ -40,29 +38,25 @@ pub enum ServeError {
 /// Runs what the viewer at the other end of `stream` asks for, to its end. Called outside the interpreter.
 pub fn serve<H: Host>(stream: UnixStream, host: H) -> Result<(), ServeError> {
     let clock = Clock::start();
-    let (sender, mut receiver, socket) = connection::open(stream)?;
-    let ToRunner::Launch(launch) = receiver.message()? else { return Err(ServeError::NoLaunch) };
-    let every_event = launch.every_event;
-    match begin(host, &launch, clock, &sender) {
-        Ok((driver, signals)) => {
-            Talk { driver, sender, socket, every_event }.run(receiver, signals)
-        }
+    let mut line = connection::open(Socket::new(stream))?;
+    let ToRunner::Launch(launch) = line.receiver.message()? else {
+        return Err(ServeError::NoLaunch);
+    };
+    match begin(host, &launch, clock) {
+        Ok(begun) => begun.run(line, &launch),
         Err(error) => {
-            sender.send(&ToViewer::LoadFailed { reason: error.to_string() });
+            line.sender.send(&ToViewer::LoadFailed { reason: error.to_string() });
             Err(error)
         }
     }
 }
 
-type Begun<H> = (Arc<Driver<<H as Host>::Scripts>>, (Signals, signal_hook::iterator::Handle));
-
-/// Loads the machine and begins the run.
+/// Loads the machine and makes everything ready.
 fn begin<H: Host>(
     mut host: H,
-    launch: &rafcon_protocol::Launch,
+    launch: &Launch,
     clock: Clock,
-    sender: &Sender,
-) -> Result<Begun<H>, ServeError> {
+) -> Result<Begun<H::Scripts>, ServeError> {
     let Prepared { machine, files, problems, start, config } =
         prepare(&mut host, launch).map_err(ServeError::Load)?;
     let program = Arc::new(Program::compile(&machine, host.literals()));
@@ -72,74 +66,92 @@ fn begin<H: Host>(
     let loaded = ToViewer::Loaded {
         name: machine.root.name.to_string(),
         states: machine.count() as u64,
-        run: String::new(),
+        run: launch.run_folder.as_deref().map(run_id).unwrap_or_default(),
         problems,
     };
     let document = Document::new(machine.clone(), Arc::clone(&program));
-    let opening =
-        crate::Opening { machine, program, files, config, keeping: Keeping::Off, values: None };
+    let recorder = journal::begin(launch, &machine, clock)
+        .map_err(|error| ServeError::Load(reason(&error)))?;
+    let keeping = recorder.keeping();
+    let values = launch.run_folder.as_ref().map(|folder| folder.join(VALUES_FOLDER));
+    let opening = crate::Opening { machine, program, files, config, keeping, values };
     let active = match &launch.run_folder {
         Some(folder) => Active::open(folder)?,
         None => Active::default(),
     };
-    let driver = Driver::new(document, host.open(opening), clock, active);
+    let driver = Driver::new(document, host.open(opening), clock, active, recorder);
     H::opened(&driver);
-    let signals = stop::take_over()?;
-    sender.send(&loaded);
-    driver.command(Input::Start(start)).map_err(|refusal| refused(&refusal))?;
-    Ok((driver, signals))
+    let (door, closer) = open_door(launch)?.unzip();
+    let begun = Begun { driver, loaded, signals: stop::take_over()?, door, closer };
+    set_out(&begun.driver, launch, start).map_err(ServeError::Load)?;
+    Ok(begun)
 }
 
-fn refused(refusal: &Refusal) -> ServeError {
-    ServeError::Load(refusal.to_string())
+/// The run's id: the name of its folder.
+fn run_id(folder: &Path) -> String {
+    folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A run that has begun, and its viewer.
-struct Talk<S: Scripts> {
+/// A run that has begun.
+struct Begun<S: Scripts> {
     driver: Arc<Driver<S>>,
-    sender: Sender,
-    socket: Socket,
-    every_event: bool,
+    loaded: ToViewer,
+    signals: (Signals, Handle),
+    door: Option<Door>,
+    closer: Option<Closer>,
 }
 
-impl<S: Scripts> Talk<S> {
-    fn run(
-        self,
-        receiver: Receiver,
-        (signals, handle): (Signals, signal_hook::iterator::Handle),
-    ) -> Result<(), ServeError> {
-        let (told, answering) = (Told::default(), Mutex::new(()));
+impl<S: Scripts> Begun<S> {
+    fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
+        let Self { driver, loaded, signals: (signals, handle), door, closer } = self;
+        let company = Company::new(Arc::clone(&driver), loaded);
         thread::scope(|scope| {
             let named = |name: &str| thread::Builder::new().name(name.to_owned());
-            named("commands").spawn_scoped(scope, || {
-                commands::serve(&self.driver, receiver, &self.sender, &answering);
-            })?;
-            named("signals").spawn_scoped(scope, || stop::serve(&self.driver, signals))?;
-            named("viewer").spawn_scoped(scope, || {
-                Viewer::new(&self.driver, &self.sender, self.every_event).follow();
-                told.set();
-            })?;
-            self.conclude(&told);
-            // A command that ended the run is answered like any other.
-            drop(answering.try_lock_for(LAST_WORDS));
+            committer::start(scope, &driver)?;
+            company.welcome(scope, line, first(launch))?;
+            named("signals").spawn_scoped(scope, || stop::serve(&driver, signals))?;
+            named("timers").spawn_scoped(scope, || due::serve(&driver))?;
+            if let Some(door) = door {
+                named("door").spawn_scoped(scope, || door.serve(scope, &company))?;
+            }
+            conclude(&driver);
+            drop(closer);
+            company.part();
             handle.close();
-            self.driver.scripts().released();
-            self.socket.shut();
+            driver.scripts().released();
             Ok(())
         })
     }
+}
 
-    /// Waits for the end of the run, and until it is told.
-    fn conclude(&self, told: &Told) {
-        if let Some(finish) = self.driver.wait() {
-            self.driver.close();
-            self.driver.scripts().finished();
-            let event = tell::told(finished(self.driver.scripts(), finish));
-            self.driver.recorder().push(self.driver.clock().now_ns(), [event]);
-        }
-        self.driver.recorder().close();
-        told.wait(LAST_WORDS);
+/// What the viewer that launched the run is told.
+fn first(launch: &Launch) -> Join {
+    Join { from: 1, every_event: launch.every_event, values: false }
+}
+
+fn open_door(launch: &Launch) -> io::Result<Option<(Door, Closer)>> {
+    let folder = launch.run_folder.as_deref().filter(|_| launch.listen);
+    folder.map(Door::open).transpose()
+}
+
+/// Sets the breakpoints and lets the run begin; the error is for people.
+fn set_out<S: Scripts>(
+    driver: &Arc<Driver<S>>,
+    launch: &Launch,
+    start: Start<S::Value>,
+) -> Result<(), String> {
+    launch.breakpoints.iter().try_for_each(|breakpoint| driver.set_breakpoint(breakpoint))?;
+    driver.input(Input::Start(start))
+}
+
+/// Waits for the end of the run, and notes it down.
+fn conclude<S: Scripts>(driver: &Driver<S>) {
+    if let Some(finish) = driver.wait() {
+        driver.close();
+        driver.scripts().finished();
+        driver.tell(finished(driver.scripts(), finish));
     }
+    driver.recorder().close();
 }
 
 fn finished<S: Scripts>(scripts: &S, finish: Finish<S::Value>) -> Event {
@@ -152,26 +164,5 @@ fn finished<S: Scripts>(scripts: &S, finish: Finish<S::Value>) -> Event {
         globals: scripts.encode_globals(),
         scoped_variables: encode(finish.scoped_variables),
         states_run: finish.states_run,
-    }
-}
-
-/// Whether the viewer has been told everything.
-#[derive(Debug, Default)]
-struct Told {
-    done: Mutex<bool>,
-    changed: Condvar,
-}
-
-impl Told {
-    fn set(&self) {
-        *self.done.lock() = true;
-        self.changed.notify_all();
-    }
-
-    fn wait(&self, at_most: Duration) {
-        let mut done = self.done.lock();
-        if !*done {
-            self.changed.wait_while_for(&mut done, |done| !*done, at_most);
-        }
     }
 }

@@ -2,10 +2,11 @@
 
 use crate::core::Core;
 use crate::driver::Driver;
-use crate::{Place, Scripts, tell};
+use crate::{Place, Scripts};
 use rafcon_engine::{Inspection, PathId};
-use rafcon_model::Machine;
-use rafcon_protocol::{Event, LogLevel, Stream};
+use rafcon_model::{Machine, Port};
+use rafcon_protocol::{StateData, Values};
+use smol_str::SmolStr;
 use std::sync::Arc;
 
 impl<S: Scripts> Driver<S> {
@@ -34,16 +35,40 @@ impl<S: Scripts> Driver<S> {
     pub fn machine(&self) -> Arc<Machine> {
         self.document().machine()
     }
+}
 
-    /// Notes a line down that a state wrote.
-    pub fn log(&self, path: Option<PathId>, level: LogLevel, stream: Stream, message: String) {
-        let path = path.and_then(|path| self.places().with(path, |place| place.text.to_string()));
-        let event = Event::Log { path: path.unwrap_or_default(), level, stream, message };
-        self.tell(event);
-    }
+/// What the state at `path` (ids joined by `/`) holds, as viewers read it; `None` if it is not active.
+pub(crate) fn state_data<S: Scripts>(driver: &Driver<S>, path: &str) -> Option<StateData> {
+    let find = |core: &mut Core<S::Value>| {
+        let active = core.engine.snapshot();
+        let at =
+            active.iter().find(|active| core.engine.path_text(active.path).to_string() == path)?;
+        Some((core.engine.inspect(at.path)?, at.node, Arc::clone(core.engine.program())))
+    };
+    let (held, node, program) = driver.with_core(find)??;
+    let node = program.node(node);
+    let ports = |ports: &[Port], values: &[S::Value]| -> Values {
+        let named = ports.iter().zip(values);
+        named.map(|(port, value)| encoded(driver, &port.name, value)).collect()
+    };
+    let data = StateData {
+        inputs: ports(node.inputs(), &held.inputs),
+        outputs: ports(node.outputs(), &held.outputs),
+        scoped_variables: held
+            .scoped_variables
+            .iter()
+            .map(|(name, value)| encoded(driver, name, value))
+            .collect(),
+    };
+    drop(held);
+    driver.scripts().settle();
+    Some(data)
+}
 
-    /// Notes an event down.
-    pub(crate) fn tell(&self, event: Event) {
-        self.recorder().push(self.clock().now_ns(), [tell::told(event)]);
-    }
+fn encoded<S: Scripts>(
+    driver: &Driver<S>,
+    name: &SmolStr,
+    value: &S::Value,
+) -> (String, serde_json::Value) {
+    (name.to_string(), driver.scripts().encode(value))
 }

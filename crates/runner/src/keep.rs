@@ -17,14 +17,15 @@ pub enum Keep<'v> {
 #[derive(Debug)]
 pub struct KeptValue {
     stored: Stored,
-    /// 0 while no event has named it.
+    /// Its number, and the record before which that was given; 0 while no event has named it.
     number: AtomicU64,
+    defined: AtomicU64,
 }
 
 impl KeptValue {
     /// A value that no event has named.
     pub fn new(stored: Stored) -> Self {
-        Self { stored, number: AtomicU64::new(0) }
+        Self { stored, number: AtomicU64::new(0), defined: AtomicU64::new(0) }
     }
 
     /// What is kept.
@@ -32,14 +33,16 @@ impl KeptValue {
         &self.stored
     }
 
-    /// Its number, if an event has named it.
-    pub fn number(&self) -> Option<ValueNumber> {
+    /// Its number, if it got one for record `since` or later. Only who writes the record asks.
+    pub(crate) fn number(&self, since: u64) -> Option<ValueNumber> {
         let number = self.number.load(Ordering::Relaxed);
-        (number != 0).then_some(ValueNumber(number))
+        let is_new = self.defined.load(Ordering::Relaxed) >= since;
+        (number != 0 && is_new).then_some(ValueNumber(number))
     }
 
-    /// Gives it its number. Only the holder of the engine does.
-    pub fn set_number(&self, number: ValueNumber) {
+    /// It has this number from record `defined` on.
+    pub(crate) fn set_number(&self, number: ValueNumber, defined: u64) {
         self.number.store(number.0, Ordering::Relaxed);
+        self.defined.store(defined, Ordering::Relaxed);
     }
 }

@@ -4,22 +4,37 @@
 //! [`Scripts`].
 
 mod active;
+mod blocks;
 mod branch;
 mod clock;
 mod commands;
+mod committer;
+mod company;
 mod connection;
 mod core;
 mod crew;
 mod document;
 mod driver;
+mod due;
 mod files;
 mod host;
 mod inquiry;
+mod join;
+mod journal;
 mod keep;
+mod level;
+mod limits;
 mod mailbox;
+mod names;
+mod notes;
+mod obey;
+mod pen;
 mod place;
+mod points;
 mod prepare;
+mod questions;
 mod recorder;
+mod safety;
 mod scripts;
 pub mod signals;
 mod snapshot;
@@ -27,14 +42,19 @@ mod stop;
 mod tell;
 #[cfg(test)]
 mod tests;
+mod timers;
 mod viewer;
+mod words;
+mod written;
 
 pub use clock::Clock;
 pub use connection::TalkError;
+pub use document::Edited;
 pub use driver::Driver;
 pub use files::StateFiles;
 pub use host::{ServeError, serve};
 pub use keep::{Keep, KeptValue};
 pub use place::{Place, Places};
+pub use questions::{Asked, Closed};
 pub use scripts::{Host, HostValue, Opening, Scripts};
 pub use signals::Signals;

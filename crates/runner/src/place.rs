@@ -4,8 +4,10 @@ use crate::Signals;
 use parking_lot::RwLock;
 use rafcon_engine::{NodeId, PathId};
 use rafcon_model::OutcomeId;
+use rafcon_protocol::Keeping;
+use rafcon_storage::journal::PlaceNumber;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicI64, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, AtomicU64, Ordering};
 
 /// No place, in a field that may hold the number of one.
 const NOWHERE: u32 = u32::MAX;
@@ -25,9 +27,14 @@ pub struct Place {
     pub text: Arc<str>,
     /// What its script is asked to do.
     pub signals: Signals,
+    /// How much is kept of its state, if everything is kept of the run.
+    pub keeping: Keeping,
+    /// Its number in the record of the run.
+    pub(crate) number: PlaceNumber,
     /// Its line in the list of active scripts, counted from 1; 0 if it has none yet.
     pub(crate) line: AtomicU32,
     entered_ns: AtomicU64,
+    active: AtomicBool,
     runs: AtomicU32,
     outcome: AtomicI64,
     /// The child that was left last.
@@ -45,8 +52,11 @@ impl Place {
             parent,
             text,
             signals: Signals::default(),
+            keeping: Keeping::Full,
+            number: PlaceNumber(path.0),
             line: AtomicU32::new(0),
             entered_ns: AtomicU64::new(0),
+            active: AtomicBool::new(false),
             runs: AtomicU32::new(0),
             outcome: AtomicI64::new(NEVER_LEFT),
             last_left: AtomicU32::new(NOWHERE),
@@ -54,9 +64,19 @@ impl Place {
         }
     }
 
+    /// The same with another number in the record, and a choice of how much is kept.
+    pub(crate) fn recorded(self, number: PlaceNumber, keeping: Keeping) -> Self {
+        Self { keeping, number, ..self }
+    }
+
     /// How often its state was entered.
     pub fn runs(&self) -> u32 {
         self.runs.load(Ordering::Relaxed)
+    }
+
+    /// Whether its state is active.
+    pub fn is_active(&self) -> bool {
+        self.active.load(Ordering::Relaxed)
     }
 
     /// The outcome by which its state was left last.
@@ -79,6 +99,7 @@ impl Place {
     /// Its state is entered; `around` is the place around it. Only the holder of the engine writes.
     pub(crate) fn enter(&self, now_ns: u64, around: Option<&Self>) {
         self.entered_ns.store(now_ns, Ordering::Relaxed);
+        self.active.store(true, Ordering::Relaxed);
         self.runs.store(self.runs().wrapping_add(1), Ordering::Relaxed);
         if let Some(around) = around {
             self.previous.store(around.last_left.load(Ordering::Relaxed), Ordering::Relaxed);
@@ -87,8 +108,14 @@ impl Place {
         self.signals.begin(false);
     }
 
+    /// Its state is not active any more, and has no outcome.
+    pub(crate) fn drop_entry(&self) {
+        self.active.store(false, Ordering::Relaxed);
+    }
+
     /// Its state is left.
     pub(crate) fn leave(&self, outcome: OutcomeId, around: Option<&Self>) {
+        self.drop_entry();
         self.outcome.store(outcome.0, Ordering::Relaxed);
         if let Some(around) = around {
             around.last_left.store(self.path.0, Ordering::Relaxed);

@@ -1,6 +1,6 @@
 //! From a launch to a machine that can be run. Knows where machines, libraries and the config come from.
 
-use crate::{Host, StateFiles};
+use crate::{Host, StateFiles, limits};
 use rafcon_engine::Start;
 use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
 use rafcon_protocol::Launch;
@@ -33,6 +33,7 @@ pub(crate) fn prepare<H: Host>(
         .chain(lines(&notes))
         .chain(lines(&loaded.problems))
         .chain(faults(&loaded.machine))
+        .chain(limits::faults(&loaded.machine))
         .collect();
     let start = Start {
         inputs: inputs(host, launch)?,
@@ -66,7 +67,7 @@ fn inputs<H: Host>(host: &mut H, launch: &Launch) -> Result<Inputs<H>, String> {
 }
 
 /// An error with its causes, on one line.
-fn reason(error: &dyn std::error::Error) -> String {
+pub(crate) fn reason(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(source) = cause {

@@ -1,218 +1,294 @@
-//! The events of a run in memory, numbered, for any number of readers. Knows what happened and when; must never know who reads,
-//! and never waits for a reader.
+//! What happened in a run, numbered, for any number of readers. Knows what is written and what may be told; must never know who
+//! reads, and never waits for a reader.
 
+use crate::blocks::{Blocks, Chunk};
+use crate::names::Names;
+use crate::pen::Pen;
+use crate::safety::Safety;
 use parking_lot::{Condvar, Mutex, MutexGuard};
-use rafcon_engine::PathId;
-use rafcon_model::OutcomeId;
-use rafcon_protocol::Event;
-use std::collections::VecDeque;
+use rafcon_protocol::Keeping;
+use rafcon_storage::journal::{Full, Journal, Place, PlaceNumber, Record, TakenUp};
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Events kept at most.
-const EVENTS_MAX: usize = 1 << 20;
-/// Text of events kept at most, in bytes.
-const TEXT_BYTES_MAX: usize = 64 << 20;
-
-/// One thing that happened. States coming and going are numbers, everything else is ready to be told.
-#[derive(Debug, Clone)]
-pub(crate) enum Record {
-    /// A state began.
-    Entered(PathId),
-    /// A state ended.
-    Left(PathId, OutcomeId),
-    /// Anything else.
-    Told(Arc<Event>),
-}
-
-impl Record {
-    /// Whether it is told to viewers that want snapshots instead of every step.
-    pub(crate) fn is_rare(&self) -> bool {
-        matches!(self, Self::Told(_))
-    }
-
-    fn text_bytes(&self) -> usize {
-        match self {
-            Self::Told(event) => match &**event {
-                Event::Log { message, .. } => message.len() + 128,
-                _ => 256,
-            },
-            Self::Entered(_) | Self::Left(..) => 0,
-        }
-    }
-}
-
-/// A record with its number (from 1, without gaps) and its time.
-#[derive(Debug, Clone)]
-pub(crate) struct Entry {
-    /// Counts from 1, without gaps.
-    pub(crate) sequence: u64,
-    /// Time since the start, in ns.
-    pub(crate) t_ns: u64,
-    /// What happened.
-    pub(crate) record: Record,
-}
+/// Encoded records in memory at most, in bytes, if they are nowhere else.
+const MEMORY_BYTES: usize = 64 << 20;
+/// The same with a journal, in which readers find what is older.
+const MEMORY_BYTES_WITH_JOURNAL: usize = 16 << 20;
 
 /// What a reader gets.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Read {
     /// The number to go on with.
     pub(crate) next: u64,
-    /// How many records before that were dropped because nobody had read them in time.
+    /// How many records before that are not in memory any more.
     pub(crate) missed: u64,
     /// Whether nothing more will ever come.
     pub(crate) closed: bool,
 }
 
-/// The bounded list of what happened.
+/// The record of a run.
 #[derive(Debug)]
 pub(crate) struct Recorder {
+    names: Names,
+    keeping: Keeping,
+    safety: Safety,
+    ink: Mutex<Ink>,
     ring: Mutex<Ring>,
     grown: Condvar,
-    limit: usize,
 }
 
-#[derive(Debug, Default)]
+/// What one writer has at a time.
+#[derive(Debug)]
+struct Ink {
+    pen: Pen,
+    /// None if the run is not kept, or not any more.
+    journal: Option<Arc<Journal>>,
+}
+
+/// What readers see.
+#[derive(Debug)]
 struct Ring {
-    entries: VecDeque<(u64, Record)>,
-    dropped: u64,
-    text_bytes: usize,
+    blocks: Blocks,
+    /// The number before which everything is safe; without a journal, everything is.
+    safe: u64,
     sleepers: usize,
     closed: bool,
 }
 
+impl Ring {
+    fn new(next: u64, limit: usize, safe: u64) -> Self {
+        Self { blocks: Blocks::new(next, limit), safe, sleepers: 0, closed: false }
+    }
+
+    /// The number before which everything may be told.
+    fn tellable(&self) -> u64 {
+        self.blocks.next().min(self.safe)
+    }
+}
+
 impl Default for Recorder {
     fn default() -> Self {
-        Self::with_limit(EVENTS_MAX)
+        Self::with_limit(MEMORY_BYTES)
     }
 }
 
 impl Recorder {
-    fn with_limit(limit: usize) -> Self {
-        Self { ring: Mutex::default(), grown: Condvar::new(), limit }
+    /// A record in memory only.
+    pub(crate) fn with_limit(limit: usize) -> Self {
+        Self {
+            names: Names::default(),
+            keeping: Keeping::Off,
+            safety: Safety::default(),
+            ink: Mutex::new(Ink { pen: Pen::after(0, 0, 0), journal: None }),
+            ring: Mutex::new(Ring::new(1, limit, u64::MAX)),
+            grown: Condvar::new(),
+        }
+    }
+
+    /// A record with a journal behind it, which may be that of a run taken up again.
+    pub(crate) fn with_journal(
+        journal: Journal,
+        taken_up: Option<&TakenUp>,
+        (keeping, strict): (Keeping, bool),
+    ) -> Self {
+        let last = journal.sequence();
+        let names = Names::default();
+        for (number, place) in taken_up.into_iter().flat_map(|run| &run.places) {
+            names.define(0, *number, Arc::new(place.clone()));
+        }
+        let pen = match taken_up {
+            Some(run) => Pen::after(last, run.t_ns, run.next_value.0.saturating_sub(1)),
+            None => Pen::after(last, 0, 0),
+        };
+        Self {
+            names,
+            keeping,
+            safety: Safety::new(last, strict),
+            ink: Mutex::new(Ink { pen, journal: Some(Arc::new(journal)) }),
+            ring: Mutex::new(Ring::new(last + 1, MEMORY_BYTES_WITH_JOURNAL, last + 1)),
+            grown: Condvar::new(),
+        }
+    }
+
+    /// What the numbers of places stand for.
+    pub(crate) fn names(&self) -> &Names {
+        &self.names
+    }
+
+    /// How much is kept.
+    pub(crate) fn keeping(&self) -> Keeping {
+        self.keeping
+    }
+
+    /// What is safe from a power cut.
+    pub(crate) fn safety(&self) -> &Safety {
+        &self.safety
+    }
+
+    /// The journal behind the record, until it is closed.
+    pub(crate) fn journal(&self) -> Option<Arc<Journal>> {
+        self.ink.lock().journal.clone()
+    }
+
+    /// Begins to write things that happen at once; they are there when the answer is dropped.
+    pub(crate) fn write(&self) -> Writing<'_> {
+        Writing { recorder: self, ink: self.ink.lock() }
     }
 
     /// Adds records that happened at the same time.
     pub(crate) fn push(&self, t_ns: u64, records: impl IntoIterator<Item = Record>) {
-        let mut ring = self.ring.lock();
-        for record in records {
-            ring.push(t_ns, record, self.limit);
-        }
-        self.wake(&ring);
+        let mut pen = self.write();
+        records.into_iter().for_each(|record| pen.note(t_ns, &record));
     }
 
-    /// Nothing more will come.
-    pub(crate) fn close(&self) {
-        let mut ring = self.ring.lock();
-        ring.closed = true;
-        self.grown.notify_all();
+    fn finish(&self, ink: &mut Ink) {
+        self.keep(ink);
+        self.change(|ring| ring.blocks.push(ink.pen.encoded()));
+        ink.pen.clear();
     }
 
-    fn wake(&self, ring: &MutexGuard<'_, Ring>) {
-        if ring.sleepers > 0 {
-            self.grown.notify_all();
-        }
-    }
-
-    /// Copies up to `count` records from number `from` on to `into`, leaving out those that are not `wanted`.
-    pub(crate) fn read(
-        &self,
-        from: u64,
-        count: usize,
-        wanted: impl Fn(&Record) -> bool,
-        into: &mut Vec<Entry>,
-    ) -> Read {
-        let ring = self.ring.lock();
-        let first = ring.dropped + 1;
-        let begin = from.max(first);
-        let skip = usize::try_from(begin - first).unwrap_or(usize::MAX);
-        let there = ring.entries.iter().skip(skip).take(count);
-        let mut next = begin;
-        for (t_ns, record) in there {
-            if wanted(record) {
-                into.push(Entry { sequence: next, t_ns: *t_ns, record: record.clone() });
+    /// Gives the journal what was written. It waits for room if it must; the committer needs nothing that the writer holds.
+    fn keep(&self, ink: &mut Ink) {
+        let Some(journal) = &ink.journal else { return };
+        let batch = ink.pen.batch();
+        loop {
+            match journal.append(batch) {
+                Ok(last) => return self.safety.wrote(last, batch.records().len()),
+                Err(Full::Recorder) => {}
+                Err(Full::Disk(error)) => self.safety.failed(&error.to_string()),
             }
-            next += 1;
-        }
-        let exhausted = next == first + ring.entries.len() as u64;
-        Read { next, missed: begin - from, closed: ring.closed && exhausted }
-    }
-
-    /// Waits until a record with number `from` is there, nothing more will come, or `deadline` has passed.
-    pub(crate) fn wait(&self, from: u64, deadline: Option<Instant>) {
-        let mut ring = self.ring.lock();
-        ring.sleepers += 1;
-        while !ring.closed && ring.dropped + (ring.entries.len() as u64) < from {
-            match deadline {
-                Some(deadline) => {
-                    if self.grown.wait_until(&mut ring, deadline).timed_out() {
-                        break;
-                    }
-                }
-                None => self.grown.wait(&mut ring),
-            }
-        }
-        ring.sleepers -= 1;
-    }
-
-    /// Waits until nothing more will come or `deadline` has passed; records do not wake it.
-    pub(crate) fn wait_closed(&self, deadline: Instant) {
-        let mut ring = self.ring.lock();
-        while !ring.closed {
-            if self.grown.wait_until(&mut ring, deadline).timed_out() {
+            if !self.safety.wait_for_try() {
+                ink.journal = None;
                 return;
             }
         }
     }
-}
 
-impl Ring {
-    /// Makes room first, so that the list never grows beyond its limit.
-    fn push(&mut self, t_ns: u64, record: Record, limit: usize) {
-        self.text_bytes += record.text_bytes();
-        while self.entries.len() >= limit || self.text_bytes > TEXT_BYTES_MAX {
-            let Some((_, oldest)) = self.entries.pop_front() else { break };
-            self.text_bytes -= oldest.text_bytes();
-            self.dropped += 1;
+    /// Records up to `last` are safe from a power cut.
+    pub(crate) fn safe_until(&self, last: u64) {
+        self.change(|ring| ring.safe = last + 1);
+    }
+
+    /// Nothing more will come. With a journal, its committer says so when it is done.
+    pub(crate) fn close(&self) {
+        if self.journal().is_some() {
+            self.safety.close();
+            self.wait_closed(None);
+        } else {
+            self.closed();
         }
-        self.entries.push_back((t_ns, record));
+    }
+
+    /// Nothing more will come, and all may be told.
+    pub(crate) fn closed(&self) {
+        self.ink.lock().journal = None;
+        self.safety.closed();
+        let mut ring = self.ring.lock();
+        (ring.closed, ring.safe) = (true, u64::MAX);
+        self.grown.notify_all();
+    }
+
+    /// Wakes those who wait, if there is more to tell.
+    fn change(&self, change: impl FnOnce(&mut Ring)) {
+        let mut ring = self.ring.lock();
+        let before = ring.tellable();
+        change(&mut ring);
+        if ring.sleepers > 0 && ring.tellable() > before {
+            self.grown.notify_all();
+        }
+    }
+
+    /// The number before which everything may be told.
+    pub(crate) fn tellable(&self) -> u64 {
+        self.ring.lock().tellable()
+    }
+
+    /// The number of the last record.
+    pub(crate) fn last(&self) -> u64 {
+        self.ring.lock().blocks.next() - 1
+    }
+
+    /// Copies records from number `from` on to `into`, as many as lie together; only `rare` ones if so wanted.
+    pub(crate) fn read(&self, from: u64, rare: bool, into: &mut Chunk) -> Read {
+        let ring = self.ring.lock();
+        let begin = from.max(ring.blocks.first());
+        let end = ring.tellable().max(begin);
+        let next = ring.blocks.read(begin, end, rare, into).max(begin);
+        Read { next, missed: begin - from, closed: ring.closed && next >= end }
+    }
+
+    /// Waits until a record with number `from` may be told, nothing more will come, or `deadline` has passed.
+    pub(crate) fn wait(&self, from: u64, deadline: Option<Instant>) {
+        let mut ring = self.ring.lock();
+        ring.sleepers += 1;
+        while !ring.closed && ring.tellable() <= from && self.sleep(&mut ring, deadline) {}
+        ring.sleepers -= 1;
+    }
+
+    /// Waits until nothing more will come or `deadline` has passed; records do not wake it.
+    pub(crate) fn wait_closed(&self, deadline: Option<Instant>) {
+        let mut ring = self.ring.lock();
+        while !ring.closed && self.sleep(&mut ring, deadline) {}
+    }
+
+    /// False once the deadline has passed.
+    fn sleep(&self, ring: &mut MutexGuard<'_, Ring>, deadline: Option<Instant>) -> bool {
+        if let Some(deadline) = deadline {
+            return !self.grown.wait_until(ring, deadline).timed_out();
+        }
+        self.grown.wait(ring);
+        true
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{Record, Recorder};
-    use expect_test::{Expect, expect};
-    use rafcon_engine::PathId;
+/// A pen that nobody else has.
+#[derive(Debug)]
+pub(crate) struct Writing<'r> {
+    recorder: &'r Recorder,
+    ink: MutexGuard<'r, Ink>,
+}
 
-    fn check(pushed: u32, from: u64, count: usize, expect: &Expect) {
-        let recorder = Recorder::with_limit(4);
-        recorder.push(0, (0..pushed).map(|n| Record::Entered(PathId(n))));
-        recorder.close();
-        let mut entries = Vec::new();
-        let read = recorder.read(from, count, |_| true, &mut entries);
-        let numbers: Vec<u64> = entries.iter().map(|entry| entry.sequence).collect();
-        expect.assert_eq(&format!("{numbers:?} {read:?}"));
+impl Writing<'_> {
+    /// Whether values are kept.
+    pub(crate) fn keeps_values(&self) -> bool {
+        self.recorder.keeping == Keeping::Full
     }
 
-    #[test]
-    fn a_reader_goes_on_where_it_was() {
-        check(3, 1, 2, &expect!["[1, 2] Read { next: 3, missed: 0, closed: false }"]);
-        check(3, 3, 2, &expect!["[3] Read { next: 4, missed: 0, closed: true }"]);
-        check(3, 4, 2, &expect!["[] Read { next: 4, missed: 0, closed: true }"]);
+    /// The run is asked to end: a disk that refuses must not keep it from that.
+    pub(crate) fn run_ends(&self) {
+        self.recorder.safety.end();
     }
 
-    #[test]
-    fn a_slow_reader_is_told_what_it_missed() {
-        check(6, 1, 9, &expect!["[3, 4, 5, 6] Read { next: 7, missed: 2, closed: true }"]);
+    /// What the numbers of places stand for.
+    pub(crate) fn names(&self) -> &Names {
+        &self.recorder.names
     }
 
-    #[test]
-    fn what_a_reader_does_not_want_is_counted_all_the_same() {
-        let recorder = Recorder::default();
-        recorder.push(0, [Record::Entered(PathId(1)), Record::Entered(PathId(2))]);
-        let mut entries = Vec::new();
-        let read = recorder.read(1, 9, Record::is_rare, &mut entries);
-        assert_eq!((entries.len(), read.next), (0, 3));
+    /// The place stands for this from the next record on.
+    pub(crate) fn define(&mut self, number: PlaceNumber, place: Arc<Place>) {
+        self.ink.pen.define(number, &place);
+        self.recorder.names.define(self.ink.pen.next(), number, place);
+    }
+}
+
+impl Deref for Writing<'_> {
+    type Target = Pen;
+
+    fn deref(&self) -> &Pen {
+        &self.ink.pen
+    }
+}
+
+impl DerefMut for Writing<'_> {
+    fn deref_mut(&mut self) -> &mut Pen {
+        &mut self.ink.pen
+    }
+}
+
+impl Drop for Writing<'_> {
+    fn drop(&mut self) {
+        self.recorder.finish(&mut self.ink);
     }
 }

@@ -13,16 +13,17 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     let (active, status, states_run) = driver.with_core(look)?;
     let elapsed_ms = driver.clock().now_ms();
     let active = active.iter().filter_map(|active| state(driver, active, elapsed_ms)).collect();
+    let (disk_safe, problem) = driver.recorder().safety().state();
     Some(Snapshot {
         status: run_status(status),
         active,
         states_run,
         elapsed_ms,
-        sequence: 0,
-        disk_safe: 0,
-        journal_problem: None,
-        breakpoints: Vec::new(),
-        questions: Vec::new(),
+        sequence: driver.recorder().last(),
+        disk_safe,
+        journal_problem: problem.map(|problem| problem.to_string()),
+        breakpoints: driver.points().all(),
+        questions: driver.questions().unanswered(),
     })
 }
 

@@ -1,11 +1,10 @@
 //! What the engine says, in the words of the protocol. Knows both vocabularies; must never know who listens.
 
-use crate::recorder::Record;
 use rafcon_engine::{Datum, Engine, Event, HeldBy, Level, Note, PathId, WaitReason};
 use rafcon_model::OutcomeId;
 use rafcon_protocol as protocol;
 use rafcon_protocol::{LogLevel, Stream};
-use std::sync::Arc;
+use rafcon_storage::journal::Record;
 
 /// A line that reports a defect of this program.
 pub(crate) fn defect(what: &str) -> Record {
@@ -14,15 +13,20 @@ pub(crate) fn defect(what: &str) -> Record {
 
 /// A line of the engine's own.
 pub(crate) fn log(path: String, level: LogLevel, message: String) -> Record {
-    told(protocol::Event::Log { path, level, stream: Stream::Engine, message })
+    let stream = Stream::Engine;
+    if path.is_empty() {
+        Record::Log { place: None, level, stream, message }
+    } else {
+        told(protocol::Event::Log { path, level, stream, message })
+    }
 }
 
 /// An event that is ready to be told.
 pub(crate) fn told(event: protocol::Event) -> Record {
-    Record::Told(Arc::new(event))
+    Record::Told(Box::new(event))
 }
 
-/// The record of any event that is not told as a number.
+/// The record of any event that names no values.
 pub(crate) fn rare<D: Datum>(event: &Event<D>, engine: &Engine<D>) -> Option<Record> {
     Some(match event {
         Event::Waiting { path, reason } => told(protocol::Event::Waiting {

@@ -1,16 +1,13 @@
 //! What one viewer is told, at its own pace: it reads the recorder from its own place, and no branch ever waits for it.
 
+use crate::blocks::Chunk;
 use crate::connection::Sender;
 use crate::driver::Driver;
-use crate::recorder::{Entry, Read, Record};
+use crate::words::Wording;
 use crate::{Clock, Scripts, snapshot};
-use rafcon_engine::PathId;
-use rafcon_model::OutcomeId;
-use rafcon_protocol::{Event, LogLevel, Outcome, Stream, ToViewer, encode};
+use rafcon_protocol::{Event, Join, LogLevel, Stream, ToViewer, encode};
 use std::time::Duration;
 
-/// Records taken at once, so that the recorder is never held for long.
-const BATCH: usize = 4096;
 /// While things happen, they are told in bundles this far apart.
 const BUNDLE_EVERY: Duration = Duration::from_millis(10);
 /// Snapshots are at least this far apart, in ms.
@@ -21,27 +18,28 @@ const SNAPSHOT_EVERY_MS: u64 = 100;
 pub(crate) struct Viewer<'d, S: Scripts> {
     driver: &'d Driver<S>,
     sender: &'d Sender,
-    every_event: bool,
+    join: Join,
     next: u64,
     /// When the last snapshot was sent, in ms since the start.
     last_snapshot_ms: Option<u64>,
     /// Something happened since the last snapshot.
     stale: bool,
-    entries: Vec<Entry>,
+    chunk: Chunk,
     lines: Vec<u8>,
 }
 
 impl<'d, S: Scripts> Viewer<'d, S> {
-    /// A viewer that has seen nothing.
-    pub(crate) fn new(driver: &'d Driver<S>, sender: &'d Sender, every_event: bool) -> Self {
+    /// A viewer that has seen everything before what it asks for.
+    pub(crate) fn new(driver: &'d Driver<S>, sender: &'d Sender, join: &Join) -> Self {
+        let next = if join.from == 0 { driver.recorder().tellable() } else { join.from };
         Self {
             driver,
             sender,
-            every_event,
-            next: 1,
+            join: join.clone(),
+            next,
             last_snapshot_ms: None,
             stale: true,
-            entries: Vec::new(),
+            chunk: Chunk::default(),
             lines: Vec::new(),
         }
     }
@@ -60,14 +58,15 @@ impl<'d, S: Scripts> Viewer<'d, S> {
     /// Tells what is new; true when nothing more will come.
     fn tell_new(&mut self) -> bool {
         loop {
-            let read = self.read();
+            let read =
+                self.driver.recorder().read(self.next, !self.join.every_event, &mut self.chunk);
             if read.missed > 0 {
                 self.tell_missed(read.next, read.missed);
             }
-            self.stale |= read.next > self.next;
-            let caught_up = read.next < self.next + BATCH as u64;
+            let caught_up = read.next == self.next;
+            self.stale |= !caught_up;
             self.next = read.next;
-            self.send_entries();
+            self.send_chunk();
             if read.closed || self.sender.is_lost() {
                 return true;
             }
@@ -75,13 +74,6 @@ impl<'d, S: Scripts> Viewer<'d, S> {
                 return false;
             }
         }
-    }
-
-    fn read(&mut self) -> Read {
-        self.entries.clear();
-        let every_event = self.every_event;
-        let wanted = |record: &Record| every_event || record.is_rare();
-        self.driver.recorder().read(self.next, BATCH, wanted, &mut self.entries)
     }
 
     fn tell_missed(&mut self, next: u64, missed: u64) {
@@ -98,43 +90,25 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         self.push(&ToViewer::Event { sequence: next.saturating_sub(1), t_ns, event });
     }
 
-    fn send_entries(&mut self) {
-        for Entry { sequence, t_ns, record } in std::mem::take(&mut self.entries) {
-            let event = match record {
-                Record::Entered(path) => {
-                    Event::Entered { path: self.path(path), inputs: None, undoes: None }
-                }
-                Record::Left(path, outcome) => Event::Left {
-                    path: self.path(path),
-                    outcome: self.outcome(path, outcome),
-                    outputs: None,
-                    error: None,
-                    undoes: None,
-                },
-                Record::Told(event) => (*event).clone(),
-            };
-            self.push(&ToViewer::Event { sequence, t_ns, event });
+    fn send_chunk(&mut self) {
+        let chunk = std::mem::take(&mut self.chunk);
+        let mut words = Wording::new(self.driver.recorder().names(), None);
+        for (sequence, t_ns, record) in chunk.records() {
+            if let Some(event) = words.event(sequence, record) {
+                self.push(&ToViewer::Event { sequence, t_ns, event });
+            }
         }
-        self.sender.send_lines(&self.lines);
-        self.lines.clear();
+        self.chunk = chunk;
+        if !self.lines.is_empty() {
+            self.sender.send_lines(&self.lines);
+            self.lines.clear();
+        }
     }
 
     fn push(&mut self, message: &ToViewer) {
         if let Ok(line) = encode(message) {
             self.lines.extend_from_slice(&line);
         }
-    }
-
-    fn path(&self, path: PathId) -> String {
-        self.driver.places().with(path, |place| place.text.to_string()).unwrap_or_default()
-    }
-
-    fn outcome(&self, path: PathId, outcome: OutcomeId) -> Outcome {
-        let node = self.driver.places().with(path, |place| place.node);
-        let name = node.and_then(|node| {
-            Some(self.driver.program().node(node).outcome(outcome)?.name.to_string())
-        });
-        Outcome { id: outcome.0, name: name.unwrap_or_default() }
     }
 
     fn tell_snapshot(&mut self) {
@@ -154,9 +128,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
 
     /// Waits until something is to be told: at least the time between two bundles, and without end while nothing happens.
     fn rest(&self) {
-        if let Some(moment) = Clock::moment(BUNDLE_EVERY) {
-            self.driver.recorder().wait_closed(moment);
-        }
+        self.driver.recorder().wait_closed(Clock::moment(BUNDLE_EVERY));
         let due = self.snapshot_due_ms().saturating_sub(self.driver.clock().now_ms());
         let deadline = if self.stale { Clock::moment(Duration::from_millis(due)) } else { None };
         self.driver.recorder().wait(self.next, deadline);

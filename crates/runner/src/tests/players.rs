@@ -1,15 +1,18 @@
 //! Scripts without an interpreter, and runs of them.
 
 use crate::active::Active;
+use crate::blocks::Chunk;
 use crate::document::Document;
-use crate::recorder::{Entry, Record};
 use crate::signals::PREEMPTED;
+use crate::recorder::Recorder;
+use crate::words::Wording;
 use crate::{Clock, Driver, Place, Scripts};
 use rafcon_engine::{
     Finish, Globals, Input, Job, Literals, ModelLiterals, NoGlobals, NodeId, Program, Returned,
     ScriptResult, Start,
 };
 use rafcon_model::{Value, notation};
+use rafcon_protocol::Event;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Barrier};
 
@@ -119,7 +122,7 @@ impl Run {
             rounds: AtomicI64::new(rounds),
         };
         let document = Document::new(machine, program);
-        Self { driver: Driver::new(document, players, Clock::start(), Active::default()) }
+        Self { driver: Driver::new(document, players, Clock::start(), Active::default(), Recorder::default()) }
     }
 
     pub(super) fn start(&self) {
@@ -131,11 +134,11 @@ impl Run {
         let mut next = 1;
         loop {
             self.driver.recorder().wait(next, None);
-            let mut entries = Vec::new();
-            next = self.driver.recorder().read(next, 1, |_| true, &mut entries).next;
-            if self.texts(&entries).iter().any(|text| wanted(text)) {
+            let (after, texts) = self.texts(next);
+            if texts.iter().any(|text| wanted(text)) {
                 return;
             }
+            next = after;
         }
     }
 
@@ -144,23 +147,30 @@ impl Run {
         let finish = self.driver.wait().unwrap();
         let threads = self.driver.with_core(|core| core.threads()).unwrap();
         self.driver.close();
-        let mut entries = Vec::new();
-        self.driver.recorder().read(1, usize::MAX, |_| true, &mut entries);
-        Report { finish, steps: self.texts(&entries), threads }
+        let mut report = Report { finish, steps: Vec::new(), threads };
+        let mut next = 1;
+        while next <= self.driver.recorder().last() {
+            let (after, texts) = self.texts(next);
+            report.steps.extend(texts);
+            next = after;
+        }
+        report
     }
 
-    fn texts(&self, entries: &[Entry]) -> Vec<String> {
-        let path = |path| self.driver.places().get(path).unwrap();
-        let text = |entry: &Entry| match &entry.record {
-            Record::Entered(at) => format!("+{}", path(*at).text),
-            Record::Left(at, outcome) => {
-                let place = path(*at);
-                let program = self.driver.program();
-                let outcome = program.node(place.node).outcome(*outcome).unwrap();
-                format!("-{}={}", place.text, outcome.name)
-            }
-            Record::Told(event) => format!("{event:?}"),
-        };
-        entries.iter().map(text).collect()
+    /// Some records from number `next` on, and the number to go on with.
+    fn texts(&self, next: u64) -> (u64, Vec<String>) {
+        let (recorder, mut chunk) = (self.driver.recorder(), Chunk::default());
+        let next = recorder.read(next, false, &mut chunk).next;
+        let mut words = Wording::new(recorder.names(), None);
+        let events = chunk.records().filter_map(|(number, _, record)| words.event(number, record));
+        (next, events.map(|event| text(&event)).collect())
+    }
+}
+
+fn text(event: &Event) -> String {
+    match event {
+        Event::Entered { path, .. } => format!("+{path}"),
+        Event::Left { path, outcome, .. } => format!("-{path}={}", outcome.name),
+        event => format!("{event:?}"),
     }
 }

@@ -1,0 +1,102 @@
+//! Makes the record safe, group by group, on a thread of its own; while the disk refuses, the run is paused. Knows what a failure
+//! means to a run; must never know how a journal is written.
+
+use crate::driver::Driver;
+use crate::prepare::reason;
+use crate::recorder::Recorder;
+use crate::safety::{Turn, Work};
+use crate::{Scripts, tell};
+use rafcon_engine::{Input, Status};
+use rafcon_protocol::{Event, LogLevel};
+use std::io;
+use std::sync::Arc;
+use std::thread::{self, Scope};
+
+/// Starts both threads that a journal needs; without one, none.
+pub(crate) fn start<'scope, S: Scripts>(
+    scope: &'scope Scope<'scope, '_>,
+    driver: &'scope Arc<Driver<S>>,
+) -> io::Result<()> {
+    if driver.recorder().journal().is_some() {
+        let named = |name: &str| thread::Builder::new().name(name.to_owned());
+        named("committer").spawn_scoped(scope, || serve(driver.recorder()))?;
+        named("journal").spawn_scoped(scope, || attend(driver))?;
+    }
+    Ok(())
+}
+
+/// Commits until the record is closed. Needs nothing that a branch may hold while it waits for this.
+fn serve(recorder: &Recorder) {
+    let Some(journal) = recorder.journal() else { return };
+    let safety = recorder.safety();
+    loop {
+        let work = safety.next_work();
+        let bytes = safety.backlog();
+        match journal.commit() {
+            Ok(committed) => {
+                safety.committed(committed.sequence, bytes);
+                recorder.safe_until(committed.sequence);
+                if let Some(before) = committed.thinned {
+                    safety.thinned(before);
+                }
+            }
+            Err(error) => safety.failed(&reason(&error)),
+        }
+        if work == Work::Last {
+            return recorder.closed();
+        }
+    }
+}
+
+/// Pauses the run while nothing can be made safe, until the record is closed.
+fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
+    let mut attendant = Attendant { driver, paused: false };
+    let mut was = false;
+    while let Some(turn) = driver.recorder().safety().next_turn(was) {
+        match turn {
+            Turn::Fails(problem) => {
+                was = true;
+                attendant.fails(&problem);
+            }
+            Turn::Works => {
+                was = false;
+                attendant.works_again();
+            }
+            Turn::Thinned(before) => driver.tell(Event::Thinned { before }),
+        }
+    }
+}
+
+struct Attendant<'d, S: Scripts> {
+    driver: &'d Arc<Driver<S>>,
+    /// The run is paused because the journal could not be written.
+    paused: bool,
+}
+
+impl<S: Scripts> Attendant<'_, S> {
+    /// Nothing must happen that is not kept.
+    fn fails(&mut self, problem: &str) {
+        self.paused = self.is(Status::Running) && self.driver.command(Input::Pause).is_ok();
+        let rest = if self.paused { "; the run is paused until it can be" } else { "" };
+        self.say(LogLevel::Error, format!("the journal cannot be written: {problem}{rest}"));
+    }
+
+    fn works_again(&mut self) {
+        self.say(LogLevel::Info, "the journal is written again".to_owned());
+        if std::mem::take(&mut self.paused)
+            && self.is(Status::Paused)
+            && let Err(refusal) = self.driver.command(Input::Resume(None))
+        {
+            self.say(LogLevel::Warning, format!("the run stays paused: {refusal}"));
+        }
+    }
+
+    fn is(&self, status: Status) -> bool {
+        self.driver.with_core(|core| core.engine.status() == status).unwrap_or_default()
+    }
+
+    fn say(&self, level: LogLevel, message: String) {
+        let record = tell::log(String::new(), level, message);
+        self.driver.recorder().push(self.driver.clock().now_ns(), [record]);
+    }
+}

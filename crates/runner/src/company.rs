@@ -1,0 +1,165 @@
+//! Everybody who is connected to a run: each viewer is told and may command, none holds up another or the run. Knows who is
+//! there; must never know what is said.
+
+use crate::commands::Desk;
+use crate::connection::{Line, Receiver, Sender, Socket};
+use crate::driver::Driver;
+use crate::viewer::Viewer;
+use crate::{Clock, Scripts};
+use parking_lot::{Condvar, Mutex};
+use rafcon_engine::Input;
+use rafcon_protocol::{Join, ToViewer};
+use std::io;
+use std::sync::Arc;
+use std::thread::{self, Scope};
+use std::time::Duration;
+
+/// How long viewers that do not read may hold up the end of the process, after the run is over.
+const LAST_WORDS: Duration = Duration::from_secs(10);
+/// Viewers at most.
+const GUESTS_MAX: usize = 64;
+
+/// The viewers of a run.
+#[derive(Debug)]
+pub(crate) struct Company<S: Scripts> {
+    driver: Arc<Driver<S>>,
+    desk: Desk<S>,
+    /// What each is told first.
+    loaded: ToViewer,
+    present: Mutex<Present>,
+    /// A viewer was told everything, or has gone.
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Present {
+    guests: Vec<Arc<Guest>>,
+    /// Connections whose owners have not said yet who they are.
+    arriving: Vec<Socket>,
+    /// The run is over: nobody is let in any more.
+    closed: bool,
+}
+
+/// One viewer.
+#[derive(Debug)]
+struct Guest {
+    sender: Sender,
+    socket: Socket,
+    /// Held from a command to its answer.
+    answering: Mutex<()>,
+    /// Whether nothing is left to tell it. Written with the list locked.
+    told: Mutex<bool>,
+}
+
+impl<S: Scripts> Company<S> {
+    /// A run that nobody watches.
+    pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer) -> Self {
+        let desk = Desk::new(Arc::clone(&driver));
+        Self { driver, desk, loaded, present: Mutex::default(), changed: Condvar::new() }
+    }
+
+    /// Somebody has connected; false if nobody is let in any more.
+    pub(crate) fn arrive(&self, socket: &Socket) -> bool {
+        let mut present = self.present.lock();
+        let room = !present.closed && present.arriving.len() < GUESTS_MAX;
+        if room {
+            present.arriving.push(socket.clone());
+        }
+        room
+    }
+
+    /// Somebody who had connected is a viewer now, or is gone.
+    pub(crate) fn arrived(&self, socket: &Socket) {
+        self.present.lock().arriving.retain(|other| !other.is(socket));
+    }
+
+    /// Lets a viewer in: it is told what it wants to know, by threads of its own.
+    pub(crate) fn welcome<'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        line: Line,
+        join: Join,
+    ) -> io::Result<()> {
+        let Line { sender, receiver, socket } = line;
+        let guest = Guest { sender, socket, answering: Mutex::new(()), told: Mutex::new(false) };
+        let guest = Arc::new(guest);
+        if let Err(reason) = self.admit(&guest) {
+            guest.sender.send(&ToViewer::LoadFailed { reason });
+            return Ok(());
+        }
+        let named = |name: &str| thread::Builder::new().name(name.to_owned());
+        let listening = Arc::clone(&guest);
+        named("commands").spawn_scoped(scope, move || self.listen(&listening, receiver))?;
+        named("viewer").spawn_scoped(scope, move || self.tell(&guest, &join))?;
+        Ok(())
+    }
+
+    fn admit(&self, guest: &Arc<Guest>) -> Result<(), String> {
+        let mut present = self.present.lock();
+        if present.closed {
+            return Err("the run is over; its journal tells how it went".to_owned());
+        }
+        if present.guests.len() >= GUESTS_MAX {
+            return Err(format!("{GUESTS_MAX} viewers are connected; let one of them leave"));
+        }
+        present.guests.push(Arc::clone(guest));
+        let first = present.guests.len() == 1;
+        drop(present);
+        if first {
+            self.attended();
+        }
+        Ok(())
+    }
+
+    /// Takes commands until the viewer goes away. The run goes on without it.
+    fn listen(&self, guest: &Arc<Guest>, receiver: Receiver) {
+        self.desk.serve(receiver, &guest.sender, &guest.answering);
+        guest.sender.lose();
+        let mut present = self.present.lock();
+        present.guests.retain(|other| !Arc::ptr_eq(other, guest));
+        let last = present.guests.is_empty() && !present.closed;
+        self.changed.notify_all();
+        drop(present);
+        if last {
+            self.attended();
+        }
+    }
+
+    fn tell(&self, guest: &Guest, join: &Join) {
+        guest.sender.send(&self.loaded);
+        Viewer::new(&self.driver, &guest.sender, join).follow();
+        let _list = self.present.lock();
+        *guest.told.lock() = true;
+        self.changed.notify_all();
+    }
+
+    /// Lets the engine know whether anybody is there.
+    fn attended(&self) {
+        let anybody = !self.present.lock().guests.is_empty();
+        // Refused when the run is over or has not begun, and then it makes no difference.
+        drop(self.driver.command(Input::Attended(anybody)));
+    }
+
+    /// Waits until everybody was told everything and has its answers, for a while; then all connections end.
+    pub(crate) fn part(&self) {
+        let deadline = Clock::moment(LAST_WORDS);
+        let mut present = self.present.lock();
+        present.closed = true;
+        while present.guests.iter().any(|guest| !*guest.told.lock()) {
+            let in_time = deadline.is_some_and(|deadline| {
+                !self.changed.wait_until(&mut present, deadline).timed_out()
+            });
+            if !in_time {
+                break;
+            }
+        }
+        let guests = present.guests.clone();
+        present.arriving.iter().for_each(Socket::shut);
+        drop(present);
+        for guest in guests {
+            // A command that ended the run is answered like any other.
+            drop(deadline.and_then(|deadline| guest.answering.try_lock_until(deadline)));
+            guest.socket.shut();
+        }
+    }
+}

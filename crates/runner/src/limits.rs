@@ -1,0 +1,152 @@
+//! How long states may take: deadlines and grace periods from their semantic data (`docs/semantics.md`). Knows what machines
+//! say; must never know a clock.
+
+use rafcon_engine::{Node, NodeId, Program};
+use rafcon_model::{Json, Kind, LibraryContent, Machine, State};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Passing it preempts the state: seconds from its entry.
+const DEADLINE: &str = "deadline_s";
+/// How long a script may go on after it was asked to end, in seconds; that of the root counts for all states.
+const GRACE: &str = "grace_s";
+/// A year is as good as for ever, and fits every clock.
+const SECONDS_MAX: f64 = 365.0 * 86_400.0;
+
+/// What the states of one program say.
+#[derive(Debug, Default)]
+pub(crate) struct Limits {
+    /// By node; empty if no state says anything.
+    nodes: Vec<Limit>,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Limit {
+    deadline_ms: Option<u64>,
+    grace_ms: Option<u64>,
+}
+
+impl Limits {
+    /// Those of a program.
+    pub(crate) fn of<D>(program: &Program<D>) -> Self {
+        let all = grace(program.node(Program::<D>::ROOT).state());
+        let limit = |node: &Node<D>| Limit {
+            deadline_ms: deadline(node.state()),
+            grace_ms: if node.is_script() { grace(node.state()).or(all) } else { None },
+        };
+        let nodes: Vec<Limit> = program.nodes().map(|(_, node)| limit(node)).collect();
+        let any = nodes.iter().any(|limit| *limit != Limit::default());
+        Self { nodes: if any { nodes } else { Vec::new() } }
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The deadline of a state.
+    pub(crate) fn deadline_ms(&self, node: NodeId) -> Option<u64> {
+        self.nodes.get(node.index())?.deadline_ms
+    }
+
+    /// The grace period of a state's script.
+    pub(crate) fn grace_ms(&self, node: NodeId) -> Option<u64> {
+        self.nodes.get(node.index())?.grace_ms
+    }
+}
+
+fn deadline(state: &State) -> Option<u64> {
+    seconds(entry(state, DEADLINE)?)
+}
+
+fn grace(state: &State) -> Option<u64> {
+    seconds(entry(state, GRACE)?)
+}
+
+fn entry<'s>(state: &'s State, key: &str) -> Option<&'s Json> {
+    state.semantic_data.as_ref()?.get(key)
+}
+
+/// Seconds as ms: a number, or a text that is one, as the reference's editor writes it.
+fn seconds(json: &Json) -> Option<u64> {
+    let number = match json {
+        Json::Str(text) => text.trim().parse().ok()?,
+        other => other.as_number()?,
+    };
+    let sensible = (0.0..=SECONDS_MAX).contains(&number);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "it is between nothing and a year"
+    )]
+    sensible.then_some((number * 1000.0).round() as u64)
+}
+
+/// What cannot be understood, one line each.
+pub(crate) fn faults(machine: &Machine) -> Vec<String> {
+    let mut faults = Vec::new();
+    let mut libraries = BTreeSet::new();
+    let mut open = vec![(machine.root.id.to_string(), Arc::clone(&machine.root))];
+    while let Some((path, state)) = open.pop() {
+        for key in [DEADLINE, GRACE] {
+            if entry(&state, key).is_some_and(|json| seconds(json).is_none()) {
+                faults.push(format!(
+                    "{path}, semantic data \"{key}\": not a number of seconds between 0 and a year; it is ignored"
+                ));
+            }
+        }
+        let inside = |child: &Arc<State>| (format!("{path}/{}", child.id), Arc::clone(child));
+        if let Some(container) = state.container() {
+            open.extend(container.states.values().map(inside));
+        }
+        if let Kind::Library(library) = &state.kind
+            && let LibraryContent::Found(root) = &library.content
+            && libraries.insert(Arc::as_ptr(root))
+        {
+            open.push(inside(root));
+        }
+    }
+    faults.sort();
+    faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Limits, faults};
+    use expect_test::{Expect, expect};
+    use rafcon_engine::{ModelLiterals, Program};
+    use rafcon_model::{Json, Machine, notation};
+    use std::sync::Arc;
+
+    fn machine(deadline: Json) -> Machine {
+        let mut machine = notation::parse("execution ROOT \"go\"\n  outcome done\n").unwrap();
+        let data = Json::Object(vec![("deadline_s".into(), deadline)]);
+        Arc::make_mut(&mut machine.root).semantic_data = Some(Arc::new(data));
+        machine
+    }
+
+    fn check(deadline: Json, expect: &Expect) {
+        let machine = machine(deadline);
+        let program = Program::compile(&machine, &mut ModelLiterals);
+        let limit = Limits::of(&program).deadline_ms(Program::<rafcon_model::Value>::ROOT);
+        expect.assert_eq(&format!("{limit:?} {:?}", faults(&machine)));
+    }
+
+    #[test]
+    fn a_limit_is_a_number_of_seconds() {
+        check(Json::Int(2), &expect!["Some(2000) []"]);
+        check(Json::Float(0.25), &expect!["Some(250) []"]);
+        check(Json::Str(" 1.5 ".into()), &expect!["Some(1500) []"]);
+    }
+
+    #[test]
+    fn what_is_no_time_is_named_and_ignored() {
+        let said = expect![[
+            r#"None ["ROOT, semantic data \"deadline_s\": not a number of seconds between 0 and a year; it is ignored"]"#
+        ]];
+        for nonsense in [Json::Int(-1), Json::Float(f64::NAN), Json::Str("soon".into()), Json::Null]
+        {
+            check(nonsense, &said);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! What a command comes to: inputs of the engine, answers to questions. Knows the vocabulary of commands; must never know
+//! who sends them.
+
+use crate::{Clock, Driver, Scripts};
+use rafcon_engine::{Input, Interrupted, Start, Stride, Then};
+use rafcon_model::{OutcomeId, StatePath};
+use rafcon_protocol::{Answer, Command, Envelope, Event, Given, OnCrash};
+use smol_str::SmolStr;
+use std::sync::Arc;
+
+/// The exit status of a runner that was killed by a command, as a shell knows it.
+const KILLED: i32 = 137;
+
+impl<S: Scripts> Driver<S> {
+    /// Carries a command out and notes it down with its answer. Called on any thread, outside the interpreter.
+    pub fn obey(self: &Arc<Self>, envelope: Envelope) -> Answer {
+        let expired = envelope.expiry.is_some_and(|expiry| expiry.0 < Clock::epoch_ms());
+        let answer = if expired {
+            Answer::Expired
+        } else if let Err(reason) = self.carry_out_command(&envelope) {
+            Answer::Refused { reason }
+        } else {
+            Answer::Applied
+        };
+        self.tell(Event::Commanded { envelope: Box::new(envelope), answer: answer.clone() });
+        answer
+    }
+
+    fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<(), String> {
+        match &envelope.command {
+            Command::Kill => kill(),
+            Command::SetBreakpoint { breakpoint } => self.set_breakpoint(breakpoint),
+            Command::RemoveBreakpoint { id } => self.remove_breakpoint(*id),
+            Command::AnswerQuestion { question, value } => {
+                self.questions().answer(*question, value, &envelope.author)
+            }
+            Command::EditScript { path, script } => self.edit_script(path, script),
+            Command::Reload { .. } | Command::StartFromHistory { .. } => {
+                Err("this runner does not know this command yet".to_owned())
+            }
+            command => self.input(self.input_of(command)?),
+        }
+    }
+
+    /// The input that a command stands for.
+    fn input_of(&self, command: &Command) -> Result<Input<S::Value>, String> {
+        let begin = |path: &Option<String>, data, then| self.start(path.as_deref(), data, then);
+        Ok(match command {
+            Command::Start { from, data } => begin(from, data, Then::GoOn)?,
+            Command::RunSelected { path, data } => begin(&Some(path.clone()), data, Then::Hold)?,
+            Command::RunOnlySelected { path, data } => {
+                begin(&Some(path.clone()), data, Then::Stop)?
+            }
+            Command::Pause => Input::Pause,
+            Command::Resume { branch } => Input::Resume(state(branch)),
+            Command::Stop => Input::Stop,
+            Command::StepMode => Input::StepMode,
+            Command::StepInto { branch } => Input::Step(Stride::Into, state(branch)),
+            Command::StepOver { branch } => Input::Step(Stride::Over, state(branch)),
+            Command::StepOut { branch } => Input::Step(Stride::Out, state(branch)),
+            Command::StepBack { branch } => Input::Step(Stride::Back, state(branch)),
+            Command::RunTo { path } => Input::RunTo(StatePath::parse(path)),
+            Command::ForceOutcome { path, outcome } => {
+                Input::Force(StatePath::parse(path), OutcomeId(*outcome))
+            }
+            Command::Preempt { path } => Input::Preempt(StatePath::parse(path)),
+            Command::Recover { path, policy } => Input::Recover(state(path), recovery(*policy)?),
+            Command::Kill
+            | Command::StartFromHistory { .. }
+            | Command::SetBreakpoint { .. }
+            | Command::RemoveBreakpoint { .. }
+            | Command::AnswerQuestion { .. }
+            | Command::Reload { .. }
+            | Command::EditScript { .. } => return Err("this command is no input".to_owned()),
+        })
+    }
+
+    fn start(
+        &self,
+        from: Option<&str>,
+        data: &[Given],
+        then: Then,
+    ) -> Result<Input<S::Value>, String> {
+        let given = data.iter().map(|given| self.given(given)).collect::<Result<_, _>>()?;
+        let start_from = from.map(StatePath::parse);
+        Ok(Input::Start(Start { start_from, given, then, ..Start::default() }))
+    }
+
+    fn given(&self, given: &Given) -> Result<(StatePath, SmolStr, S::Value), String> {
+        let value = self.scripts().value(&given.value).map_err(|why| {
+            format!("the value for \"{}\" of {} cannot be used: {why}", given.name, given.path)
+        })?;
+        Ok((StatePath::parse(&given.path), given.name.as_str().into(), value))
+    }
+
+    pub(crate) fn input(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), String> {
+        self.command(input).map_err(|refusal| refusal.to_string())
+    }
+}
+
+fn state(path: &Option<String>) -> Option<StatePath> {
+    path.as_deref().map(StatePath::parse)
+}
+
+fn recovery(policy: OnCrash) -> Result<Interrupted, String> {
+    match policy {
+        OnCrash::Abort => Ok(Interrupted::Abort),
+        OnCrash::Restart => Ok(Interrupted::Again),
+        OnCrash::Ask => {
+            Err("to ask decides nothing; choose to abort the states or to restart them".to_owned())
+        }
+    }
+}
+
+/// Ends the process, whatever its scripts do. Viewers see the connection end.
+fn kill() -> ! {
+    signal_hook::low_level::exit(KILLED)
+}

@@ -1,0 +1,149 @@
+//! Writes events down as they are kept: values by number, each defined once. Knows the encoding; must never know where the bytes
+//! go.
+
+use crate::blocks::{Encoded, Mark, Piece};
+use crate::keep::{Keep, KeptValue};
+use rafcon_storage::journal::{Batch, Kept, Left, Place, PlaceNumber, Record, ValueNumber};
+use std::num::NonZeroU64;
+
+/// A value is named by no more than so many records after it was defined; then it is defined again. So a journal may forget a
+/// value with the records that could name it.
+const VALUE_LIFE: u64 = 100_000;
+
+/// What is being written. It is used again and again, and allocates nothing once it has its size.
+#[derive(Debug)]
+pub(crate) struct Pen {
+    batch: Batch,
+    /// The number of the batch's first record.
+    first: u64,
+    rare: Vec<Piece>,
+    /// The values of one record.
+    values: Vec<Kept>,
+    /// How many values have numbers.
+    numbered: u64,
+}
+
+/// How a state ended, but for its values.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End {
+    pub(crate) place: PlaceNumber,
+    pub(crate) outcome: i64,
+    pub(crate) undoes: Option<NonZeroU64>,
+}
+
+impl Pen {
+    /// Goes on after record `last` at `t_ns`, with `numbered` values that have numbers.
+    pub(crate) fn after(last: u64, t_ns: u64, numbered: u64) -> Self {
+        Self {
+            batch: Batch::new(t_ns),
+            first: last + 1,
+            rare: Vec::new(),
+            values: Vec::new(),
+            numbered,
+        }
+    }
+
+    /// The number of the next record.
+    pub(crate) fn next(&self) -> u64 {
+        self.first + u64::from(self.batch.count())
+    }
+
+    /// What was written since the last [`Pen::clear`], for a journal.
+    pub(crate) fn batch(&self) -> &Batch {
+        &self.batch
+    }
+
+    /// The same for the memory.
+    pub(crate) fn encoded(&self) -> Encoded<'_> {
+        Encoded {
+            bytes: self.batch.records(),
+            count: u64::from(self.batch.count()),
+            before_ns: self.batch.t_before(),
+            rare: &self.rare,
+        }
+    }
+
+    /// What was written is where it belongs.
+    pub(crate) fn clear(&mut self) {
+        self.first = self.next();
+        self.batch.clear();
+        self.rare.clear();
+    }
+
+    /// The place stands for this from the next record on.
+    pub(crate) fn define(&mut self, number: PlaceNumber, place: &Place) {
+        self.batch.define_place(number, place);
+    }
+
+    /// Names a value; it is one of the next record's.
+    pub(crate) fn value(&mut self, value: &Keep<'_>) {
+        let kept = self.kept(value);
+        self.values.push(kept);
+    }
+
+    /// The value as a record names it, defined if this is the first time.
+    pub(crate) fn kept(&mut self, value: &Keep<'_>) -> Kept {
+        match value {
+            Keep::Plain(kept) => kept.clone(),
+            Keep::Stored(value) => Kept::Value(self.number(value)),
+        }
+    }
+
+    fn number(&mut self, value: &KeptValue) -> ValueNumber {
+        let next = self.next();
+        value.number(next.saturating_sub(VALUE_LIFE)).unwrap_or_else(|| {
+            self.numbered += 1;
+            let number = ValueNumber(self.numbered);
+            self.batch.define_value(number, value.stored());
+            value.set_number(number, next);
+            number
+        })
+    }
+
+    /// A value that is not there; it is one of the next record's.
+    pub(crate) fn absent(&mut self) {
+        self.values.push(Kept::Absent);
+    }
+
+    /// A state began with the values named before.
+    pub(crate) fn entered(&mut self, t_ns: u64, place: PlaceNumber, undoes: Option<NonZeroU64>) {
+        self.batch.entered(t_ns, place, self.values.drain(..), undoes);
+    }
+
+    /// A state ended with the values named before.
+    pub(crate) fn left(&mut self, t_ns: u64, end: End, error: Option<&Kept>) {
+        let End { place, outcome, undoes } = end;
+        let left = Left { place, outcome, outputs: self.values.drain(..), error, undoes };
+        self.batch.left(t_ns, left);
+    }
+
+    /// A scoped variable got a value.
+    pub(crate) fn scoped(&mut self, t_ns: u64, place: PlaceNumber, port: u64, value: &Kept) {
+        self.batch.scoped(t_ns, place, port, value);
+    }
+
+    /// Anything else.
+    pub(crate) fn note(&mut self, t_ns: u64, record: &Record) {
+        let mark = Mark {
+            sequence: u64::from(self.batch.count()),
+            before_ns: self.batch.t_last(),
+            start: self.batch.records().len(),
+        };
+        self.batch.record(t_ns, record);
+        if is_rare(record) {
+            self.rare.push(Piece { mark, end: self.batch.records().len() });
+        }
+    }
+}
+
+/// Whether it is told to viewers that want snapshots instead of every step.
+fn is_rare(record: &Record) -> bool {
+    match record {
+        Record::Log { .. } | Record::Told(_) | Record::WentBack { .. } => true,
+        Record::Entered { .. }
+        | Record::Left { .. }
+        | Record::Scoped { .. }
+        | Record::Global { .. }
+        | Record::Persistent { .. } => false,
+    }
+}

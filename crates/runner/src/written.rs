@@ -1,0 +1,150 @@
+//! What the engine says, written down as it is kept, and what the places of a run learn from it. Knows events; must never know
+//! where the record lies.
+
+use crate::core::Core;
+use crate::keep::Keep;
+use crate::names::{self, port_number};
+use crate::pen::End;
+use crate::recorder::{Recorder, Writing};
+use crate::{Clock, Scripts, tell};
+use rafcon_engine::{Event, NodeId, PathId};
+use rafcon_model::OutcomeId;
+use rafcon_protocol::Keeping;
+use rafcon_storage::journal::{Kept, PlaceNumber};
+use std::sync::Arc;
+
+/// One group of events on its way into the record.
+struct Page<'p, S: Scripts> {
+    core: &'p mut Core<S::Value>,
+    scripts: &'p S,
+    pen: Writing<'p>,
+    now: u64,
+}
+
+/// Writes the events of the outbox down, and makes the places that they are the first to name.
+pub(crate) fn record<S: Scripts>(
+    core: &mut Core<S::Value>,
+    scripts: &S,
+    clock: Clock,
+    recorder: &Recorder,
+) {
+    if core.outbox.events.is_empty() {
+        return;
+    }
+    let mut events = std::mem::take(&mut core.outbox.events);
+    let pen = recorder.write();
+    let mut page = Page { core, scripts, pen, now: clock.now_ns() };
+    for event in &events {
+        page.write(event);
+    }
+    events.clear();
+    page.core.outbox.events = events;
+}
+
+impl<S: Scripts> Page<'_, S> {
+    fn write(&mut self, event: &Event<S::Value>) {
+        match event {
+            Event::Entered { path, node, inputs, undoes } => {
+                let (place, keeps) = self.place(*path, *node);
+                self.enter(*path);
+                if keeps {
+                    inputs.iter().for_each(|value| self.value(value));
+                }
+                self.pen.entered(self.now, place, *undoes);
+            }
+            Event::Left { path, node, outcome, outputs, absent, error, undoes } => {
+                let (place, keeps) = self.place(*path, *node);
+                self.leave(*path, *outcome);
+                let error = error.as_ref().filter(|_| keeps).map(|error| self.kept(error));
+                if keeps {
+                    self.outputs(outputs, absent.as_deref().unwrap_or_default());
+                }
+                let end = End { place, outcome: outcome.0, undoes: *undoes };
+                self.pen.left(self.now, end, error.as_ref());
+            }
+            Event::Scoped { path, port, value } => {
+                if let Some((place, true)) = self.place_at(*path) {
+                    let value = self.kept(value);
+                    self.pen.scoped(self.now, place, port_number(*port), &value);
+                }
+            }
+            event => self.rare(event),
+        }
+    }
+
+    fn rare(&mut self, event: &Event<S::Value>) {
+        match event {
+            Event::Dropped { path } => {
+                if let Some(place) = self.core.at(*path) {
+                    place.drop_entry();
+                }
+            }
+            Event::Stopping => {
+                self.core.set_flags(0);
+                self.pen.run_ends();
+            }
+            Event::Changed => self.core.generation += 1,
+            _ => {}
+        }
+        if let Some(record) = tell::rare(event, &self.core.engine) {
+            self.pen.note(self.now, &record);
+        }
+    }
+
+    /// The number of a place in the record, where it is defined from now on, and whether values are kept there.
+    fn place(&mut self, path: PathId, node: NodeId) -> (PlaceNumber, bool) {
+        let generation = self.core.generation;
+        let known = self.core.known(path, node);
+        let (number, keeping) = (known.place.number, known.place.keeping);
+        if known.defined != generation {
+            known.defined = generation;
+            self.define(number, path, node);
+        }
+        (number, keeping == Keeping::Full && self.pen.keeps_values())
+    }
+
+    fn place_at(&mut self, path: PathId) -> Option<(PlaceNumber, bool)> {
+        let node = self.core.engine.path_node(path)?;
+        Some(self.place(path, node))
+    }
+
+    fn define(&mut self, number: PlaceNumber, path: PathId, node: NodeId) {
+        let place = names::definition(&self.core.engine, path, node);
+        if self.pen.names().latest(number).is_none_or(|latest| *latest != place) {
+            self.pen.define(number, Arc::new(place));
+        }
+    }
+
+    fn value(&mut self, value: &S::Value) {
+        let keep = self.scripts.keep(value);
+        self.pen.value(&keep);
+    }
+
+    fn kept(&mut self, value: &S::Value) -> Kept {
+        let keep: Keep<'_> = self.scripts.keep(value);
+        self.pen.kept(&keep)
+    }
+
+    /// The outputs, without those at the places in `absent`.
+    fn outputs(&mut self, outputs: &[S::Value], absent: &[u32]) {
+        for (index, value) in (0..).zip(outputs) {
+            if absent.contains(&index) {
+                self.pen.absent();
+            } else {
+                self.value(value);
+            }
+        }
+    }
+
+    fn enter(&self, path: PathId) {
+        if let Some(place) = self.core.at(path) {
+            place.enter(self.now, self.core.around(place));
+        }
+    }
+
+    fn leave(&self, path: PathId, outcome: OutcomeId) {
+        if let Some(place) = self.core.at(path) {
+            place.leave(outcome, self.core.around(place));
+        }
+    }
+}
