@@ -259,6 +259,6 @@ mod tests {
 
     #[test]
     fn the_oldest_are_given_up() {
-        check(100, 1, 999, false, &expect![""]);
+        check(100, 1, 999, false, &expect!["[(163, 810), (164, 815), (165, 820)] of 18, next 181"]);
     }
 }
