@@ -17,6 +17,7 @@
 //! Places are numbered as they come, ports too, over all three kinds; the user's outcomes count from 0. `@` gives a time in
 //! ms; without it a record is 1 ms after the one before. Values that do not fit into an event are defined on the way.
 
+use super::batch::Batch;
 use super::record::{
     Content, Definition, Item, Kept, Place, PlaceNumber, Record, Stored, TEXT_MAX, ValueNumber,
 };
@@ -45,6 +46,18 @@ pub fn parse(text: &str) -> Result<Vec<Item>, BadNotation> {
         }
     }
     Ok(parser.items)
+}
+
+/// What the text says as one batch, for a journal whose last event was at `t_ns`.
+pub fn batch(text: &str, t_ns: u64) -> Result<Batch, BadNotation> {
+    let mut batch = Batch::new(t_ns);
+    for item in parse(text)? {
+        match item {
+            Item::Record(t_ns, record) => batch.record(t_ns, &record),
+            Item::Definition(definition) => batch.define(&definition),
+        }
+    }
+    Ok(batch)
 }
 
 #[derive(Default)]

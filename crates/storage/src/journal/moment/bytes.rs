@@ -71,7 +71,7 @@ impl Moment {
     /// The moment that [`Moment::to_bytes`] made, in a run with these places.
     pub fn from_bytes(bytes: &[u8], places: Places) -> Result<Self, BadMoment> {
         let (header, items) = split(bytes)?;
-        let mut moment = Self { places, ..Self::default() };
+        let mut moment = Self::new(places);
         let mut items = Items::new(items, 0);
         while let Some(item) = items.next() {
             match item.map_err(|_broken| BadMoment("an item is broken"))? {

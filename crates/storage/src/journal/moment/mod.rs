@@ -53,6 +53,11 @@ struct Active {
 }
 
 impl Moment {
+    /// The moment before the first event of a run with these places.
+    pub fn new(places: Places) -> Self {
+        Self { places, ..Self::default() }
+    }
+
     /// A number gets its meaning.
     pub fn define(&mut self, definition: &Definition) {
         match definition {

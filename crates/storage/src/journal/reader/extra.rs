@@ -1,0 +1,66 @@
+//! What a runner that died left in its recorder, after the last event of the database. Knows it as the database would.
+
+use super::Defined;
+use super::source::Row;
+use crate::journal::error::JournalError;
+use crate::journal::group::definitions;
+use crate::journal::leftovers::Leftovers;
+use crate::journal::record::{Definition, Stored, ValueNumber};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+#[derive(Debug, Default)]
+pub(super) struct Extra {
+    rows: Vec<OwnRow>,
+    places: Vec<Defined>,
+    values: BTreeMap<ValueNumber, Stored>,
+    last_sequence: u64,
+}
+
+#[derive(Debug)]
+struct OwnRow {
+    first: u64,
+    t_before: u64,
+    data: Vec<u8>,
+}
+
+impl Extra {
+    /// What the run in `folder` has after event number `committed`.
+    pub(super) fn read(folder: &Path, committed: u64) -> Result<Self, JournalError> {
+        let mut extra = Self::default();
+        for frame in Leftovers::read(folder)?.frames(committed) {
+            for (first, definition) in definitions(&frame).flatten() {
+                match definition {
+                    Definition::Place(number, place) => {
+                        extra.places.push(Defined { first, number, place });
+                    }
+                    Definition::Value(number, stored) => drop(extra.values.insert(number, stored)),
+                }
+            }
+            let (first, t_before) = (frame.head.first, frame.head.t_before);
+            extra.rows.push(OwnRow { first, t_before, data: frame.records.to_vec() });
+            extra.last_sequence = frame.head.next() - 1;
+        }
+        Ok(extra)
+    }
+
+    pub(super) fn last_sequence(&self) -> u64 {
+        self.last_sequence
+    }
+
+    pub(super) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.rows.iter().map(|row| Row {
+            first: row.first,
+            t_before: row.t_before,
+            data: &row.data,
+        })
+    }
+
+    pub(super) fn places_after(&self, after: u64) -> impl Iterator<Item = Defined> + '_ {
+        self.places.iter().filter(move |defined| defined.first > after).cloned()
+    }
+
+    pub(super) fn value(&self, number: ValueNumber) -> Option<&Stored> {
+        self.values.get(&number)
+    }
+}

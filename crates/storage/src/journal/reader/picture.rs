@@ -1,0 +1,160 @@
+//! A moment with names and values: what people and programs without Python see of it. Knows moments and values.
+
+use super::Reader;
+use super::event::{name_of, outcome_of};
+use crate::journal::error::JournalError;
+use crate::journal::moment::{Ended, Holding, Moment, Standing, Variable};
+use crate::journal::record::Kept;
+use rafcon_protocol::{Breakpoint, Outcome, Question, RunStatus, Values};
+use serde::Serialize;
+use serde_json::Value;
+use smol_str::SmolStr;
+use std::collections::BTreeMap;
+
+/// How a run stood at one event.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Picture {
+    /// The event.
+    pub sequence: u64,
+    /// When it happened, in ns since the start of the run.
+    pub t_ns: u64,
+    /// The run as a whole.
+    pub status: RunStatus,
+    /// How it ended, once it has.
+    pub outcome: Option<Outcome>,
+    /// Hash of the machine that it went by, if it was kept.
+    pub root: Option<String>,
+    /// How many runners there were.
+    pub life: u32,
+    /// States run so far.
+    pub states_run: u64,
+    /// Active states, each after the state around it.
+    pub active: Vec<PicturedState>,
+    /// Branches that are held.
+    pub held: Vec<Holding>,
+    /// States that wait, by path, and for what.
+    pub waiting: BTreeMap<String, String>,
+    /// Global variables by name.
+    pub globals: Values,
+    /// What states keep from one run to the next, by path.
+    pub persistent: Values,
+    /// All breakpoints.
+    pub breakpoints: Vec<Breakpoint>,
+    /// Questions without an answer.
+    pub questions: Vec<Question>,
+}
+
+/// One active state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PicturedState {
+    /// Ids joined by `/`.
+    pub path: String,
+    /// Names joined by `/`.
+    pub names: String,
+    /// How many states are around it.
+    pub depth: usize,
+    /// The event that it was entered by.
+    pub entered: u64,
+    /// When it was entered, in ns since the start of the run.
+    pub since_ns: u64,
+    /// Its inputs by name; `None` if they were not kept.
+    pub inputs: Option<Values>,
+    /// Its scoped variables by name.
+    pub scoped: Values,
+    /// How its children ended last, in that order.
+    pub ended: Vec<PicturedEnd>,
+}
+
+/// How a child ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PicturedEnd {
+    /// Ids joined by `/`.
+    pub path: String,
+    /// Names joined by `/`.
+    pub names: String,
+    /// Its outcome.
+    pub outcome: Outcome,
+    /// Its outputs by name; `None` if they were not kept.
+    pub outputs: Option<Values>,
+    /// Its error, if it left one.
+    pub error: Option<Value>,
+    /// The event that says so.
+    pub sequence: u64,
+}
+
+type Found<T> = Result<T, JournalError>;
+
+impl Reader {
+    /// A moment with names and values.
+    pub fn picture(&self, moment: &Moment) -> Found<Picture> {
+        let whole = moment.whole();
+        let standing = moment.active();
+        let mut depths: Vec<usize> = Vec::with_capacity(standing.len());
+        for state in &standing {
+            depths.push(state.parent.map_or(0, |parent| depths[parent] + 1));
+        }
+        let active = standing.iter().zip(&depths).map(|(state, depth)| self.state(state, *depth));
+        let named = |(name, value): (&SmolStr, &Kept)| Ok((name.to_string(), self.view(value)?));
+        let globals = moment.globals().iter().map(named).collect::<Found<Values>>()?;
+        let persistent =
+            moment.persistent().map(|(place, value)| Ok((place.path.clone(), self.view(value)?)));
+        Ok(Picture {
+            sequence: moment.sequence(),
+            t_ns: moment.t_ns(),
+            status: whole.status,
+            outcome: whole.outcome.clone(),
+            root: whole.root.clone(),
+            life: whole.life,
+            states_run: moment.states_run(),
+            active: active.collect::<Found<_>>()?,
+            held: whole.held.clone(),
+            waiting: whole.waiting.clone(),
+            globals,
+            persistent: persistent.collect::<Found<Values>>()?,
+            breakpoints: whole.breakpoints.values().cloned().collect(),
+            questions: whole.questions.values().cloned().collect(),
+        })
+    }
+
+    fn state(&self, state: &Standing, depth: usize) -> Found<PicturedState> {
+        let scoped = |variable: &Variable| {
+            let name = name_of(Some(&state.place.scoped), variable.port);
+            Ok((name, self.view(&variable.value)?))
+        };
+        Ok(PicturedState {
+            path: state.place.path.clone(),
+            names: state.place.names.clone(),
+            depth,
+            entered: state.order,
+            since_ns: state.since_ns,
+            inputs: self.by_name(&state.place.inputs, &state.inputs, state.lacks_inputs)?,
+            scoped: state.scoped.iter().map(scoped).collect::<Found<_>>()?,
+            ended: state.ended.iter().map(|end| self.end(end)).collect::<Found<_>>()?,
+        })
+    }
+
+    fn end(&self, end: &Ended) -> Found<PicturedEnd> {
+        Ok(PicturedEnd {
+            path: end.place.path.clone(),
+            names: end.place.names.clone(),
+            outcome: outcome_of(Some(&end.place), end.outcome),
+            outputs: self.by_name(&end.place.outputs, &end.outputs, end.lacks_outputs)?,
+            error: end.error.as_ref().map(|error| self.view(error)).transpose()?,
+            sequence: end.order,
+        })
+    }
+
+    fn by_name(
+        &self,
+        ports: &[(u64, SmolStr)],
+        values: &[(u64, Kept)],
+        lacking: bool,
+    ) -> Found<Option<Values>> {
+        if lacking {
+            return Ok(None);
+        }
+        let named =
+            |(port, value): &(u64, Kept)| Ok((name_of(Some(ports), *port), self.view(value)?));
+        values.iter().map(named).collect::<Found<Values>>().map(Some)
+    }
+}

@@ -1,0 +1,199 @@
+//! Journals from text, read as events and as moments.
+
+use super::Reader;
+use crate::journal::{About, Journal, Options, notation};
+use expect_test::{Expect, expect};
+use proptest::prelude::*;
+use std::path::Path;
+
+const MACHINE: &str = r#"
+    place R "Root" in speed scoped n outcome done
+    place R/A "Root/Scan" script in a out b outcome ok
+    place R/H "Root/Search" scoped m outcome ok
+    place R/H/X "Root/Search/Look" script out x outcome ok
+"#;
+
+const RUN: &str = r#"
+    enter R speed=1.5
+    scoped R n=0
+    global map={"rooms": [1, 2]}
+    enter R/A a=[1, 2]
+    log R/A info "scanning"
+    persistent R/A {"calls": 1}
+    leave R/A ok b="far"
+    scoped R n=1
+    enter R/H
+    scoped R/H m=null
+    enter R/H/X
+    leave R/H/X ok x=7
+    told {"type": "waiting", "path": "R/H", "reason": "no transition"}
+"#;
+
+/// A run of this text, of which everything before the mark `---` is committed; its runner has died.
+fn dead_run(folder: &Path, text: &str) -> Reader {
+    let about = About { name: "test".to_owned(), ..About::default() };
+    let journal = Journal::create(folder, &about, &Options::default()).unwrap();
+    let (safe, left) = text.split_once("---").unwrap_or((text, ""));
+    let mut batch = notation::batch(&format!("{MACHINE}{safe}"), 0).unwrap();
+    journal.append(&batch).unwrap();
+    journal.commit().unwrap();
+    let (count, t_ns) = (batch.count(), batch.t_last());
+    batch.clear();
+    if !left.trim().is_empty() {
+        // The places must be known; they are defined again.
+        batch = notation::batch(&format!("{MACHINE}{left}"), t_ns).unwrap();
+        journal.append(&batch).unwrap();
+    }
+    assert_eq!(journal.sequence(), u64::from(count + batch.count()));
+    drop(journal);
+    Reader::open(folder).unwrap()
+}
+
+fn check_events(text: &str, expect: &Expect) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reader = dead_run(folder.path(), text);
+    let page = reader.page(1, 100).unwrap();
+    let line = |entry| {
+        let event = serde_json::to_string(&reader.event(entry, true).unwrap()).unwrap();
+        format!("{} {event}\n", entry.sequence)
+    };
+    expect.assert_eq(&page.iter().map(line).collect::<String>());
+}
+
+#[test]
+fn events_have_names_and_values() {
+    check_events(
+        RUN,
+        &expect![[r#"
+        1 {"type":"entered","path":"R","inputs":{"speed":1.5}}
+        2 {"type":"scoped","path":"R","name":"n","value":0}
+        3 {"type":"global","name":"map","value":{"rooms":[1,2]}}
+        4 {"type":"entered","path":"R/A","inputs":{"a":[1,2]}}
+        5 {"type":"log","path":"R/A","level":"info","stream":"logger","message":"scanning"}
+        6 {"type":"persistent","path":"R/A","value":{"calls":1}}
+        7 {"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"},"outputs":{"b":"far"}}
+        8 {"type":"scoped","path":"R","name":"n","value":1}
+        9 {"type":"entered","path":"R/H","inputs":{}}
+        10 {"type":"scoped","path":"R/H","name":"m","value":null}
+        11 {"type":"entered","path":"R/H/X","inputs":{}}
+        12 {"type":"left","path":"R/H/X","outcome":{"id":0,"name":"ok"},"outputs":{"x":7}}
+        13 {"type":"waiting","path":"R/H","reason":"no transition"}
+    "#]],
+    );
+}
+
+#[test]
+fn what_a_dead_runner_left_is_read_behind_the_database() {
+    check_events(
+        "enter R speed=1 \n --- \n enter R/A a={\"k\": [1]} \n leave R/A ok b=2",
+        &expect![[r#"
+            1 {"type":"entered","path":"R","inputs":{"speed":1}}
+            2 {"type":"entered","path":"R/A","inputs":{"a":{"k":[1]}}}
+            3 {"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"},"outputs":{"b":2}}
+        "#]],
+    );
+}
+
+#[test]
+fn a_moment_has_names_and_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reader = dead_run(folder.path(), RUN);
+    let moment = reader.moment(12).unwrap();
+    let picture = reader.picture(&moment).unwrap();
+    expect![[r#"
+        {
+          "sequence": 12,
+          "t_ns": 12000000,
+          "status": "running",
+          "outcome": null,
+          "root": null,
+          "life": 1,
+          "states_run": 4,
+          "active": [
+            {
+              "path": "R",
+              "names": "Root",
+              "depth": 0,
+              "entered": 1,
+              "since_ns": 1000000,
+              "inputs": {
+                "speed": 1.5
+              },
+              "scoped": {
+                "n": 1
+              },
+              "ended": [
+                {
+                  "path": "R/A",
+                  "names": "Root/Scan",
+                  "outcome": {
+                    "id": 0,
+                    "name": "ok"
+                  },
+                  "outputs": {
+                    "b": "far"
+                  },
+                  "error": null,
+                  "sequence": 7
+                }
+              ]
+            },
+            {
+              "path": "R/H",
+              "names": "Root/Search",
+              "depth": 1,
+              "entered": 9,
+              "since_ns": 9000000,
+              "inputs": {},
+              "scoped": {
+                "m": null
+              },
+              "ended": [
+                {
+                  "path": "R/H/X",
+                  "names": "Root/Search/Look",
+                  "outcome": {
+                    "id": 0,
+                    "name": "ok"
+                  },
+                  "outputs": {
+                    "x": 7
+                  },
+                  "error": null,
+                  "sequence": 12
+                }
+              ]
+            }
+          ],
+          "held": [],
+          "waiting": {},
+          "globals": {
+            "map": {
+              "rooms": [
+                1,
+                2
+              ]
+            }
+          },
+          "persistent": {
+            "R/A": {
+              "calls": 1
+            }
+          },
+          "breakpoints": [],
+          "questions": []
+        }"#]]
+    .assert_eq(&serde_json::to_string_pretty(&picture).unwrap());
+}
+
+#[test]
+fn a_page_begins_and_ends_anywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reader = dead_run(folder.path(), RUN);
+    let numbers = |page: Vec<super::Entry>| page.iter().map(|e| e.sequence).collect::<Vec<_>>();
+    assert_eq!(numbers(reader.page(0, 2).unwrap()), [1, 2]);
+    assert_eq!(numbers(reader.page(12, 5).unwrap()), [12, 13]);
+    assert_eq!(numbers(reader.page(14, 5).unwrap()), [0; 0]);
+    assert_eq!(numbers(reader.page(3, 0).unwrap()), [0; 0]);
+    assert_eq!(reader.last_sequence().unwrap(), 13);
+}
