@@ -74,6 +74,7 @@ fn files_that_nobody_understands_come_back_as_they_are() {
         machine/core_data.json
         {broken
 
+        machine/script.py
         machine/statemachine.json
     "]]
     .assert_eq(&show_files(&folder.path().join("out"), &["core_data.json"]));
