@@ -93,16 +93,32 @@ mod tests {
 
     #[test]
     fn words_become_a_command() {
-        check("pause", &expect![[""]]);
-        check("step-over branch=R/A", &expect![[""]]);
-        check("force_outcome path=R/A outcome=-1", &expect![[""]]);
-        check(r#"answer_question question=1 value={"button":0}"#, &expect![[""]]);
+        check("pause", &expect!["Pause"]);
+        check("step-over branch=R/A", &expect![[r#"StepOver { branch: Some("R/A") }"#]]);
+        check(
+            "force_outcome path=R/A outcome=-1",
+            &expect![[r#"ForceOutcome { path: "R/A", outcome: -1 }"#]],
+        );
+        check(
+            r#"answer_question question=1 value={"button":0}"#,
+            &expect![[r#"AnswerQuestion { question: 1, value: Object {"button": Number(0)} }"#]],
+        );
     }
 
     #[test]
     fn what_is_no_command_is_refused() {
-        check("dance", &expect![[""]]);
-        check("run_to R/A", &expect![[""]]);
-        check("run_to", &expect![[""]]);
+        check(
+            "dance",
+            &expect![
+                "`dance` is no command of a run (unknown variant `dance`, expected one of `start`, `pause`, `resume`, `stop`, `kill`, `step_mode`, `step_into`, `step_over`, `step_out`, `step_back`, `run_to`, `run_selected`, `run_only_selected`, `start_from_history`, `force_outcome`, `preempt`, `set_breakpoint`, `remove_breakpoint`, `answer_question`, `recover`, `reload`, `edit_script`); docs/protocol.md lists them"
+            ],
+        );
+        check("run_to R/A", &expect!["R/A: write NAME=JSON, such as outcome=0"]);
+        check(
+            "run_to",
+            &expect![
+                "`run_to` is no command of a run (missing field `path`); docs/protocol.md lists them"
+            ],
+        );
     }
 }

@@ -76,31 +76,94 @@ fn check(form: Option<Form>, keys: &str, expect: &Expect) {
 
 #[test]
 fn one_key_is_one_command() {
-    check(None, "snob space S", &expect![[""]]);
+    check(
+        None,
+        "snob space S",
+        &expect![[r#"
+        {"type":"step_into","branch":null}
+        {"type":"step_over","branch":null}
+        {"type":"step_out","branch":null}
+        {"type":"step_back","branch":null}
+        {"type":"resume","branch":null}
+        {"type":"step_into","branch":"R/B"}
+        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
 }
 
 #[test]
 fn the_arrows_select_the_state_that_keys_are_about() {
-    check(None, "up up S i esc", &expect![[""]]);
+    check(
+        None,
+        "up up S i esc",
+        &expect![[r#"
+        {"type":"step_into","branch":"R/A"}
+        Inspect("R/A")
+        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
 }
 
 #[test]
 fn a_breakpoint_is_written() {
-    check(None, "k space if space n>1 enter", &expect![[""]]);
-    check(None, "up k space after enter", &expect![[""]]);
-    check(None, "K x enter", &expect![[""]]);
+    check(
+        None,
+        "k space if space n>1 enter",
+        &expect![[r#"
+        {"type":"set_breakpoint","breakpoint":{"id":1,"path":"R/B/Y","when":"before","condition":"n>1","hit_count":0,"scope":"branch","unattended":"hold","enabled":true}}
+        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
+    check(
+        None,
+        "up k space after enter",
+        &expect![[r#"
+        {"type":"set_breakpoint","breakpoint":{"id":1,"path":"R/A/X","when":"after","condition":null,"hit_count":0,"scope":"branch","unattended":"hold","enabled":true}}
+        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
+    check(
+        None,
+        "K x enter",
+        &expect![[r#"
+        | write the number of a breakpoint
+        | remove breakpoint: x_   Enter takes it, Escape leaves
+    "#]],
+    );
 }
 
 #[test]
 fn an_outcome_is_forced_on_what_is_next() {
-    check(None, "up f -1 enter", &expect![[""]]);
+    check(
+        None,
+        "up f -1 enter",
+        &expect![[r#"
+        {"type":"force_outcome","path":"R/A/X","outcome":-1}
+        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
 }
 
 #[test]
 fn buttons_are_chosen_by_number() {
     let form = Form::Buttons { buttons: vec!["Yes".to_owned(), "No".to_owned()] };
-    check(Some(form.clone()), "a", &expect![[""]]);
-    check(Some(form), "a 3 2", &expect![[""]]);
+    check(
+        Some(form.clone()),
+        "a",
+        &expect![[r#"
+        | Is the arm free?
+        | 1 Yes   2 No   Escape leaves it open
+    "#]],
+    );
+    check(
+        Some(form),
+        "a 3 2",
+        &expect![[r#"
+        {"type":"answer_question","question":7,"value":{"button":1}}
+        | ? Is the arm free?
+        | a answer   s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
 }
 
 #[test]
@@ -108,8 +171,24 @@ fn numbers_and_boxes_are_answered() {
     let ok = || vec!["OK".to_owned()];
     let number =
         Form::Number { buttons: ok(), minimum: None, maximum: None, initial: None, whole: true };
-    check(Some(number), "a 4x enter rub 2 enter", &expect![[""]]);
+    check(
+        Some(number),
+        "a 4x enter rub 2 enter",
+        &expect![[r#"
+        {"type":"answer_question","question":7,"value":{"button":0,"number":42}}
+        | ? Is the arm free?
+        | a answer   s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
     let boxes = vec!["left".to_owned(), "right".to_owned()];
     let buttons = vec!["Take".to_owned(), "Leave".to_owned()];
-    check(Some(Form::Checks { buttons, boxes, initial: vec![] }), "a 2 enter 1", &expect![[""]]);
+    check(
+        Some(Form::Checks { buttons, boxes, initial: vec![] }),
+        "a 2 enter 1",
+        &expect![[r#"
+        {"type":"answer_question","question":7,"value":{"button":0,"checked":[false,true]}}
+        | ? Is the arm free?
+        | a answer   s step   n over   o out   b back   c go on   i look   ? keys   q leave
+    "#]],
+    );
 }

@@ -102,8 +102,8 @@ fn a_run_ends_by_its_outcome() {
         &expect![[r#"
             0: send launch
             0: Loaded { name: "M", states: 2 }
-            1: show Entered { path: "A" }
-            1: show Left { path: "A", outcome: Outcome { id: 0, name: "done" } }
+            1: show Entered { path: "A", inputs: None, undoes: None }
+            1: show Left { path: "A", outcome: Outcome { id: 0, name: "done" }, outputs: None, error: None, undoes: None }
             2: show finished
             2: Finished { outcome: Outcome { id: 3, name: "done" }, timed_out: false }, exit code 3
         "#]],
@@ -208,12 +208,12 @@ fn a_runner_that_dies_leaves_what_was_active_and_what_it_said() {
         &expect![[r#"
             0: send launch
             0: Loaded { name: "M", states: 2 }
-            1: show Entered { path: "A" }
-            1: show Entered { path: "A/B" }
-            1: show Entered { path: "A/C" }
-            1: show Left { path: "A/B", outcome: Outcome { id: 0, name: "done" } }
+            1: show Entered { path: "A", inputs: None, undoes: None }
+            1: show Entered { path: "A/B", inputs: None, undoes: None }
+            1: show Entered { path: "A/C", inputs: None, undoes: None }
+            1: show Left { path: "A/B", outcome: Outcome { id: 0, name: "done" }, outputs: None, error: None, undoes: None }
             2: show Log { path: "", level: Error, stream: Stderr, message: "Fatal Python error: Segmentation fault" }
-            2: Died(Death { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"] }), exit code 7
+            2: Died(Death { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"], is_cut_off: false }), exit code 7
         "#]],
     );
 }
@@ -228,7 +228,7 @@ fn a_child_that_holds_the_socket_does_not_keep_us_waiting() {
         &expect![[r#"
             0: send launch
             0: Loaded { name: "M", states: 2 }
-            2: Died(Death { reason: "exit status 1", active: [], said: [] }), exit code 7
+            2: Died(Death { reason: "exit status 1", active: [], said: [], is_cut_off: false }), exit code 7
         "#]],
     );
 }
@@ -254,7 +254,7 @@ fn a_stranger_is_not_spoken_with() {
          0 exited 9",
         &expect![[r#"
             0: Kill
-            0: NotStarted { reason: "the other side (version 9.9) speaks protocol 99, this one speaks 1: install the rafcon binary and its extension from the same build", said: [] }, exit code 1
+            0: NotStarted { reason: "the other side (version 9.9) speaks protocol 99, this one speaks 2: install the rafcon binary and its extension from the same build", said: [] }, exit code 1
         "#]],
     );
 }
@@ -305,9 +305,9 @@ fn a_script_that_closes_the_connection_ends_the_run() {
         &expect![[r#"
             0: send launch
             0: Loaded { name: "M", states: 2 }
-            1: show Entered { path: "A" }
+            1: show Entered { path: "A", inputs: None, undoes: None }
             4: Kill
-            4: Died(Death { reason: "it closed its control connection and went on", active: ["A"], said: [] }), exit code 7
+            4: Died(Death { reason: "it closed its control connection and went on", active: ["A"], said: [], is_cut_off: false }), exit code 7
         "#]],
     );
 }

@@ -194,19 +194,36 @@ mod tests {
                 Cause::Wish(Wish::Inspect("A".to_owned())),
                 Cause::Wish(Wish::Leave),
             ],
-            &expect![[""]],
+            &expect![[r#"
+                Send(Join(Join { from: 0, every_event: false, values: false }))
+                Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Pause }))
+                Note("refused: the run is running")
+                Send(Inspect { id: "attach-2", path: "A" })
+                Left, exit code 0
+                left; RUN goes on (rafcon attach RUN joins it again)"#]],
         );
     }
 
     #[test]
     fn a_runner_that_dies_is_told_with_the_way_out() {
-        check(vec![Cause::Hello(Hello::ours()), Cause::Silence], &expect![[""]]);
+        check(
+            vec![Cause::Hello(Hello::ours()), Cause::Silence],
+            &expect![[r#"
+            Send(Join(Join { from: 0, every_event: false, values: false }))
+            Lost, exit code 7
+            error: the runner of RUN is gone; to go on: rafcon resume RUN"#]],
+        );
     }
 
     #[test]
     fn another_version_is_refused() {
         let hello = Hello { protocol: 0, program: "0.0.1".to_owned() };
-        check(vec![Cause::Hello(hello)], &expect![[""]]);
+        check(
+            vec![Cause::Hello(hello)],
+            &expect![[r#"
+            Refused("the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"), exit code 1
+            error: the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"#]],
+        );
         assert_eq!(End::Left.code(), 0);
     }
 }

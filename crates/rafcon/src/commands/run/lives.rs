@@ -70,13 +70,47 @@ mod tests {
 
     #[test]
     fn the_policy_decides() {
-        check(OnCrash::Ask, false, &[1], &expect![[""]]);
-        check(OnCrash::Restart, false, &[1], &expect![[""]]);
-        check(OnCrash::Ask, true, &[1], &expect![[""]]);
+        check(
+            OnCrash::Ask,
+            false,
+            &[1],
+            &expect![[r#"
+            1 s: nothing moves until you decide
+        "#]],
+        );
+        check(
+            OnCrash::Restart,
+            false,
+            &[1],
+            &expect![[r#"
+            1 s: Restart ["R/A"]
+        "#]],
+        );
+        check(
+            OnCrash::Ask,
+            true,
+            &[1],
+            &expect![[r#"
+            1 s: Abort ["R/A"]
+        "#]],
+        );
     }
 
     #[test]
     fn a_run_that_dies_again_and_again_is_left_alone() {
-        check(OnCrash::Abort, false, &[0, 1, 2, 3, 4, 5, 70], &expect![[""]]);
+        check(
+            OnCrash::Abort,
+            false,
+            &[0, 1, 2, 3, 4, 5, 70],
+            &expect![[r#"
+            0 s: Abort ["R/A"]
+            1 s: Abort ["R/A"]
+            2 s: Abort ["R/A"]
+            3 s: Abort ["R/A"]
+            4 s: Abort ["R/A"]
+            5 s: it died too often in the last minute
+            70 s: Abort ["R/A"]
+        "#]],
+        );
     }
 }
