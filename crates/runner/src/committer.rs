@@ -5,22 +5,24 @@ use crate::driver::Driver;
 use crate::prepare::reason;
 use crate::recorder::Recorder;
 use crate::safety::{Turn, Work};
-use crate::{Scripts, tell};
+use crate::{Scripts, StateFiles, roots, tell};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Event, LogLevel};
 use std::io;
 use std::sync::Arc;
 use std::thread::{self, Scope};
 
-/// Starts both threads that a journal needs; without one, none.
+/// Starts the threads that a journal needs; without one, none. `files` are those of the machine at the start.
 pub(crate) fn start<'scope, S: Scripts>(
     scope: &'scope Scope<'scope, '_>,
     driver: &'scope Arc<Driver<S>>,
+    files: StateFiles,
 ) -> io::Result<()> {
-    if driver.recorder().journal().is_some() {
+    if driver.recorder().has_journal() {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         named("committer").spawn_scoped(scope, || serve(driver.recorder()))?;
         named("journal").spawn_scoped(scope, || attend(driver))?;
+        named("roots").spawn_scoped(scope, move || roots::serve(driver, &files))?;
     }
     Ok(())
 }

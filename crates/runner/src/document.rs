@@ -204,6 +204,7 @@ impl<S: Scripts> Driver<S> {
     pub(crate) fn adopt(&self, core: &Core<S::Value>) {
         let Some(root) = self.document().adopt(core.engine.program()) else { return };
         self.timers().adopt(&root.program);
+        self.keep_root(&root.machine, &root.what);
         self.scripts().changed(&root.machine, &root.program);
     }
 

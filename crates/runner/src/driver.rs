@@ -8,6 +8,7 @@ use crate::document::Document;
 use crate::points::Points;
 use crate::questions::Questions;
 use crate::recorder::Recorder;
+use crate::roots::Roots;
 use crate::signals::PREEMPTED;
 use crate::timers::Timers;
 use crate::{Clock, Places, Scripts, tell, written};
@@ -27,6 +28,7 @@ pub struct Driver<S: Scripts> {
     questions: Questions,
     points: Points,
     timers: Timers,
+    roots: Roots,
     end: Mutex<Option<Finish<S::Value>>>,
     ended: Condvar,
 }
@@ -55,6 +57,7 @@ impl<S: Scripts> Driver<S> {
             questions: Questions::default(),
             points: Points::default(),
             timers,
+            roots: Roots::default(),
             end: Mutex::new(None),
             ended: Condvar::new(),
         })
@@ -89,6 +92,10 @@ impl<S: Scripts> Driver<S> {
 
     pub(crate) fn points(&self) -> &Points {
         &self.points
+    }
+
+    pub(crate) fn roots(&self) -> &Roots {
+        &self.roots
     }
 
     pub(crate) fn recorder(&self) -> &Arc<Recorder> {

@@ -9,20 +9,25 @@ use std::sync::Arc;
 const SCRIPT: &str = "script.py";
 
 /// The folders of a machine and of its libraries.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct StateFiles {
-    saved: Saved,
+    saved: Arc<Saved>,
     libraries: Arc<Libraries>,
 }
 
 impl StateFiles {
     pub(crate) fn new(saved: Saved, libraries: Arc<Libraries>) -> Self {
-        Self { saved, libraries }
+        Self { saved: Arc::new(saved), libraries }
     }
 
     /// The folder of the machine.
     pub fn machine(&self) -> &Path {
         self.saved.dir()
+    }
+
+    /// The machine as it was read.
+    pub(crate) fn saved(&self) -> &Saved {
+        &self.saved
     }
 
     /// Where libraries are looked up.

@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::driver::Driver;
 use crate::join::{Closer, Door};
 use crate::prepare::{Prepared, prepare, reason};
-use crate::{Clock, Host, Scripts, committer, due, journal, stop};
+use crate::{Clock, Host, Scripts, StateFiles, committer, due, journal, stop};
 use rafcon_engine::{Finish, Input, Program, Start};
 use rafcon_protocol::{Event, Join, Launch, Outcome, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::VALUES_FOLDER;
@@ -74,15 +74,17 @@ fn begin<H: Host>(
         .map_err(|error| ServeError::Load(reason(&error)))?;
     let keeping = recorder.keeping();
     let values = launch.run_folder.as_ref().map(|folder| folder.join(VALUES_FOLDER));
-    let opening = crate::Opening { machine, program, files, config, keeping, values };
+    let opening =
+        crate::Opening { machine, program, files: files.clone(), config, keeping, values };
     let active = match &launch.run_folder {
         Some(folder) => Active::open(folder)?,
         None => Active::default(),
     };
     let driver = Driver::new(document, host.open(opening), clock, active, recorder);
     H::opened(&driver);
+    driver.keep_root(&driver.machine(), "");
     let (door, closer) = open_door(launch)?.unzip();
-    let begun = Begun { driver, loaded, signals: stop::take_over()?, door, closer };
+    let begun = Begun { driver, loaded, files, signals: stop::take_over()?, door, closer };
     set_out(&begun.driver, launch, start).map_err(ServeError::Load)?;
     Ok(begun)
 }
@@ -96,6 +98,8 @@ fn run_id(folder: &Path) -> String {
 struct Begun<S: Scripts> {
     driver: Arc<Driver<S>>,
     loaded: ToViewer,
+    /// Those of the machine at the start.
+    files: StateFiles,
     signals: (Signals, Handle),
     door: Option<Door>,
     closer: Option<Closer>,
@@ -103,11 +107,11 @@ struct Begun<S: Scripts> {
 
 impl<S: Scripts> Begun<S> {
     fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
-        let Self { driver, loaded, signals: (signals, handle), door, closer } = self;
+        let Self { driver, loaded, files, signals: (signals, handle), door, closer } = self;
         let company = Company::new(Arc::clone(&driver), loaded);
         thread::scope(|scope| {
             let named = |name: &str| thread::Builder::new().name(name.to_owned());
-            committer::start(scope, &driver)?;
+            committer::start(scope, &driver, files)?;
             company.welcome(scope, line, first(launch))?;
             named("signals").spawn_scoped(scope, || stop::serve(&driver, signals))?;
             named("timers").spawn_scoped(scope, || due::serve(&driver))?;
@@ -149,6 +153,7 @@ fn conclude<S: Scripts>(driver: &Driver<S>) {
     if let Some(finish) = driver.wait() {
         driver.close();
         driver.scripts().finished();
+        driver.close_roots();
         driver.tell(finished(driver.scripts(), finish));
     }
     driver.recorder().close();

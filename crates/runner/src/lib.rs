@@ -34,6 +34,7 @@ mod points;
 mod prepare;
 mod questions;
 mod recorder;
+mod roots;
 mod safety;
 mod scripts;
 pub mod signals;

@@ -127,6 +127,11 @@ impl Recorder {
         &self.safety
     }
 
+    /// Whether there is a journal behind the record, closed or not.
+    pub(crate) fn has_journal(&self) -> bool {
+        self.keeping != Keeping::Off
+    }
+
     /// The journal behind the record, until it is closed.
     pub(crate) fn journal(&self) -> Option<Arc<Journal>> {
         self.ink.lock().journal.clone()
@@ -173,8 +178,8 @@ impl Recorder {
 
     /// Nothing more will come. With a journal, its committer says so when it is done.
     pub(crate) fn close(&self) {
-        if self.journal().is_some() {
-            self.safety.close();
+        self.safety.close();
+        if self.has_journal() {
             self.wait_closed(None);
         } else {
             self.closed();

@@ -138,6 +138,11 @@ impl Safety {
         self.safer.notify_all();
     }
 
+    /// Whether it does.
+    pub(crate) fn is_ending(&self) -> bool {
+        self.state.lock().ending
+    }
+
     /// Makes the committer commit for the last time.
     pub(crate) fn close(&self) {
         let mut state = self.state.lock();
