@@ -41,7 +41,7 @@ pub(crate) fn status(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>> {
 fn phase(held: &Inspection<Handle>) -> &'static str {
     match held.activity {
         Activity::Script => "active",
-        Activity::Inside | Activity::Held => "children",
+        Activity::Inside | Activity::Held | Activity::Checking => "children",
         Activity::Waiting(_) => "waiting",
     }
 }
@@ -59,7 +59,8 @@ fn data(
     place: &Arc<Place>,
     held: Option<&Inspection<Handle>>,
 ) -> PyResult<()> {
-    let scripts = current::driver()?.scripts();
+    let run = current::driver()?;
+    let scripts = run.scripts();
     let scoped = PyDict::new(py);
     let (inputs, outputs) = match (scripts.seat(py, place)?.data(py), held) {
         (Some(data), _) => data,

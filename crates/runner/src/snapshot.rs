@@ -2,7 +2,7 @@
 
 use crate::Scripts;
 use crate::driver::Driver;
-use rafcon_engine::{Active, Activity, Status};
+use rafcon_engine::{Active, Activity, HeldBy, PathId, Status, WaitReason};
 use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
 
 /// How things stand; the engine is held only while its active states are listed.
@@ -34,17 +34,61 @@ fn state<S: Scripts>(driver: &Driver<S>, active: &Active, now_ms: u64) -> Option
         name,
         phase: phase(active),
         since_ms: now_ms.saturating_sub(place.entered_ms()),
-        branch: String::new(),
-        detail: None,
+        branch: active.top.and_then(|top| text(driver, top)).unwrap_or_default(),
+        detail: detail(driver, active),
     })
+}
+
+fn text<S: Scripts>(driver: &Driver<S>, path: PathId) -> Option<String> {
+    driver.places().with(path, |place| place.text.to_string())
+}
+
+/// For what a state waits, or what it is held by and before which state.
+fn detail<S: Scripts>(driver: &Driver<S>, active: &Active) -> Option<String> {
+    let waits = match &active.activity {
+        Activity::Waiting(reason) => Some(waiting(driver, reason)),
+        Activity::Checking => Some("the condition of a breakpoint".to_owned()),
+        Activity::Script | Activity::Inside | Activity::Held => None,
+    };
+    let held = active.holds.iter().map(|hold| {
+        let next = hold.next.and_then(|next| text(driver, next));
+        let next = next.map(|next| format!("before {next} "));
+        format!("held {}by {}", next.unwrap_or_default(), holder(hold.by))
+    });
+    let all = waits.into_iter().chain(held).collect::<Vec<_>>();
+    (!all.is_empty()).then(|| all.join("; "))
+}
+
+fn waiting<S: Scripts>(driver: &Driver<S>, reason: &WaitReason) -> String {
+    match reason {
+        WaitReason::NoTransition { child, .. } => {
+            let child = text(driver, *child).unwrap_or_default();
+            format!("a transition from an outcome of {child}")
+        }
+        WaitReason::NoStart => "a start state".to_owned(),
+        WaitReason::NoChildren => "a child".to_owned(),
+        WaitReason::Interrupted => "a decision: a crash interrupted its script".to_owned(),
+    }
+}
+
+fn holder(by: HeldBy) -> String {
+    match by {
+        HeldBy::Pause => "a pause".to_owned(),
+        HeldBy::Step => "a step".to_owned(),
+        HeldBy::RunTo => "the end of a run to it".to_owned(),
+        HeldBy::Breakpoint(id) => format!("breakpoint {id}"),
+        HeldBy::Start => "the start".to_owned(),
+    }
 }
 
 fn phase(active: &Active) -> Phase {
     match active.activity {
         Activity::Waiting(_) => Phase::Waiting,
         Activity::Held => Phase::Held,
-        Activity::Script | Activity::Inside if active.preempted => Phase::Preempted,
-        Activity::Script | Activity::Inside => Phase::Running,
+        Activity::Script | Activity::Inside | Activity::Checking if active.preempted => {
+            Phase::Preempted
+        }
+        Activity::Script | Activity::Inside | Activity::Checking => Phase::Running,
     }
 }
 
@@ -52,6 +96,7 @@ fn run_status(status: Status) -> RunStatus {
     match status {
         Status::Idle | Status::Running => RunStatus::Running,
         Status::Paused => RunStatus::Paused,
+        Status::Stepping => RunStatus::Stepping,
         Status::Stopping => RunStatus::Stopping,
         Status::Finished => RunStatus::Finished,
     }

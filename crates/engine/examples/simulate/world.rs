@@ -322,12 +322,11 @@ impl World {
         let inner = snapshot.iter().filter_map(|active| self.engine.path_parent(active.path));
         let inner = inner.collect::<BTreeSet<_>>();
         let leaves = snapshot.iter().filter(|active| !inner.contains(&active.path));
-        let paused = self.engine.status() == Status::Paused;
         for leaf in leaves {
             let reason = match leaf.activity {
-                Activity::Script => true,
+                Activity::Script | Activity::Checking => true,
                 Activity::Waiting(_) => !leaf.preempted,
-                Activity::Held => paused,
+                Activity::Held => !leaf.holds.is_empty(),
                 Activity::Inside => false,
             };
             promise(reason, "a state stands still without a reason")?;

@@ -1,5 +1,6 @@
 //! Beginning again while nothing moves: what is active is dropped, without an end.
 
+use super::holds::Hold;
 use super::phase::Phase;
 use super::step::Step;
 use super::{Command, Refusal};
@@ -9,6 +10,9 @@ impl<D: Datum> Step<'_, D> {
     /// Refuses a command that would take the ground from under a script.
     pub(super) fn nothing_runs(&self, command: Command) -> Result<(), Refusal> {
         self.legal(command)?;
+        if let Some(check) = self.run.control.holds.iter().find_map(Hold::check) {
+            return Err(Refusal::StillChecks { command, check });
+        }
         let runs = |&slot: &u32| self.run.frames.get(slot).phase == Phase::Script;
         let Some(slot) = self.active().into_iter().find(runs) else { return Ok(()) };
         let path = self.run.places.text(self.run.frames.get(slot).path, self.program);
@@ -18,6 +22,12 @@ impl<D: Datum> Step<'_, D> {
     /// Drops all active states, parents before children, and ends their branches.
     pub(super) fn drop_all(&mut self) {
         let frames = self.active();
+        for Hold { spot, branch, .. } in std::mem::take(&mut self.run.control.holds) {
+            if self.is_branch(spot) {
+                self.run.branches.end(branch);
+                self.out.effects.push(Effect::EndBranch { branch });
+            }
+        }
         for &slot in &frames {
             self.out.events.push(Event::Dropped { path: self.run.frames.get(slot).path });
         }
@@ -33,5 +43,8 @@ impl<D: Datum> Step<'_, D> {
             self.run.frames.remove(slot);
         }
         self.run.root = None;
+        self.run.finish = None;
+        self.run.control.forget();
+        self.step_all(false);
     }
 }

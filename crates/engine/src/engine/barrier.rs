@@ -7,8 +7,8 @@ use crate::program::{ABORTED, Exit, Inside, PREEMPTED};
 use crate::{Datum, Verdict, Verdicts};
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// A child or the decider ended. Outputs are taken at once, so that of two children the later one wins.
-    pub(super) fn child_of_barrier_ended(
+    /// The decider ended.
+    pub(super) fn decider_ended(
         &mut self,
         slot: u32,
         inside: &'s Inside<D>,
@@ -18,12 +18,9 @@ impl<'s, D: Datum> Step<'s, D> {
         self.store_outputs(slot, inside, child, &ended);
         let frame = self.run.frames.get_mut(slot);
         frame.children[child as usize] = NONE;
-        if frame.phase == Phase::Branches {
-            frame.open = frame.open.saturating_sub(1);
-        } else {
-            frame.last = Some((child, ended.outcome));
-            frame.last_error = ended.error.clone().filter(|_| ended.outcome == ABORTED);
-        }
+        frame.after = true;
+        frame.last = Some((child, ended.outcome));
+        frame.last_error = ended.error.clone().filter(|_| ended.outcome == ABORTED);
         frame.ended[child as usize] = Some(ended);
         self.wake(&[slot], Cause::ChildEnded);
     }
@@ -36,18 +33,30 @@ impl<'s, D: Datum> Step<'s, D> {
         inside: &'s Inside<D>,
     ) {
         let frame = self.run.frames.get_mut(slot);
-        match decider.filter(|_| frame.phase == Phase::Branches && !frame.preempted) {
-            Some(decider) => {
-                frame.phase = Phase::Deciding;
-                self.enter_decider(slot, inside, decider);
-            }
-            None if frame.phase == Phase::Branches => {
-                self.leave_container(slot, inside, PREEMPTED);
-            }
-            None if frame.children.iter().all(|&child| child == NONE) => {
-                self.conclude(slot, inside);
-            }
-            None => {}
+        let pass = frame.pass.take();
+        match decider.filter(|_| frame.last.is_none() && !frame.preempted) {
+            Some(decider) => self.go_to_decider(slot, inside, (decider, pass)),
+            None if frame.last.is_none() => self.leave_container(slot, inside, PREEMPTED),
+            None => self.decided(slot, inside),
+        }
+    }
+
+    fn go_to_decider(
+        &mut self,
+        slot: u32,
+        inside: &'s Inside<D>,
+        (decider, pass): (u32, Option<u32>),
+    ) {
+        if self.passes_to(slot, decider, pass) {
+            self.run.frames.get_mut(slot).phase = Phase::Deciding;
+            self.enter_decider(slot, inside, decider);
+        }
+    }
+
+    fn decided(&mut self, slot: u32, inside: &'s Inside<D>) {
+        let is_quiet = self.run.frames.get(slot).children.iter().all(|&child| child == NONE);
+        if is_quiet && self.passes_end(slot) {
+            self.conclude(slot, inside);
         }
     }
 

@@ -1,30 +1,69 @@
-//! Numbers for branches. A number is used again, but never in the answer in which its branch ended.
+//! Numbers for branches, and which of them go step by step. A number is used again, but never in the answer in which its
+//! branch ended.
 
 use crate::BranchId;
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Branches {
-    /// The highest number used; branch 0 is that of the root.
-    highest: u32,
+    /// Whether each branch is held before its next child; `None` for a number that is not in use. Branch 0 is that of the
+    /// root.
+    steps: Vec<Option<bool>>,
+    /// How many branches go step by step.
+    stepping: usize,
     free: Vec<BranchId>,
     /// Free after this answer.
     ended: Vec<BranchId>,
 }
 
 impl Branches {
-    pub(super) fn begin(&mut self) -> BranchId {
-        self.free.pop().unwrap_or_else(|| {
-            self.highest += 1;
-            BranchId(self.highest)
-        })
+    pub(super) fn new() -> Self {
+        Self { steps: vec![Some(false)], stepping: 0, free: Vec::new(), ended: Vec::new() }
+    }
+
+    pub(super) fn begin(&mut self, steps: bool) -> BranchId {
+        let branch = self.free.pop().unwrap_or_else(|| {
+            self.steps.push(None);
+            BranchId(u32::try_from(self.steps.len() - 1).unwrap_or(u32::MAX))
+        });
+        self.write(branch, Some(steps));
+        branch
     }
 
     pub(super) fn end(&mut self, branch: BranchId) {
+        self.write(branch, None);
         self.ended.push(branch);
     }
 
     /// An answer is complete.
     pub(super) fn settle(&mut self) {
         self.free.extend(self.ended.drain(..).rev());
+    }
+
+    /// Whether any branch goes step by step.
+    pub(super) fn any_steps(&self) -> bool {
+        self.stepping > 0
+    }
+
+    pub(super) fn steps(&self, branch: BranchId) -> bool {
+        self.steps.get(branch.index()).copied().flatten().unwrap_or_default()
+    }
+
+    pub(super) fn set(&mut self, branch: BranchId, steps: bool) {
+        if self.steps.get(branch.index()).is_some_and(Option::is_some) {
+            self.write(branch, Some(steps));
+        }
+    }
+
+    pub(super) fn set_all(&mut self, steps: bool) {
+        self.steps.iter_mut().flatten().for_each(|branch| *branch = steps);
+        let live = self.steps.iter().flatten().count();
+        self.stepping = if steps { live } else { 0 };
+    }
+
+    fn write(&mut self, branch: BranchId, steps: Option<bool>) {
+        let Some(place) = self.steps.get_mut(branch.index()) else { return };
+        self.stepping -= usize::from(*place == Some(true));
+        self.stepping += usize::from(steps == Some(true));
+        *place = steps;
     }
 }

@@ -1,124 +1,117 @@
 //! Commands, and in which status each is legal.
 
-use super::phase::Cause;
+use super::holds::Spot;
 use super::step::Step;
 use super::{Command, Refusal, Status};
-use crate::{Datum, Effect, Event, Input, Start};
+use crate::{Datum, Effect, Event, Input, Stride, When};
 
-/// What a command does in a status.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Action {
-    Begin,
-    Pause,
-    Resume,
-    Stop,
-    StopPaused,
-    Restore,
-    Change,
-}
-
-/// The table. The same rows stand in `docs/semantics.md`.
-fn action(status: Status, command: Command) -> Option<Action> {
-    let action = match (status, command) {
-        (Status::Idle, Command::Start) => Action::Begin,
-        (Status::Running, Command::Pause) => Action::Pause,
-        (Status::Paused, Command::Resume) => Action::Resume,
-        (Status::Running | Status::Stopping, Command::Stop) => Action::Stop,
-        (Status::Paused, Command::Stop) => Action::StopPaused,
-        (Status::Idle | Status::Running | Status::Paused, Command::Restore) => Action::Restore,
-        (_, Command::Change) if status != Status::Finished => Action::Change,
-        (Status::Idle, Command::Pause | Command::Resume | Command::Stop)
-        | (Status::Running, Command::Start | Command::Resume)
-        | (Status::Paused, Command::Start | Command::Pause)
-        | (
-            Status::Stopping,
-            Command::Start | Command::Pause | Command::Resume | Command::Restore,
-        )
-        | (
-            Status::Finished,
-            Command::Start | Command::Pause | Command::Resume | Command::Stop | Command::Restore,
-        )
-        | (_, Command::Change) => return None,
-    };
-    Some(action)
+/// Whether a command is legal in a status. The same rows stand in `docs/semantics.md`.
+fn is_legal(status: Status, command: Command) -> bool {
+    match command {
+        Command::Attended => true,
+        Command::Break | Command::Unbreak | Command::Change => status != Status::Finished,
+        Command::Start | Command::Restore => match status {
+            Status::Idle | Status::Running | Status::Paused | Status::Stepping => true,
+            Status::Stopping | Status::Finished => false,
+        },
+        Command::Pause => matches!(status, Status::Running | Status::Stepping),
+        Command::Resume | Command::Step => matches!(status, Status::Paused | Status::Stepping),
+        Command::StepMode | Command::RunTo | Command::Force => match status {
+            Status::Running | Status::Paused | Status::Stepping => true,
+            Status::Idle | Status::Stopping | Status::Finished => false,
+        },
+        Command::Stop | Command::Preempt | Command::Recover => match status {
+            Status::Running | Status::Paused | Status::Stepping | Status::Stopping => true,
+            Status::Idle | Status::Finished => false,
+        },
+    }
 }
 
 impl<D: Datum> Step<'_, D> {
     /// Takes an input; what follows from it is left as work.
     pub(super) fn take(&mut self, input: Input<D>) -> Result<(), Refusal> {
+        if let Some(command) = command(&input) {
+            self.legal(command)?;
+        }
         match input {
-            Input::Finished { frame, result } => self.script_ended(frame, result),
-            Input::Start(start) => self.start(&start),
-            Input::Pause => self.obey(Command::Pause),
-            Input::Resume(None) => self.obey(Command::Resume),
-            Input::Stop => self.obey(Command::Stop),
-            Input::Restore(restore) => self.restore(*restore),
-            Input::Recover(path, interrupted) => self.recover(path.as_ref(), interrupted),
-            Input::Resume(Some(_))
-            | Input::StepMode
-            | Input::Step(..)
-            | Input::RunTo(_)
+            Input::Finished { frame, result } => return self.script_ended(frame, result),
+            Input::Checked { check, result } => return self.checked(check, result),
+            Input::Start(start) => return self.start(start),
+            Input::Restore(restore) => return self.restore(*restore),
+            Input::Resume(branch) => return self.resume(branch.as_ref()),
+            Input::Step(Stride::Back, _)
             | Input::Force(..)
             | Input::Preempt(_)
-            | Input::Break(_)
-            | Input::Unbreak(_)
-            | Input::Attended(_)
-            | Input::Change(_)
-            | Input::Checked { .. } => Err(Refusal::NotYet),
-        }
-    }
-
-    pub(super) fn legal(&self, command: Command) -> Result<Action, Refusal> {
-        let status = self.run.status;
-        action(status, command).ok_or(Refusal::NotNow { command, status })
-    }
-
-    fn obey(&mut self, command: Command) -> Result<(), Refusal> {
-        match self.legal(command)? {
-            Action::Begin => self.run.status = Status::Running,
-            Action::Pause => self.pause(true),
-            Action::Restore | Action::Change => {}
-            Action::Resume => self.resume(),
-            Action::Stop => self.stop(),
-            Action::StopPaused => {
-                self.pause(false);
-                self.stop();
-            }
+            | Input::Change(_) => return Err(Refusal::NotYet),
+            Input::Step(stride, branch) => return self.forward(stride, branch.as_ref()),
+            Input::RunTo(path) => return self.run_to(path),
+            Input::Recover(path, how) => return self.recover(path.as_ref(), how),
+            Input::Unbreak(id) => return self.remove_breakpoint(id),
+            Input::Pause => self.pause(true),
+            Input::Stop => self.stop(),
+            Input::StepMode => self.step_mode(),
+            Input::Break(breakpoint) => self.run.control.breakpoints.set(breakpoint),
+            Input::Attended(attended) => self.attend(attended),
         }
         Ok(())
     }
 
-    fn start(&mut self, start: &Start<D>) -> Result<(), Refusal> {
-        self.legal(Command::Start)?;
-        if let Some(path) = &start.start_from {
-            self.run.start_from = self.program.descend(path)?.1;
-        }
-        self.obey(Command::Start)?;
-        self.enter_root(&start.inputs);
-        Ok(())
+    pub(super) fn legal(&self, command: Command) -> Result<(), Refusal> {
+        let status = self.run.status();
+        is_legal(status, command).then_some(()).ok_or(Refusal::NotNow { command, status })
     }
 
     pub(super) fn pause(&mut self, paused: bool) {
         self.run.status = if paused { Status::Paused } else { Status::Running };
+        self.run.control.paused_by = None;
         self.out.events.push(Event::Paused(paused));
         self.out.effects.push(Effect::Paused(paused));
     }
 
-    fn resume(&mut self) {
-        self.pause(false);
-        let active = self.active();
-        self.wake(&active, Cause::Resumed);
-    }
-
-    fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
+        if self.run.status == Status::Paused {
+            self.pause(false);
+        }
         self.run.stopped_twice = self.run.status == Status::Stopping;
         self.run.status = Status::Stopping;
+        self.run.control.stop_next = false;
+        self.run.branches.set_all(false);
         self.out.events.push(Event::Stopping);
         let active = self.active();
         self.preempt(&active);
+        if !self.run.control.take_in(Spot::root(When::Before).parent).is_empty() {
+            self.finish();
+        }
+    }
+
+    fn remove_breakpoint(&mut self, id: u64) -> Result<(), Refusal> {
+        let was_there = self.run.control.breakpoints.remove(id);
+        was_there.then_some(()).ok_or(Refusal::NoSuchBreakpoint { id })
     }
 
     pub(super) fn active(&self) -> Vec<u32> {
         self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default()
     }
+}
+
+/// The command of an input; none, if it is an answer.
+fn command<D>(input: &Input<D>) -> Option<Command> {
+    Some(match input {
+        Input::Finished { .. } | Input::Checked { .. } => return None,
+        Input::Start(_) => Command::Start,
+        Input::Restore(_) => Command::Restore,
+        Input::Pause => Command::Pause,
+        Input::Resume(_) => Command::Resume,
+        Input::Stop => Command::Stop,
+        Input::StepMode => Command::StepMode,
+        Input::Step(..) => Command::Step,
+        Input::RunTo(_) => Command::RunTo,
+        Input::Force(..) => Command::Force,
+        Input::Preempt(_) => Command::Preempt,
+        Input::Recover(..) => Command::Recover,
+        Input::Break(_) => Command::Break,
+        Input::Unbreak(_) => Command::Unbreak,
+        Input::Attended(_) => Command::Attended,
+        Input::Change(_) => Command::Change,
+    })
 }

@@ -73,6 +73,7 @@ impl<'s, D: Datum> Step<'s, D> {
             value: scoped.initial.clone(),
         }));
         self.store(slot, inside, inside.scatter, (&inputs, &[]));
+        self.give_scoped(slot, inside);
     }
 
     /// Puts the outputs of a child that ended where they flow.
@@ -112,7 +113,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    fn put(&mut self, slot: u32, inside: &'s Inside<D>, target: u32, value: &D) {
+    pub(super) fn put(&mut self, slot: u32, inside: &'s Inside<D>, target: u32, value: &D) {
         let frame = self.run.frames.get_mut(slot);
         let Some(place) = frame.slots.get_mut(target as usize) else { return };
         self.run.sequence += 1;

@@ -1,31 +1,23 @@
 //! Entering a state: its frame, its data, and what it does first.
 
 use super::frames::{NONE, Seed};
+use super::holds::Spot;
 use super::phase::Phase;
 use super::step::{Step, Work};
 use crate::program::{Body, Concurrency, Inside, Node, PREEMPTED};
 use crate::{
     BranchId, Datum, Effect, Event, Job, Level, NodeId, Note, PathId, Program, Verdicts, WaitReason,
 };
-use smol_str::SmolStr;
 use std::sync::Arc;
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// Enters the root; `given` replaces defaults of its inputs.
-    pub(super) fn enter_root(&mut self, given: &[(SmolStr, D)]) {
+    /// Enters the root with the inputs of the start.
+    pub(super) fn enter_root(&mut self) {
         let node = self.program.node(Program::<D>::ROOT);
         let path = PathId(0);
         let entered_at = self.out.events.len();
-        let ports = node.inputs();
-        for (name, _) in given.iter().filter(|(name, _)| !ports.iter().any(|p| p.name == *name)) {
-            self.note(path, Level::Warning, Note::NoSuchInput { name: name.clone() });
-        }
-        let value = |port: usize| {
-            let named =
-                given.iter().rfind(|(name, _)| ports.get(port).is_some_and(|p| p.name == *name));
-            named.map(|(_, value)| value.clone())
-        };
-        let inputs = self.default_inputs(node, path, value);
+        let inputs = self.root_inputs();
+        self.run.inputs.clear();
         let seed = Seed {
             node: Program::<D>::ROOT,
             path,
@@ -42,23 +34,41 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.root = Some(slot);
     }
 
-    /// Enters a child of an active state.
+    /// What the start gave replaces defaults of the root's inputs.
+    pub(super) fn root_inputs(&mut self) -> Arc<[D]> {
+        let (node, path) = (self.program.node(Program::<D>::ROOT), PathId(0));
+        let (ports, given) = (node.inputs(), self.run.inputs.clone());
+        for (name, _) in given.iter().filter(|(name, _)| !ports.iter().any(|p| p.name == *name)) {
+            self.note(path, Level::Warning, Note::NoSuchInput { name: name.clone() });
+        }
+        let value = |port: usize| {
+            let named =
+                given.iter().rfind(|(name, _)| ports.get(port).is_some_and(|p| p.name == *name));
+            named.map(|(_, value)| value.clone())
+        };
+        self.default_inputs(node, path, value)
+    }
+
+    /// Enters a child of an active state, unless something holds before it.
     pub(super) fn enter(&mut self, parent: u32, child: u32) {
-        let verdicts = None;
         match self.body(parent) {
             Body::Script => {}
-            Body::Library(content) => self.enter_library_root(parent, content),
+            Body::Library(content) => {
+                let branch = self.run.frames.get(parent).branch;
+                if self.passes(Spot::before(parent, child), branch) {
+                    self.enter_library_root(parent, content);
+                }
+            }
             Body::Hierarchy(inside) => {
                 let error = self.run.frames.get_mut(parent).last_error.take();
                 let seed = self.seed(parent, child, inside.child(child), error);
-                self.enter_with(seed, child, verdicts);
+                self.enter_with(seed, child, None);
             }
-            Body::Concurrency(_, inside) => {
-                let mut seed = self.seed(parent, child, inside.child(child), None);
-                let frame = self.run.frames.get(parent);
-                seed.preempted = frame.preempted || frame.winner.is_some();
-                seed.branch = self.fork();
-                self.enter_with(seed, child, verdicts);
+            Body::Concurrency(..) => {
+                let branch = self.fork(parent);
+                if self.passes(Spot::before(parent, child), branch) {
+                    self.begin_branch(parent, child, branch);
+                }
             }
         }
     }
@@ -70,14 +80,24 @@ impl<'s, D: Datum> Step<'s, D> {
         self.enter_with(seed, child, Some(Arc::new(verdicts)));
     }
 
-    pub(super) fn fork(&mut self) -> BranchId {
-        let branch = self.run.branches.begin();
+    /// A new branch goes step by step if its parent does, and no step over something around it is under way.
+    pub(super) fn fork(&mut self, parent: u32) -> BranchId {
+        let frame = self.run.frames.get(parent);
+        let steps =
+            self.run.branches.steps(frame.branch) && !self.is_inside_of_step(parent, frame.branch);
+        let branch = self.run.branches.begin(steps);
         self.out.effects.push(Effect::Fork { branch });
         branch
     }
 
     /// What the frame of a child begins with, its data gathered from the parent.
-    fn seed(&mut self, parent: u32, child: u32, id: NodeId, error: Option<D>) -> Seed<D> {
+    pub(super) fn seed(
+        &mut self,
+        parent: u32,
+        child: u32,
+        id: NodeId,
+        error: Option<D>,
+    ) -> Seed<D> {
         let node = self.program.node(id);
         let path = self.child_path(parent, child);
         let entered_at = self.out.events.len();
@@ -136,10 +156,11 @@ impl<'s, D: Datum> Step<'s, D> {
 
     fn begin(
         &mut self,
-        seed: Seed<D>,
+        mut seed: Seed<D>,
         node: &'s Node<D>,
         verdicts: Option<Arc<Verdicts<D>>>,
     ) -> u32 {
+        self.give_inputs(&mut seed);
         let (path, inputs) = (seed.path, Arc::clone(&seed.inputs));
         self.out.events.insert(
             seed.entered_at,

@@ -18,6 +18,15 @@ pub(super) struct Ended<D> {
     pub(super) error: Option<D>,
 }
 
+/// A step that holds nowhere below a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Marker {
+    /// It holds before the next child of the frame.
+    Over,
+    /// It holds nowhere in the frame.
+    Out,
+}
+
 /// A value in a container.
 #[derive(Debug, Clone)]
 pub(super) struct Slot<D> {
@@ -39,6 +48,12 @@ pub(super) struct Frame<D> {
     pub(super) phase: Phase,
     /// Was asked to end. Never taken back.
     pub(super) preempted: bool,
+    /// The step that is under way here.
+    pub(super) marker: Option<Marker>,
+    /// It was let go before this child, or [`NONE`] at the end of another: nothing holds it there again.
+    pub(super) pass: Option<u32>,
+    /// A child was left, and breakpoints behind it have not been looked at.
+    pub(super) after: bool,
     /// How many steps of the start path lead to here, while it leads on from here.
     pub(super) start_depth: Option<u32>,
     /// Its inputs.
@@ -58,7 +73,7 @@ pub(super) struct Frame<D> {
     pub(super) slots: Vec<Slot<D>>,
     /// Active children: one entry for each child of a concurrency state, one entry for any other.
     pub(super) children: Vec<u32>,
-    /// How the children of a concurrency state ended.
+    /// How the children of a concurrency state ended; how a library state is about to end.
     pub(super) ended: Vec<Option<Ended<D>>>,
     /// How many children of a concurrency state have not ended, started or not.
     pub(super) open: u32,
@@ -122,6 +137,9 @@ impl<D> Frames<D> {
         frame.parent = seed.parent;
         frame.phase = Phase::Begun;
         frame.preempted = seed.preempted;
+        frame.marker = None;
+        frame.pass = None;
+        frame.after = false;
         frame.start_depth = seed.start_depth;
         frame.inputs = Some(seed.inputs);
         frame.outputs = Some(seed.outputs);
@@ -140,6 +158,9 @@ impl<D> Frames<D> {
             parent: NONE,
             phase: Phase::Begun,
             preempted: false,
+            marker: None,
+            pass: None,
+            after: false,
             start_depth: None,
             inputs: None,
             outputs: None,

@@ -1,29 +1,54 @@
 //! Hierarchy states: one child after the other, as transitions say.
 
+use super::frames;
 use super::frames::Ended;
+use super::holds::Spot;
 use super::phase::{Cause, Phase};
 use super::step::Step;
-use super::{Status, frames};
-use crate::program::{ABORTED, Exit, Inside, PREEMPTED};
+use crate::program::{ABORTED, Body, Exit, Inside, PREEMPTED};
 use crate::{Datum, Event, WaitReason};
 
 impl<'s, D: Datum> Step<'s, D> {
     /// Follows the transition of the child that ended last, or the start transition.
     pub(super) fn advance_hierarchy(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get(slot);
-        if !frame.children.is_empty() {
+        if !frame.children.is_empty() || !self.passes_end(slot) {
             return;
         }
-        let exit = match (frame.last, frame.start_depth) {
-            (Some((child, outcome)), _) => self.exit(inside, child, outcome),
-            (None, Some(depth)) => Exit::Child(self.run.start_from[depth as usize]),
-            (None, None) => inside.start,
-        };
-        match exit {
+        match self.next_exit(slot, inside) {
             Exit::Outcome(outcome) => self.leave_container(slot, inside, outcome),
             Exit::Child(child) => self.go_to(slot, inside, child),
             Exit::Nowhere => self.nowhere(slot, inside),
         }
+    }
+
+    /// Where a hierarchy goes now.
+    pub(super) fn next_exit(&self, slot: u32, inside: &Inside<D>) -> Exit {
+        let frame = self.run.frames.get(slot);
+        match (frame.last, self.leads_to(slot)) {
+            (Some((child, outcome)), _) => self.exit(inside, child, outcome),
+            (None, Some(child)) => Exit::Child(child),
+            (None, None) => inside.start,
+        }
+    }
+
+    /// The child of a hierarchy that comes next.
+    pub(super) fn upcoming(&self, slot: u32) -> Option<u32> {
+        let Body::Hierarchy(inside) = self.body(slot) else { return None };
+        match self.next_exit(slot, inside) {
+            Exit::Child(child) => Some(child),
+            Exit::Outcome(_) | Exit::Nowhere => None,
+        }
+    }
+
+    /// Whether nothing holds a container behind the child that was left last.
+    pub(super) fn passes_end(&mut self, slot: u32) -> bool {
+        let frame = self.run.frames.get_mut(slot);
+        let (branch, last) = (frame.branch, frame.last);
+        if !std::mem::take(&mut frame.after) {
+            return true;
+        }
+        last.is_none_or(|(child, _)| self.passes(Spot::after(slot, child), branch))
     }
 
     pub(super) fn exit(&self, inside: &Inside<D>, child: u32, outcome: u32) -> Exit {
@@ -31,17 +56,26 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// The next child, unless the hierarchy was preempted (only a handler, behind the outcome preempted, runs then, and
-    /// none after a second stop) or a pause holds it.
+    /// none after a second stop) or is held.
     fn go_to(&mut self, slot: u32, inside: &'s Inside<D>, child: u32) {
         let frame = self.run.frames.get_mut(slot);
         let is_handler = frame.last.is_some_and(|(_, outcome)| outcome == PREEMPTED);
+        let pass = frame.pass.take();
         if frame.preempted && (!is_handler || self.run.stopped_twice) {
             self.leave_container(slot, inside, PREEMPTED);
-        } else if self.run.status == Status::Paused {
-            frame.phase = Phase::Held;
-        } else {
-            frame.phase = Phase::Child;
+        } else if self.passes_to(slot, child, pass) {
+            self.run.frames.get_mut(slot).phase = Phase::Child;
             self.enter(slot, child);
+        }
+    }
+
+    /// Whether nothing holds a frame before this child. Where it was let go, nothing does again.
+    pub(super) fn passes_to(&mut self, slot: u32, child: u32, pass: Option<u32>) -> bool {
+        let branch = self.run.frames.get(slot).branch;
+        let spot = Spot::before(slot, child);
+        match pass {
+            None => self.passes(spot, branch),
+            Some(passed) => passed == child || self.passes_breakpoints(spot, branch),
         }
     }
 
@@ -65,6 +99,9 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Waiting(reason.clone());
         self.out.events.push(Event::Waiting { path: frame.path, reason });
+        if self.run.control.stop_next {
+            self.stop();
+        }
     }
 
     /// A child of a hierarchy ended.
@@ -78,6 +115,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.store_outputs(slot, inside, child, &ended);
         let frame: &mut frames::Frame<D> = self.run.frames.get_mut(slot);
         frame.children.clear();
+        frame.after = true;
         frame.last = Some((child, ended.outcome));
         frame.last_error = ended.error.filter(|_| ended.outcome == ABORTED);
         if self.runs_in_a_circle(slot, inside) {

@@ -1,11 +1,16 @@
 //! Leaving a state: how it ended, and who is told.
 
 use super::frames::{Ended, NONE};
+use super::holds::{Spot, Was};
 use super::phase::{Cause, Reaction, react};
 use super::step::{Step, Work};
 use super::{Refusal, Status};
-use crate::program::{ABORTED, Body, Concurrency, Inside, Node, PREEMPTED};
-use crate::{Datum, Effect, Event, Finish, FrameId, Level, Note, PathId, Returned, ScriptResult};
+use crate::program::{ABORTED, Body, Inside, Node, PREEMPTED};
+use crate::{
+    BranchId, Datum, Effect, Event, Finish, FrameId, Level, Note, PathId, Program, Returned,
+    ScriptResult, When,
+};
+use rafcon_model::OutcomeId;
 use smol_str::{SmolStr, format_smolstr};
 use std::sync::Arc;
 
@@ -100,8 +105,11 @@ impl<'s, D: Datum> Step<'s, D> {
             error: ended.error.clone().map(Box::new),
             undoes: None,
         });
+        if !self.run.control.is_quiet() {
+            self.note_left(slot, about.outcome_id(ended.outcome), &ended);
+        }
         if parent == NONE {
-            self.finish(slot, about, ended);
+            self.root_ended(slot, about, ended);
         } else {
             self.child_ended(parent, slot, about.child_index, ended);
         }
@@ -110,25 +118,21 @@ impl<'s, D: Datum> Step<'s, D> {
     fn child_ended(&mut self, parent: u32, slot: u32, child: u32, ended: Ended<D>) {
         let branch = self.run.frames.get(slot).branch;
         self.run.frames.remove(slot);
-        if branch != self.run.frames.get(parent).branch {
-            self.run.branches.end(branch);
-            self.out.effects.push(Effect::EndBranch { branch });
-        }
         match self.body(parent) {
             Body::Script => {}
             Body::Library(content) => self.library_root_ended(parent, content, ended),
             Body::Hierarchy(inside) => self.child_of_hierarchy_ended(parent, inside, child, ended),
-            Body::Concurrency(Concurrency::Barrier(_), inside) => {
-                self.child_of_barrier_ended(parent, inside, child, ended);
+            Body::Concurrency(kind, inside) if kind.decider() == Some(child) => {
+                self.decider_ended(parent, inside, child, ended);
             }
-            Body::Concurrency(Concurrency::Preemptive, _) => {
-                self.child_of_preemptive_ended(parent, child, ended);
+            Body::Concurrency(kind, inside) => {
+                self.branch_ended(parent, (*kind, inside), (child, branch), ended);
             }
         }
     }
 
-    /// The end of the run.
-    fn finish(&mut self, slot: u32, node: &'s Node<D>, ended: Ended<D>) {
+    /// The root ended, and with it the run, unless that is held.
+    fn root_ended(&mut self, slot: u32, node: &'s Node<D>, ended: Ended<D>) {
         let outcome = node.outcome_at(ended.outcome);
         let names = node.outputs().iter().map(|port| port.name.clone());
         let mut outputs: Vec<_> = names.zip(ended.outputs.iter().cloned()).collect();
@@ -136,18 +140,54 @@ impl<'s, D: Datum> Step<'s, D> {
         let scoped_variables = self.scoped_variables(slot, node);
         self.run.frames.remove(slot);
         self.run.root = None;
-        self.run.status = Status::Finished;
-        self.out.events.push(Event::Finished { outcome: outcome.id });
-        self.out.effects.push(Effect::Finish(Finish {
+        self.run.finish = Some(Box::new(Finish {
             outcome: outcome.id,
             outcome_name: outcome.name.clone(),
             outputs,
             scoped_variables,
             states_run: self.run.entered,
         }));
+        if self.passes(Spot::root(When::After), BranchId(0)) {
+            self.finish();
+        }
     }
 
-    fn scoped_variables(&self, slot: u32, node: &Node<D>) -> Vec<(SmolStr, D)> {
+    /// The end of the run; of one that was stopped before its root began, *preempted*.
+    pub(super) fn finish(&mut self) {
+        let finish = self.run.finish.take().map_or_else(|| self.unbegun(), |finish| *finish);
+        self.run.status = Status::Finished;
+        self.run.branches.set_all(false);
+        self.out.events.push(Event::Finished { outcome: finish.outcome });
+        self.out.effects.push(Effect::Finish(finish));
+    }
+
+    fn unbegun(&self) -> Finish<D> {
+        let node = self.program.node(Program::<D>::ROOT);
+        let outcome = node.outcome_at(PREEMPTED);
+        let names = node.outputs().iter().map(|port| port.name.clone());
+        Finish {
+            outcome: outcome.id,
+            outcome_name: outcome.name.clone(),
+            outputs: names.zip(node.outputs.iter().cloned()).collect(),
+            scoped_variables: Vec::new(),
+            states_run: self.run.entered,
+        }
+    }
+
+    /// What breakpoints behind a state may ask for, and what follows from the end of the state that the run was begun at.
+    fn note_left(&mut self, slot: u32, outcome: OutcomeId, ended: &Ended<D>) {
+        let frame = self.run.frames.get(slot);
+        let control = &mut self.run.control;
+        if !control.breakpoints.is_empty() {
+            let inputs = frame.inputs.clone().unwrap_or_default();
+            control.was = Some(Was { inputs, outputs: Arc::clone(&ended.outputs), outcome });
+        }
+        if control.then.is_some_and(|(place, _)| place == frame.path) {
+            self.target_left();
+        }
+    }
+
+    pub(super) fn scoped_variables(&self, slot: u32, node: &Node<D>) -> Vec<(SmolStr, D)> {
         let (Body::Hierarchy(inside) | Body::Concurrency(_, inside)) = &node.body else {
             return Vec::new();
         };

@@ -1,10 +1,11 @@
 //! Library states: a frame for the state and one for the root of its content, which share data and fate.
 
 use super::frames::{Ended, Seed};
-use super::phase::Phase;
+use super::holds::Spot;
+use super::phase::{Cause, Phase};
 use super::step::{Step, Work};
-use crate::program::{ABORTED, Content, Node};
-use crate::{Datum, Level, Note};
+use crate::program::{ABORTED, Content, Node, PREEMPTED};
+use crate::{Datum, Level, Note, PathId};
 use std::sync::Arc;
 
 impl<'s, D: Datum> Step<'s, D> {
@@ -27,21 +28,33 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
+    /// Goes on where a library state was held: before its root, or after it.
+    pub(super) fn advance_library(&mut self, slot: u32, content: &'s Content<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        if let Some(ended) = frame.ended.pop().flatten() {
+            self.leave(slot, ended);
+        } else if frame.preempted {
+            let outputs = frame.outputs.take().unwrap_or_default();
+            self.leave(
+                slot,
+                Ended { outcome: PREEMPTED, outputs, absent: Vec::new(), error: None },
+            );
+        } else {
+            frame.phase = Phase::Child;
+            self.enter_library_root(slot, content);
+        }
+    }
+
     /// The root takes the inputs, output defaults and error of the library state.
     pub(super) fn enter_library_root(&mut self, parent: u32, content: &'s Content<D>) {
-        let Content::Found { root, ports, .. } = content else { return };
+        let Content::Found { root, .. } = content else { return };
         let node = self.program.node(*root);
         let path = self.child_path(parent, 0);
         let entered_at = self.out.events.len();
+        let inputs = self.library_root_inputs(parent, content, (node, path));
+        let outputs = self.root_outputs(parent, content, node);
         let frame = self.run.frames.get_mut(parent);
         let error = frame.error.take();
-        let mut inputs = frame.inputs.clone().unwrap_or_default();
-        if let Some(ports) = ports {
-            let given = inputs;
-            let from = |port: usize| given.get(ports.inputs[port]? as usize).cloned();
-            inputs = self.default_inputs(node, path, from);
-        }
-        let outputs = self.root_outputs(parent, content, node);
         let frame = self.run.frames.get(parent);
         let seed = Seed {
             node: *root,
@@ -56,6 +69,19 @@ impl<'s, D: Datum> Step<'s, D> {
             entered_at,
         };
         self.enter_with(seed, 0, None);
+    }
+
+    /// The inputs of a root are those of its library state.
+    pub(super) fn library_root_inputs(
+        &mut self,
+        library: u32,
+        content: &'s Content<D>,
+        (root, path): (&'s Node<D>, PathId),
+    ) -> Arc<[D]> {
+        let inputs = self.run.frames.get(library).inputs.clone().unwrap_or_default();
+        let Content::Found { ports: Some(ports), .. } = content else { return inputs };
+        let from = |port: usize| inputs.get(ports.inputs[port]? as usize).cloned();
+        self.default_inputs(root, path, from)
     }
 
     /// The defaults of the outputs of a root are those of its library state.
@@ -82,6 +108,7 @@ impl<'s, D: Datum> Step<'s, D> {
         ended: Ended<D>,
     ) {
         let Content::Found { ports, outcomes, .. } = content else { return };
+        let free = self.run.is_free();
         let frame = self.run.frames.get_mut(slot);
         frame.children.clear();
         let outcome = outcomes.get(ended.outcome as usize).copied().unwrap_or(ABORTED);
@@ -98,7 +125,15 @@ impl<'s, D: Datum> Step<'s, D> {
                 error: ended.error,
             },
         };
-        self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
+        let branch = frame.branch;
+        if free {
+            return self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
+        }
+        frame.ended.push(Some(ended));
+        if self.passes(Spot::after(slot, 0), branch) {
+            self.run.frames.get_mut(slot).phase = Phase::Held;
+            self.wake(&[slot], Cause::LetGo);
+        }
     }
 }
 

@@ -2,14 +2,20 @@
 
 mod again;
 mod barrier;
+mod branch;
 mod branches;
+mod breakpoints;
+mod checks;
 mod control;
 mod data;
 mod enter;
 mod export;
 mod fitting;
 mod frames;
+mod gates;
+mod going;
 mod hierarchy;
+mod holds;
 mod inspect;
 mod leave;
 mod library;
@@ -21,17 +27,21 @@ mod recover;
 mod refusal;
 mod restore;
 mod snapshot;
+mod start;
 mod step;
 
 pub use inspect::Inspection;
 pub use refusal::{Command, Refusal, Status};
-pub use snapshot::{Active, Activity};
+pub use snapshot::{Active, Activity, Hold};
 
-use crate::{Datum, Globals, Input, NodeId, Outbox, PathId, Program};
+use crate::{Breakpoint, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program};
 use branches::Branches;
 use frames::Frames;
+use holds::Control;
 use places::Places;
 use rafcon_model::StatePath;
+use smol_str::SmolStr;
+use start::Given;
 use std::sync::Arc;
 use step::{Step, Work};
 
@@ -54,6 +64,13 @@ struct Run<D> {
     root: Option<u32>,
     /// The child to begin at, for each container on the start path.
     start_from: Vec<u32>,
+    /// Inputs of the root, until it begins.
+    inputs: Vec<(SmolStr, D)>,
+    /// Values for states on the start path, until they begin.
+    given: Vec<Given<D>>,
+    /// The end of the run, while that is held.
+    finish: Option<Box<Finish<D>>>,
+    control: Control<D>,
     sequence: u64,
     branches: Branches,
     /// Stopped again: no handlers any more.
@@ -76,8 +93,12 @@ impl<D: Datum> Engine<D> {
             work: Vec::new(),
             root: None,
             start_from: Vec::new(),
+            inputs: Vec::new(),
+            given: Vec::new(),
+            finish: None,
+            control: Control::new(),
             sequence: 0,
-            branches: Branches::default(),
+            branches: Branches::new(),
             stopped_twice: false,
             turn: 0,
             entered: 0,
@@ -97,6 +118,7 @@ impl<D: Datum> Engine<D> {
         step.take(input)?;
         step.run.turn += 1;
         step.work();
+        step.run.control.starting = false;
         self.run.branches.settle();
         Ok(())
     }
@@ -108,7 +130,12 @@ impl<D: Datum> Engine<D> {
 
     /// Where the run stands.
     pub fn status(&self) -> Status {
-        self.run.status
+        self.run.status()
+    }
+
+    /// The breakpoints by rising id, and how often each was passed.
+    pub fn breakpoints(&self) -> impl Iterator<Item = (&Breakpoint, u32)> {
+        self.run.control.breakpoints.iter()
     }
 
     /// How many states were entered; library states themselves are not counted, the roots of their content are.

@@ -11,8 +11,10 @@ pub(super) enum Phase {
     Script,
     /// One child runs: in a hierarchy or library state.
     Child,
-    /// A pause holds it before its next child.
+    /// It is held before its next child, or after its last.
     Held,
+    /// The condition of a breakpoint is being evaluated before its next child, or after its last.
+    Checking,
     /// It cannot go on by itself.
     Waiting(WaitReason),
     /// Its children run side by side.
@@ -30,8 +32,8 @@ pub(super) enum Cause {
     ChildEnded,
     /// It is asked to end.
     Preempted,
-    /// A pause is over.
-    Resumed,
+    /// What held it lets it go.
+    LetGo,
 }
 
 /// What the frame does about it.
@@ -52,8 +54,8 @@ pub(super) fn react(phase: &Phase, cause: Cause) -> Reaction {
     match (phase, cause) {
         (Phase::Script, Cause::ScriptEnded) => Reaction::Leave,
         (Phase::Child | Phase::Branches | Phase::Deciding, Cause::ChildEnded)
-        | (Phase::Held | Phase::Waiting(_), Cause::Preempted)
-        | (Phase::Held, Cause::Resumed) => Reaction::Advance,
+        | (Phase::Held | Phase::Checking | Phase::Waiting(_), Cause::Preempted)
+        | (Phase::Held | Phase::Checking, Cause::LetGo) => Reaction::Advance,
         (
             Phase::Begun | Phase::Script | Phase::Child | Phase::Branches | Phase::Deciding,
             Cause::Preempted,
@@ -65,20 +67,22 @@ pub(super) fn react(phase: &Phase, cause: Cause) -> Reaction {
             | Phase::Waiting(_)
             | Phase::Branches
             | Phase::Deciding,
-            Cause::Resumed,
+            Cause::LetGo,
         ) => Reaction::GoOn,
         (
             Phase::Begun
             | Phase::Child
             | Phase::Held
+            | Phase::Checking
             | Phase::Waiting(_)
             | Phase::Branches
             | Phase::Deciding,
             Cause::ScriptEnded,
         )
-        | (Phase::Begun | Phase::Script | Phase::Held | Phase::Waiting(_), Cause::ChildEnded) => {
-            Reaction::Refuse
-        }
+        | (
+            Phase::Begun | Phase::Script | Phase::Held | Phase::Checking | Phase::Waiting(_),
+            Cause::ChildEnded,
+        ) => Reaction::Refuse,
     }
 }
 
@@ -95,11 +99,12 @@ mod tests {
             Phase::Script,
             Phase::Child,
             Phase::Held,
+            Phase::Checking,
             Phase::Waiting(WaitReason::NoStart),
             Phase::Branches,
             Phase::Deciding,
         ];
-        let causes = [Cause::ScriptEnded, Cause::ChildEnded, Cause::Preempted, Cause::Resumed];
+        let causes = [Cause::ScriptEnded, Cause::ChildEnded, Cause::Preempted, Cause::LetGo];
         let rows = phases.iter().map(|phase| {
             let reactions = causes.map(|cause| format!("{:?}", react(phase, cause)));
             format!("{phase:?}: {}\n", reactions.join(", "))
@@ -109,6 +114,7 @@ mod tests {
             Script: Leave, Refuse, GoOn, GoOn
             Child: Refuse, Advance, GoOn, GoOn
             Held: Refuse, Refuse, Advance, Advance
+            Checking: Refuse, Refuse, Advance, Advance
             Waiting(NoStart): Refuse, Refuse, Advance, GoOn
             Branches: Refuse, Advance, GoOn, GoOn
             Deciding: Refuse, Advance, GoOn, GoOn

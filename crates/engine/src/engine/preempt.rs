@@ -12,6 +12,7 @@ impl<D: Datum> Step<'_, D> {
         let active = children.into_iter().filter(|&child| child != NONE);
         let frames = active.flat_map(|child| self.run.frames.below(child)).collect::<Vec<_>>();
         self.preempt(&frames);
+        self.release(slot);
     }
 
     /// Preempts these frames; those that stand still look what is next.
@@ -24,6 +25,11 @@ impl<D: Datum> Step<'_, D> {
             }
         }
         self.wake(frames, Cause::Preempted);
+        if !self.run.control.holds.is_empty() {
+            for &slot in frames {
+                self.release(slot);
+            }
+        }
     }
 
     /// Lets those frames look what is next that do so for this cause, the first of them first.

@@ -1,18 +1,14 @@
 //! Preemptive concurrency states: the first child to end wins, the others are preempted.
 
-use super::frames::{Ended, NONE};
 use super::phase::Cause;
 use super::step::Step;
 use crate::Datum;
 use crate::program::Inside;
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// A child ended; the first one wins.
-    pub(super) fn child_of_preemptive_ended(&mut self, slot: u32, child: u32, ended: Ended<D>) {
+    /// A child is done; the first one wins.
+    pub(super) fn racer_done(&mut self, slot: u32, child: u32) {
         let frame = self.run.frames.get_mut(slot);
-        frame.children[child as usize] = NONE;
-        frame.ended[child as usize] = Some(ended);
-        frame.open = frame.open.saturating_sub(1);
         let is_first = frame.winner.is_none();
         frame.winner.get_or_insert(child);
         if frame.open == 0 {
@@ -24,7 +20,8 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// All children have ended: their outputs in the order of children, those of the winner last; then its transition.
     pub(super) fn advance_preemptive(&mut self, slot: u32, inside: &'s Inside<D>) {
-        if let Some(winner) = self.run.frames.get(slot).winner {
+        let frame = self.run.frames.get(slot);
+        if let Some(winner) = frame.winner.filter(|_| frame.last.is_none()) {
             self.merge(slot, inside, winner);
         }
         self.conclude(slot, inside);

@@ -1,10 +1,12 @@
 //! What becomes of scripts that a crash interrupted: they wait, abort, or run again.
 
 use super::Refusal;
+use super::frames::NONE;
+use super::holds::Spot;
 use super::phase::Phase;
 use super::step::{Step, Work};
 use crate::program::{ABORTED, Body, PREEMPTED};
-use crate::{Datum, Interrupted, Verdicts, WaitReason};
+use crate::{Datum, HeldBy, Interrupted, Verdicts, WaitReason};
 use rafcon_model::StatePath;
 use std::sync::Arc;
 
@@ -47,7 +49,10 @@ impl<D: Datum> Step<'_, D> {
                 let error = self.run.crash.clone();
                 self.end_script_later(slot, ABORTED, error);
             }
-            Interrupted::Again if hold => self.run.frames.get_mut(slot).phase = Phase::Held,
+            Interrupted::Again if hold => {
+                let branch = self.run.frames.get(slot).branch;
+                self.hold(Spot::before(slot, NONE), branch, HeldBy::Start);
+            }
             Interrupted::Again => self.run_again(slot),
         }
     }
@@ -56,11 +61,12 @@ impl<D: Datum> Step<'_, D> {
     pub(super) fn advance_script(&mut self, slot: u32) {
         let frame = self.run.frames.get(slot);
         match frame.phase {
-            Phase::Held | Phase::Waiting(_) if frame.preempted => {
+            Phase::Held | Phase::Checking | Phase::Waiting(_) if frame.preempted => {
                 self.end_script_later(slot, PREEMPTED, None);
             }
             Phase::Held => self.run_again(slot),
             Phase::Begun
+            | Phase::Checking
             | Phase::Script
             | Phase::Child
             | Phase::Waiting(_)
@@ -87,7 +93,7 @@ impl<D: Datum> Step<'_, D> {
     /// What a decider is told about the branches of its barrier.
     fn verdicts_for(&self, slot: u32) -> Option<Arc<Verdicts<D>>> {
         let frame = self.run.frames.get(slot);
-        if !self.program.node(frame.node).id().is_decider() || frame.parent == super::frames::NONE {
+        if !self.program.node(frame.node).id().is_decider() || frame.parent == NONE {
             return None;
         }
         match self.body(frame.parent) {

@@ -16,6 +16,8 @@ pub enum Status {
     Running,
     /// Hierarchies are held before their next child.
     Paused,
+    /// The same, on one branch at least, and each command to step lets them do one.
+    Stepping,
     /// Asked to stop; what is active unwinds.
     Stopping,
     /// Over.
@@ -33,8 +35,26 @@ pub enum Command {
     Resume,
     /// [`crate::Input::Stop`]
     Stop,
+    /// [`crate::Input::StepMode`]
+    StepMode,
+    /// [`crate::Input::Step`]
+    Step,
+    /// [`crate::Input::RunTo`]
+    RunTo,
+    /// [`crate::Input::Force`]
+    Force,
+    /// [`crate::Input::Preempt`]
+    Preempt,
+    /// [`crate::Input::Break`]
+    Break,
+    /// [`crate::Input::Unbreak`]
+    Unbreak,
+    /// [`crate::Input::Attended`]
+    Attended,
     /// [`crate::Input::Restore`]
     Restore,
+    /// [`crate::Input::Recover`]
+    Recover,
     /// [`crate::Input::Change`]
     Change,
 }
@@ -79,9 +99,55 @@ pub enum Refusal {
         /// Where; anywhere if there is none.
         path: Option<StatePath>,
     },
-    /// The state to start from does not exist.
+    /// A condition is being evaluated, and the answer would come too late.
+    #[error("cannot {command}: condition {check} is being evaluated; wait for its answer")]
+    StillChecks {
+        /// What was asked for.
+        command: Command,
+        /// The number of the check.
+        check: u64,
+    },
+    /// There is no such state.
     #[error(transparent)]
-    StartFrom(#[from] UnknownPath),
+    UnknownPath(#[from] UnknownPath),
+    /// A value was given for something that the start does not come to.
+    #[error(
+        "cannot start with a value for '{name}' of '{path}': values are for input ports and scoped variables of the state that is begun at, and of those around it"
+    )]
+    NoPlaceFor {
+        /// The state.
+        path: StatePath,
+        /// The name of the port or scoped variable.
+        name: SmolStr,
+    },
+    /// Nothing is held that could go a step.
+    #[error("nothing is held {}; wait until what runs there has come to its next state", on(branch.as_ref()))]
+    NothingHeld {
+        /// The branch; all of them if there is none.
+        branch: Option<StatePath>,
+    },
+    /// A path does not name a branch that is there.
+    #[error(
+        "'{path}' is no branch of this moment; a branch is named by a child of a concurrency state that is active"
+    )]
+    NoSuchBranch {
+        /// What was named.
+        path: StatePath,
+    },
+    /// There is no breakpoint with this id.
+    #[error("there is no breakpoint {id}; the snapshot lists those that there are")]
+    NoSuchBreakpoint {
+        /// The id.
+        id: u64,
+    },
+    /// An answer to a condition that nobody waits for.
+    #[error(
+        "nobody waits for the answer to condition {check}; it is given once, with the number of its check"
+    )]
+    NoSuchCheck {
+        /// The number.
+        check: u64,
+    },
     /// The result of a script belongs to no script that runs.
     #[error("frame {}.{} runs no script; a result is given once, with the frame of its job", frame.slot, frame.generation)]
     NoSuchFrame {
@@ -97,11 +163,16 @@ fn there(path: Option<&StatePath>) -> String {
     )
 }
 
+fn on(branch: Option<&StatePath>) -> String {
+    branch.map_or_else(|| "in this run".into(), |path| format!("on the branch '{path}'"))
+}
+
 fn way_out(status: Status) -> &'static str {
     match status {
         Status::Idle => "start it first",
-        Status::Running => "it can be paused or stopped",
-        Status::Paused => "it can be resumed or stopped",
+        Status::Running => "it can be paused, stepped from its next states on, or stopped",
+        Status::Paused => "it can be resumed, stepped or stopped",
+        Status::Stepping => "it can be resumed, stepped, paused or stopped",
         Status::Stopping => "it ends when its scripts do; stop again to run no more handlers",
         Status::Finished => "begin a new run",
     }
@@ -113,6 +184,7 @@ impl fmt::Display for Status {
             Self::Idle => "has not started",
             Self::Running => "is running",
             Self::Paused => "is paused",
+            Self::Stepping => "goes step by step",
             Self::Stopping => "is stopping",
             Self::Finished => "has finished",
         })
@@ -126,7 +198,16 @@ impl fmt::Display for Command {
             Self::Pause => "pause",
             Self::Resume => "resume",
             Self::Stop => "stop",
+            Self::StepMode => "begin to step",
+            Self::Step => "step",
+            Self::RunTo => "run to a state",
+            Self::Force => "force an outcome",
+            Self::Preempt => "preempt a state",
+            Self::Break => "set a breakpoint",
+            Self::Unbreak => "remove a breakpoint",
+            Self::Attended => "note who is connected",
             Self::Restore => "take the run up elsewhere",
+            Self::Recover => "recover",
             Self::Change => "change the machine",
         })
     }

@@ -24,9 +24,10 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.crash = restore.crash;
         let waits = restore.interrupted == Interrupted::Wait;
         self.run.status = Status::Running;
-        if restore.hold || waits {
+        if waits {
             self.pause(true);
         }
+        self.step_all(restore.hold);
         let made = self.rebuild(restore.root);
         self.set_going(&made, restore.interrupted, restore.hold);
         Ok(())
@@ -113,7 +114,7 @@ impl<'s, D: Datum> Step<'s, D> {
             return BranchId(0);
         }
         match self.body(parent) {
-            Body::Concurrency(kind, _) if kind.decider() != Some(child) => self.fork(),
+            Body::Concurrency(kind, _) if kind.decider() != Some(child) => self.fork(parent),
             Body::Script | Body::Hierarchy(_) | Body::Concurrency(..) | Body::Library(_) => {
                 self.run.frames.get(parent).branch
             }

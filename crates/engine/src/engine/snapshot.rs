@@ -1,8 +1,10 @@
 //! What is active right now, for those who look at a run.
 
 use super::Engine;
+use super::frames::NONE;
+use super::holds::Why;
 use super::phase::Phase;
-use crate::{BranchId, Datum, NodeId, PathId, WaitReason};
+use crate::{BranchId, Datum, HeldBy, NodeId, PathId, WaitReason};
 
 /// An active state.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,6 +19,20 @@ pub struct Active {
     pub activity: Activity,
     /// Whether it was asked to end.
     pub preempted: bool,
+    /// The place of the child of a concurrency state whose branch it belongs to; `None` on the branch of the root.
+    pub top: Option<PathId>,
+    /// What is held in it: one for a hierarchy or library state that is held, one for each branch of a concurrency state
+    /// that is held before it begins or after it ended.
+    pub holds: Vec<Hold>,
+}
+
+/// Where a state is held between two of its children.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hold {
+    /// By what.
+    pub by: HeldBy,
+    /// The state before which it is held, if there is one.
+    pub next: Option<PathId>,
 }
 
 /// What an active state does.
@@ -26,8 +42,10 @@ pub enum Activity {
     Script,
     /// States inside it are active.
     Inside,
-    /// A pause holds it before its next child.
+    /// It is held before its next child, or after its last.
     Held,
+    /// The condition of a breakpoint is being evaluated before its next child, or after its last.
+    Checking,
     /// It cannot go on until the machine is changed or stopped.
     Waiting(WaitReason),
 }
@@ -44,9 +62,39 @@ impl<D: Datum> Engine<D> {
                 branch: frame.branch,
                 activity: activity(&frame.phase),
                 preempted: frame.preempted,
+                top: self.top(slot),
+                holds: self.holds(slot),
             }
         };
         frames.into_iter().map(active).collect()
+    }
+
+    /// What holds the run before its root begins, or after it ended.
+    pub fn held_outside(&self) -> Option<HeldBy> {
+        let outside = self.run.control.holds.iter().find(|hold| hold.spot.is_root());
+        outside.and_then(super::holds::Hold::by)
+    }
+
+    fn top(&self, slot: u32) -> Option<PathId> {
+        let branch = self.run.frames.get(slot).branch;
+        let mut frame = self.run.frames.get(slot);
+        while frame.parent != NONE {
+            let parent = self.run.frames.get(frame.parent);
+            if parent.branch != branch {
+                return Some(frame.path);
+            }
+            frame = parent;
+        }
+        None
+    }
+
+    fn holds(&self, slot: u32) -> Vec<Hold> {
+        let holds = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
+        let hold = |hold: &super::holds::Hold<D>| match hold.why {
+            Why::Held { by, next } => Some(Hold { by, next }),
+            Why::Checking { .. } => None,
+        };
+        holds.filter_map(hold).collect()
     }
 }
 
@@ -55,6 +103,7 @@ pub(super) fn activity(phase: &Phase) -> Activity {
         Phase::Script => Activity::Script,
         Phase::Begun | Phase::Child | Phase::Branches | Phase::Deciding => Activity::Inside,
         Phase::Held => Activity::Held,
+        Phase::Checking => Activity::Checking,
         Phase::Waiting(reason) => Activity::Waiting(reason.clone()),
     }
 }

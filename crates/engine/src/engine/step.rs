@@ -12,6 +12,8 @@ pub(super) enum Work<D> {
     Enter { parent: u32, child: u32 },
     /// Look what is next in a container.
     Advance(FrameId),
+    /// Go on where something was held.
+    Pass(u64),
     /// Leave a library state as its root ended.
     Leave { slot: u32, ended: Box<Ended<D>> },
 }
@@ -31,6 +33,7 @@ impl<'s, D: Datum> Step<'s, D> {
             match work {
                 Work::Enter { parent, child } => self.enter(parent, child),
                 Work::Advance(frame) => self.advance(frame),
+                Work::Pass(hold) => self.pass(hold),
                 Work::Leave { slot, ended } => self.leave(slot, *ended),
             }
         }
@@ -51,7 +54,7 @@ impl<'s, D: Datum> Step<'s, D> {
             Body::Hierarchy(inside) => self.advance_hierarchy(slot, inside),
             Body::Concurrency(kind, inside) => self.advance_concurrency(slot, *kind, inside),
             Body::Script => self.advance_script(slot),
-            Body::Library(_) => {}
+            Body::Library(content) => self.advance_library(slot, content),
         }
     }
 

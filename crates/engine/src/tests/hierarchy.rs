@@ -163,29 +163,30 @@ fn a_pause_holds_before_the_next_child() {
         TWO,
         "start; pause; A ok; active; resume; B ok",
         &expect![[r"
-        > start
-        enter ROOT
-        enter ROOT/A
-          run ROOT/A
-        > pause
-        paused
-          paused true
-        > A ok
-        leave ROOT/A ok
-        > active
-        ROOT Held
-        Paused, 2 states run
-        > resume
-        goes on
-        enter ROOT/B
-          paused false
-          run ROOT/B
-        > B ok
-        leave ROOT/B ok
-        leave ROOT success
-        finished
-          end of run: success (0), 3 states
-    "]],
+            > start
+            enter ROOT
+            enter ROOT/A
+              run ROOT/A
+            > pause
+            paused
+              paused true
+            > A ok
+            leave ROOT/A ok
+            hold ROOT before ROOT/B (Pause)
+            > active
+            ROOT Held (Pause before ROOT/B)
+            Paused, 2 states run
+            > resume
+            goes on
+            enter ROOT/B
+              paused false
+              run ROOT/B
+            > B ok
+            leave ROOT/B ok
+            leave ROOT success
+            finished
+              end of run: success (0), 3 states
+        "]],
     );
 }
 
@@ -221,24 +222,25 @@ fn a_stop_ends_a_pause() {
         TWO,
         "start; pause; A ok; stop",
         &expect![[r"
-        > start
-        enter ROOT
-        enter ROOT/A
-          run ROOT/A
-        > pause
-        paused
-          paused true
-        > A ok
-        leave ROOT/A ok
-        > stop
-        goes on
-        stopping
-        leave ROOT preempted
-        finished
-          paused false
-          preempt ROOT
-          end of run: preempted (-2), 2 states
-    "]],
+            > start
+            enter ROOT
+            enter ROOT/A
+              run ROOT/A
+            > pause
+            paused
+              paused true
+            > A ok
+            leave ROOT/A ok
+            hold ROOT before ROOT/B (Pause)
+            > stop
+            goes on
+            stopping
+            leave ROOT preempted
+            finished
+              paused false
+              preempt ROOT
+              end of run: preempted (-2), 2 states
+        "]],
     );
 }
 
@@ -283,18 +285,20 @@ fn branches_are_held_one_by_one() {
               paused true
             > H/A ok
             leave ROOT/H/A ok
+            hold ROOT/H before ROOT/H/B (Pause)
             > active
             ROOT Inside
-            ROOT/H Held
+            ROOT/H Held (Pause before ROOT/H/B)
             ROOT/I Inside
             ROOT/I/A Script
             Paused, 5 states run
             > I/A ok
             leave ROOT/I/A ok
+            hold ROOT/I before ROOT/I/B (Pause)
             > active
             ROOT Inside
-            ROOT/H Held
-            ROOT/I Held
+            ROOT/H Held (Pause before ROOT/H/B)
+            ROOT/I Held (Pause before ROOT/I/B)
             Paused, 5 states run
             > resume
             goes on

@@ -25,21 +25,21 @@ fn a_command_out_of_place_is_refused_and_changes_nothing() {
         LEAF,
         "start; start; resume; pause; pause; start",
         &expect![[r"
-        > start
-        enter ROOT
-          run ROOT
-        > start
-        refused: cannot start: the run is running; it can be paused or stopped
-        > resume
-        refused: cannot resume: the run is running; it can be paused or stopped
-        > pause
-        paused
-          paused true
-        > pause
-        refused: cannot pause: the run is paused; it can be resumed or stopped
-        > start
-        refused: cannot start: the run is paused; it can be resumed or stopped
-    "]],
+            > start
+            enter ROOT
+              run ROOT
+            > start
+            refused: cannot start: the script of 'ROOT' runs; hold the run and wait for its end, or preempt it
+            > resume
+            refused: cannot resume: the run is running; it can be paused, stepped from its next states on, or stopped
+            > pause
+            paused
+              paused true
+            > pause
+            refused: cannot pause: the run is paused; it can be resumed, stepped or stopped
+            > start
+            refused: cannot start: the script of 'ROOT' runs; hold the run and wait for its end, or preempt it
+        "]],
     );
 }
 
@@ -250,24 +250,25 @@ fn a_pause_at_the_start_keeps_the_place_to_start_at() {
         NESTED,
         "start at ROOT/H/B; pause; B ok; resume",
         &expect![[r"
-        > start at ROOT/H/B
-        enter ROOT
-        enter ROOT/H x=4
-        enter ROOT/H/B
-          run ROOT/H/B
-        > pause
-        paused
-          paused true
-        > B ok
-        leave ROOT/H/B ok
-        > resume
-        goes on
-        enter ROOT/H/L x=4
-        enter ROOT/H/L/R x=4
-        enter ROOT/H/L/R/C
-          paused false
-          run ROOT/H/L/R/C
-    "]],
+            > start at ROOT/H/B
+            enter ROOT
+            enter ROOT/H x=4
+            enter ROOT/H/B
+              run ROOT/H/B
+            > pause
+            paused
+              paused true
+            > B ok
+            leave ROOT/H/B ok
+            hold ROOT/H before ROOT/H/L (Pause)
+            > resume
+            goes on
+            enter ROOT/H/L x=4
+            enter ROOT/H/L/R x=4
+            enter ROOT/H/L/R/C
+              paused false
+              run ROOT/H/L/R/C
+        "]],
     );
 }
 

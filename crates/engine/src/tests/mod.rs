@@ -1,6 +1,8 @@
 //! The rules of `docs/semantics.md`: a machine in, a script of inputs in, what the engine did out.
 
 mod barrier;
+mod breakpoints;
+mod commands;
 mod data;
 mod deep;
 mod errors;
@@ -10,6 +12,8 @@ mod life;
 mod outcomes;
 mod preemption;
 mod scoped;
+mod starting;
+mod stepping;
 mod world;
 
 use expect_test::Expect;

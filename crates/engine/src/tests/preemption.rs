@@ -682,6 +682,7 @@ preemptive ROOT
               paused true
             > C ok
             leave ROOT/B/C ok
+            hold ROOT/B before ROOT/B/D (Pause)
             > A ok
             leave ROOT/A ok
             leave ROOT/B preempted
@@ -731,9 +732,10 @@ preemptive ROOT
               preempt ROOT/B/C
             > C 0
             leave ROOT/B/C preempted
+            hold ROOT/B before ROOT/B/D (Pause)
             > active
             ROOT Inside
-            ROOT/B Held preempted
+            ROOT/B Held preempted (Pause before ROOT/B/D)
             Paused, 4 states run
             > resume
             goes on

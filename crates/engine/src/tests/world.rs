@@ -1,10 +1,11 @@
 //! A driver for tests: reads inputs as text, and writes what the engine did as text.
 
+use super::commands::{self, assignments};
 use crate::{
-    Effect, Engine, Event, Finish, FrameId, Globals, Input, Job, ModelLiterals, Note, Outbox,
-    PathId, Program, Returned, ScriptResult, Start, Verdict, WaitReason,
+    Check, Effect, Engine, Event, Finish, FrameId, Globals, Input, Job, ModelLiterals, Note,
+    Outbox, PathId, Program, Returned, ScriptResult, Verdict, WaitReason,
 };
-use rafcon_model::{OutcomeId, Port, StatePath, Value, literal, notation};
+use rafcon_model::{OutcomeId, Port, Value, literal, notation};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,6 +24,7 @@ pub(super) struct World {
     engine: Engine<Value>,
     program: Arc<Program<Value>>,
     running: Vec<Job<Value>>,
+    checks: Vec<u64>,
     globals: Variables,
     text: String,
 }
@@ -35,6 +37,7 @@ impl World {
             engine: Engine::new(Arc::clone(&program)),
             program,
             running: Vec::new(),
+            checks: Vec::new(),
             globals: Variables::default(),
             text: String::new(),
         }
@@ -58,11 +61,8 @@ impl World {
                 return;
             }
             "active" => return self.show_active(),
-            "start" => Input::Start(start(rest)),
-            "pause" => Input::Pause,
-            "resume" => Input::Resume(None),
-            "stop" => Input::Stop,
-            state => self.finished(state, rest),
+            "check" => self.checked(rest),
+            state => commands::read(head, rest).unwrap_or_else(|| self.finished(state, rest)),
         };
         self.feed(input);
     }
@@ -97,10 +97,22 @@ impl World {
         Input::Finished { frame: job.frame, result: result(how, ports, &job.outputs) }
     }
 
+    /// The answer to the oldest condition: `true`, `false`, or why it cannot be told.
+    fn checked(&mut self, answer: &str) -> Input<Value> {
+        let check = if self.checks.is_empty() { 77 } else { self.checks.remove(0) };
+        let result = answer.parse().map_err(|_no_bool| answer.into());
+        Input::Checked { check, result }
+    }
+
     fn show_active(&mut self) {
         for active in self.engine.snapshot() {
             let flag = if active.preempted { " preempted" } else { "" };
-            let line = format!("{} {:?}{flag}", self.path(active.path), active.activity);
+            let holds = active.holds.iter().map(|hold| {
+                let next = hold.next.map(|next| format!(" before {}", self.path(next)));
+                format!(" ({:?}{})", hold.by, next.unwrap_or_default())
+            });
+            let holds = holds.collect::<String>();
+            let line = format!("{} {:?}{flag}{holds}", self.path(active.path), active.activity);
             self.say(&line);
         }
         let line = format!("{:?}, {} states run", self.engine.status(), self.engine.states_run());
@@ -187,7 +199,8 @@ impl World {
                 self.job(job)
             }
             Effect::Check(check) => {
-                format!("  check {} at {}: {}", check.check, self.path(check.path), check.condition)
+                self.checks.push(check.check);
+                self.check(check)
             }
             Effect::Preempt(path) => format!("  preempt {}", self.path(*path)),
             Effect::Paused(paused) => format!("  paused {paused}"),
@@ -210,18 +223,28 @@ impl World {
         format!("  run {path}{branch}{error}{preempted}{verdicts}")
     }
 
+    fn check(&self, check: &Check<Value>) -> String {
+        let node = self.program.node(check.node);
+        let inputs = values(node.inputs(), &check.inputs);
+        let left = check.left.iter().map(|(outputs, outcome)| {
+            format!(
+                " left {}{}",
+                self.outcome(check.path, *outcome),
+                values(node.outputs(), outputs)
+            )
+        });
+        let scoped = check.scoped_variables.iter().map(|(name, value)| pair(name, value));
+        let data = std::iter::once(inputs).chain(left).chain(scoped).collect::<String>();
+        let branch = check.branch.0;
+        let branch = if branch == 0 { String::new() } else { format!(" on {branch}") };
+        let path = self.path(check.path);
+        format!("  check {} at {path}{branch}: {}{data}", check.check, check.condition)
+    }
+
     fn say(&mut self, line: &str) {
         self.text += line;
         self.text.push('\n');
     }
-}
-
-fn start(text: &str) -> Start<Value> {
-    if let Some(path) = text.strip_prefix("at ") {
-        return Start { start_from: Some(StatePath::parse(path)), ..Start::default() };
-    }
-    let inputs = assignments(text).into_iter().map(|(name, value)| (name.into(), value));
-    Start { inputs: inputs.collect(), ..Start::default() }
 }
 
 fn result(how: &str, ports: &[Port], defaults: &[Value]) -> ScriptResult<Value> {
@@ -248,12 +271,6 @@ fn result(how: &str, ports: &[Port], defaults: &[Value]) -> ScriptResult<Value> 
         outputs: ports.iter().zip(defaults).map(output).collect(),
         error: raised.or_else(|| find("error")),
     }
-}
-
-/// `x=1 y="a"`: a value ends at a blank.
-fn assignments(text: &str) -> Vec<(&str, Value)> {
-    let pairs = text.split(' ').filter_map(|word| word.split_once('='));
-    pairs.map(|(name, value)| (name, literal::parse(value).expect("a literal"))).collect()
 }
 
 fn shown(value: &Value) -> String {
