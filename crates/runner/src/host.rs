@@ -152,6 +152,7 @@ fn set_out<S: Scripts>(
 fn conclude<S: Scripts>(driver: &Driver<S>) {
     if let Some(finish) = driver.wait() {
         driver.close();
+        driver.scripts().ended(&finish);
         driver.scripts().finished();
         driver.close_roots();
         driver.tell(finished(driver.scripts(), finish));

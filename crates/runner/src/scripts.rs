@@ -2,7 +2,7 @@
 
 use crate::keep::Keep;
 use crate::{Driver, Place, StateFiles};
-use rafcon_engine::{Check, Datum, Globals, Job, Literals, Program, ScriptResult};
+use rafcon_engine::{Check, Datum, Finish, Globals, Job, Literals, Program, ScriptResult};
 use rafcon_model::Machine;
 use rafcon_protocol::Keeping;
 use rafcon_storage::Config;
@@ -37,6 +37,11 @@ pub trait Scripts: Debug + Send + Sync + 'static {
 
     /// The run's global variables.
     fn globals(&self) -> &dyn Globals<Self::Value>;
+
+    /// How the run ended, with the values themselves. Called before [`Scripts::finished`].
+    fn ended(&self, finish: &Finish<Self::Value>) {
+        let _ = finish;
+    }
 
     /// The run is over; its last values are read after this.
     fn finished(&self);

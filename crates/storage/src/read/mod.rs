@@ -11,12 +11,14 @@ mod intern;
 mod library_content;
 mod library_state;
 mod load;
+mod made;
 mod queue;
 mod walk;
 
 pub use decode::state_from_core_data;
 pub use load::{LoadError, Loaded, load};
 pub(crate) use load::{load_folder, load_locked, machine_folder};
+pub use made::fill_library;
 
 #[cfg(test)]
 mod tests;
