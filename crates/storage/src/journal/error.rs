@@ -17,6 +17,8 @@ pub enum Doing {
     Sync,
     /// Locking the run.
     Lock,
+    /// Deleting a file or folder.
+    Remove,
 }
 
 impl std::fmt::Display for Doing {
@@ -27,6 +29,7 @@ impl std::fmt::Display for Doing {
             Self::Write => "write",
             Self::Sync => "sync",
             Self::Lock => "lock",
+            Self::Remove => "delete",
         })
     }
 }
@@ -93,7 +96,7 @@ pub enum JournalError {
         source: io::Error,
     },
     /// The database refused something else.
-    #[error("the database {} fails: check the disk, and free it from other programs", path.display())]
+    #[error("the database {} fails: check that its disk has room and is well, and that no other program holds it", path.display())]
     Database {
         /// The file.
         path: PathBuf,

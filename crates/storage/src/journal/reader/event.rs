@@ -109,7 +109,7 @@ fn float(value: f64) -> Value {
 }
 
 /// An outcome with its name, as far as the place knows it.
-pub(super) fn outcome_of(place: Option<&Place>, id: i64) -> Outcome {
+pub(in crate::journal) fn outcome_of(place: Option<&Place>, id: i64) -> Outcome {
     let outcomes = place.map_or(&[][..], |place| &place.outcomes);
     let known = outcomes.iter().find(|(known, _)| *known == id).map(|(_, name)| name.to_string());
     let name = known.unwrap_or_else(|| match id {

@@ -9,6 +9,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 
+pub(super) use event::outcome_of;
 pub use picture::{Picture, PicturedEnd, PicturedState};
 
 use super::about::About;
@@ -18,9 +19,12 @@ use super::moment::Moment;
 use super::places::Places;
 use super::record::{Definition, Item, Items, Place, PlaceNumber, Record, Stored, ValueNumber};
 use extra::Extra;
-use source::{Row, Source};
+use source::{Row, Source, Visit};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+
+/// How many rows count as the end of a journal.
+const TAIL_ROWS: u64 = 4;
 
 /// One event of a journal.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,10 +117,30 @@ impl Reader {
     pub fn each(
         &mut self,
         from: u64,
-        mut visit: impl FnMut(Entry) -> ControlFlow<()>,
+        visit: impl FnMut(Entry) -> ControlFlow<()>,
     ) -> Result<(), JournalError> {
         self.learn()?;
-        let mut next = from.max(1);
+        self.read(from.max(1), |source, row| source.rows(from, row), visit)
+    }
+
+    /// The last events: those that lie together, and some before them.
+    pub fn tail(&self) -> Result<Vec<Entry>, JournalError> {
+        let mut tail = Vec::new();
+        let keep = |entry| {
+            tail.push(entry);
+            ControlFlow::Continue(())
+        };
+        self.read(1, |source, row| source.last_rows(TAIL_ROWS, row), keep)?;
+        Ok(tail)
+    }
+
+    /// Shows the events of some rows of the database and of all that was left beside it, from number `next` on.
+    fn read(
+        &self,
+        mut next: u64,
+        rows: impl FnOnce(&Source, &mut Visit<'_>) -> Result<ControlFlow<()>, JournalError>,
+        mut visit: impl FnMut(Entry) -> ControlFlow<()>,
+    ) -> Result<(), JournalError> {
         let mut broken = None;
         let mut row = |row: Row<'_>| match entries(&row, &mut next, &mut visit) {
             Ok(flow) => flow,
@@ -125,7 +149,7 @@ impl Reader {
                 ControlFlow::Break(())
             }
         };
-        if self.source.rows(from, &mut row)?.is_continue() {
+        if rows(&self.source, &mut row)?.is_continue() {
             for left in self.extra.rows() {
                 if row(left).is_break() {
                     break;

@@ -18,6 +18,9 @@ pub(super) struct Row<'b> {
     pub(super) data: &'b [u8],
 }
 
+/// Takes rows until it has enough.
+pub(super) type Visit<'v> = dyn FnMut(Row<'_>) -> ControlFlow<()> + 'v;
+
 #[derive(Debug)]
 pub(super) struct Source {
     connection: Connection,
@@ -57,15 +60,22 @@ impl Source {
     }
 
     /// Shows the rows from the one with event number `from` on, until `visit` has enough.
-    pub(super) fn rows(
-        &self,
-        from: u64,
-        visit: &mut impl FnMut(Row<'_>) -> ControlFlow<()>,
-    ) -> Found<ControlFlow<()>> {
+    pub(super) fn rows(&self, from: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
         let query = "SELECT first, t_before, data FROM blocks WHERE first >=
             coalesce((SELECT max(first) FROM blocks WHERE first <= ?1), 0) ORDER BY first";
+        self.visit(query, from, visit)
+    }
+
+    /// Shows the last `count` rows.
+    pub(super) fn last_rows(&self, count: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
+        let query = "SELECT first, t_before, data FROM
+            (SELECT * FROM blocks ORDER BY first DESC LIMIT ?1) ORDER BY first";
+        self.visit(query, count, visit)
+    }
+
+    fn visit(&self, query: &str, parameter: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
         self.ask(query, |statement| {
-            let mut rows = statement.query([from.cast_signed()])?;
+            let mut rows = statement.query([parameter.cast_signed()])?;
             while let Some(row) = rows.next()? {
                 let [first, t_before] = [row.get(0)?, row.get(1)?].map(i64::cast_unsigned);
                 let data = row.get_ref(2)?.as_blob()?;

@@ -1,0 +1,152 @@
+//! Which runs are given up to make room, and how they go. Knows folders of runs; has no clock.
+
+use super::about::About;
+use super::error::{Doing, JournalError};
+use super::lock::writer_of;
+use super::summary::{run_folders, size_of};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The end of the name of a folder that is being deleted.
+const GONE: &str = ".gone";
+
+/// What is kept. The newest runs stay whatever they take, and so does every run that goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Retention {
+    /// So many runs.
+    pub count: usize,
+    /// Runs that are not older than this.
+    pub age: Option<Duration>,
+    /// So many bytes in all.
+    pub bytes: u64,
+    /// So many of the newest stay in any case.
+    pub newest: usize,
+}
+
+impl Default for Retention {
+    fn default() -> Self {
+        Self { count: 200, age: None, bytes: 20 << 30, newest: 10 }
+    }
+}
+
+/// A run that was given up.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pruned {
+    /// The name of its folder.
+    pub id: String,
+    /// What it took, in bytes.
+    pub bytes: u64,
+}
+
+/// A run as far as it matters here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Run {
+    started_ms: u64,
+    bytes: u64,
+    is_live: bool,
+}
+
+impl Retention {
+    /// Deletes the runs in `folder` that are not kept at the time `now_ms` (since 1970).
+    pub fn prune(&self, folder: &Path, now_ms: u64) -> Result<Vec<Pruned>, JournalError> {
+        remove_leftovers(folder);
+        let folders = run_folders(folder)?;
+        let runs: Vec<Run> = folders.iter().map(|folder| look_at(folder)).collect();
+        let doomed = self.doomed(&runs, now_ms);
+        let mut pruned = Vec::new();
+        for index in doomed {
+            if let Some(id) = delete(&folders[index])? {
+                pruned.push(Pruned { id, bytes: runs[index].bytes });
+            }
+        }
+        Ok(pruned)
+    }
+
+    /// Which of the runs, the oldest first, are not kept.
+    fn doomed(&self, runs: &[Run], now_ms: u64) -> Vec<usize> {
+        let mut count = runs.len();
+        let mut bytes: u64 = runs.iter().map(|run| run.bytes).sum();
+        let oldest = self.age.map(|age| now_ms.saturating_sub(millis(age)));
+        let may_go = runs.len().saturating_sub(self.newest.max(1));
+        let mut doomed = Vec::new();
+        for (index, run) in runs.iter().enumerate().take(may_go) {
+            let is_old = oldest.is_some_and(|oldest| run.started_ms < oldest);
+            if !run.is_live && (is_old || count > self.count || bytes > self.bytes) {
+                doomed.push(index);
+                count -= 1;
+                bytes -= run.bytes;
+            }
+        }
+        doomed
+    }
+}
+
+fn millis(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
+
+fn look_at(folder: &Path) -> Run {
+    Run {
+        // One that does not say when it began is not taken for old.
+        started_ms: About::read(folder).map_or(u64::MAX, |about| about.started_ms),
+        bytes: size_of(folder),
+        // One that cannot be asked is left alone.
+        is_live: writer_of(folder).map_or(true, |process| process.is_some()),
+    }
+}
+
+/// Deletes the folder of a run: under another name at first, so that there is never half a run. `None` if somebody else has.
+fn delete(folder: &Path) -> Result<Option<String>, JournalError> {
+    let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let gone = folder.with_file_name(format!("{id}{GONE}"));
+    let failed = |source| JournalError::io(folder, Doing::Remove, source);
+    match fs::rename(folder, &gone) {
+        Ok(()) => {}
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(failed(error)),
+    }
+    fs::remove_dir_all(&gone).map_err(failed)?;
+    Ok(Some(id))
+}
+
+/// Deletes what an earlier deletion did not come to the end of.
+fn remove_leftovers(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let gone = |path: &PathBuf| path.to_string_lossy().ends_with(GONE);
+    for path in entries.map(|entry| entry.path()).filter(gone) {
+        // What cannot be deleted now is tried again next time.
+        drop(fs::remove_dir_all(path));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Retention, Run};
+    use std::time::Duration;
+
+    const ALL: Retention = Retention { count: usize::MAX, age: None, bytes: u64::MAX, newest: 1 };
+
+    /// Runs of 10 bytes that began at 1, 2, … s, at the time of 6 s; the second goes on.
+    fn check(retention: Retention, doomed: &[usize]) {
+        let run = |second: u64| Run { started_ms: second * 1000, bytes: 10, is_live: second == 2 };
+        let runs: Vec<Run> = (1..=5).map(run).collect();
+        assert_eq!(retention.doomed(&runs, 6000), doomed, "{retention:?}");
+    }
+
+    #[test]
+    fn the_oldest_go_and_what_goes_on_stays() {
+        check(ALL, &[]);
+        check(Retention { count: 3, ..ALL }, &[0, 2]);
+        check(Retention { age: Some(Duration::from_millis(2500)), ..ALL }, &[0, 2]);
+        check(Retention { bytes: 40, ..ALL }, &[0]);
+        check(Retention { bytes: 0, ..ALL }, &[0, 2, 3]);
+    }
+
+    #[test]
+    fn the_newest_stay_whatever_they_take() {
+        check(Retention { bytes: 0, newest: 4, ..ALL }, &[0]);
+        check(Retention { count: 0, bytes: 0, newest: 0, ..ALL }, &[0, 2, 3]);
+    }
+}
