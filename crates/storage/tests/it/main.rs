@@ -4,7 +4,9 @@
 
 mod arbitrary;
 mod folders;
+mod journal;
 mod kill;
 mod layouts;
+mod packs;
 mod random;
 mod reference;
