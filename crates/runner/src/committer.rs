@@ -8,6 +8,7 @@ use crate::safety::{Turn, Work};
 use crate::{Scripts, StateFiles, roots, tell};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Event, LogLevel};
+use rafcon_storage::journal::Journal;
 use std::io;
 use std::sync::Arc;
 use std::thread::{self, Scope};
@@ -45,9 +46,15 @@ fn serve(recorder: &Recorder) {
             Err(error) => safety.failed(&reason(&error)),
         }
         if work == Work::Last {
-            return recorder.closed();
+            break;
         }
     }
+    recorder.leave_journal();
+    if let Some(Err(error)) = Arc::into_inner(journal).map(Journal::close) {
+        let message = format!("the journal could not be finished: {}", reason(&error));
+        recorder.push(0, [tell::log(String::new(), LogLevel::Warning, message)]);
+    }
+    recorder.closed();
 }
 
 /// Pauses the run while nothing can be made safe, until the record is closed.

@@ -4,6 +4,7 @@
 //! [`Scripts`].
 
 mod active;
+mod archive;
 mod blocks;
 mod branch;
 mod clock;

@@ -137,7 +137,7 @@ impl Pen {
 }
 
 /// Whether it is told to viewers that want snapshots instead of every step.
-fn is_rare(record: &Record) -> bool {
+pub(crate) fn is_rare(record: &Record) -> bool {
     match record {
         Record::Log { .. } | Record::Told(_) | Record::WentBack { .. } => true,
         Record::Entered { .. }

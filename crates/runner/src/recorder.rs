@@ -9,6 +9,7 @@ use parking_lot::{Condvar, Mutex, MutexGuard};
 use rafcon_protocol::Keeping;
 use rafcon_storage::journal::{Full, Journal, Place, PlaceNumber, Record, TakenUp};
 use std::ops::{Deref, DerefMut};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -33,6 +34,8 @@ pub(crate) struct Read {
 pub(crate) struct Recorder {
     names: Names,
     keeping: Keeping,
+    /// Where the journal lies, if there is one.
+    folder: Option<PathBuf>,
     safety: Safety,
     ink: Mutex<Ink>,
     ring: Mutex<Ring>,
@@ -80,6 +83,7 @@ impl Recorder {
         Self {
             names: Names::default(),
             keeping: Keeping::Off,
+            folder: None,
             safety: Safety::default(),
             ink: Mutex::new(Ink { pen: Pen::after(0, 0, 0), journal: None }),
             ring: Mutex::new(Ring::new(1, limit, u64::MAX)),
@@ -105,6 +109,7 @@ impl Recorder {
         Self {
             names,
             keeping,
+            folder: Some(journal.folder().to_owned()),
             safety: Safety::new(last, strict),
             ink: Mutex::new(Ink { pen, journal: Some(Arc::new(journal)) }),
             ring: Mutex::new(Ring::new(last + 1, MEMORY_BYTES_WITH_JOURNAL, last + 1)),
@@ -129,7 +134,12 @@ impl Recorder {
 
     /// Whether there is a journal behind the record, closed or not.
     pub(crate) fn has_journal(&self) -> bool {
-        self.keeping != Keeping::Off
+        self.folder.is_some()
+    }
+
+    /// The folder of the run, if there is a journal in it.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
     }
 
     /// The journal behind the record, until it is closed.
@@ -186,9 +196,13 @@ impl Recorder {
         }
     }
 
+    /// Nothing more goes into the journal.
+    pub(crate) fn leave_journal(&self) {
+        self.ink.lock().journal = None;
+    }
+
     /// Nothing more will come, and all may be told.
     pub(crate) fn closed(&self) {
-        self.ink.lock().journal = None;
         self.safety.closed();
         let mut ring = self.ring.lock();
         (ring.closed, ring.safe) = (true, u64::MAX);

@@ -1,11 +1,14 @@
 //! What one viewer is told, at its own pace: it reads the recorder from its own place, and no branch ever waits for it.
 
+use crate::archive::Archive;
 use crate::blocks::Chunk;
 use crate::connection::Sender;
 use crate::driver::Driver;
-use crate::words::Wording;
+use crate::pen::is_rare;
+use crate::words::{Views, Wording};
 use crate::{Clock, Scripts, snapshot};
 use rafcon_protocol::{Event, Join, LogLevel, Stream, ToViewer, encode};
+use rafcon_storage::journal::Record;
 use std::time::Duration;
 
 /// While things happen, they are told in bundles this far apart.
@@ -25,6 +28,7 @@ pub(crate) struct Viewer<'d, S: Scripts> {
     /// Something happened since the last snapshot.
     stale: bool,
     chunk: Chunk,
+    archive: Archive,
     lines: Vec<u8>,
 }
 
@@ -40,6 +44,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             last_snapshot_ms: None,
             stale: true,
             chunk: Chunk::default(),
+            archive: Archive::default(),
             lines: Vec::new(),
         }
     }
@@ -58,13 +63,14 @@ impl<'d, S: Scripts> Viewer<'d, S> {
     /// Tells what is new; true when nothing more will come.
     fn tell_new(&mut self) -> bool {
         loop {
-            let read =
-                self.driver.recorder().read(self.next, !self.join.every_event, &mut self.chunk);
-            if read.missed > 0 {
-                self.tell_missed(read.next, read.missed);
-            }
+            let rare = !self.join.every_event;
+            let read = self.driver.recorder().read(self.next, rare, &mut self.chunk);
             let caught_up = read.next == self.next;
             self.stale |= !caught_up;
+            if read.missed > 0 {
+                self.tell_old(self.next + read.missed);
+                continue;
+            }
             self.next = read.next;
             self.send_chunk();
             if read.closed || self.sender.is_lost() {
@@ -73,6 +79,21 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             if caught_up {
                 return false;
             }
+        }
+    }
+
+    /// Tells what only the journal still has, before event `end`; all of it, or that it is lost.
+    fn tell_old(&mut self, end: u64) {
+        while self.next < end && !self.sender.is_lost() {
+            let Some(page) = self.archive.page(self.driver.recorder().folder(), self.next, end)
+            else {
+                self.tell_missed(end, end - self.next);
+                self.next = end;
+                return;
+            };
+            self.next = page.last().map_or(end, |(sequence, ..)| sequence + 1);
+            let rare = !self.join.every_event;
+            self.send(page.into_iter().filter(|(.., record)| !rare || is_rare(record)));
         }
     }
 
@@ -92,13 +113,27 @@ impl<'d, S: Scripts> Viewer<'d, S> {
 
     fn send_chunk(&mut self) {
         let chunk = std::mem::take(&mut self.chunk);
-        let mut words = Wording::new(self.driver.recorder().names(), None);
-        for (sequence, t_ns, record) in chunk.records() {
-            if let Some(event) = words.event(sequence, record) {
+        self.send(chunk.records());
+        self.chunk = chunk;
+    }
+
+    /// Sends records that the viewer wants, with number and time.
+    fn send(&mut self, records: impl Iterator<Item = (u64, u64, Record)>) {
+        let (recorder, values) = (self.driver.recorder(), self.join.values);
+        let mut archive = std::mem::take(&mut self.archive);
+        let mut views = |number| archive.view(recorder.folder(), number);
+        let views: Option<&mut Views<'_>> = if values { Some(&mut views) } else { None };
+        let mut wording = Wording::new(recorder.names(), views);
+        for (sequence, t_ns, record) in records {
+            if let Some(event) = wording.event(sequence, record) {
                 self.push(&ToViewer::Event { sequence, t_ns, event });
             }
         }
-        self.chunk = chunk;
+        self.archive = archive;
+        self.flush();
+    }
+
+    fn flush(&mut self) {
         if !self.lines.is_empty() {
             self.sender.send_lines(&self.lines);
             self.lines.clear();
