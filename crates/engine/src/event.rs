@@ -86,7 +86,8 @@ pub enum Event<D> {
         /// The state.
         path: PathId,
     },
-    /// The run goes by the program of the last [`crate::Input::Change`] from now on.
+    /// The run goes by the program of the last [`crate::Input::Change`] from now on. It may stand among other events: those
+    /// before it are about the program of before, with its ports.
     Changed,
     /// A change waits until this state is left.
     ChangeWaits {

@@ -39,10 +39,11 @@ impl<D: Datum> Step<'_, D> {
             Input::Start(start) => return self.start(start),
             Input::Restore(restore) => return self.restore(*restore),
             Input::Resume(branch) => return self.resume(branch.as_ref()),
-            Input::Step(Stride::Back, _)
-            | Input::Force(..)
-            | Input::Preempt(_)
-            | Input::Change(_) => return Err(Refusal::NotYet),
+            Input::Step(Stride::Back, _) => return Err(Refusal::NotYet),
+            Input::Force(path, outcome) => return self.force(&path, outcome),
+            Input::Preempt(path) => return self.preempt_at(&path),
+            // It changes the program, and so it is taken before there is a step.
+            Input::Change(_) => {}
             Input::Step(stride, branch) => return self.forward(stride, branch.as_ref()),
             Input::RunTo(path) => return self.run_to(path),
             Input::Recover(path, how) => return self.recover(path.as_ref(), how),

@@ -6,6 +6,7 @@ mod branch;
 mod branches;
 mod breakpoints;
 mod checks;
+mod change;
 mod control;
 mod data;
 mod enter;
@@ -19,6 +20,7 @@ mod holds;
 mod inspect;
 mod leave;
 mod library;
+mod migrate;
 mod phase;
 mod places;
 mod preempt;
@@ -30,6 +32,7 @@ mod snapshot;
 mod start;
 mod step;
 
+pub use change::Touch;
 pub use inspect::Inspection;
 pub use refusal::{Command, Refusal, Status};
 pub use snapshot::{Active, Activity, Hold};
@@ -81,6 +84,8 @@ struct Run<D> {
     entered: u64,
     /// What scripts that a crash interrupted end with, if they are aborted.
     crash: Option<D>,
+    /// A changed program that waits until nothing stands in its way.
+    change: Option<Arc<Program<D>>>,
 }
 
 impl<D: Datum> Engine<D> {
@@ -103,6 +108,7 @@ impl<D: Datum> Engine<D> {
             turn: 0,
             entered: 0,
             crash: None,
+            change: None,
         };
         Self { program, run }
     }
@@ -114,13 +120,22 @@ impl<D: Datum> Engine<D> {
         globals: &dyn Globals<D>,
         out: &mut Outbox<D>,
     ) -> Result<(), Refusal> {
-        let mut step = Step { program: &self.program, run: &mut self.run, globals, out };
-        step.take(input)?;
-        step.run.turn += 1;
-        step.work();
-        step.run.control.starting = false;
-        self.run.branches.settle();
+        if let Input::Change(change) = input {
+            return self.change(change, globals, out);
+        }
+        self.step(globals, out).take(input)?;
+        self.run.turn += 1;
+        self.work(globals, out);
+        self.run.control.starting = false;
         Ok(())
+    }
+
+    fn step<'e>(
+        &'e mut self,
+        globals: &'e dyn Globals<D>,
+        out: &'e mut Outbox<D>,
+    ) -> Step<'e, D> {
+        Step { program: &self.program, run: &mut self.run, globals, out }
     }
 
     /// The program that runs.

@@ -1,8 +1,9 @@
 //! Why an input was not taken.
 
+use super::Touch;
 use crate::FrameId;
 use crate::program::UnknownPath;
-use rafcon_model::StatePath;
+use rafcon_model::{OutcomeId, StatePath};
 use smol_str::SmolStr;
 use std::fmt;
 use thiserror::Error;
@@ -93,6 +94,16 @@ pub enum Refusal {
         /// Why.
         problem: SmolStr,
     },
+    /// A change of the machine would pull the ground from under an active state.
+    #[error(
+        "cannot change the machine now: '{path}' {touch}; let the change wait until that is over, or stop the run"
+    )]
+    Touches {
+        /// The state.
+        path: StatePath,
+        /// What would become of it.
+        touch: Touch,
+    },
     /// No interrupted script waits there.
     #[error("no script that a crash interrupted waits {}", there(path.as_ref()))]
     NotInterrupted {
@@ -132,6 +143,28 @@ pub enum Refusal {
     )]
     NoSuchBranch {
         /// What was named.
+        path: StatePath,
+    },
+    /// A state has no such outcome.
+    #[error("'{path}' has no outcome {}; its description lists those that it has", outcome.0)]
+    NoSuchOutcome {
+        /// The state.
+        path: StatePath,
+        /// What was chosen.
+        outcome: OutcomeId,
+    },
+    /// A state does not stand still.
+    #[error("cannot force an outcome of '{path}': {reason}")]
+    CannotForce {
+        /// The state.
+        path: StatePath,
+        /// What it does, and the way out.
+        reason: &'static str,
+    },
+    /// A state is not active.
+    #[error("'{path}' is not active; the snapshot lists what is")]
+    NotActive {
+        /// The state.
         path: StatePath,
     },
     /// There is no breakpoint with this id.

@@ -22,14 +22,15 @@ impl<'s, D: Datum> Step<'s, D> {
         }
         self.drop_all();
         self.run.crash = restore.crash;
-        let waits = restore.interrupted == Interrupted::Wait;
-        self.run.status = Status::Running;
-        if waits {
-            self.pause(true);
+        if self.run.status == Status::Paused {
+            self.pause(false);
         }
-        self.step_all(restore.hold);
+        self.run.status = Status::Running;
+        let hold = restore.hold || restore.interrupted == Interrupted::Wait;
+        self.run.control.starting = hold;
+        self.step_all(hold);
         let made = self.rebuild(restore.root);
-        self.set_going(&made, restore.interrupted, restore.hold);
+        self.set_going(&made, restore.interrupted, hold);
         Ok(())
     }
 

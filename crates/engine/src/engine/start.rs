@@ -6,6 +6,7 @@ use super::step::Step;
 use super::{Command, Refusal, Run, Status};
 use crate::program::{Body, Inside};
 use crate::{BranchId, Datum, NodeId, PathId, Program, Start, Then, When};
+use rafcon_model::{Port, PortId};
 use smol_str::SmolStr;
 
 /// A value for a state on the way to where a run begins.
@@ -18,10 +19,10 @@ pub(super) struct Given<D> {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Where {
-    /// An input port, by its index.
-    Input(usize),
-    /// A scoped variable, by its index.
-    Scoped(usize),
+    /// An input port.
+    Input(PortId),
+    /// A scoped variable.
+    Scoped(PortId),
 }
 
 impl<'s, D: Datum> Step<'s, D> {
@@ -84,10 +85,11 @@ impl<'s, D: Datum> Step<'s, D> {
 
     fn port_named(&self, node: NodeId, name: &SmolStr) -> Option<Where> {
         let node = self.program.node(node);
-        let input = node.inputs().iter().position(|port| port.name == *name);
+        let named = |port: &&Port| port.name == *name;
+        let input = node.inputs().iter().find(named).map(|port| port.id);
         let scoped = || match &node.body {
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
-                inside.scoped.iter().position(|scoped| scoped.port.name == *name)
+                inside.scoped.iter().map(|scoped| &scoped.port).find(named).map(|port| port.id)
             }
             Body::Script | Body::Library(_) => None,
         };
@@ -97,12 +99,11 @@ impl<'s, D: Datum> Step<'s, D> {
     /// What the start gave replaces the inputs of a state at its first entry.
     pub(super) fn give_inputs(&mut self, seed: &mut Seed<D>) {
         for (port, value) in self.run.given_to(seed.path, |port| matches!(port, Where::Input(_))) {
-            let Where::Input(index) = port else { continue };
-            let mut inputs = seed.inputs.to_vec();
-            if let Some(place) = inputs.get_mut(index) {
-                *place = value;
-            }
-            seed.inputs = inputs.into();
+            let ports = self.program.node(seed.node).inputs().iter();
+            let given = ports.zip(seed.inputs.iter()).map(|(own, input)| {
+                if port == Where::Input(own.id) { value.clone() } else { input.clone() }
+            });
+            seed.inputs = given.collect();
         }
     }
 
@@ -111,9 +112,10 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get(slot);
         let (path, first) = (frame.path, self.program.node(frame.node).inputs.len());
         for (port, value) in self.run.given_to(path, |port| matches!(port, Where::Scoped(_))) {
-            let Where::Scoped(index) = port else { continue };
-            let target = crate::program::index(first + index);
-            self.put(slot, inside, target, &value);
+            let mut variables = inside.scoped.iter();
+            if let Some(index) = variables.position(|own| port == Where::Scoped(own.port.id)) {
+                self.put(slot, inside, crate::program::index(first + index), &value);
+            }
         }
     }
 

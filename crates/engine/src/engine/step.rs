@@ -29,14 +29,19 @@ pub(super) struct Step<'s, D> {
 impl<'s, D: Datum> Step<'s, D> {
     /// Works until nothing is left.
     pub(super) fn work(&mut self) {
-        while let Some(work) = self.run.work.pop() {
-            match work {
-                Work::Enter { parent, child } => self.enter(parent, child),
-                Work::Advance(frame) => self.advance(frame),
-                Work::Pass(hold) => self.pass(hold),
-                Work::Leave { slot, ended } => self.leave(slot, *ended),
-            }
+        while self.work_once() {}
+    }
+
+    /// Does one thing; false if there is none.
+    pub(super) fn work_once(&mut self) -> bool {
+        let Some(work) = self.run.work.pop() else { return false };
+        match work {
+            Work::Enter { parent, child } => self.enter(parent, child),
+            Work::Advance(frame) => self.advance(frame),
+            Work::Pass(hold) => self.pass(hold),
+            Work::Leave { slot, ended } => self.leave(slot, *ended),
         }
+        true
     }
 
     pub(super) fn body(&self, slot: u32) -> &'s Body<D> {

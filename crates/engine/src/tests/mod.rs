@@ -1,16 +1,19 @@
 //! The rules of `docs/semantics.md`: a machine in, a script of inputs in, what the engine did out.
 
 mod barrier;
+mod change;
 mod breakpoints;
 mod commands;
 mod data;
 mod deep;
 mod errors;
+mod force;
 mod hierarchy;
 mod library;
 mod life;
 mod outcomes;
 mod preemption;
+mod restore;
 mod scoped;
 mod starting;
 mod stepping;
@@ -23,7 +26,13 @@ use world::World;
 ///
 /// Inputs: `start`, `start x=1`, `start at ROOT/A`, `pause`, `resume`, `stop`; for a script that runs (named by the end of
 /// its path) `A done` (an outcome's name), `A 3` (an id), `A other "text"`, `A raises "boom"`, with outputs behind it:
-/// `A done y=2 -z error="boom"` (`-z` leaves an output out); `global x=5`.
+/// `A done y=2 -z error="boom"` (`-z` leaves an output out); `global x=5`; `cut again` (`wait`, `abort`), also `cut again
+/// held`: the run is taken up by another engine; `recover again`, `recover abort at ROOT/A`.
 fn check(machine: &str, script: &str, expect: &Expect) {
     expect.assert_eq(&World::new(machine).play(script));
+}
+
+/// The same with `next`, which the machine becomes: `change`, `change or wait`.
+fn check_change(machine: &str, next: &str, script: &str, expect: &Expect) {
+    expect.assert_eq(&World::new(machine).with_next(next).play(script));
 }

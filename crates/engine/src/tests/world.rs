@@ -2,10 +2,11 @@
 
 use super::commands::{self, assignments};
 use crate::{
-    Check, Effect, Engine, Event, Finish, FrameId, Globals, Input, Job, ModelLiterals, Note,
-    Outbox, PathId, Program, Returned, ScriptResult, Verdict, WaitReason,
+    Change, Check, Effect, Engine, Event, Finish, FrameId, Globals, Input, Interrupted, Job,
+    ModelLiterals, Note, Outbox, PathId, Program, Restore, Returned, ScriptResult, Verdict,
+    WaitReason,
 };
-use rafcon_model::{OutcomeId, Port, Value, literal, notation};
+use rafcon_model::{Machine, OutcomeId, Port, StatePath, Value, literal, notation};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,6 +24,8 @@ impl Globals<Value> for Variables {
 pub(super) struct World {
     engine: Engine<Value>,
     program: Arc<Program<Value>>,
+    /// What the machine is changed to.
+    next: Option<Machine>,
     running: Vec<Job<Value>>,
     checks: Vec<u64>,
     globals: Variables,
@@ -36,11 +39,18 @@ impl World {
         Self {
             engine: Engine::new(Arc::clone(&program)),
             program,
+            next: None,
             running: Vec::new(),
             checks: Vec::new(),
             globals: Variables::default(),
             text: String::new(),
         }
+    }
+
+    /// The machine that `change` changes to.
+    pub(super) fn with_next(mut self, machine: &str) -> Self {
+        self.next = Some(notation::parse(machine).expect("a machine in text notation"));
+        self
     }
 
     pub(super) fn play(mut self, script: &str) -> String {
@@ -61,6 +71,9 @@ impl World {
                 return;
             }
             "active" => return self.show_active(),
+            "cut" => return self.cut(rest),
+            "change" => self.change(rest == "or wait"),
+            "recover" => recovery(rest),
             "check" => self.checked(rest),
             state => commands::read(head, rest).unwrap_or_else(|| self.finished(state, rest)),
         };
@@ -79,6 +92,25 @@ impl World {
                 self.say(&format!("refused: {refusal}"));
             }
         }
+    }
+
+    fn change(&self, wait: bool) -> Input<Value> {
+        let machine = self.next.as_ref().expect("a machine to change to");
+        let program = Arc::new(self.program.change(machine, &mut ModelLiterals));
+        Input::Change(Change { program, wait })
+    }
+
+    /// The run is lost, and taken up by another engine.
+    fn cut(&mut self, how: &str) {
+        let root = self.engine.configuration().expect("something is active");
+        let states_run = self.engine.states_run();
+        self.engine = Engine::new(Arc::clone(&self.program));
+        self.running.clear();
+        let (how, hold) = how.strip_suffix(" held").map_or((how, false), |how| (how, true));
+        let crash = Some(Value::str("crash"));
+        let interrupted = interrupted(how);
+        let restore = Restore { root, interrupted, crash, hold, states_run };
+        self.feed(Input::Restore(Box::new(restore)));
     }
 
     /// The end of the script at a path that ends with `state`; of a frame that never was, if it does not run.
@@ -170,7 +202,10 @@ impl World {
                 format!("force {} {}", self.path(*path), self.outcome(*path, *outcome))
             }
             Event::Dropped { path } => format!("drop {}", self.path(*path)),
-            Event::Changed => "changed".to_owned(),
+            Event::Changed => {
+                self.program = Arc::clone(self.engine.program());
+                "changed".to_owned()
+            }
             Event::ChangeWaits { path } => format!("change waits for {}", self.path(*path)),
         };
         self.say(&line);
@@ -245,6 +280,21 @@ impl World {
         self.text += line;
         self.text.push('\n');
     }
+}
+
+fn interrupted(how: &str) -> Interrupted {
+    match how {
+        "wait" => Interrupted::Wait,
+        "abort" => Interrupted::Abort,
+        _ => Interrupted::Again,
+    }
+}
+
+/// `again`, or `again at ROOT/A`.
+fn recovery(text: &str) -> Input<Value> {
+    let (how, path) = text.split_once(" at ").unzip();
+    let path = path.map(StatePath::parse);
+    Input::Recover(path, interrupted(how.unwrap_or(text)))
 }
 
 fn result(how: &str, ports: &[Port], defaults: &[Value]) -> ScriptResult<Value> {

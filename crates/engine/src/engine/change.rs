@@ -1,0 +1,185 @@
+//! A machine that changes while it runs: whether a change touches what is active, and when it is taken.
+
+use super::step::Work;
+use super::{Command, Engine, Refusal};
+use crate::program::{Body, Node};
+use crate::{Change, Datum, Event, Globals, NodeId, Outbox, PathId, Program};
+use rafcon_model::{OutcomeId, Port};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// What a change would do to an active state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Touch {
+    /// It would not be there any more.
+    Removed,
+    /// It would be of another kind.
+    Kind,
+    /// It would have other ports.
+    Ports,
+    /// It would have other outcomes.
+    Outcomes,
+    /// It would have other branches.
+    Branches,
+    /// It has just ended, and the outcome by which it did would be gone.
+    Ended,
+}
+
+impl fmt::Display for Touch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Removed => "is active and would be gone",
+            Self::Kind => "is active and would be of another kind",
+            Self::Ports => "is active and would have other ports",
+            Self::Outcomes => "is active and would have other outcomes",
+            Self::Branches => "is active and would have other branches",
+            Self::Ended => "has just ended and would be gone, or its outcome would",
+        })
+    }
+}
+
+impl<D: Datum> Engine<D> {
+    /// Goes by another program from now on, or refuses it, or keeps it until nothing stands in its way.
+    pub(super) fn change(
+        &mut self,
+        change: Change<D>,
+        globals: &dyn Globals<D>,
+        out: &mut Outbox<D>,
+    ) -> Result<(), Refusal> {
+        self.step(globals, out).legal(Command::Change)?;
+        match self.touched(&change.program) {
+            Ok(()) => {
+                self.run.turn += 1;
+                self.take_over(change.program, globals, out);
+                self.work(globals, out);
+            }
+            Err((path, _)) if change.wait => {
+                self.run.change = Some(change.program);
+                out.events.push(Event::ChangeWaits { path });
+            }
+            Err((path, touch)) => {
+                return Err(Refusal::Touches { path: self.path_text(path), touch });
+            }
+        }
+        Ok(())
+    }
+
+    /// Does all that is left to do. A change that waits is taken as soon as nothing stands in its way, also between a state
+    /// that was left and the next.
+    pub(super) fn work(&mut self, globals: &dyn Globals<D>, out: &mut Outbox<D>) {
+        while self.run.change.is_some() {
+            let is_gap = self.run.work.iter().all(|work| matches!(work, Work::Advance(_)));
+            if is_gap && let Some(program) = self.change_that_fits() {
+                self.take_over(program, globals, out);
+            }
+            if !self.step(globals, out).work_once() {
+                break;
+            }
+        }
+        self.step(globals, out).work();
+        self.run.branches.settle();
+    }
+
+    fn change_that_fits(&mut self) -> Option<Arc<Program<D>>> {
+        let program = self.run.change.take()?;
+        if self.touched(&program).is_ok() {
+            return Some(program);
+        }
+        self.run.change = Some(program);
+        None
+    }
+
+    fn take_over(
+        &mut self,
+        program: Arc<Program<D>>,
+        globals: &dyn Globals<D>,
+        out: &mut Outbox<D>,
+    ) {
+        self.run.change = None;
+        out.events.push(Event::Changed);
+        let before = std::mem::replace(&mut self.program, program);
+        self.step(globals, out).migrate(&before);
+    }
+
+    /// The state that a change would pull the ground from under, if there is one.
+    fn touched(&self, after: &Program<D>) -> Result<(), (PathId, Touch)> {
+        let frames = self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default();
+        let mut stands: BTreeMap<u32, NodeId> = BTreeMap::new();
+        for slot in frames {
+            let frame = self.run.frames.get(slot);
+            let node = self.program.node(frame.node);
+            let there = match stands.get(&frame.parent) {
+                Some(&around) => after.child_of(after.node(around), node.id()).map(|found| found.1),
+                None => Some(Program::<D>::ROOT),
+            };
+            let there = there.filter(|&there| after.node(there).id() == node.id());
+            let there = there.ok_or((frame.path, Touch::Removed))?;
+            stands.insert(slot, there);
+            if let Some(touch) = touch(node, after.node(there)) {
+                return Err((frame.path, touch));
+            }
+            self.branches_stay(slot, after, there).map_err(|touch| (frame.path, touch))?;
+            self.last_stays(slot, after, there)?;
+        }
+        Ok(())
+    }
+
+    /// The children of an active concurrency state must be the same, and those that ended must be able to.
+    fn branches_stay(&self, slot: u32, after: &Program<D>, there: NodeId) -> Result<(), Touch> {
+        let frame = self.run.frames.get(slot);
+        let Body::Concurrency(_, was) = &self.program.node(frame.node).body else { return Ok(()) };
+        let Body::Concurrency(_, is) = &after.node(there).body else { return Ok(()) };
+        let was: Vec<_> = was.children.iter().map(|&child| self.program.node(child)).collect();
+        let is: Vec<_> = is.children.iter().map(|&child| after.node(child)).collect();
+        let same = was.iter().map(|child| child.id()).eq(is.iter().map(|child| child.id()));
+        let ended = was.iter().zip(&is).zip(&frame.ended).filter(|(_, ended)| ended.is_some());
+        let mut ends = ended.map(|((was, is), _)| {
+            outcomes(was).eq(outcomes(is)) && ports(was.outputs()).eq(ports(is.outputs()))
+        });
+        if same && ends.all(|end| end) { Ok(()) } else { Err(Touch::Branches) }
+    }
+
+    /// The child whose transition a hierarchy is about to follow must be there, with the outcome by which it ended.
+    fn last_stays(
+        &self,
+        slot: u32,
+        after: &Program<D>,
+        there: NodeId,
+    ) -> Result<(), (PathId, Touch)> {
+        let frame = self.run.frames.get(slot);
+        let Body::Hierarchy(inside) = &self.program.node(frame.node).body else { return Ok(()) };
+        let Some((child, outcome)) = frame.last.filter(|_| frame.children.is_empty()) else {
+            return Ok(());
+        };
+        let last = self.program.node(inside.child(child));
+        let stays = after.child_of(after.node(there), last.id());
+        let ends = stays.and_then(|(_, child)| after.node(child).outcome(last.outcome_id(outcome)));
+        if ends.is_some() {
+            return Ok(());
+        }
+        let path = self.run.places.child(frame.path, child as usize, &self.program);
+        Err((path.unwrap_or(frame.path), Touch::Ended))
+    }
+}
+
+/// What is different about a state that makes it another one for its run.
+fn touch<D>(was: &Node<D>, is: &Node<D>) -> Option<Touch> {
+    if was.state().kind.name() != is.state().kind.name() {
+        return Some(Touch::Kind);
+    }
+    let same =
+        ports(was.inputs()).eq(ports(is.inputs())) && ports(was.outputs()).eq(ports(is.outputs()));
+    if !same {
+        return Some(Touch::Ports);
+    }
+    (!outcomes(was).eq(outcomes(is))).then_some(Touch::Outcomes)
+}
+
+fn ports(ports: &[Port]) -> impl Iterator<Item = (rafcon_model::PortId, &str)> {
+    ports.iter().map(|port| (port.id, port.name.as_str()))
+}
+
+fn outcomes<D>(node: &Node<D>) -> impl Iterator<Item = (OutcomeId, &str)> {
+    node.outcomes().iter().map(|outcome| (outcome.id, outcome.name.as_str()))
+}
