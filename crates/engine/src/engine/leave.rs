@@ -154,16 +154,18 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// The end of the run; of one that was stopped before its root began, *preempted*.
     pub(super) fn finish(&mut self) {
-        let finish = self.run.finish.take().map_or_else(|| self.unbegun(), |finish| *finish);
+        let finish = self.run.finish.take();
+        let finish = finish.map_or_else(|| self.unbegun(PREEMPTED), |finish| *finish);
         self.run.status = Status::Finished;
         self.run.branches.set_all(false);
         self.out.events.push(Event::Finished { outcome: finish.outcome });
         self.out.effects.push(Effect::Finish(finish));
     }
 
-    fn unbegun(&self) -> Finish<D> {
+    /// The end of a run whose root never began.
+    pub(super) fn unbegun(&self, outcome: u32) -> Finish<D> {
         let node = self.program.node(Program::<D>::ROOT);
-        let outcome = node.outcome_at(PREEMPTED);
+        let outcome = node.outcome_at(outcome);
         let names = node.outputs().iter().map(|port| port.name.clone());
         Finish {
             outcome: outcome.id,

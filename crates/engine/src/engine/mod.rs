@@ -5,13 +5,14 @@ mod barrier;
 mod branch;
 mod branches;
 mod breakpoints;
-mod checks;
 mod change;
+mod checks;
 mod control;
 mod data;
 mod enter;
 mod export;
 mod fitting;
+mod force;
 mod frames;
 mod gates;
 mod going;
@@ -130,11 +131,7 @@ impl<D: Datum> Engine<D> {
         Ok(())
     }
 
-    fn step<'e>(
-        &'e mut self,
-        globals: &'e dyn Globals<D>,
-        out: &'e mut Outbox<D>,
-    ) -> Step<'e, D> {
+    fn step<'e>(&'e mut self, globals: &'e dyn Globals<D>, out: &'e mut Outbox<D>) -> Step<'e, D> {
         Step { program: &self.program, run: &mut self.run, globals, out }
     }
 

@@ -1,8 +1,8 @@
 //! The rules of `docs/semantics.md`: a machine in, a script of inputs in, what the engine did out.
 
 mod barrier;
-mod change;
 mod breakpoints;
+mod change;
 mod commands;
 mod data;
 mod deep;
