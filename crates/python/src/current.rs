@@ -1,25 +1,41 @@
-//! The run that this process hosts, for functions that Python calls. One process hosts one run.
+//! The run that this process hosts, for functions that Python calls. One process hosts one run at a time; only a program
+//! that embeds the engine hosts another after it.
 
 use crate::scripts::PythonScripts;
 use crate::thread;
+use parking_lot::RwLock;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rafcon_protocol::{LogLevel, Stream};
 use rafcon_runner::Driver;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
 
-static DRIVER: OnceLock<Arc<Driver<PythonScripts>>> = OnceLock::new();
+/// A run with its scripts.
+pub(crate) type Run = Arc<Driver<PythonScripts>>;
+
+static DRIVER: RwLock<Option<Run>> = RwLock::new(None);
 static FORKED: AtomicBool = AtomicBool::new(false);
+static EMBEDDED: AtomicBool = AtomicBool::new(false);
 
 /// The run is ready.
-pub(crate) fn set(driver: &Arc<Driver<PythonScripts>>) {
-    // A second run in one process cannot happen: its host was used up by the first.
-    DRIVER.get_or_init(|| Arc::clone(driver));
+pub(crate) fn set(driver: &Run) {
+    let earlier = DRIVER.write().replace(Arc::clone(driver));
+    drop(earlier);
+}
+
+/// Runs are hosted by a program that has other things to do, too.
+pub(crate) fn embed() {
+    EMBEDDED.store(true, Ordering::Relaxed);
+}
+
+/// Whether the process belongs to a program that has other things to do.
+pub(crate) fn is_embedded() -> bool {
+    EMBEDDED.load(Ordering::Relaxed)
 }
 
 /// The run; an error that says why there is none to talk to.
-pub(crate) fn driver() -> PyResult<&'static Arc<Driver<PythonScripts>>> {
+pub(crate) fn driver() -> PyResult<Run> {
     if is_forked() {
         let why =
             "this is a forked process; only the process that runs the state machine can talk to it";
@@ -29,7 +45,8 @@ pub(crate) fn driver() -> PyResult<&'static Arc<Driver<PythonScripts>>> {
         let why = "a global variable is being read for a port's default; the state machine cannot be asked meanwhile";
         return Err(PyRuntimeError::new_err(why));
     }
-    DRIVER.get().ok_or_else(|| PyRuntimeError::new_err("no state machine runs in this process"))
+    let run = DRIVER.read().clone();
+    run.ok_or_else(|| PyRuntimeError::new_err("no state machine runs in this process"))
 }
 
 /// What a forked process is told that asks for something live.
@@ -40,13 +57,15 @@ pub(crate) fn forked() -> PyErr {
 }
 
 /// What never changes about the run, for forked processes too.
-pub(crate) fn facts() -> PyResult<&'static Arc<Driver<PythonScripts>>> {
-    if is_forked() { DRIVER.get().ok_or_else(forked) } else { driver() }
+pub(crate) fn facts() -> PyResult<Run> {
+    // In a forked process another thread may have held the lock when the fork happened.
+    let copy = || DRIVER.try_read().and_then(|run| run.clone());
+    if is_forked() { copy().ok_or_else(forked) } else { driver() }
 }
 
 /// Notes down a line that RAFCON itself has to say about the state whose script runs on this thread.
 pub(crate) fn say(level: LogLevel, message: String) {
-    if let (false, Some(driver)) = (is_forked(), DRIVER.get()) {
+    if let (false, Some(driver)) = (is_forked(), DRIVER.read().clone()) {
         driver.log(thread::current_path(), level, Stream::Engine, message);
     }
 }

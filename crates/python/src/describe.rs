@@ -6,8 +6,10 @@ use crate::status::place;
 use crate::{current, thread};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
-use rafcon_engine::{Node, NodeId, PathId, Program};
-use rafcon_model::{Container, Library, Outcome, Port, RuntimeValues, StateId, Value};
+use rafcon_engine::{NodeId, PathId, Program};
+use rafcon_model::{
+    Container, Conversion, Library, Outcome, Port, RuntimeValues, State, StateId, Value, convert,
+};
 use rafcon_runner::Place;
 
 /// `rafcon._native.describe`
@@ -30,14 +32,16 @@ pub(crate) fn describe(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>>
     facts.set_item("outcomes", outcomes(py, node.outcomes())?)?;
     facts.set_item("inputs", ports(py, node.inputs())?)?;
     facts.set_item("outputs", ports(py, node.outputs())?)?;
-    facts.set_item("semantic_data", semantic_data(py, node)?)?;
+    facts.set_item("semantic_data", semantic_data(py, state)?)?;
     facts.set_item("script", state.script().and_then(|script| script.text.as_deref()))?;
     let scripts = driver.scripts();
     let folder = scripts.files.folder(&place.text);
     facts
         .set_item("file_system_path", folder.map(|folder| folder.to_string_lossy().into_owned()))?;
+    facts.set_item("free_port_id", state.free_port_id().0)?;
+    facts.set_item("free_outcome_id", state.free_outcome_id().0)?;
     insides(&facts, state.container())?;
-    facts.set_item("library", library(py, node)?)?;
+    facts.set_item("library", library(py, state)?)?;
     Ok(facts)
 }
 
@@ -75,7 +79,8 @@ fn child_id(program: &Program<Handle>, node: NodeId, index: usize) -> Option<Str
     Some(program.node(child).id().to_string())
 }
 
-fn outcomes<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, PyDict>> {
+/// Names by id.
+pub(crate) fn outcomes<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for outcome in outcomes {
         dict.set_item(outcome.id.0, outcome.name.as_str())?;
@@ -83,25 +88,28 @@ fn outcomes<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, P
     Ok(dict)
 }
 
-fn ports<'py>(py: Python<'py>, ports: &[Port]) -> PyResult<Bound<'py, PyDict>> {
+/// Name, name of the type and default, by id.
+pub(crate) fn ports<'py>(py: Python<'py>, ports: &[Port]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for port in ports {
         let type_name = port.data_type.python_name();
-        dict.set_item(
-            port.id.0,
-            (port.name.as_str(), type_name.as_str(), default(py, &port.default)),
-        )?;
+        let default = match convert(&port.default, &port.data_type) {
+            Conversion::Value(value) => literal(py, &value),
+            _ => literal(py, &port.default),
+        };
+        dict.set_item(port.id.0, (port.name.as_str(), type_name.as_str(), default))?;
     }
     Ok(dict)
 }
 
 /// A default as it stands in the file; `None` where Python cannot make it.
-fn default<'py>(py: Python<'py>, value: &Value) -> Bound<'py, PyAny> {
+fn literal<'py>(py: Python<'py>, value: &Value) -> Bound<'py, PyAny> {
     object(py, value).unwrap_or_else(|_unreadable| py.None().into_bound(py))
 }
 
-fn semantic_data<'py>(py: Python<'py>, node: &Node<Handle>) -> PyResult<Bound<'py, PyAny>> {
-    match &node.state().semantic_data {
+/// The user's notes as nested dictionaries.
+pub(crate) fn semantic_data<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyAny>> {
+    match &state.semantic_data {
         Some(data) => {
             let text = PyString::new(py, &rafcon_model::json::write_compact(data));
             py.import("json")?.call_method1("loads", (text,))
@@ -112,7 +120,18 @@ fn semantic_data<'py>(py: Python<'py>, node: &Node<Handle>) -> PyResult<Bound<'p
 
 fn insides(facts: &Bound<'_, PyDict>, container: Option<&Container>) -> PyResult<()> {
     let py = facts.py();
-    let (transitions, flows) = (PyDict::new(py), PyDict::new(py));
+    facts.set_item("transitions", transitions(py, container)?)?;
+    facts.set_item("data_flows", data_flows(py, container)?)?;
+    let scoped = container.map_or(&[][..], |container| container.scoped_variables.as_slice());
+    facts.set_item("scoped_variables", ports(py, scoped)?)
+}
+
+/// The ends of each transition, by id.
+pub(crate) fn transitions<'py>(
+    py: Python<'py>,
+    container: Option<&Container>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let transitions = PyDict::new(py);
     for line in container.iter().flat_map(|container| container.transitions.iter()) {
         let ends = (
             line.from_state.as_ref().map(StateId::as_str),
@@ -122,19 +141,26 @@ fn insides(facts: &Bound<'_, PyDict>, container: Option<&Container>) -> PyResult
         );
         transitions.set_item(line.id.0, ends)?;
     }
+    Ok(transitions)
+}
+
+/// The ends of each data flow, by id.
+pub(crate) fn data_flows<'py>(
+    py: Python<'py>,
+    container: Option<&Container>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let flows = PyDict::new(py);
     for line in container.iter().flat_map(|container| container.data_flows.iter()) {
         let ends =
             (line.from_state.as_str(), line.from_port.0, line.to_state.as_str(), line.to_port.0);
         flows.set_item(line.id.0, ends)?;
     }
-    facts.set_item("transitions", transitions)?;
-    facts.set_item("data_flows", flows)?;
-    let scoped = container.map_or(&[][..], |container| container.scoped_variables.as_slice());
-    facts.set_item("scoped_variables", ports(py, scoped)?)
+    Ok(flows)
 }
 
-fn library<'py>(py: Python<'py>, node: &Node<Handle>) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let rafcon_model::Kind::Library(library) = &node.state().kind else { return Ok(None) };
+/// What a library state says about its library.
+pub(crate) fn library<'py>(py: Python<'py>, state: &State) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let rafcon_model::Kind::Library(library) = &state.kind else { return Ok(None) };
     let facts = PyDict::new(py);
     let Library { path, name, version, inputs, outputs, content: _ } = library;
     facts.set_item("path", path.as_str())?;
@@ -153,7 +179,7 @@ type Dicts<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
 fn runtime_values<'py>(py: Python<'py>, values: &RuntimeValues) -> PyResult<Dicts<'py>> {
     let (set, used) = (PyDict::new(py), PyDict::new(py));
     for (port, value) in values {
-        set.set_item(port.0, default(py, &value.value))?;
+        set.set_item(port.0, literal(py, &value.value))?;
         used.set_item(port.0, value.used)?;
     }
     Ok((set, used))

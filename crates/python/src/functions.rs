@@ -49,14 +49,16 @@ pub(crate) fn last_left(py: Python<'_>, path: u32) -> PyResult<i64> {
 #[pyfunction]
 pub(crate) fn state_object(py: Python<'_>, path: u32) -> PyResult<Py<PyAny>> {
     let place = place(py, path)?;
-    let seat = current::facts()?.scripts().seat(py, &place)?;
+    let run = current::facts()?;
+    let seat = run.scripts().seat(py, &place)?;
     Ok(seat.object.clone_ref(py))
 }
 
 /// What is known about the machine as a whole.
 #[pyfunction]
 pub(crate) fn machine(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let scripts = current::facts()?.scripts();
+    let run = current::facts()?;
+    let scripts = run.scripts();
     let header = &scripts.machine.header;
     let facts = PyDict::new(py);
     facts.set_item("file_system_path", scripts.files.machine().to_string_lossy())?;

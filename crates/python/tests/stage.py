@@ -85,6 +85,7 @@ class Native(types.ModuleType):
         self.objects = {}
         self.sent = []
         self.commands = []
+        self.edits = []
         self.before = {}
 
     def current_path(self):
@@ -113,6 +114,12 @@ class Native(types.ModuleType):
     def command(self, name):
         self.commands.append(name)
 
+    def revision(self):
+        return len(self.edits)
+
+    def edit(self, changes):
+        self.edits += changes
+
     def last_left(self, path):
         return self.before.get(path, -1)
 
@@ -120,6 +127,10 @@ class Native(types.ModuleType):
 native = sys.modules.setdefault("rafcon._native", Native())
 if str(PACKAGE) not in sys.path:
     sys.path.insert(0, str(PACKAGE))
+
+from rafcon import _objects  # noqa: E402, it needs what stands above
+
+_objects.become_host()
 
 
 def enter(path):

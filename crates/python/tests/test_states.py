@@ -16,6 +16,7 @@ from rafcon.core.states.hierarchy_state import HierarchyState
 from rafcon.core.states.library_state import LibraryState
 from rafcon.core.states.preemptive_concurrency_state import PreemptiveConcurrencyState
 from rafcon.core.states.state import State, StateExecutionStatus
+from rafcon.core.storage import storage
 
 ROOT, FIRST, LIBRARY, INNER, DECIDER = range(5)
 
@@ -264,26 +265,35 @@ class Run(Stage):
         self.assertEqual(stage.native.commands, ["pause", "resume", "stop"])
 
 
-class Refusals(Stage):
-    def test_changes_of_the_machine_are_refused_by_name(self):
-        for call, text in (
-            (lambda: self.root.add_state(None), "HierarchyState.add_state"),
-            (lambda: self.root.remove_state("FIRST"), "HierarchyState.remove_state"),
-            (lambda: self.root.add_transition("FIRST", 0, "LIB", None), "HierarchyState.add_transition"),
-            (lambda: self.root.set_start_state("LIB"), "HierarchyState.set_start_state"),
-            (lambda: self.first.add_outcome("x"), "ExecutionState.add_outcome"),
-            (lambda: self.library.set_input_runtime_value(0, "x"), "LibraryState.set_input_runtime_value"),
-            (lambda: self.root.transitions[2].modify_target("FIRST"), "Transition.modify_target"),
-            (lambda: ExecutionState("new"), "ExecutionState(…)"),
-            (lambda: state_machine_manager.add_state_machine(None), "StateMachineManager.add_state_machine"),
-            (lambda: setattr(self.first, "name", "x"), "ExecutionState.name"),
-            (lambda: setattr(self.first, "script_text", "x"), "ExecutionState.script_text"),
-            (lambda: setattr(self.first.outcomes[0], "name", "x"), "Outcome.name"),
+class Changes(Stage):
+    def check(self, change, *edits):
+        stage.native.edits = []
+        change()
+        self.assertEqual(stage.native.edits, list(edits))
+
+    def test_changes_go_to_the_machine(self):
+        root, first = self.root, self.first
+        self.check(lambda: root.remove_state("FIRST"), ("children.remove", "ROOT", ("FIRST",)))
+        ends = (9, "FIRST", 0, "LIB", None)
+        self.check(lambda: root.add_transition(*ends[1:], 9), ("transition.add", "ROOT", ends))
+        self.check(lambda: root.set_start_state("LIB"), ("children.start", "ROOT", ("LIB", None)))
+        self.check(lambda: first.add_outcome("x", 7), ("outcome.add", first.get_path(), (7, "x")))
+        self.check(lambda: setattr(first, "name", "x"), ("state.name", first.get_path(), ("x",)))
+        self.check(lambda: setattr(first, "script_text", "x"), ("state.script", first.get_path(), ("x",)))
+        rename = ("outcome.rename", first.get_path(), (0, "x"))
+        self.check(lambda: setattr(first.outcomes[0], "name", "x"), rename)
+        target = ("transition.target", "ROOT", (2, "FIRST", None))
+        self.check(lambda: root.transitions[2].modify_target("FIRST"), target)
+
+    def test_what_belongs_to_other_programs_is_refused(self):
+        for call in (
+            lambda: state_machine_manager.add_state_machine(None),
+            lambda: storage.save_state_machine_to_path(state_machine_manager.get_active_state_machine(), "/tmp"),
+            lambda: setattr(self.root.get_state_machine(), "version", "2"),
         ):
             with self.assertRaises(MachineChangeNotSupported) as refused:
                 call()
-            self.assertIn(f"`{text}", str(refused.exception))
-            self.assertIn("on-the-fly editing", str(refused.exception))
+            self.assertIn("Nothing was changed", str(refused.exception))
 
     def test_commands_of_later_versions_are_refused(self):
         with self.assertRaises(CommandNotSupported):

@@ -15,14 +15,20 @@ _KINDS = {
 }
 _classes = {}
 _machine = []
+_host = []
 
 
 def new_state(place, kind, signals):
     """A new object for the state at a place; its class follows its kind."""
-    cls = _classes.get(kind) or _class(kind)
-    state = cls.__new__(cls)
+    state = blank_state(kind)
     state._bind(place, signals)
     return state
+
+
+def blank_state(kind):
+    """An object of the class for a kind that stands nowhere yet."""
+    cls = _classes.get(kind) or _class(kind)
+    return cls.__new__(cls)
 
 
 def prepare(kinds):
@@ -59,6 +65,21 @@ def machine():
         found._bind(native.machine())
         _machine.append(found)
     return _machine[0]
+
+
+def become_host():
+    """This process was started to run one machine."""
+    _host.append(True)
+
+
+def is_host():
+    """Whether this process was started to run one machine."""
+    return bool(_host)
+
+
+def forget_machine():
+    """Another machine is going to run."""
+    _machine.clear()
 
 
 def machine_or_none():

@@ -1,5 +1,9 @@
 """The flags of a state: preempted, paused, started, and waiting for them."""
 
+import threading
+
+from rafcon._bridge import NoRunningMachine
+
 PREEMPTED = 1
 PAUSED = 2
 STARTED = 4
@@ -15,6 +19,22 @@ def seconds(timeout):
         return None
     timeout = float(timeout)
     return None if timeout > _FOREVER else max(timeout, 0.0)
+
+
+class Idle:
+    """The flags of a state that does not run: they can be set, and nobody else ever sets them."""
+
+    def __init__(self):
+        self.preempted = self.paused = self.started = self.nudged = False
+
+    def wait(self, mask, timeout):
+        """Waits for a time (s); whether a flag of the mask is set. Without a time nothing would end the wait."""
+        flags = {PREEMPTED: self.preempted, PAUSED: self.paused, STARTED: self.started, NUDGED: self.nudged}
+        if any(on for flag, on in flags.items() if flag & mask):
+            return True
+        if timeout is None:
+            raise NoRunningMachine("this state does not run, so nothing would end the wait; give a time")
+        return threading.Event().wait(timeout)
 
 
 class Flag:

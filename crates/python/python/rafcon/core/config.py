@@ -2,6 +2,11 @@
 
 import os
 
+from rafcon._bridge import native
+from rafcon.utils.log import get_logger
+
+logger = get_logger(__name__)
+
 DEFAULTS = {
     "TYPE": "SM_CONFIG",
     "LIBRARY_PATHS": {},
@@ -25,6 +30,24 @@ class Config:
 
     def __init__(self):
         self._values = dict(DEFAULTS)
+        #: The file that was read last, or None.
+        self._path = None
+
+    def load(self, config_file=None, path=None):
+        """Reads a ``config.yaml`` in the folder ``path`` (``~/.config/rafcon``); without a file, defaults hold.
+
+        Nothing is written.
+        """
+        folder = os.path.expanduser(path or os.path.join("~", ".config", "rafcon"))
+        file = os.path.join(folder, config_file or "config.yaml")
+        if not os.path.isfile(file):
+            logger.warning("there is no configuration %s; defaults hold", file)
+            return
+        values, problems = native.read_config(file)
+        for problem in problems:
+            logger.warning("%s: %s", file, problem)
+        self._path = file
+        self._replace(values)
 
     def get_config_value(self, key, default=None):
         """The value of a key, or ``default`` if the key is not known."""

@@ -21,18 +21,19 @@ class RecoveryModeException(ValueError):
 
 
 class MachineChangeNotSupported(RuntimeError):
-    """A script called something that changes the machine that runs.
-
-    Changing a running machine comes with on-the-fly editing; this version refuses it, and nothing has changed.
-    """
+    """A script asked for something that the process of a running machine does not do. Nothing has changed."""
 
     def __init__(self, call):
         RuntimeError.__init__(
             self,
-            f"`{call}` changes the state machine while it runs, which this version of rafcon does not do: "
-            "it comes with on-the-fly editing. Nothing was changed; edit the machine's files instead.",
+            f"`{call}` is not possible in the process of a running state machine: it runs this one machine, and what "
+            "belongs to its files is changed from outside. Nothing was changed.",
         )
         self.call = call
+
+
+class MachineChangeRefused(RuntimeError):
+    """A change of the running machine would take something away that is in use. Nothing has changed."""
 
 
 class CommandNotSupported(RuntimeError):

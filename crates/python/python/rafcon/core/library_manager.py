@@ -1,17 +1,23 @@
-"""Where libraries are found, for scripts to look at."""
+"""Where libraries are found."""
 
 import os
 
-from rafcon.core._refusals import refuses
+from rafcon import _ids
+from rafcon._bridge import native
 from rafcon.core.config import global_config
 from rafcon.core.custom_exceptions import LibraryNotFoundException
 
 _MACHINE_FILE = "statemachine.json"
 
 
-@refuses("remove_library_from_file_system", "get_library_instance", "get_library_state_copy_instance")
 class LibraryManager:
-    """The library roots: folders with state machines below them, each under a key."""
+    """The library roots: folders with state machines below them, each under a key.
+
+    Each library is read once, for all states that stand for it, until ``initialize`` is called again.
+    """
+
+    def __init__(self):
+        self._known = None
 
     @staticmethod
     def instance():
@@ -21,10 +27,33 @@ class LibraryManager:
         return library_manager
 
     def initialize(self):
-        """Nothing to do: the folders are read whenever they are asked for."""
+        """Looks at the configured roots anew, and forgets the libraries that were read."""
+        self._known = None
 
     refresh_libraries = initialize
     clean_loaded_libraries = initialize
+
+    def _roots(self):
+        """The roots as the compiled module has them, with what was read of them."""
+        roots = tuple(self.library_root_paths.items())
+        if self._known is None or self._known[0] != roots:
+            self._known = roots, native.LibraryRoots(list(roots))
+        return self._known[1]
+
+    def _document(self, library_path, library_name, version, named):
+        """A new library state by itself, and its id; ``named`` is its name and its id or None."""
+        self.get_os_path_to_library(library_path, library_name)
+        name, state_id = named
+        state_id = _ids.state_id() if state_id is None else state_id
+        version = None if version is None else str(version)
+        reference = (library_path, library_name)
+        return native.Document.library(self._roots(), reference, version, (state_id, str(name))), state_id
+
+    def get_library_instance(self, library_path, library_name):
+        """A new :class:`~rafcon.core.states.library_state.LibraryState` for a library."""
+        from rafcon.core.states.library_state import LibraryState
+
+        return LibraryState(library_path, library_name)
 
     @property
     def library_root_paths(self):

@@ -1,58 +1,145 @@
-"""The running state machine."""
+"""State machines: the one that runs, and those that are being built or were loaded."""
 
+import datetime
 import threading
 from contextlib import contextmanager
 
-from rafcon import _objects
-from rafcon.core._refusals import NoConstructor, fixed, refuses
+from rafcon import _ids, _objects
+from rafcon.core.custom_exceptions import MachineChangeNotSupported
 from rafcon.core.execution.execution_history import ExecutionHistory
+from rafcon.core.states.state import State
 from rafcon.utils.log import get_logger
 
 logger = get_logger(__name__)
 
 
-@refuses("change_root_state_type", "start")
-class StateMachine(NoConstructor):
-    """The state machine that runs; ``state.get_state_machine()`` gives it."""
+class StateMachine:
+    """A state machine; ``state.get_state_machine()`` gives the one that a state belongs to."""
+
+    def __init__(self, root_state=None, version=None, creation_time=None, state_machine_id=None):
+        self._init(_ids.machine_id() if state_machine_id is None else state_machine_id)
+        self._version = version
+        self._creation_time = creation_time or datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M:%S")
+        self._root = None
+        if root_state is not None:
+            self.root_state = root_state
+
+    def _init(self, state_machine_id):
+        self._state_machine_id = state_machine_id
+        self._facts = None
+        self._marked_dirty = True
+        self._modification_lock = threading.RLock()
 
     def _bind(self, facts):
+        """It is the machine that runs."""
+        self._init(1)
         self._facts = facts
-        self._modification_lock = threading.RLock()
+        self._marked_dirty = False
+
+    @classmethod
+    def _loaded(cls, document, state_machine_id=None):
+        """A machine that was read from files."""
+        creation_time, version, _folder = document.header()
+        machine = cls(None, version, creation_time, state_machine_id)
+        root = _objects.blank_state(document.fact(document.root_id(), "kind"))
+        root._settle_alone(document, document.root_id())
+        machine.root_state = root
+        machine._marked_dirty = False
+        return machine
 
     @property
     def state_machine_id(self):
-        """Always 1: a process runs one machine."""
-        return 1
+        """The id (``int``) in this process."""
+        return self._state_machine_id
 
-    @fixed
+    @property
     def root_state(self):
         """The root state."""
-        return _objects.state(self._facts["root"])
+        return self._root if self._facts is None else _objects.state(self._facts["root"])
+
+    @root_state.setter
+    def root_state(self, root_state):
+        if not isinstance(root_state, State):
+            raise AttributeError(f"the root state must be a state, not {type(root_state).__name__}")
+        if self._facts is not None:
+            raise MachineChangeNotSupported("StateMachine.root_state = …")
+        if root_state.parent is not None:
+            raise ValueError(f"{root_state} stands in {root_state.parent} already; remove it there first")
+        if self._root is not None:
+            self._root._home.owner = None
+        self._root = root_state
+        root_state._home.owner = self
+        self._marked_dirty = True
+
+    def change_root_state_type(self, new_state_class):
+        """Makes the root one of another class and returns the new object for it."""
+        root = self.root_state
+        root._change("state.kind", new_state_class._kind)
+        if self._facts is None:
+            self._root = root._home.replaced(None, root)
+        return self.root_state
+
+    @property
+    def _document(self):
+        """The machine as the compiled module has it, with everything that users changed."""
+        if self._root is None:
+            raise AttributeError("the state machine has no root state yet")
+        home = self._root._home
+        home.store_notes()
+        home.document.set_header(self._creation_time, self._version)
+        return home.document
 
     @property
     def file_system_path(self):
         """The folder (``str``) of the state machine, or None."""
-        return self._facts["file_system_path"]
+        if self._facts is not None:
+            return self._facts["file_system_path"]
+        return None if self._root is None else self._root._home.document.header()[2]
 
-    @fixed
+    @property
     def version(self):
         """The version that the author gave it, or None."""
-        return self._facts["version"]
+        return self._version if self._facts is None else self._facts["version"]
 
-    @fixed
+    @version.setter
+    def version(self, version):
+        if self._facts is not None:
+            raise MachineChangeNotSupported("StateMachine.version = …")
+        self._version = version
+        self._marked_dirty = True
+
+    @property
     def creation_time(self):
         """When it was made, as text in UTC."""
-        return self._facts["creation_time"]
+        return self._creation_time if self._facts is None else self._facts["creation_time"]
 
     @property
     def marked_dirty(self):
-        """Whether it has changes that are not saved; a running machine has none."""
-        return False
+        """Whether it has changes that are not saved."""
+        return self._marked_dirty
+
+    @marked_dirty.setter
+    def marked_dirty(self, marked_dirty):
+        self._marked_dirty = bool(marked_dirty)
 
     @property
     def execution_histories(self):
         """One history for each run of this process."""
         return [ExecutionHistory(self.root_state)]
+
+    def start(self):
+        """Starts the machine; see :meth:`join`. The same as the engine's ``start`` with the id of this machine."""
+        from rafcon.core.singleton import state_machine_execution_engine, state_machine_manager
+
+        if self._state_machine_id not in state_machine_manager.state_machines:
+            state_machine_manager.add_state_machine(self)
+        state_machine_execution_engine.start(self._state_machine_id)
+
+    def join(self, timeout=None):
+        """Waits for the end of the run; False if the time (s) ran out."""
+        from rafcon.core.singleton import state_machine_execution_engine
+
+        return state_machine_execution_engine.join(timeout)
 
     def get_state_by_path(self, path, as_check=False):
         """The state of a path of ids, such as ``state.get_path()`` gives.
@@ -62,8 +149,8 @@ class StateMachine(NoConstructor):
         first, *ids = path.split("/")
         state = self.root_state if first == self.root_state.state_id else None
         for state_id in ids:
-            places = state._facts["children"] if state is not None else {}
-            state = _objects.state(places[state_id]) if state_id in places else None
+            known = state is not None and state_id in state._home.child_ids(state)
+            state = state._home.child(state, state_id) if known else None
         if state is None and not as_check:
             logger.error("There is no state with the path '%s' in this state machine", path)
         return state
@@ -87,4 +174,4 @@ class StateMachine(NoConstructor):
                 self.release_modification_lock()
 
     def __repr__(self):
-        return f"<StateMachine {self.root_state.name}>"
+        return f"<StateMachine {self._state_machine_id} {getattr(self.root_state, 'name', None)}>"

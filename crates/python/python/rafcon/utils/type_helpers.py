@@ -26,3 +26,34 @@ def convert_string_value_to_type_value(string_value, data_type):
 def type_inherits_of_type(inheriting_type, base_type):
     """Whether the first type is the second, or inherits from it."""
     return issubclass(inheriting_type, base_type)
+
+
+def type_name(data_type):
+    """The dotted name of a type; a name is returned as it is."""
+    return data_type if isinstance(data_type, str) else f"{data_type.__module__}.{data_type.__qualname__}"
+
+
+def port_default(value, data_type):
+    """The default of a port of a type: text is converted, ``AttributeError`` if it cannot be.
+
+    ``TypeError`` for another value that is not of the type.
+    """
+    if isinstance(value, str):
+        return convert_string_value_to_type_value(value, data_type)
+    if value is None or data_type is type(None) or isinstance(value, data_type):
+        return value
+    raise TypeError(f"the default {value!r} is of type {type(value).__name__}, but the port's is {data_type.__name__}")
+
+
+def named(name):
+    """The name of an element, which is a text that is not empty."""
+    of_type(name, str, "a name")
+    if not name:
+        raise ValueError("a name must have at least one character")
+    return name
+
+
+def of_type(value, wanted, what, or_none=False):
+    """Raises ``ValueError`` unless the value is of a type (or, if that is allowed, None)."""
+    if not isinstance(value, wanted) and not (or_none and value is None):
+        raise ValueError(f"{what} must be of type {wanted.__name__}, not {type(value).__name__}")

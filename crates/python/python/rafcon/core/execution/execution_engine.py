@@ -1,6 +1,6 @@
-"""The engine as scripts see it: they pause, resume and stop the machine that they are part of."""
+"""The engine: scripts pause, resume and stop the machine that they are part of, programs run those that they have built."""
 
-from rafcon import _objects
+from rafcon import _embedding, _objects
 from rafcon._bridge import native
 from rafcon.core.custom_exceptions import CommandNotSupported
 from rafcon.core.execution.execution_status import ExecutionStatus, StateMachineExecutionStatus
@@ -15,9 +15,7 @@ _UNKNOWN = (
     "run_selected_state",
     "run_only_selected_state",
     "replay_from_history",
-    "execute_state_machine_from_path",
     "set_execution_mode",
-    "join",
 )
 
 
@@ -26,6 +24,7 @@ class ExecutionEngine:
 
     def __init__(self, state_machine_manager):
         self.state_machine_manager = state_machine_manager
+        self._run = None
         #: ``status.execution_mode`` is a ``StateMachineExecutionStatus``.
         self.status = ExecutionStatus(_mode)
 
@@ -41,8 +40,54 @@ class ExecutionEngine:
         native.command("pause")
 
     def start(self, state_machine_id=None, start_state_path=None):
-        """Resumes the machine. It runs, so the arguments, for a fresh start, mean nothing here."""
-        native.command("resume")
+        """Starts a state machine of this program, the active one unless an id is given; a paused one goes on.
+
+        ``start_state_path`` names the state to begin at. Scripts can only resume the machine that they are part of.
+        """
+        if _objects.is_host() or self._is_running():
+            native.command("resume")
+            return
+        manager = self.state_machine_manager
+        if state_machine_id is not None:
+            manager.active_state_machine_id = state_machine_id
+        machine = manager.get_active_state_machine()
+        if machine is None:
+            raise AttributeError("there is no active state machine; give the id of one that was added to the manager")
+        self._begin(machine, start_state_path)
+
+    def _begin(self, machine, start_state_path):
+        if self._run is not None:
+            self._run.retire()
+        self._run = _embedding.Run(machine, start_state_path)
+        machine.root_state._home.run = self._run
+
+    def _is_running(self):
+        return self._run is not None and not self._run.is_over()
+
+    def join(self, timeout=None):
+        """Waits for the end of the run; True if it has ended, False if there is none or the time (s) ran out.
+
+        Scripts cannot wait for the machine that they are part of.
+        """
+        if _objects.is_host():
+            raise CommandNotSupported("ExecutionEngine.join")
+        return self._run is not None and self._run.join(timeout)
+
+    def execute_state_machine_from_path(
+        self, state_machine=None, path=None, start_state_path=None, wait_for_execution_finished=True
+    ):
+        """Loads a state machine (unless one is given), runs it, and returns it."""
+        from rafcon.core.storage import storage
+
+        if _objects.is_host():
+            raise CommandNotSupported("ExecutionEngine.execute_state_machine_from_path")
+        machine = state_machine or storage.load_state_machine_from_path(path)
+        if machine.state_machine_id not in self.state_machine_manager.state_machines:
+            self.state_machine_manager.add_state_machine(machine)
+        self.start(machine.state_machine_id, start_state_path)
+        if wait_for_execution_finished:
+            self.join()
+        return machine
 
     def stop(self):
         """Preempts everything; the machine then ends as *preempted*."""

@@ -1,48 +1,70 @@
 """Data flows: which port gets its value from which."""
 
-from rafcon.core._refusals import fixed, refuses
-from rafcon.core.state_elements.state_element import StateElement
+from rafcon.core.state_elements.state_element import StateElement, field
+from rafcon.utils.type_helpers import of_type
 
 
-@refuses("modify_origin", "modify_target")
 class DataFlow(StateElement):
     """Carries a value from a port (or scoped variable) to another in the same container."""
 
     _fields = ("data_flow_id", "from_state", "from_key", "to_state", "to_key")
+    _group = "data_flows"
+    _verb = "flow"
+
+    data_flow_id = field("The id (``int``), unique in the container.")
 
     def __init__(self, from_state, from_key, to_state, to_key, data_flow_id=None, parent=None):
-        StateElement.__init__(self, parent)
-        self._from_state = from_state
-        self._from_key = from_key
-        self._to_state = to_state
-        self._to_key = to_key
-        self._data_flow_id = data_flow_id
+        StateElement.__init__(self, parent, (data_flow_id, from_state, from_key, to_state, to_key))
 
-    @fixed
-    def data_flow_id(self):
-        """The id (``int``), unique in the container."""
-        return self._data_flow_id
-
-    @fixed
+    @property
     def from_state(self):
         """The id of the state where it begins."""
-        return self._from_state
+        return self._get("from_state")
 
-    @fixed
+    @from_state.setter
+    def from_state(self, from_state):
+        self.modify_origin(from_state, self.from_key)
+
+    @property
     def from_key(self):
         """The id of the port where it begins."""
-        return self._from_key
+        return self._get("from_key")
 
-    @fixed
+    @from_key.setter
+    def from_key(self, from_key):
+        self.modify_origin(self.from_state, from_key)
+
+    @property
     def to_state(self):
         """The id of the state where it ends."""
-        return self._to_state
+        return self._get("to_state")
 
-    @fixed
+    @to_state.setter
+    def to_state(self, to_state):
+        self.modify_target(to_state, self.to_key)
+
+    @property
     def to_key(self):
         """The id of the port where it ends."""
-        return self._to_key
+        return self._get("to_key")
+
+    @to_key.setter
+    def to_key(self, to_key):
+        self.modify_target(self.to_state, to_key)
+
+    def modify_origin(self, from_state, from_key):
+        """Lets the flow begin at a port (or scoped variable) of a state."""
+        of_type(from_state, str, "from_state")
+        of_type(from_key, int, "from_key")
+        self._set("origin", {"from_state": from_state, "from_key": from_key}, from_state, from_key)
+
+    def modify_target(self, to_state, to_key):
+        """Lets the flow end at a port (or scoped variable) of a state."""
+        of_type(to_state, str, "to_state")
+        of_type(to_key, int, "to_key")
+        self._set("target", {"to_state": to_state, "to_key": to_key}, to_state, to_key)
 
     def __str__(self):
-        ends = f"from_state: {self._from_state}, from_key: {self._from_key}, "
-        return f"Data flow - {ends}to_state: {self._to_state}, to_key: {self._to_key}, id: {self._data_flow_id}"
+        key, from_state, from_key, to_state, to_key = self._content()
+        ends = f"from_state: {from_state}, from_key: {from_key}, to_state: {to_state}, to_key: {to_key}"
+        return f"Data flow - {ends}, id: {key}"

@@ -1,49 +1,80 @@
 """Input and output data ports of a state."""
 
-from rafcon.core._refusals import fixed, refuses
-from rafcon.core.state_elements.state_element import StateElement
+from rafcon import _objects
+from rafcon.core.state_elements.state_element import StateElement, field
+from rafcon.utils.type_helpers import convert_string_to_type, named, port_default, type_name
 
 
-@refuses("change_data_type")
 class DataPort(StateElement):
     """A named, typed port through which data enters or leaves a state."""
 
     _fields = ("data_port_id", "name", "data_type", "default_value")
+    _verb = "port"
+
+    data_port_id = field("The id (``int``), unique among inputs, outputs and scoped variables of the state.")
 
     def __init__(self, name=None, data_type=None, default_value=None, data_port_id=None, parent=None):
-        StateElement.__init__(self, parent)
-        self._name = name
-        self._data_type = data_type
-        self._default_value = default_value
-        self._data_port_id = data_port_id
+        StateElement.__init__(self, parent, (data_port_id, name, data_type, default_value))
+        if data_type is not None:
+            data_type = convert_string_to_type(data_type)
+            self._values = (data_port_id, name, data_type, port_default(default_value, data_type))
 
-    @fixed
-    def data_port_id(self):
-        """The id (``int``), unique among inputs, outputs and scoped variables of the state."""
-        return self._data_port_id
+    @staticmethod
+    def _read(fact):
+        name, data_type, default = fact
+        return name, _objects.port_type(data_type), default
 
-    @fixed
+    def _address(self):
+        return (self._group, self._values[0])
+
+    @property
     def name(self):
         """The name (``str``): the key in ``inputs`` or ``outputs``."""
-        return self._name
+        return self._get("name")
 
-    @fixed
+    @name.setter
+    def name(self, name):
+        self._set("rename", {"name": named(name)}, name)
+
+    @property
     def data_type(self):
         """The declared type; where it cannot be imported, its name (``str``)."""
-        return self._data_type
+        return self._get("data_type")
 
-    @fixed
+    @data_type.setter
+    def data_type(self, data_type):
+        data_type = convert_string_to_type(data_type)
+        default = self.default_value
+        self.change_data_type(data_type, default if default is None or isinstance(default, data_type) else None)
+
+    @property
     def default_value(self):
-        """The value that is there if no data flow brings one."""
-        return self._default_value
+        """The value that is there if no data flow brings one; text is converted to the type."""
+        return self._get("default_value")
+
+    @default_value.setter
+    def default_value(self, default_value):
+        default = port_default(default_value, self.data_type)
+        self._set("default", {"default_value": default}, default)
+
+    def change_data_type(self, data_type, default_value=None):
+        """Gives the port another type and another default."""
+        data_type = convert_string_to_type(data_type)
+        default = port_default(default_value, data_type)
+        self._set("type", {"data_type": data_type, "default_value": default}, type_name(data_type), default)
 
     def __str__(self):
-        return f"DataPort '{self._name}' [{self._data_port_id}] ({self._default_value} {self._data_type})"
+        key, name, data_type, default = self._content()
+        return f"DataPort '{name}' [{key}] ({default} {data_type})"
 
 
 class InputDataPort(DataPort):
     """A port through which data enters a state."""
 
+    _group = "inputs"
+
 
 class OutputDataPort(DataPort):
     """A port through which data leaves a state."""
+
+    _group = "outputs"

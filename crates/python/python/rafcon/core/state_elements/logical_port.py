@@ -1,7 +1,7 @@
 """Where the control flow enters and leaves a state: income and outcomes."""
 
-from rafcon.core._refusals import fixed
-from rafcon.core.state_elements.state_element import StateElement
+from rafcon.core.state_elements.state_element import StateElement, field
+from rafcon.utils.type_helpers import named
 
 
 class LogicalPort(StateElement):
@@ -19,25 +19,31 @@ class Outcome(LogicalPort):
     """A way to leave a state. ``-1`` is *aborted*, ``-2`` is *preempted*, the others are the user's."""
 
     _fields = ("outcome_id", "name")
+    _group = "outcomes"
+    _verb = "outcome"
+
+    outcome_id = field("The id (``int``), unique in the state.")
 
     def __init__(self, outcome_id=None, name=None, parent=None):
-        LogicalPort.__init__(self, parent)
         if not isinstance(outcome_id, int):
             raise TypeError(f"outcome_id must be an int, not {type(outcome_id).__name__}")
         if not isinstance(name, str) or not name:
             raise TypeError("the name of an outcome must be a str that is not empty")
-        self._outcome_id = outcome_id
-        self._name = name
+        LogicalPort.__init__(self, parent, (outcome_id, name))
 
-    @fixed
-    def outcome_id(self):
-        """The id (``int``), unique in the state."""
-        return self._outcome_id
+    @staticmethod
+    def _read(fact):
+        return (fact,)
 
-    @fixed
+    @property
     def name(self):
         """The name (``str``), unique in the state."""
-        return self._name
+        return self._get("name")
+
+    @name.setter
+    def name(self, name):
+        self._set("rename", {"name": named(name)}, name)
 
     def __str__(self):
-        return f"Outcome '{self._name}' [{self._outcome_id}]"
+        key, name = self._content()
+        return f"Outcome '{name}' [{key}]"

@@ -1,20 +1,38 @@
 """What all elements of a state have in common."""
 
-from rafcon.core._refusals import fixed
-
 
 class StateElement:
     """A part of a state, with an id that is unique in it, and the state as ``parent``.
 
-    Elements are values: equal if kind and content are the same, whatever their parent is.
+    An element of a state shows what the state has now, and what is assigned to it changes the state. One without a
+    parent is a value. Elements are equal if kind and content are the same, whatever their parent is.
     """
 
     _fields = ()
+    #: Where a state's facts list elements of this kind.
+    _group = None
+    #: What changes of this kind are named.
+    _verb = None
 
-    def __init__(self, parent=None):
+    def __init__(self, parent=None, values=()):
         self._parent = parent
+        self._values = values
 
-    @fixed
+    @classmethod
+    def _of(cls, parent, key):
+        """The element of a state that has this id."""
+        element = cls.__new__(cls)
+        element._parent = parent
+        element._values = (key,)
+        element._content()
+        return element
+
+    @staticmethod
+    def _read(fact):
+        """The fields after the id, from what the state says about the element."""
+        return fact
+
+    @property
     def parent(self):
         """The state that this is a part of, or None."""
         return self._parent
@@ -27,10 +45,35 @@ class StateElement:
     @property
     def state_element_id(self):
         """The id among the elements of this kind."""
-        return getattr(self, "_" + self._fields[0]) if self._fields else None
+        return self._values[0] if self._fields else None
 
     def _content(self):
-        return tuple(getattr(self, "_" + field) for field in self._fields)
+        facts = getattr(self._parent, "_facts", None) if self._group else None
+        if facts is not None:
+            key = self._values[0]
+            fact = facts[self._group].get(key)
+            if fact is not None:
+                self._values = (key, *self._read(fact))
+        return self._values
+
+    def _get(self, field):
+        return self._content()[self._fields.index(field)]
+
+    def _set(self, change, values, *arguments):
+        """Changes the state that this is a part of, or the value itself; ``values`` is field to new content."""
+        if self._parent is not None:
+            self._parent._change(f"{self._verb}.{change}", *self._address(), *arguments)
+        else:
+            self._values = tuple(values.get(field, old) for field, old in zip(self._fields, self._values))
+
+    def _address(self):
+        """How changes name the element in its state."""
+        return (self._values[0],)
+
+    def _detach(self):
+        """The element has left its state; what it was last stays readable."""
+        self._content()
+        self._parent = None
 
     def to_dict(self):
         """The content as a dictionary: name of the field to value."""
@@ -46,3 +89,16 @@ class StateElement:
 
     def __repr__(self):
         return f"<{self}>"
+
+
+class field(property):  # noqa: N801, it is used like `property`
+    """A field of an element that can be read."""
+
+    def __init__(self, doc):
+        property.__init__(self, lambda element: element._get(self._name), doc=doc)
+
+    def __set_name__(self, owner, name):
+        self._name = name
+
+    def __set__(self, instance, value):
+        raise AttributeError(f"`{self._name}` of {instance} cannot be assigned; remove the element and add another")

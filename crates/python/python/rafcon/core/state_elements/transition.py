@@ -1,10 +1,9 @@
 """Transitions: which state follows on which outcome."""
 
-from rafcon.core._refusals import fixed, refuses
-from rafcon.core.state_elements.state_element import StateElement
+from rafcon.core.state_elements.state_element import StateElement, field
+from rafcon.utils.type_helpers import of_type
 
 
-@refuses("modify_origin", "modify_target")
 class Transition(StateElement):
     """Leads from an outcome of a state to the next state, or to an outcome of the container.
 
@@ -13,41 +12,64 @@ class Transition(StateElement):
     """
 
     _fields = ("transition_id", "from_state", "from_outcome", "to_state", "to_outcome")
+    _group = "transitions"
+    _verb = "transition"
+
+    transition_id = field("The id (``int``), unique in the container.")
 
     def __init__(self, from_state, from_outcome, to_state, to_outcome, transition_id=None, parent=None):
-        StateElement.__init__(self, parent)
-        self._from_state = from_state
-        self._from_outcome = from_outcome
-        self._to_state = to_state
-        self._to_outcome = to_outcome
-        self._transition_id = transition_id
+        StateElement.__init__(self, parent, (transition_id, from_state, from_outcome, to_state, to_outcome))
 
-    @fixed
-    def transition_id(self):
-        """The id (``int``), unique in the container."""
-        return self._transition_id
-
-    @fixed
+    @property
     def from_state(self):
         """The id of the state that it leaves; None for the start transition."""
-        return self._from_state
+        return self._get("from_state")
 
-    @fixed
+    @from_state.setter
+    def from_state(self, from_state):
+        self.modify_origin(from_state, self.from_outcome)
+
+    @property
     def from_outcome(self):
         """The id of the outcome that it leaves by; None for the start transition."""
-        return self._from_outcome
+        return self._get("from_outcome")
 
-    @fixed
+    @from_outcome.setter
+    def from_outcome(self, from_outcome):
+        self.modify_origin(self.from_state, from_outcome)
+
+    @property
     def to_state(self):
         """The id of the state that it leads to."""
-        return self._to_state
+        return self._get("to_state")
 
-    @fixed
+    @to_state.setter
+    def to_state(self, to_state):
+        self.modify_target(to_state, self.to_outcome)
+
+    @property
     def to_outcome(self):
         """The id of the container's outcome that it leads to, or None."""
-        return self._to_outcome
+        return self._get("to_outcome")
+
+    @to_outcome.setter
+    def to_outcome(self, to_outcome):
+        self.modify_target(self.to_state, to_outcome)
+
+    def modify_origin(self, from_state, from_outcome):
+        """Lets the transition begin at an outcome of a state, or (None, None) at the container's income."""
+        of_type(from_state, str, "from_state", or_none=True)
+        of_type(from_outcome, int, "from_outcome", or_none=True)
+        values = {"from_state": from_state, "from_outcome": from_outcome}
+        self._set("origin", values, from_state, from_outcome)
+
+    def modify_target(self, to_state, to_outcome=None):
+        """Lets the transition lead to a state, or to an outcome of the container."""
+        of_type(to_state, str, "to_state")
+        of_type(to_outcome, int, "to_outcome", or_none=True)
+        self._set("target", {"to_state": to_state, "to_outcome": to_outcome}, to_state, to_outcome)
 
     def __str__(self):
-        begin = f"from_state: {self._from_state}, from_outcome: {self._from_outcome}, "
-        end = f"to_state: {self._to_state}, to_outcome: {self._to_outcome}, "
-        return f"Transition - {begin}{end}id: {self._transition_id}"
+        key, from_state, from_outcome, to_state, to_outcome = self._content()
+        begin = f"from_state: {from_state}, from_outcome: {from_outcome}, "
+        return f"Transition - {begin}to_state: {to_state}, to_outcome: {to_outcome}, id: {key}"

@@ -1,22 +1,39 @@
 """Semantic data: what the user notes about a state, as nested dictionaries of texts."""
 
-from functools import cached_property
+import json
 
-from rafcon.core._refusals import fixed
 from rafcon.utils.vividict import Vividict
 
 
 class SemanticData:
-    """The part of a state that offers its semantic data. Changes hold until the process ends."""
+    """The part of a state that offers its semantic data.
 
-    @cached_property
+    Changes in place hold until the process ends, and go into the files of a machine that is being built. What is
+    assigned as a whole changes the machine.
+    """
+
+    _notes = None
+
+    @property
     def _semantic_data(self):
-        return Vividict(self._facts["semantic_data"])
+        if self._notes is None:
+            self._notes = Vividict(self._facts["semantic_data"])
+        return self._notes
 
-    @fixed
+    @property
     def semantic_data(self):
         """Nested dictionaries with ``str`` keys."""
         return self._semantic_data
+
+    @semantic_data.setter
+    def semantic_data(self, semantic_data):
+        self._notes = Vividict(semantic_data)
+        self._store_notes()
+
+    def _store_notes(self):
+        """Brings what was changed in place into the machine."""
+        if self._notes is not None and self._notes != self._facts["semantic_data"]:
+            self._change("state.semantic_data", json.dumps(self._notes) if self._notes else None)
 
     def get_semantic_data(self, path_as_list):
         """The entry that a list of keys leads to; ``KeyError`` if there is none."""

@@ -1,5 +1,6 @@
 """Containers that wait for all their states, and the decider that judges them."""
 
+from rafcon import _ids
 from rafcon.core.state_elements.logical_port import Outcome
 from rafcon.core.states.concurrency_state import ConcurrencyState
 from rafcon.core.states.execution_state import ExecutionState
@@ -9,7 +10,41 @@ UNIQUE_DECIDER_STATE_ID = "unique_decider_state_id"
 
 
 class BarrierConcurrencyState(ConcurrencyState):
-    """A container that runs all its states at the same time, waits for all, and lets its decider choose the outcome."""
+    """A container that runs all its states at the same time, waits for all, and lets its decider choose the outcome.
+
+    A new one has a decider of its own, unless ``decider_state`` is given; further arguments are those of any container.
+    """
+
+    _kind = "barrier"
+
+    def __init__(self, *arguments, decider_state=None, load_from_storage=False, **named):
+        self._decider = decider_state
+        ConcurrencyState.__init__(self, *arguments, **named)
+
+    def _put_in(self, state):
+        if isinstance(state, DeciderState):
+            self._decider = state
+        else:
+            self.add_state(state)
+
+    def add_state(self, state, storage_load=False):
+        """As in any container; outcomes of the state from 0 on get a transition to the decider."""
+        known = set(self._facts["transitions"])
+        state_id = ConcurrencyState.add_state(self, state, storage_load)
+        if self._place < 0:
+            self._renumber({key: ends for key, ends in self._facts["transitions"].items() if key not in known})
+        return state_id
+
+    def _renumber(self, transitions):
+        """Gives transitions that came by themselves the ids that they would have if they had been added."""
+        taken = set(self._facts["transitions"]) - set(transitions)
+        removals = [("transition.remove", (key,)) for key in transitions]
+        self._home.change(self, removals + [("transition.add", (_ids.transition_id(taken), *ends)) for ends in transitions.values()])
+
+    def _complete(self):
+        decider = self._decider or DeciderState("Decider", UNIQUE_DECIDER_STATE_ID)
+        del self._decider
+        self.add_state(decider)
 
 
 class DeciderState(ExecutionState):
@@ -19,8 +54,10 @@ class DeciderState(ExecutionState):
     (name, error) of those that left an error.
     """
 
-    def _bind(self, place, signals):
-        ExecutionState._bind(self, place, signals)
+    _kind = "decider"
+
+    def _init_run(self, signals):
+        ExecutionState._init_run(self, signals)
         self.child_errors = {}
         self.final_outcomes_dict = {}
 

@@ -2,26 +2,53 @@
 
 from functools import cached_property
 
-from rafcon.core._refusals import fixed
-from rafcon.core.script import Script
+from rafcon.core.script import DEFAULT_SCRIPT, Script
 from rafcon.core.states.state import State
 
 
 class ExecutionState(State):
-    """A state whose ``execute`` function is called when it is entered."""
+    """A state whose ``execute`` function is called when it is entered.
+
+    A new one has a script that greets, waits for two seconds and ends by *success*; ``path`` and ``filename`` may name
+    a file with another one.
+    """
+
+    _kind = "execution"
+
+    def __init__(
+        self,
+        name=None,
+        state_id=None,
+        input_data_ports=None,
+        output_data_ports=None,
+        income=None,
+        outcomes=None,
+        path=None,
+        filename=None,
+        check_path=True,
+        safe_init=True,
+    ):
+        self._build(name, state_id, (input_data_ports, output_data_ports, outcomes))
+        self.script_text = DEFAULT_SCRIPT
+        if path is not None:
+            self.script.load_script(path, filename)
 
     @cached_property
     def _script(self):
-        script = Script.__new__(Script)
-        script._bind(self)
-        return script
+        return Script(self)
 
-    @fixed
+    @property
     def script(self):
         """The :class:`Script`."""
         return self._script
 
-    @fixed
+    @property
     def script_text(self):
-        """The script's text (``str``)."""
+        """The script's text (``str``). A new text counts from the next time that the state is entered."""
         return self._facts["script"]
+
+    @script_text.setter
+    def script_text(self, text):
+        if text is not None and not isinstance(text, str):
+            raise TypeError(f"a script must be a str, not {type(text).__name__}")
+        self._change("state.script", text)

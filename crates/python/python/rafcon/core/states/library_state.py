@@ -1,63 +1,110 @@
 """States that run another state machine."""
 
-from rafcon import _objects
-from rafcon.core._refusals import fixed, refuses
 from rafcon.core.states.state import State
+from rafcon.utils.type_helpers import port_default
 
 
-@refuses(
-    "set_input_runtime_value",
-    "set_output_runtime_value",
-    "set_use_input_runtime_value",
-    "set_use_output_runtime_value",
-)
 class LibraryState(State):
-    """A state that stands for a library; the library's root is ``state_copy``."""
+    """A state that stands for a library; the library's root is ``state_copy``.
 
-    @fixed
+    Outcomes and ports are those of the library, and cannot be changed here (``NotImplementedError``). A value of its
+    own for a port counts instead of the port's default.
+    """
+
+    _kind = "library"
+
+    def __init__(
+        self,
+        library_path,
+        library_name,
+        version=None,
+        name=None,
+        state_id=None,
+        income=None,
+        outcomes=None,
+        input_data_port_runtime_values=None,
+        use_runtime_value_input_data_ports=None,
+        output_data_port_runtime_values=None,
+        use_runtime_value_output_data_ports=None,
+        allow_user_interaction=True,
+        safe_init=True,
+        skip_runtime_data_initialization=False,
+    ):
+        from rafcon.core.singleton import library_manager
+
+        named = (name if name is not None else library_name, state_id)
+        document, state_id = library_manager._document(library_path, library_name, version, named)
+        self._settle_alone(document, state_id)
+        inputs = (input_data_port_runtime_values, use_runtime_value_input_data_ports)
+        self._take_values("inputs", self.input_data_ports, *inputs)
+        outputs = (output_data_port_runtime_values, use_runtime_value_output_data_ports)
+        self._take_values("outputs", self.output_data_ports, *outputs)
+
+    def _take_values(self, group, ports, values, used):
+        for key, value in (values or {}).items():
+            self._set_value(group, ports, key, value)
+        for key, use in (used or {}).items():
+            self._change("runtime.used", group, key, bool(use))
+
+    def _set_value(self, group, ports, key, value):
+        self._change("runtime.set", group, key, port_default(value, ports[key].data_type))
+
+    def set_input_runtime_value(self, input_data_port_id, value):
+        """Uses a value of its own for an input; text is converted to the port's type."""
+        self._set_value("inputs", self.input_data_ports, input_data_port_id, value)
+
+    def set_output_runtime_value(self, output_data_port_id, value):
+        """Uses a value of its own for an output; text is converted to the port's type."""
+        self._set_value("outputs", self.output_data_ports, output_data_port_id, value)
+
+    def set_use_input_runtime_value(self, input_data_port_id, use_value):
+        """Whether the value of its own counts for an input, or the default of the library."""
+        self._change("runtime.used", "inputs", input_data_port_id, bool(use_value))
+
+    def set_use_output_runtime_value(self, output_data_port_id, use_value):
+        """Whether the value of its own counts for an output, or the default of the library."""
+        self._change("runtime.used", "outputs", output_data_port_id, bool(use_value))
+
+    @property
     def library_path(self):
         """Where the library lies: the key of a library root, and folders below it."""
         return self._facts["library"]["path"]
 
-    @fixed
+    @property
     def library_name(self):
         """The name of the library's folder."""
         return self._facts["library"]["name"]
 
-    @fixed
+    @property
     def version(self):
         """The version (``str``) of the library that was put in."""
         return self._facts["library"]["version"]
 
-    @fixed
+    @property
     def state_copy(self):
         """The root state of the library."""
-        return next((_objects.state(place) for place in self._facts["children"].values()), None)
+        ids = self._home.child_ids(self)
+        return self._home.child(self, ids[0]) if ids else None
 
-    @fixed
+    @property
     def input_data_port_runtime_values(self):
         """Port id to the value used here instead of the port's default."""
         return self._facts["library"]["input_runtime_values"]
 
-    @fixed
+    @property
     def output_data_port_runtime_values(self):
         """Port id to the value used here instead of the port's default."""
         return self._facts["library"]["output_runtime_values"]
 
-    @fixed
+    @property
     def use_runtime_value_input_data_ports(self):
         """Port id to whether the runtime value is used."""
         return self._facts["library"]["use_input_runtime_values"]
 
-    @fixed
+    @property
     def use_runtime_value_output_data_ports(self):
         """Port id to whether the runtime value is used."""
         return self._facts["library"]["use_output_runtime_values"]
-
-    @property
-    def library_hierarchy_depth(self):
-        """In how many libraries this state is, itself included."""
-        return 1 + len(self._library_roots())
 
     def recursively_preempt_states(self):
         """Preempts this state and all states of the library."""

@@ -9,10 +9,11 @@ from functools import cached_property
 
 from rafcon import _logging, _objects, _signals
 from rafcon._bridge import native
-from rafcon.core._refusals import NoConstructor, fixed, refuses
 from rafcon.core.execution.execution_history import ExecutionHistory
 from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
 from rafcon.core.state_elements.logical_port import Income, Outcome
+from rafcon.core.states._changes import StateChanges
+from rafcon.core.states._construction import StateConstruction
 from rafcon.core.states._semantic_data import SemanticData
 from rafcon.utils.log import get_logger
 
@@ -40,47 +41,36 @@ _PHASES = {
 _PROCESS = os.urandom(8).hex()
 
 
-@refuses(
-    "add_outcome",
-    "remove_outcome",
-    "add_input_data_port",
-    "remove_input_data_port",
-    "add_output_data_port",
-    "remove_output_data_port",
-    "remove_income",
-    "remove",
-    "change_state_id",
-    "destroy",
-)
-class State(NoConstructor, SemanticData):
-    """A state of the running machine.
+class State(StateConstruction, StateChanges, SemanticData):
+    """A state: of the machine that runs, or of one that is being built.
 
     ``preempted``, ``paused`` and ``started`` may be set. Any further attribute that a script puts on the object stays
     there until the process ends, and so does ``persistent_variables``.
     """
 
-    def _bind(self, place, signals):
-        self._place = place
-        self._signals = signals
-        self._told = 0
-        #: A dictionary of the user's, kept from one run of the state to the next.
-        self.persistent_variables = {}
-
-    @cached_property
+    @property
     def _facts(self):
-        return native.describe(self._place)
+        home = self._home
+        revision = home.revision
+        if self._seen != revision:
+            self._known, self._seen = home.facts(self), revision
+        return self._known
 
     def _live(self):
-        return native.status(self._place)
+        return self._home.live(self)
 
     # ---- who it is
 
-    @fixed
+    @property
     def name(self):
         """The name (``str``)."""
         return self._facts["name"]
 
-    @fixed
+    @name.setter
+    def name(self, name):
+        self._rename(name)
+
+    @property
     def state_id(self):
         """The id (``str``), unique in its container."""
         return self._facts["state_id"]
@@ -90,10 +80,14 @@ class State(NoConstructor, SemanticData):
         """The same as ``state_id``."""
         return self.state_id
 
-    @fixed
+    @property
     def description(self):
         """The description (``str``), or None."""
         return self._facts["description"] or None
+
+    @description.setter
+    def description(self, description):
+        self._describe(description)
 
     @cached_property
     def logger(self):
@@ -120,20 +114,21 @@ class State(NoConstructor, SemanticData):
 
     # ---- around it
 
-    @fixed
+    @property
     def parent(self):
-        """The container, the library state around a library's root, or the state machine."""
-        above = self._facts["parent"]
-        return _objects.state(above) if above >= 0 else _objects.machine()
+        """The container, the library state around a library's root, or the state machine; None if it stands alone."""
+        return self._home.parent(self)
 
     def get_state_machine(self):
-        """The state machine that runs."""
-        return _objects.machine()
+        """The state machine that it belongs to, or None."""
+        return self._home.machine(self)
 
     @property
     def is_root_state(self):
         """Whether the state machine is the parent."""
-        return self._facts["parent"] < 0
+        from rafcon.core.state_machine import StateMachine
+
+        return isinstance(self.parent, StateMachine)
 
     @property
     def is_root_state_of_library(self):
@@ -157,7 +152,7 @@ class State(NoConstructor, SemanticData):
         while True:
             if state.is_root_state_of_library:
                 roots.append(state)
-            if state.is_root_state:
+            if not isinstance(state.parent, State):
                 return roots
             state = state.parent
 
@@ -168,61 +163,59 @@ class State(NoConstructor, SemanticData):
 
     # ---- its parts
 
-    @cached_property
-    def _outcomes(self):
-        facts = self._facts["outcomes"]
-        return {key: Outcome(key, name, self) for key, name in facts.items()}
+    def _parts(self, group, cls):
+        """Id to element of one kind; the elements stay the same as long as they are there."""
+        facts = self._facts[group]
+        seen, parts = self._listed.get(group, (None, {}))
+        if seen is not facts:
+            parts = {key: parts[key] if key in parts else cls._of(self, key) for key in facts}
+            self._listed[group] = facts, parts
+        return parts
 
-    @fixed
+    def _adopt(self, group, key, element):
+        """The element that a user made stands for that of the state from now on."""
+        element._parent = self
+        parts = {**self._listed.get(group, (None, {}))[1], key: element}
+        self._listed[group] = None, parts
+
+    @property
     def outcomes(self):
         """Outcome id to :class:`Outcome`; -1 is *aborted*, -2 *preempted*."""
-        return self._outcomes
+        return self._parts("outcomes", Outcome)
 
     @cached_property
     def _income(self):
         return Income(self)
 
-    @fixed
+    @property
     def income(self):
         """Where the state is entered."""
         return self._income
 
-    def _ports(self, kind, cls):
-        found = self._facts[kind].items()
-        return {key: cls(name, _objects.port_type(t), default, key, self) for key, (name, t, default) in found}
-
-    @cached_property
-    def _inputs(self):
-        return self._ports("inputs", InputDataPort)
-
-    @fixed
+    @property
     def input_data_ports(self):
         """Port id to :class:`InputDataPort`."""
-        return self._inputs
+        return self._parts("inputs", InputDataPort)
 
-    @cached_property
-    def _outputs(self):
-        return self._ports("outputs", OutputDataPort)
-
-    @fixed
+    @property
     def output_data_ports(self):
         """Port id to :class:`OutputDataPort`."""
-        return self._outputs
+        return self._parts("outputs", OutputDataPort)
 
     def get_data_port_ids(self):
         """The ids of all inputs and outputs."""
-        return list(self._inputs) + list(self._outputs)
+        return list(self.input_data_ports) + list(self.output_data_ports)
 
     def get_data_port_by_id(self, data_port_id):
         """The input or output of this id, or None."""
-        return self._inputs.get(data_port_id) or self._outputs.get(data_port_id)
+        return self.input_data_ports.get(data_port_id) or self.output_data_ports.get(data_port_id)
 
     def get_io_data_port_id_from_name_and_type(self, name, data_port_type, throw_exception=True):
         """The id of the port of this name; ``data_port_type`` is ``InputDataPort`` or ``OutputDataPort``.
 
         Without one, ``AttributeError``, or None if ``throw_exception`` is False.
         """
-        ports = self._inputs if data_port_type is InputDataPort else self._outputs
+        ports = self.input_data_ports if data_port_type is InputDataPort else self.output_data_ports
         for key, port in ports.items():
             if port.name == name:
                 return key
@@ -234,7 +227,8 @@ class State(NoConstructor, SemanticData):
         return any(item is part for group in self._groups() for part in group)
 
     def _groups(self):
-        return [self._outcomes.values(), self._inputs.values(), self._outputs.values(), [self._income]]
+        ports = [self.input_data_ports.values(), self.output_data_ports.values()]
+        return [self.outcomes.values(), *ports, [self._income]]
 
     # ---- its run
 
@@ -361,8 +355,8 @@ class State(NoConstructor, SemanticData):
 
     @property
     def backward_execution(self):
-        """Whether ``backward_execute`` runs; always False in this version."""
-        return False
+        """Whether ``backward_execute`` runs."""
+        return self._backward
 
     @property
     def execution_history(self):

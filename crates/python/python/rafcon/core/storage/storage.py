@@ -1,6 +1,15 @@
-"""Names of the files of a state machine; loading and saving is done from outside the running machine."""
+"""State machines from and to files, and the names of these files."""
 
+import os
+import re
+import shutil
+
+from rafcon._bridge import native
+from rafcon.core.config import global_config
 from rafcon.core.custom_exceptions import MachineChangeNotSupported
+from rafcon.utils.log import get_logger
+
+logger = get_logger(__name__)
 
 #: The header of a state machine.
 STATEMACHINE_FILE = "statemachine.json"
@@ -18,11 +27,63 @@ SEMANTIC_DATA_FILE = "semantic_data.json"
 ID_NAME_DELIMITER = "_"
 
 
+
 def load_state_machine_from_path(base_path, state_machine_id=None):
-    """Would load a second machine beside the running one: refused."""
-    raise MachineChangeNotSupported("storage.load_state_machine_from_path(…)")
+    """The :class:`~rafcon.core.state_machine.StateMachine` in a folder; ``ValueError`` if there is none.
+
+    Faults of its files are errors in the log, and the rest of the machine is loaded.
+    """
+    from rafcon.core.singleton import library_manager
+    from rafcon.core.state_machine import StateMachine
+
+    document, problems = native.load_document(str(base_path), library_manager._roots())
+    for problem in problems:
+        logger.error("%s: %s", base_path, problem)
+    return StateMachine._loaded(document, state_machine_id)
 
 
 def save_state_machine_to_path(state_machine, base_path, delete_old_state_machine=False, as_copy=False):
-    """Would save the running machine: refused."""
-    raise MachineChangeNotSupported("storage.save_state_machine_to_path(…)")
+    """Writes a machine to a folder, in one step that is never half done.
+
+    ``as_copy``: the machine still belongs to the folder where it was. ``delete_old_state_machine``: everything else
+    that is in the folder goes, too.
+    """
+    if state_machine._facts is not None:
+        raise MachineChangeNotSupported("storage.save_state_machine_to_path(…)")
+    document = state_machine._document
+    if delete_old_state_machine and os.path.exists(base_path):
+        shutil.rmtree(base_path)
+    with state_machine.modification_lock():
+        native.save_document(document, str(base_path), _naming(), as_copy)
+    if not as_copy:
+        state_machine._marked_dirty = False
+        state_machine.root_state._home.revision += 1
+
+
+def _naming():
+    length = global_config.get_config_value("MAX_LENGTH_FOR_STATE_NAME_IN_STORAGE_PATH")
+    length = length if isinstance(length, int) and length > 0 else None
+    return bool(global_config.get_config_value("STORAGE_PATH_WITH_STATE_NAME")), length
+
+
+def get_storage_id_for_state(state):
+    """The name (``str``) of the folder that a state gets when its machine is saved."""
+    with_name, length = _naming()
+    if not with_name:
+        return state.state_id
+    suffix = ID_NAME_DELIMITER + state.state_id
+    return limit_text_max_length(clean_path_element(state.name), length or 255 - len(suffix)) + suffix
+
+
+def clean_path_element(text):
+    """A name with nothing but letters, digits, ``_`` and ``-``."""
+    return re.sub("[^a-zA-Z0-9_-]", "", re.sub("[ *]", "_", text))
+
+
+def limit_text_max_length(text, max_length, separator="_"):
+    """A text of at most so many characters: its beginning and its end."""
+    if len(text) <= max_length:
+        return text
+    half = (max_length - 1) / 2
+    head, tail = int(half + 0.5), int(half)
+    return text[:head] + separator + text[len(text) - tail :]

@@ -1,0 +1,38 @@
+"""Names and ids for what is built: they count on through the process, as files written by the reference have them."""
+
+import itertools
+import random
+import string
+
+_names = itertools.count(1)
+_transitions = itertools.count(1)
+_data_flows = itertools.count(1)
+_machines = itertools.count(1)
+
+
+def state_name(cls):
+    """A name for a state that got none."""
+    return f"{cls.__name__} {next(_names)}"
+
+
+def state_id(taken=()):
+    """Six letters that are not taken."""
+    while True:
+        found = "".join(random.choice(string.ascii_uppercase) for _ in range(6))
+        if found not in taken:
+            return found
+
+
+def machine_id():
+    """The next id of a state machine."""
+    return next(_machines)
+
+
+def transition_id(taken):
+    """The next id of a transition that is not taken in its container."""
+    return next(found for found in _transitions if found not in taken)
+
+
+def data_flow_id(taken):
+    """The next id of a data flow that is not taken in its container."""
+    return next(found for found in _data_flows if found not in taken)

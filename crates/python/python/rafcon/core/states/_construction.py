@@ -1,0 +1,126 @@
+"""How a state comes to be: bound to a place of the machine that runs, or built by itself."""
+
+from rafcon import _ids, _signals
+from rafcon._bridge import native
+from rafcon._homes import RUNNING, Built
+from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
+from rafcon.core.state_elements.logical_port import Outcome
+from rafcon.utils.type_helpers import convert_string_to_type, port_default, type_name
+
+
+class StateConstruction:
+    """The part of a state that knows where it lives.
+
+    ``_home`` is the machine that it belongs to, ``_above`` the state around it and ``_key`` its id there (both for
+    states that are being built), ``_place`` the number of its place (for those that run).
+    """
+
+    _kind = None
+    _place = -1
+
+    def _bind(self, place, signals):
+        """The state stands at a place of the machine that runs."""
+        self._init_run(signals)
+        self._place = place
+        self._home = RUNNING
+
+    def _init_run(self, signals):
+        self._signals = signals
+        self._seen = None
+        self._above = self._key = None
+        self._inside = {}
+        self._listed = {}
+        self._told = 0
+        self._backward = False
+        #: A dictionary of the user's, kept from one run of the state to the next.
+        self.persistent_variables = {}
+
+    def _build(self, name, state_id, parts):
+        """The state stands alone; ``parts`` are inputs, outputs and outcomes as the constructors take them."""
+        self._begin(_name(type(self), name), state_id)
+        inputs, outputs, outcomes = parts
+        self._take_outcomes(outcomes)
+        self._take_ports("inputs", InputDataPort, inputs)
+        self._take_ports("outputs", OutputDataPort, outputs)
+
+    def _begin(self, name, state_id):
+        state_id = _ids.state_id() if state_id is None else _text(state_id, "state_id")
+        self._settle_alone(native.Document.state(self._kind, state_id, name), state_id)
+        self._change("state.name", name)
+
+    def _settle_alone(self, document, state_id):
+        if not hasattr(self, "_signals"):
+            self._init_run(_signals.Idle())
+        self._settle(Built(document, self), None, state_id)
+
+    def _settle(self, home, above, key):
+        """From now on the state lives there; so do those inside."""
+        if not hasattr(self, "_signals"):
+            self._init_run(_signals.Idle())
+        self._home, self._above, self._key, self._seen = home, above, key, None
+        if above is not None:
+            above._inside[key] = self
+        for state_id, state in self._inside.items():
+            state._settle(home, self, state_id)
+
+    def _line(self):
+        """The states from the topmost one to here."""
+        above = [] if self._above is None else self._above._line()
+        return [*above, self]
+
+    def _known_states(self):
+        """This state and those inside that have an object."""
+        found = [self]
+        for state in self._inside.values():
+            found += state._known_states()
+        return found
+
+    def _change(self, verb, *arguments):
+        self._home.change(self, [(verb, arguments)])
+
+    def _take_outcomes(self, outcomes):
+        if outcomes is None:
+            outcomes = [Outcome(0, "success")]
+        mandatory = self._facts["outcomes"]
+        for key, outcome in by_id(outcomes, "outcome_id").items():
+            if key not in mandatory:
+                self._change("outcome.add", key, outcome.name)
+            elif mandatory[key] != outcome.name:
+                self._change("outcome.rename", key, outcome.name)
+            self._adopt("outcomes", key, outcome)
+
+    def _take_ports(self, group, cls, ports):
+        for key, port in by_id(ports or {}, "data_port_id").items():
+            if not isinstance(port, cls):
+                raise TypeError(f"{cls.__name__} expected, not {type(port).__name__}")
+            self._add_port(group, port.name, port.data_type, port.default_value, key)
+            self._adopt(group, key, port)
+
+    def _add_port(self, group, name, data_type, default, key):
+        data_type = convert_string_to_type(data_type)
+        default = port_default(default, data_type)
+        key = self._facts["free_port_id"] if key is None else key
+        self._change("port.add", group, key, name, type_name(data_type), default)
+        return key
+
+
+def _name(cls, name):
+    if name is None:
+        return _ids.state_name(cls)
+    return str(name) if isinstance(name, (int, float)) else _text(name, "the name of a state")
+
+
+def _text(value, what):
+    if not isinstance(value, str):
+        raise TypeError(f"{what} must be a str, not {type(value).__name__}")
+    return value
+
+
+def by_id(elements, field):
+    """Id to element, from a dictionary or any other collection."""
+    if not isinstance(elements, dict):
+        return {getattr(element, field): element for element in elements}
+    for key, element in elements.items():
+        if getattr(element, field) != key:
+            raise AttributeError(f"the key {key!r} is not the id of {element}")
+    return elements

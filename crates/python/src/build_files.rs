@@ -1,0 +1,76 @@
+//! Machines from and to files for Python code that builds them, with the libraries that they use. Knows folders.
+
+use crate::build::Document;
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+use rafcon_storage::{Libraries, Naming, Root, load, save};
+use smol_str::SmolStr;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// `rafcon._native.LibraryRoots`: folders with libraries, and what was read of them.
+#[pyclass(frozen, module = "rafcon._native")]
+#[derive(Debug)]
+pub(crate) struct LibraryRoots {
+    pub(crate) libraries: Arc<Libraries>,
+}
+
+#[pymethods]
+impl LibraryRoots {
+    /// Roots from pairs of key and folder.
+    #[new]
+    fn new(roots: Vec<(String, PathBuf)>) -> Self {
+        let roots = roots.into_iter().map(|(name, dir)| Root { name: SmolStr::from(name), dir });
+        Self { libraries: Arc::new(Libraries::new(roots.collect())) }
+    }
+}
+
+/// `rafcon._native.load_document`: the machine in a folder, and what was wrong with its files.
+#[pyfunction]
+pub(crate) fn load_document(
+    py: Python<'_>,
+    path: &str,
+    roots: &LibraryRoots,
+) -> PyResult<(Document, Vec<String>)> {
+    let libraries = Arc::clone(&roots.libraries);
+    let loaded = py.detach(|| load(Path::new(path), &libraries)).map_err(|error| {
+        PyValueError::new_err(format!("this is no state machine: {}", chain(&error)))
+    })?;
+    let problems = loaded.problems.iter().map(ToString::to_string).collect();
+    Ok((Document::of(loaded.machine, Some(loaded.saved), libraries), problems))
+}
+
+/// `rafcon._native.save_document`: writes the machine to a folder; a copy leaves the document where it was.
+#[pyfunction]
+pub(crate) fn save_document(
+    py: Python<'_>,
+    document: &Document,
+    folder: &str,
+    naming: (bool, Option<usize>),
+    as_copy: bool,
+) -> PyResult<()> {
+    let (with_name, max_name_length) = naming;
+    let naming = Naming { with_name, max_name_length };
+    let (machine, saved) = {
+        let content = document.lock(py);
+        (content.machine.clone(), content.saved.clone())
+    };
+    let written = py.detach(|| save(&machine, Path::new(folder), saved.as_ref(), naming));
+    let written = written.map_err(|error| PyOSError::new_err(chain(&error)))?;
+    if !as_copy {
+        document.lock(py).saved = Some(written);
+    }
+    Ok(())
+}
+
+/// An error with its causes, on one line.
+fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(source) = cause {
+        text = format!("{text}: {source}");
+        cause = source.source();
+    }
+    text
+}

@@ -1,0 +1,73 @@
+//! A run inside a program that has built its machine: the program's own process hosts it. Knows the way in; what happens
+//! then is the runner's.
+
+use crate::handle::Handle;
+use crate::process::{PythonHost, adopt};
+use crate::{current, runtime::Runtime};
+use parking_lot::Mutex;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rafcon_engine::Finish;
+use rafcon_runner::{ServeError, serve};
+use smol_str::SmolStr;
+use std::os::fd::RawFd;
+
+/// How the last run of this program ended.
+static ENDING: Mutex<Option<Ending>> = Mutex::new(None);
+
+/// The end of a run, with the values themselves.
+struct Ending {
+    outcome: (i64, SmolStr),
+    outputs: Vec<(SmolStr, Handle)>,
+    scoped_variables: Vec<(SmolStr, Handle)>,
+}
+
+/// Keeps the end of a run for the program that started it.
+pub(crate) fn ended(finish: &Finish<Handle>) {
+    if !current::is_embedded() {
+        return;
+    }
+    let ending = Ending {
+        outcome: (finish.outcome.0, finish.outcome_name.clone()),
+        outputs: finish.outputs.clone(),
+        scoped_variables: finish.scoped_variables.clone(),
+    };
+    let earlier = ENDING.lock().replace(ending);
+    drop(earlier);
+}
+
+/// `rafcon._native.ending`: what the root of the last run left behind; None if no run has ended.
+#[pyfunction]
+pub(crate) fn ending(py: Python<'_>) -> PyResult<Option<Bound<'_, PyDict>>> {
+    let Some(Ending { outcome: (id, name), outputs, scoped_variables }) = ENDING.lock().take()
+    else {
+        return Ok(None);
+    };
+    let ending = PyDict::new(py);
+    ending.set_item("final_outcome", (id, name.as_str()))?;
+    ending.set_item("output_data", named(py, &outputs)?)?;
+    ending.set_item("scoped_data", named(py, &scoped_variables)?)?;
+    Ok(Some(ending))
+}
+
+fn named<'py>(py: Python<'py>, values: &[(SmolStr, Handle)]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, value) in values {
+        dict.set_item(name.as_str(), value.bind(py))?;
+    }
+    Ok(dict)
+}
+
+/// `rafcon._native.host`: runs what the other end of the socket `fd` asks for, to its end. Output, signals and configuration
+/// stay those of the program.
+#[pyfunction]
+pub(crate) fn host(py: Python<'_>, fd: RawFd) -> PyResult<()> {
+    current::embed();
+    let stream = adopt(py, fd)?;
+    Runtime::get(py)?;
+    match py.detach(|| serve(stream, PythonHost::default())) {
+        Ok(()) | Err(ServeError::Load(_)) => Ok(()),
+        Err(error) => Err(PyRuntimeError::new_err(error.to_string())),
+    }
+}

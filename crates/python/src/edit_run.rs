@@ -1,0 +1,54 @@
+//! Changes of the machine that runs, as its own scripts ask for them. Knows the run; never how a change is carried out.
+
+use crate::build::{Change, batch};
+use crate::build_value::PythonTypes;
+use crate::edit::refused;
+use crate::status::place;
+use crate::{current, thread};
+use pyo3::prelude::*;
+use rafcon_model::edit::apply;
+
+/// `rafcon._native.revision`: differs after every change of the machine that runs.
+#[pyfunction]
+pub(crate) fn revision() -> PyResult<u64> {
+    Ok(current::facts()?.scripts().seating.generation())
+}
+
+/// `rafcon._native.edit`: carries changes out, all or none. The machine has them when this returns, and honours them at its
+/// next step. What is in use cannot be taken away: `MachineChangeRefused`.
+#[pyfunction]
+pub(crate) fn edit(py: Python<'_>, changes: Vec<Change<'_>>) -> PyResult<()> {
+    let driver = current::driver()?;
+    let what: Vec<String> = changes.iter().map(|(verb, path, _)| words(verb, path)).collect();
+    let edit = batch(changes)?;
+    let mut tried = driver.machine().as_ref().clone();
+    apply(&mut tried, edit.clone(), &PythonTypes).map_err(|error| refused(&error))?;
+    let answer = thread::leave(py, || driver.edit(&[edit], &what.join(", "), false));
+    answer.map(drop).or_else(|reason| Err(in_use(py, reason)?))
+}
+
+/// The exception for a change that the running machine refuses.
+fn in_use(py: Python<'_>, reason: String) -> PyResult<PyErr> {
+    let class = py.import("rafcon.core.custom_exceptions")?.getattr("MachineChangeRefused")?;
+    Ok(PyErr::from_value(class.call1((reason,))?))
+}
+
+/// A change in words, for whoever reads the run's record.
+fn words(verb: &str, path: &str) -> String {
+    let (what, done) = verb.split_once('.').unwrap_or((verb, ""));
+    let part = match what {
+        "children" => "states",
+        "flow" => "data flow",
+        "runtime" => "runtime value",
+        other => other,
+    };
+    format!("{part} {done} at {path}")
+}
+
+/// `rafcon._native.settle`: an object that stood for a state that was built by itself stands for the one at a place from
+/// now on.
+#[pyfunction]
+pub(crate) fn settle(py: Python<'_>, path: u32, object: &Bound<'_, PyAny>) -> PyResult<()> {
+    let place = place(py, path)?;
+    current::driver()?.scripts().seat_with(object, &place)
+}
