@@ -891,26 +891,28 @@ hierarchy ROOT
 ",
         "start; step mode; preempt ROOT/H; A ok; step into; C ok",
         &expect![[r"
-    > start
-    enter ROOT
-    enter ROOT/H
-    enter ROOT/H/A
-      run ROOT/H/A
-    > step mode
-    > preempt ROOT/H
-    refused: this engine does not know the command yet; it knows start, pause, resume and stop
-    > A ok
-    error ROOT/H/A: 'ok' is no outcome
-    leave ROOT/H/A aborted
-    leave ROOT/H aborted
-    leave ROOT aborted
-    finished
-      end of run: aborted (-1), 3 states
-    > step into
-    refused: cannot step: the run has finished; begin a new run
-    > C ok
-    refused: frame 77.0 runs no script; a result is given once, with the frame of its job
-"]],
+            > start
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+              run ROOT/H/A
+            > step mode
+            > preempt ROOT/H
+              preempt ROOT/H
+              preempt ROOT/H/A
+            > A ok
+            leave ROOT/H/A preempted
+            hold ROOT/H before ROOT/H/C (Step)
+            > step into
+            enter ROOT/H/C
+              run ROOT/H/C
+            > C ok
+            leave ROOT/H/C ok
+            leave ROOT/H preempted
+            leave ROOT done
+            finished
+              end of run: done (0), 4 states
+        "]],
     );
 }
 
