@@ -20,6 +20,7 @@ mod reference;
 mod soak;
 mod test;
 mod tidy;
+mod torture;
 mod workspace;
 
 use std::process::ExitCode;
@@ -52,6 +53,8 @@ enum Task {
     Dist,
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed.
     Soak(soak::Options),
+    /// Kill runners in the middle of a run, and take the runs up again.
+    Torture(torture::Options),
     /// Check what neither compiler nor lints see: module docs, sizes, named tests, links, generated files.
     Tidy(tidy::Options),
 }
@@ -76,6 +79,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
         Task::Soak(options) => soak::run(&options),
+        Task::Torture(options) => torture::run(&options),
         Task::Tidy(options) => tidy::run(options),
     }
 }

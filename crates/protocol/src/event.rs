@@ -314,9 +314,21 @@ pub struct ActiveState {
     /// The child of a concurrency state whose branch it belongs to; empty on the root's branch.
     #[serde(default)]
     pub branch: String,
-    /// For what it waits, or before which state it is held.
+    /// For what it waits.
     #[serde(default)]
     pub detail: Option<String>,
+    /// What it is held by; a concurrency state may be held before several of its children.
+    #[serde(default)]
+    pub held: Vec<Hold>,
+}
+
+/// One place where an active state is held.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Hold {
+    /// The state before which it is held, if there is one.
+    pub next: Option<String>,
+    /// By what.
+    pub by: HeldBy,
 }
 
 /// The latest truth about a run: coalesced, at most every 100 ms.

@@ -20,7 +20,7 @@ pub mod run;
 pub use breakpoint::{Breakpoint, Scope, Unattended, When};
 pub use command::{Answer, Command, Envelope, Expiry, Given};
 pub use event::{
-    ActiveState, Event, HeldBy, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream, Values,
+    ActiveState, Event, HeldBy, Hold, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream, Values,
 };
 pub use frame::{FrameError, decode, encode};
 pub use hello::{Hello, VERSION, VersionMismatch};

@@ -2,8 +2,9 @@
 
 use crate::Scripts;
 use crate::driver::Driver;
-use rafcon_engine::{Active, Activity, HeldBy, PathId, Status, WaitReason};
-use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
+use crate::tell;
+use rafcon_engine::{Active, Activity, PathId, Status, WaitReason};
+use rafcon_protocol::{ActiveState, Hold, Phase, RunStatus, Snapshot};
 
 /// How things stand; the engine is held only while its active states are listed.
 pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
@@ -36,6 +37,7 @@ fn state<S: Scripts>(driver: &Driver<S>, active: &Active, now_ms: u64) -> Option
         since_ms: now_ms.saturating_sub(place.entered_ms()),
         branch: active.top.and_then(|top| text(driver, top)).unwrap_or_default(),
         detail: detail(driver, active),
+        held: held(driver, active),
     })
 }
 
@@ -43,20 +45,21 @@ fn text<S: Scripts>(driver: &Driver<S>, path: PathId) -> Option<String> {
     driver.places().with(path, |place| place.text.to_string())
 }
 
-/// For what a state waits, or what it is held by and before which state.
+/// For what a state waits.
 fn detail<S: Scripts>(driver: &Driver<S>, active: &Active) -> Option<String> {
-    let waits = match &active.activity {
+    match &active.activity {
         Activity::Waiting(reason) => Some(waiting(driver, reason)),
         Activity::Checking => Some("the condition of a breakpoint".to_owned()),
         Activity::Script | Activity::Inside | Activity::Held => None,
+    }
+}
+
+fn held<S: Scripts>(driver: &Driver<S>, active: &Active) -> Vec<Hold> {
+    let hold = |hold: &rafcon_engine::Hold| Hold {
+        next: hold.next.and_then(|next| text(driver, next)),
+        by: tell::held_by(hold.by),
     };
-    let held = active.holds.iter().map(|hold| {
-        let next = hold.next.and_then(|next| text(driver, next));
-        let next = next.map(|next| format!("before {next} "));
-        format!("held {}by {}", next.unwrap_or_default(), holder(hold.by))
-    });
-    let all = waits.into_iter().chain(held).collect::<Vec<_>>();
-    (!all.is_empty()).then(|| all.join("; "))
+    active.holds.iter().map(hold).collect()
 }
 
 fn waiting<S: Scripts>(driver: &Driver<S>, reason: &WaitReason) -> String {
@@ -68,16 +71,6 @@ fn waiting<S: Scripts>(driver: &Driver<S>, reason: &WaitReason) -> String {
         WaitReason::NoStart => "a start state".to_owned(),
         WaitReason::NoChildren => "a child".to_owned(),
         WaitReason::Interrupted => "a decision: a crash interrupted its script".to_owned(),
-    }
-}
-
-fn holder(by: HeldBy) -> String {
-    match by {
-        HeldBy::Pause => "a pause".to_owned(),
-        HeldBy::Step => "a step".to_owned(),
-        HeldBy::RunTo => "the end of a run to it".to_owned(),
-        HeldBy::Breakpoint(id) => format!("breakpoint {id}"),
-        HeldBy::Start => "the start".to_owned(),
     }
 }
 

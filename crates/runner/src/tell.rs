@@ -108,7 +108,7 @@ fn outcome_name<D: Datum>(path: PathId, outcome: OutcomeId, engine: &Engine<D>) 
     Some(node.outcome(outcome)?.name.to_string())
 }
 
-fn held_by(by: HeldBy) -> protocol::HeldBy {
+pub(crate) fn held_by(by: HeldBy) -> protocol::HeldBy {
     match by {
         HeldBy::Pause => protocol::HeldBy::Pause,
         HeldBy::Step => protocol::HeldBy::Step,

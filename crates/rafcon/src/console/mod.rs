@@ -190,8 +190,7 @@ impl Console {
     /// The state before which the selected one is held, or the selected one itself.
     fn target(&self, snapshot: &Snapshot) -> String {
         let state = self.state(snapshot);
-        let next = state.filter(|state| state.phase == Phase::Held);
-        let next = next.and_then(|state| state.detail.as_deref()?.strip_prefix("before "));
+        let next = state.and_then(|state| state.held.iter().find_map(|hold| hold.next.as_deref()));
         next.or(state.map(|state| state.path.as_str())).unwrap_or_default().to_owned()
     }
 

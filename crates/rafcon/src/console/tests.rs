@@ -1,16 +1,18 @@
 use super::{Console, Key, Wish};
 use crate::view::Paint;
 use expect_test::{Expect, expect};
-use rafcon_protocol::{ActiveState, Form, Phase, Question, RunStatus, Snapshot};
+use rafcon_protocol::{ActiveState, Form, HeldBy, Hold, Phase, Question, RunStatus, Snapshot};
 
-fn state(path: &str, phase: Phase, branch: &str, detail: Option<&str>) -> ActiveState {
+fn state(path: &str, phase: Phase, branch: &str, next: Option<&str>) -> ActiveState {
+    let hold = |next: &str| Hold { next: Some(next.to_owned()), by: HeldBy::Step };
     ActiveState {
         path: path.to_owned(),
         name: path.rsplit('/').next().unwrap().to_owned(),
         phase,
         since_ms: 0,
         branch: branch.to_owned(),
-        detail: detail.map(str::to_owned),
+        detail: None,
+        held: next.map(hold).into_iter().collect(),
     }
 }
 
@@ -27,8 +29,8 @@ fn snapshot(form: Option<Form>) -> Snapshot {
         status: RunStatus::Stepping,
         active: vec![
             state("R", Phase::Running, "", None),
-            state("R/A", Phase::Held, "R/A", Some("before R/A/X")),
-            state("R/B", Phase::Held, "R/B", Some("before R/B/Y")),
+            state("R/A", Phase::Held, "R/A", Some("R/A/X")),
+            state("R/B", Phase::Held, "R/B", Some("R/B/Y")),
         ],
         states_run: 3,
         elapsed_ms: 0,

@@ -33,6 +33,8 @@ pub(crate) enum End {
     },
     /// The runner ended in the middle of the run.
     Died(Death),
+    /// We left; the run goes on.
+    Left,
 }
 
 /// What is known about a runner that ended in the middle of a run.
@@ -53,7 +55,10 @@ impl End {
     pub(crate) fn active_mut(&mut self) -> Option<&mut Vec<String>> {
         match self {
             Self::Killed { active, .. } | Self::Died(Death { active, .. }) => Some(active),
-            Self::Finished { .. } | Self::LoadFailed { .. } | Self::NotStarted { .. } => None,
+            Self::Finished { .. }
+            | Self::LoadFailed { .. }
+            | Self::NotStarted { .. }
+            | Self::Left => None,
         }
     }
 
@@ -70,6 +75,7 @@ impl End {
             Self::LoadFailed { .. } | Self::NotStarted { .. } => 1,
             Self::Killed { timed_out: false, .. } => 5,
             Self::Died(_) => 7,
+            Self::Left => 0,
         }
     }
 }

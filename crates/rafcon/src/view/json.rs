@@ -22,6 +22,7 @@ enum CutOff<'a> {
     LoadFailed { reason: &'a str },
     NotStarted { reason: &'a str, stderr: &'a [String] },
     Killed { timed_out: bool, active: &'a [String] },
+    Left,
     Died { reason: &'a str, active: &'a [String], stderr: &'a [String] },
 }
 
@@ -84,6 +85,7 @@ impl<W: Write> View for Json<W> {
             End::Killed { timed_out, active } => {
                 self.line(&CutOff::Killed { timed_out: *timed_out, active })?;
             }
+            End::Left => self.line(&CutOff::Left)?,
             End::Died(Death { reason, active, said, .. }) => {
                 self.line(&CutOff::Died { reason, active, stderr: said })?;
             }

@@ -108,7 +108,7 @@ impl<W: Write> View for Lines<W> {
 }
 
 /// A log line for a terminal: time and state faint, the text in the colour of its level.
-pub(super) fn log_lines(time: Duration, name: &str, log: LogLevel, message: &str) -> Vec<Line> {
+pub(crate) fn log_lines(time: Duration, name: &str, log: LogLevel, message: &str) -> Vec<Line> {
     let style = match log {
         LogLevel::Verbose | LogLevel::Debug => Style::Dim,
         LogLevel::Info => Style::Plain,

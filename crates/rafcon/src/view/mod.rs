@@ -11,10 +11,11 @@ mod text;
 mod value;
 
 pub(crate) use json::Json;
-pub(crate) use lines::Lines;
+pub(crate) use lines::{Lines, log_lines};
 pub(crate) use live::Live;
 pub(crate) use names::{Names, names_of};
-pub(crate) use text::{Line, Paint, Style, counted, harmless};
+pub(crate) use summary::style as outcome_style;
+pub(crate) use text::{Line, Paint, Style, counted, harmless, time};
 pub(crate) use value::shown;
 
 use crate::console::{Key, Wish};

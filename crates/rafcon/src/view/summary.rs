@@ -25,7 +25,7 @@ pub(super) fn lines(machine: &str, after: Duration, event: &Event) -> Vec<Line> 
 }
 
 /// How good an outcome is.
-pub(super) fn style(outcome: &Outcome) -> Style {
+pub(crate) fn style(outcome: &Outcome) -> Style {
     match outcome.id {
         0 => Style::Good,
         -1 => Style::Bad,

@@ -131,7 +131,11 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn start(place: &Place, more: &str) -> Self {
         assert_extension();
-        let mut command = place.command(&format!("run MACHINE --output json {more}"));
+        Self::of(place.command(&format!("run MACHINE --output json {more}")))
+    }
+
+    /// Any command that runs something.
+    pub(crate) fn of(mut command: Command) -> Self {
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let lines = BufReader::new(child.stdout.take().unwrap()).lines();
         Self { child, lines }
@@ -146,6 +150,16 @@ impl Run {
     pub(crate) fn wait_for_one_of(&mut self, words: &[String]) -> Option<String> {
         let said = |line: &String| words.iter().any(|word| line.contains(word));
         self.lines.by_ref().map(Result::unwrap).find(said)
+    }
+
+    /// The next line, if there is one more.
+    pub(crate) fn next_line(&mut self) -> Option<String> {
+        self.lines.next().map(Result::unwrap)
+    }
+
+    /// The number of the program's process.
+    pub(crate) fn id(&self) -> u32 {
+        self.child.id()
     }
 
     pub(crate) fn signal(&self, signal: Signal) {

@@ -15,3 +15,4 @@ mod script_check;
 mod signals;
 mod strangers;
 mod terminal;
+mod torture;

@@ -2,7 +2,7 @@
 
 use crate::console::Wish;
 use crate::runner::Cause;
-use crate::supervisor;
+use crate::supervisor::{self, Death};
 use rafcon_protocol::{Answer, Command, Envelope, Event, Join, Outcome, ToRunner, ToViewer};
 
 /// What is to be done.
@@ -47,9 +47,13 @@ impl End {
                 supervisor::End::Finished { outcome: outcome.clone(), timed_out: false }
             }
             Self::Refused(reason) => supervisor::End::LoadFailed { reason: reason.clone() },
-            Self::Left | Self::Lost => {
-                supervisor::End::Killed { timed_out: false, active: Vec::new() }
-            }
+            Self::Left => supervisor::End::Left,
+            Self::Lost => supervisor::End::Died(Death {
+                reason: "its runner is gone".to_owned(),
+                active: Vec::new(),
+                said: Vec::new(),
+                is_cut_off: false,
+            }),
         }
     }
 

@@ -22,7 +22,7 @@ fn way_out(run: &str) -> String {
 
 fn text(end: &End, names: &mut Names) -> String {
     match end {
-        End::Finished { timed_out: false, .. } => String::new(),
+        End::Finished { timed_out: false, .. } | End::Left => String::new(),
         End::Finished { timed_out: true, .. } => {
             "error: the time given by --timeout was over; the machine was stopped".to_owned()
         }

@@ -2,6 +2,7 @@
 
 use crate::view::text::{Line, Style, counted, harmless, time};
 use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// What is drawn.
@@ -15,6 +16,8 @@ pub(super) struct Picture<'a> {
     pub(super) age: Duration,
     /// Characters beyond ASCII may be drawn.
     pub(super) unicode: bool,
+    /// Names of the states that others are held before, by path.
+    pub(super) names: &'a BTreeMap<String, String>,
     /// Path of the state that keys are about.
     pub(super) selected: Option<&'a str>,
 }
@@ -45,8 +48,13 @@ fn head(picture: &Picture<'_>, width: usize) -> Line {
         RunStatus::Finished => (Style::Dim, "finished"),
     };
     let elapsed = Duration::from_millis(snapshot.elapsed_ms) + picture.age;
-    let left =
-        Line::of(Style::Strong, harmless(picture.machine)).and(Style::Plain, "  ").and(style, word);
+    let root = snapshot.active.first().filter(|root| !root.path.contains('/'));
+    let held = root.filter(|root| root.phase == Phase::Held);
+    let held = held.map(|root| format!(", {}", held_text(root, picture.names)));
+    let left = Line::of(Style::Strong, harmless(picture.machine))
+        .and(Style::Plain, "  ")
+        .and(style, word)
+        .and(Style::Warning, held.unwrap_or_default());
     let states = format!("{} run  ", counted(snapshot.states_run, "state"));
     let time = Line::of(Style::Strong, time(elapsed));
     let right = Line::of(Style::Dim, states).followed_by(time.clone());
@@ -112,10 +120,10 @@ fn mark_followed(rows: &mut [Row<'_>]) {
 
 fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> Line {
     let (style, word) = match row.state.phase {
-        Phase::Running => (Style::Plain, ""),
-        Phase::Waiting => (Style::Warning, "waiting  "),
-        Phase::Held => (Style::Warning, "held  "),
-        Phase::Preempted => (Style::Warning, "preempted  "),
+        Phase::Running => (Style::Plain, String::new()),
+        Phase::Waiting => (Style::Warning, "waiting  ".to_owned()),
+        Phase::Held => (Style::Warning, format!("{}  ", held_text(row.state, picture.names))),
+        Phase::Preempted => (Style::Warning, "preempted  ".to_owned()),
     };
     let since = Duration::from_millis(row.state.since_ms) + picture.age;
     let time = Line::of(Style::Dim, format!("{:>6}", time(since)));
@@ -128,6 +136,17 @@ fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> Line {
         .and(name_style, harmless(&row.state.name));
     let fits = left.width() + right.width() < width;
     left.with_right(if fits { right } else { time }, width)
+}
+
+/// Before what a state is held.
+fn held_text(state: &ActiveState, names: &BTreeMap<String, String>) -> String {
+    let name = |path: &String| {
+        let name = names.get(path).map_or(path.as_str(), String::as_str);
+        harmless(name.rsplit('/').next().unwrap_or_default())
+    };
+    let nexts: Vec<String> =
+        state.held.iter().filter_map(|hold| hold.next.as_ref()).map(name).collect();
+    if nexts.is_empty() { "held".to_owned() } else { format!("held before {}", nexts.join(", ")) }
 }
 
 /// The lines that lead to a state.
@@ -145,6 +164,7 @@ mod tests {
     use crate::view::text::Paint;
     use expect_test::{Expect, expect};
     use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
+    use std::collections::BTreeMap;
     use std::time::Duration;
 
     const STATES: &str = "
@@ -174,6 +194,7 @@ mod tests {
                 since_ms: since_ms.parse().unwrap(),
                 branch: String::new(),
                 detail: None,
+                held: Vec::new(),
             }
         });
         let snapshot = Snapshot {
@@ -188,8 +209,14 @@ mod tests {
             questions: Vec::new(),
         };
         let age = Duration::from_millis(100);
-        let picture =
-            Picture { machine: "Mission", snapshot: &snapshot, age, unicode, selected: None };
+        let picture = Picture {
+            machine: "Mission",
+            snapshot: &snapshot,
+            age,
+            unicode,
+            names: &BTreeMap::new(),
+            selected: None,
+        };
         let lines = draw(&picture, width, height);
         assert!(lines.len() <= height && lines.iter().all(|line| line.width() <= width));
         let paint = Paint { colour: false, unicode };

@@ -9,6 +9,7 @@ use super::{Names, View, summary};
 use crate::console::{Console, Key, Wish};
 use crate::supervisor::End;
 use rafcon_protocol::{Command, Event, HeldBy, LogLevel, Snapshot, StateData};
+use std::collections::BTreeMap;
 use std::io;
 use std::time::Duration;
 use terminal::Screen;
@@ -76,18 +77,28 @@ impl Live {
         }
     }
 
+    /// The names of the states that others are held before.
+    fn names_of_nexts(&mut self) -> BTreeMap<String, String> {
+        let active = self.snapshot.iter().flat_map(|(_, snapshot)| &snapshot.active);
+        let nexts = active.flat_map(|state| &state.held).filter_map(|hold| hold.next.clone());
+        let mut named = |path: String| (path.clone(), self.names.path(&path).to_string());
+        nexts.map(&mut named).collect()
+    }
+
     fn draw(&mut self, now: Duration) -> io::Result<()> {
         let (columns, rows) = Screen::size();
         // One column stays free: a full line would leave the cursor beyond it on some terminals.
         let (width, height) = (columns.saturating_sub(1), (rows * 2 / 3).max(1));
+        let names = self.names_of_nexts();
         let lines = self.snapshot.as_ref().map_or_else(Vec::new, |(at, snapshot)| {
             let age = now.saturating_sub(*at);
             let unicode = self.paint.unicode;
             let console = self.console.as_ref();
             let below = console.map(|console| console.lines(snapshot)).unwrap_or_default();
             let selected = console.and_then(|console| console.selected(snapshot));
+            let machine = &self.machine;
             let picture =
-                frame::Picture { machine: &self.machine, snapshot, age, unicode, selected };
+                frame::Picture { machine, snapshot, age, unicode, names: &names, selected };
             let mut lines = frame::draw(&picture, width, height.saturating_sub(below.len()).max(1));
             lines.extend(below.into_iter().map(|line| line.cut(width)));
             lines
