@@ -1,5 +1,8 @@
 //! Whole runs on real threads, with scripts of plain Rust: what a state does is said by the first word of its name.
 
+mod house;
+mod limits;
 mod players;
 mod runs;
 mod stress;
+mod talks;

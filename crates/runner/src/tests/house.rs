@@ -1,0 +1,416 @@
+//! Whole runs over real sockets: a host with scripts of plain Rust, and viewers that speak the protocol.
+
+use crate::keep::Keep;
+use crate::signals::PREEMPTED;
+use crate::{Asked, Driver, Host, Opening, Place, Scripts, serve};
+use parking_lot::{Mutex, RwLock};
+use rafcon_engine::{
+    Check, Globals, Job, Literals, ModelLiterals, NoGlobals, Program, Returned, ScriptResult,
+};
+use rafcon_model::{Machine, Value, notation};
+use rafcon_protocol::{
+    Answer, Command, Envelope, Event, Form, Hello, Join, Launch, LogLevel, Stream, ToRunner, ToViewer,
+    decode, encode,
+};
+use rafcon_storage::journal::record::Content;
+use rafcon_storage::journal::{Kept, Stored};
+use rafcon_storage::{Naming, save};
+use serde_json::json;
+use smol_str::SmolStr;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock, Weak};
+use std::thread::JoinHandle;
+use tempfile::TempDir;
+
+/// A host for one run.
+#[derive(Debug)]
+pub(super) struct Actors;
+
+/// A script for each first word of a state's name: see [`Cast::play`].
+#[derive(Debug)]
+pub(super) struct Cast {
+    program: RwLock<Arc<Program<Value>>>,
+    driver: OnceLock<Weak<Driver<Self>>>,
+    globals: Mutex<Vec<(String, Value)>>,
+}
+
+impl Host for Actors {
+    type Scripts = Cast;
+
+    fn literals(&mut self) -> &mut dyn Literals<Value> {
+        static LITERALS: ModelLiterals = ModelLiterals;
+        // A value without a size: every one is the same.
+        Box::leak(Box::new(LITERALS))
+    }
+
+    fn value(&mut self, json: &serde_json::Value) -> Result<Value, String> {
+        from_json(json)
+    }
+
+    fn open(self, opening: Opening<Value>) -> Cast {
+        Cast {
+            program: RwLock::new(opening.program),
+            driver: OnceLock::new(),
+            globals: Mutex::default(),
+        }
+    }
+
+    fn opened(driver: &Arc<Driver<Cast>>) {
+        driver.scripts().driver.set(Arc::downgrade(driver)).unwrap();
+    }
+}
+
+impl Cast {
+    fn driver(&self) -> Arc<Driver<Self>> {
+        self.driver.get().unwrap().upgrade().unwrap()
+    }
+
+    /// Does what the first word of the state's name says.
+    fn play(&self, word: &str, job: &Job<Value>, place: &Arc<Place>) -> ScriptResult<Value> {
+        let plain = |returned, outputs| ScriptResult { returned, outputs, error: None };
+        match word {
+            "wait" => {
+                place.signals.wait(PREEMPTED, None);
+                plain(Returned::Id(-2), Vec::new())
+            }
+            "stuck" => loop {
+                std::thread::park();
+            },
+            "ask" => self.ask(place),
+            "add" => {
+                let Some(Value::Int(number)) = job.inputs.first() else {
+                    return self.failure("there is no number");
+                };
+                plain(Returned::Id(0), vec![Some(Value::Int(number + 1))])
+            }
+            "die" => std::process::abort(),
+            "shout" => {
+                let line = "x".repeat(1 << 20);
+                (0..20).for_each(|_| self.print(place, line.clone()));
+                plain(Returned::Id(0), Vec::new())
+            }
+            "safe" => {
+                let recorder = Arc::clone(self.driver().recorder());
+                let is_safe = recorder.safety().state().0 == recorder.last();
+                plain(Returned::Id(if is_safe { 0 } else { -1 }), Vec::new())
+            }
+            "show" => {
+                let error = job.error.clone().unwrap_or_else(|| Value::str("no error"));
+                plain(Returned::Id(0), vec![Some(error)])
+            }
+            _ => plain(Returned::Id(0), Vec::new()),
+        }
+    }
+
+    fn print(&self, place: &Place, line: String) {
+        self.driver().log(Some(place.path), LogLevel::Info, Stream::Stdout, line);
+    }
+
+    fn ask(&self, place: &Arc<Place>) -> ScriptResult<Value> {
+        let asked = Asked {
+            message: "Go on?".to_owned(),
+            form: Form::Buttons { buttons: vec!["Yes".to_owned(), "No".to_owned()] },
+            timeout_ms: None,
+            default: None,
+        };
+        let closed = self.driver().ask(place, asked).unwrap();
+        let button = closed.answer.and_then(|answer| answer["button"].as_i64());
+        ScriptResult {
+            returned: Returned::Id(button.unwrap_or(-2)),
+            outputs: Vec::new(),
+            error: None,
+        }
+    }
+}
+
+impl Scripts for Cast {
+    type Value = Value;
+
+    fn run(&self, job: Job<Value>, place: &Arc<Place>) -> ScriptResult<Value> {
+        let name = self.program.read().node(job.node).name().clone();
+        self.play(name.split(' ').next().unwrap_or_default(), &job, place)
+    }
+
+    fn failure(&self, reason: &str) -> ScriptResult<Value> {
+        let error = Some(Value::str(reason));
+        ScriptResult { returned: Returned::Raised, outputs: Vec::new(), error }
+    }
+
+    fn inhabit(&self, life: &mut (dyn FnMut() + Send)) {
+        life();
+    }
+
+    fn park(&self, wait: &mut (dyn FnMut() + Send)) {
+        wait();
+    }
+
+    fn settle(&self) {}
+
+    fn globals(&self) -> &dyn Globals<Value> {
+        &NoGlobals
+    }
+
+    fn finished(&self) {}
+
+    fn released(&self) {}
+
+    fn encode(&self, value: &Value) -> serde_json::Value {
+        to_json(value)
+    }
+
+    fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value> {
+        let globals = self.globals.lock();
+        globals.iter().map(|(name, value)| (name.clone(), to_json(value))).collect()
+    }
+
+    fn value(&self, json: &serde_json::Value) -> Result<Value, String> {
+        from_json(json)
+    }
+
+    fn with_literals(&self, make: &mut dyn FnMut(&mut dyn Literals<Value>)) {
+        make(&mut ModelLiterals);
+    }
+
+    fn keep<'v>(&self, value: &'v Value) -> Keep<'v> {
+        Keep::Plain(match value {
+            Value::None => Kept::None,
+            Value::Bool(value) => Kept::Bool(*value),
+            Value::Int(value) => Kept::Int(*value),
+            Value::Float(value) => Kept::Float(*value),
+            other => Kept::Text(SmolStr::new(to_json(other).as_str().unwrap_or("a value"))),
+        })
+    }
+
+    fn plain(&self, kept: &Kept) -> Result<Value, String> {
+        match kept {
+            Kept::None => Ok(Value::None),
+            Kept::Bool(value) => Ok(Value::Bool(*value)),
+            Kept::Int(value) => Ok(Value::Int(*value)),
+            Kept::Float(value) => Ok(Value::Float(*value)),
+            Kept::Text(text) if text == "lost" => Err("it was lost".to_owned()),
+            Kept::Text(text) => Ok(Value::str(text)),
+            Kept::Absent | Kept::Value(_) => Err("it is not plain".to_owned()),
+        }
+    }
+
+    fn restore(&self, stored: &Stored, _values: &Path) -> Result<Value, String> {
+        match &stored.content {
+            Content::View => from_json(&stored.view),
+            _ => Err("it was not kept".to_owned()),
+        }
+    }
+
+    fn restore_global(&self, name: &str, value: Value) -> Result<(), String> {
+        self.globals.lock().push((name.to_owned(), value));
+        Ok(())
+    }
+
+    fn check(&self, check: &Check<Value>, _place: &Arc<Place>) -> Result<bool, SmolStr> {
+        match check.condition.as_str() {
+            "true" => Ok(true),
+            "false" => Ok(false),
+            other => Err(SmolStr::new(format!("cannot read {other}"))),
+        }
+    }
+
+    fn changed(&self, _machine: &Machine, program: &Arc<Program<Value>>) {
+        *self.program.write() = Arc::clone(program);
+    }
+}
+
+fn to_json(value: &Value) -> serde_json::Value {
+    match value {
+        Value::Bool(value) => json!(value),
+        Value::Int(value) => json!(value),
+        Value::Float(value) => json!(value),
+        Value::Str(text) => json!(&**text),
+        _ => json!(null),
+    }
+}
+
+fn from_json(json: &serde_json::Value) -> Result<Value, String> {
+    match json {
+        serde_json::Value::Null => Ok(Value::None),
+        serde_json::Value::Bool(value) => Ok(Value::Bool(*value)),
+        serde_json::Value::Number(number) => {
+            number.as_i64().map(Value::Int).ok_or_else(|| format!("{number} is no integer"))
+        }
+        serde_json::Value::String(text) => Ok(Value::str(text)),
+        other => Err(format!("this host has no value for {other}")),
+    }
+}
+
+/// A machine on disk, and a folder for its run.
+pub(super) struct House {
+    home: TempDir,
+}
+
+impl House {
+    /// With the machine of this text.
+    pub(super) fn new(machine: &str) -> Self {
+        let home = tempfile::tempdir().unwrap();
+        std::fs::write(home.path().join("config.yaml"), "{}\n").unwrap();
+        let house = Self { home };
+        house.build(machine);
+        house
+    }
+
+    /// Puts another machine there.
+    pub(super) fn build(&self, machine: &str) {
+        let machine = notation::parse(machine).unwrap();
+        save(&machine, &self.machine(), None, Naming::default()).unwrap();
+    }
+
+    pub(super) fn machine(&self) -> PathBuf {
+        self.home.path().join("machine")
+    }
+
+    pub(super) fn run_folder(&self) -> PathBuf {
+        self.home.path().join("run")
+    }
+
+    /// What a launch of it asks for: every event, and that others may join.
+    pub(super) fn launch(&self) -> Launch {
+        std::fs::create_dir_all(self.run_folder()).unwrap();
+        Launch {
+            machine: self.machine(),
+            run_folder: Some(self.run_folder()),
+            config: Some(self.home.path().to_owned()),
+            every_event: true,
+            listen: true,
+            ..Launch::default()
+        }
+    }
+
+    /// Begins a run, with the viewer that launches it.
+    pub(super) fn begin(&self, launch: Launch) -> (Viewer, JoinHandle<()>) {
+        let (ours, theirs) = UnixStream::pair().unwrap();
+        let runner = std::thread::Builder::new().name("runner".to_owned());
+        let runner = runner.spawn(move || serve(theirs, Actors).unwrap()).unwrap();
+        let mut viewer = Viewer::new(ours);
+        viewer.send(&ToRunner::Launch(launch));
+        (viewer, runner)
+    }
+
+    /// A viewer that joins the run.
+    pub(super) fn join(&self, join: Join) -> Viewer {
+        let stream = UnixStream::connect(self.run_folder().join("socket")).unwrap();
+        let mut viewer = Viewer::new(stream);
+        viewer.send(&ToRunner::Join(join));
+        viewer
+    }
+}
+
+/// One viewer.
+pub(super) struct Viewer {
+    lines: BufReader<UnixStream>,
+    /// The texts of all events that came by.
+    pub(super) seen: Vec<String>,
+}
+
+impl Viewer {
+    /// Says hello.
+    pub(super) fn new(mut stream: UnixStream) -> Self {
+        stream.write_all(&encode(&Hello::ours()).unwrap()).unwrap();
+        let mut lines = BufReader::new(stream);
+        let mut hello = String::new();
+        lines.read_line(&mut hello).unwrap();
+        decode::<Hello>(&hello).unwrap().check().unwrap();
+        Self { lines, seen: Vec::new() }
+    }
+
+    pub(super) fn send(&mut self, message: &ToRunner) {
+        self.lines.get_mut().write_all(&encode(message).unwrap()).unwrap();
+    }
+
+    /// Sends any text.
+    pub(super) fn raw(&mut self, text: &str) {
+        self.lines.get_mut().write_all(text.as_bytes()).unwrap();
+    }
+
+    /// The next message; `None` when the connection has ended.
+    pub(super) fn next(&mut self) -> Option<ToViewer> {
+        let mut line = String::new();
+        match self.lines.read_line(&mut line) {
+            Ok(0) | Err(_) => return None,
+            Ok(_) => {}
+        }
+        let message = decode::<ToViewer>(&line).unwrap();
+        if let ToViewer::Event { event, .. } = &message
+            && !matches!(event, Event::Root { .. })
+        {
+            self.seen.push(text(event));
+        }
+        Some(message)
+    }
+
+    /// What the first message says that `wanted` takes.
+    pub(super) fn until<T>(&mut self, mut wanted: impl FnMut(&ToViewer) -> Option<T>) -> T {
+        loop {
+            let message = self.next().unwrap_or_else(|| panic!("the end came: {:#?}", self.seen));
+            if let Some(found) = wanted(&message) {
+                return found;
+            }
+        }
+    }
+
+    /// Waits for an event with this text; its number.
+    pub(super) fn until_text(&mut self, wanted: &str) -> u64 {
+        self.until(|message| match message {
+            ToViewer::Event { event, sequence, .. } => (text(event) == wanted).then_some(*sequence),
+            _ => None,
+        })
+    }
+
+    /// Sends a command and waits for its answer.
+    pub(super) fn command(&mut self, id: &str, command: Command) -> String {
+        self.send(&ToRunner::Command(Envelope {
+            id: id.to_owned(),
+            author: "test".to_owned(),
+            decided_on: None,
+            expiry: None,
+            command,
+        }));
+        self.until(|message| match message {
+            ToViewer::Answer { id: answered, answer } if answered == id => Some(match answer {
+                Answer::Applied => "applied".to_owned(),
+                Answer::Expired => "expired".to_owned(),
+                Answer::Refused { reason } => format!("refused: {reason}"),
+            }),
+            _ => None,
+        })
+    }
+
+    /// Reads to the end; the texts of all events, one a line, but for machines: they are kept beside the run.
+    pub(super) fn to_end(mut self) -> String {
+        while self.next().is_some() {}
+        self.seen.retain(|text| !text.starts_with("Root "));
+        self.seen.iter().map(|text| format!("{text}\n")).collect()
+    }
+}
+
+/// One event in short.
+fn text(event: &Event) -> String {
+    match event {
+        Event::Entered { path, .. } => format!("+{path}"),
+        Event::Left { path, outcome, .. } => format!("-{path}={}", outcome.name),
+        Event::Log { path, message, .. } => format!("log {path}: {message}"),
+        Event::Commanded { envelope, answer } => {
+            let command = serde_json::to_value(&envelope.command).unwrap();
+            format!("{} by {}: {answer:?}", command["type"].as_str().unwrap(), envelope.author)
+        }
+        Event::Asked { question } => format!("asked {} by {}", question.id, question.path),
+        Event::Closed { id, how, answer, author } => {
+            let answer = answer.as_ref().map(ToString::to_string).unwrap_or_default();
+            format!("closed {id} {how:?} {answer} by {author}").replace("  ", " ")
+        }
+        Event::DeadlinePassed { path, deadline_ms } => format!("deadline {path} {deadline_ms} ms"),
+        Event::CutOff { path, grace_ms } => format!("cut off {path} {grace_ms} ms"),
+        Event::Paused { paused } => format!("paused {paused}"),
+        Event::Stopping => "stopping".to_owned(),
+        Event::Finished { outcome, .. } => format!("finished {}", outcome.name),
+        other => format!("{other:?}"),
+    }
+}

@@ -1,0 +1,170 @@
+//! Viewers: several at once, coming and going, with commands and questions.
+
+use super::house::{House, Viewer};
+use expect_test::{Expect, expect};
+use rafcon_protocol::{Command, Join, ToRunner, ToViewer};
+use serde_json::json;
+use std::io::Write as _;
+use std::os::unix::net::UnixStream;
+
+const WAITS: &str = "
+hierarchy ROOT
+  outcome done
+  in number: int = 4
+  var kept: int = 7
+  start -> A
+  A.ok -> .done
+  execution A \"wait\"
+    outcome ok
+";
+
+const ASKS: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  A.yes -> .done
+  A.no -> A
+  execution A \"ask\"
+    outcome yes
+    outcome no
+";
+
+/// All events but those of commands, line by line.
+fn check(viewer: Viewer, expect: &Expect) {
+    let text = viewer.to_end();
+    let lines = text.lines().filter(|line| !line.contains(" by test: "));
+    expect.assert_eq(&lines.map(|line| format!("{line}\n")).collect::<String>());
+}
+
+#[test]
+fn whoever_joins_is_told_what_it_asks_for_and_may_command() {
+    let house = House::new(WAITS);
+    let (mut first, runner) = house.begin(house.launch());
+    let from = first.until_text("+ROOT/A");
+    let mut second = house.join(Join { from, every_event: true, values: false });
+    let name = second.until(|message| match message {
+        ToViewer::Loaded { name, run, .. } => Some(format!("{name} {run}")),
+        _ => None,
+    });
+    assert_eq!(name, "ROOT run");
+    assert_eq!(second.command("1", Command::Stop), "applied");
+    check(
+        second,
+        &expect![[r"
+            +ROOT/A
+            stopping
+            -ROOT/A=preempted
+            -ROOT=preempted
+            finished preempted
+        "]],
+    );
+    drop(first);
+    runner.join().unwrap();
+}
+
+#[test]
+fn an_id_counts_once_for_all_viewers() {
+    let house = House::new(WAITS);
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("+ROOT/A");
+    let mut second = house.join(Join::default());
+    assert_eq!(first.command("pause", Command::Pause), "applied");
+    assert_eq!(second.command("pause", Command::Resume { branch: None }), "applied");
+    assert_eq!(second.command("stop", Command::Stop), "applied");
+    assert_eq!(first.command("stop", Command::Stop), "applied");
+    let text = first.to_end();
+    let commands: Vec<&str> = text.lines().filter(|line| line.contains(" by test: ")).collect();
+    assert_eq!(commands, ["pause by test: Applied", "stop by test: Applied"]);
+    runner.join().unwrap();
+}
+
+#[test]
+fn a_run_outlives_its_viewers_and_silent_ones_hold_up_nothing() {
+    let house = House::new(ASKS);
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("asked 1 by ROOT/A");
+    drop(first);
+    let path = house.run_folder().join("socket");
+    let _silent = UnixStream::connect(&path).unwrap();
+    let mut rude = UnixStream::connect(&path).unwrap();
+    rude.write_all(b"GET / HTTP/1.1\r\n\r\n").unwrap();
+    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    let answer = |button| Command::AnswerQuestion { question: 1, value: json!({"button": button}) };
+    assert_eq!(
+        second.command("1", answer(5)),
+        "refused: there is no button 5; the buttons are Yes, No, counted from 0"
+    );
+    assert_eq!(second.command("2", answer(0)), "applied");
+    check(
+        second,
+        &expect![[r#"
+            +ROOT
+            +ROOT/A
+            asked 1 by ROOT/A
+            closed 1 Answered {"button":0} by test
+            -ROOT/A=yes
+            -ROOT=done
+            finished done
+        "#]],
+    );
+    runner.join().unwrap();
+    assert!(!path.exists());
+}
+
+#[test]
+fn the_first_answer_counts_and_a_stop_withdraws_the_question() {
+    let house = House::new(ASKS);
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("asked 1 by ROOT/A");
+    let answer = |question| Command::AnswerQuestion { question, value: json!({"button": 1}) };
+    assert_eq!(first.command("1", answer(1)), "applied");
+    first.until_text("asked 2 by ROOT/A");
+    assert_eq!(first.command("2", answer(1)), "refused: question 1 is closed already");
+    assert_eq!(
+        first.command("3", answer(9)),
+        "refused: there is no question 9; a snapshot lists those that are open"
+    );
+    assert_eq!(first.command("4", Command::Stop), "applied");
+    let text = first.to_end();
+    assert!(text.contains("closed 2 Withdrawn by "), "{text}");
+    runner.join().unwrap();
+}
+
+#[test]
+fn what_an_active_state_holds_can_be_asked() {
+    let house = House::new(WAITS);
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("+ROOT/A");
+    let mut held = |path: &str| {
+        first.send(&ToRunner::Inspect { id: "i".to_owned(), path: path.to_owned() });
+        first.until(|message| match message {
+            ToViewer::Inspection { data, .. } => Some(serde_json::to_string(data).unwrap()),
+            _ => None,
+        })
+    };
+    expect![[r#"{"inputs":{"number":4},"outputs":{},"scoped_variables":{"kept":7}}"#]]
+        .assert_eq(&held("ROOT"));
+    expect!["null"].assert_eq(&held("ROOT/B"));
+    assert_eq!(first.command("stop", Command::Stop), "applied");
+    drop(first);
+    runner.join().unwrap();
+}
+
+#[test]
+fn what_is_no_command_is_answered_or_noted() {
+    let house = House::new(WAITS);
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("+ROOT/A");
+    first.raw("{\"message\":\"command\",\"id\":\"x\",\"command\":{\"type\":\"dance\"}}\n");
+    let answer = first.until(|message| match message {
+        ToViewer::Answer { id, answer } => Some(format!("{id} {answer:?}")),
+        _ => None,
+    });
+    assert!(answer.starts_with("x Refused { reason: \"this runner does not know the command: "));
+    first.raw("nonsense\n");
+    first
+        .until_text("log : a viewer sent not a message of this protocol: nonsense; it was ignored");
+    assert_eq!(first.command("stop", Command::Stop), "applied");
+    drop(first);
+    runner.join().unwrap();
+}
