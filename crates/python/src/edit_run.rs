@@ -1,12 +1,15 @@
 //! Changes of the machine that runs, as its own scripts ask for them. Knows the run; never how a change is carried out.
 
-use crate::build::{Change, batch};
+use crate::build::{Change, Document, batch};
 use crate::build_value::PythonTypes;
 use crate::edit::refused;
 use crate::status::place;
 use crate::{current, thread};
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use rafcon_model::edit::apply;
+use rafcon_model::{Header, Machine, StatePath};
+use std::sync::Arc;
 
 /// `rafcon._native.revision`: differs after every change of the machine that runs.
 #[pyfunction]
@@ -43,6 +46,17 @@ fn words(verb: &str, path: &str) -> String {
         other => other,
     };
     format!("{part} {done} at {path}")
+}
+
+/// `rafcon._native.taken`: the state at a place, with everything in it, as a document of its own.
+#[pyfunction]
+pub(crate) fn taken(py: Python<'_>, path: u32) -> PyResult<Document> {
+    let place = place(py, path)?;
+    let driver = current::driver()?;
+    let state = driver.machine().state(&StatePath::parse(&place.text)).cloned();
+    let gone = || PyKeyError::new_err(format!("there is no state {} any more", place.text));
+    let machine = Machine { header: Header::default(), root: state.ok_or_else(gone)? };
+    Ok(Document::of(machine, None, Arc::default()))
 }
 
 /// `rafcon._native.settle`: an object that stood for a state that was built by itself stands for the one at a place from

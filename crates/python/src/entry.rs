@@ -1,7 +1,9 @@
 //! The first thing that an interpreter calls: makes the module, or says why this interpreter cannot have it.
 #![expect(unsafe_code, reason = "an interpreter looks for a C function of this name")]
 
-use crate::{describe, fork, functions, process, status};
+use crate::{
+    build_files, build_run, config, describe, edit_run, fork, functions, process, questions, status,
+};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use std::ffi::CStr;
@@ -10,13 +12,23 @@ use std::ffi::CStr;
 #[pymodule]
 mod _rafcon {
     #[pymodule_export]
+    use super::build_files::{load_document, save_document};
+    #[pymodule_export]
+    use super::build_run::{ending, host};
+    #[pymodule_export]
+    use super::config::read_config;
+    #[pymodule_export]
     use super::describe::describe;
+    #[pymodule_export]
+    use super::edit_run::{edit, revision, settle, taken};
     #[pymodule_export]
     use super::fork::after_fork_in_child;
     #[pymodule_export]
     use super::functions::{command, current_path, emit, last_left, machine, state_object};
     #[pymodule_export]
     use super::process::main;
+    #[pymodule_export]
+    use super::questions::ask;
     #[pymodule_export]
     use super::status::status;
     use pyo3::prelude::*;

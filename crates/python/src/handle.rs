@@ -3,21 +3,38 @@
 
 use crate::class::{self, Class};
 use crate::graveyard;
+use crate::keeper::Keeper;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyString, PyTuple};
 use rafcon_engine::Datum;
 use rafcon_model::{Answer, DataType};
+use rafcon_runner::{Keep, KeptValue};
+use rafcon_storage::journal::record::{Content, TEXT_MAX};
+use rafcon_storage::journal::{Kept, Stored};
+use serde_json::json;
 use smol_str::SmolStr;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A Python object, or `None`. Cloning counts a reference of our own, never Python's.
 #[derive(Clone, Default)]
 pub(crate) struct Handle(Option<Arc<Object>>);
 
 struct Object {
-    object: Option<Py<PyAny>>,
+    /// There until it is dropped.
+    python: Option<Py<PyAny>>,
     kind: Kind,
+    saved: Saved,
+}
+
+/// How a value is kept.
+enum Saved {
+    /// In the events that name it.
+    Plain(Kept),
+    /// By number; copies of one value share it.
+    Stored(Arc<KeptValue>),
+    /// Not at all. What stands for it is made when an event names it.
+    Not(OnceLock<Box<KeptValue>>),
 }
 
 /// The type of an object, known once and for all.
@@ -46,24 +63,79 @@ pub(crate) enum Kind {
 }
 
 impl Handle {
-    /// A handle of its own for `object`.
+    /// A handle of its own for `object`. Only what stands in an event itself is kept.
     pub(crate) fn new(object: Bound<'_, PyAny>) -> Self {
+        Self::make(object, |object, kind| {
+            plain(object, kind).map_or_else(|| Saved::Not(OnceLock::new()), Saved::Plain)
+        })
+    }
+
+    /// A handle whose value is kept. May run code of the user: never called with the engine locked.
+    pub(crate) fn kept(object: Bound<'_, PyAny>, keeper: &Keeper) -> Self {
+        Self::make(object, |object, kind| match plain(object, kind) {
+            Some(kept) => Saved::Plain(kept),
+            None if keeper.keeps() => stored(keeper.stored(object, kind.type_name())),
+            None => Saved::Not(OnceLock::new()),
+        })
+    }
+
+    /// A handle whose value is shown as itself and kept as the pickle of `carrier`, which holds it.
+    pub(crate) fn carried(
+        object: Bound<'_, PyAny>,
+        carrier: &Bound<'_, PyAny>,
+        keeper: &Keeper,
+    ) -> Self {
+        let type_name = Kind::of(&object).type_name();
+        let kept = keeper.stored_as(&object, type_name, carrier);
+        Self::restored(object, kept)
+    }
+
+    /// A handle for what was made again of `stored`.
+    pub(crate) fn restored(object: Bound<'_, PyAny>, kept: Stored) -> Self {
+        Self::make(object, |_, _| stored(kept))
+    }
+
+    /// A handle for a copy of the same value, or for what stands for it in the journal.
+    pub(crate) fn like(&self, object: Bound<'_, PyAny>) -> Self {
+        match self.0.as_ref().map(|own| &own.saved) {
+            Some(Saved::Stored(kept)) => Self::make(object, |_, _| Saved::Stored(Arc::clone(kept))),
+            _ => Self::new(object),
+        }
+    }
+
+    fn make(
+        object: Bound<'_, PyAny>,
+        save: impl FnOnce(&Bound<'_, PyAny>, &Kind) -> Saved,
+    ) -> Self {
         if object.is_none() {
             return Self(None);
         }
         let kind = Kind::of(&object);
-        Self(Some(Arc::new(Object { object: Some(object.unbind()), kind })))
+        let saved = save(&object, &kind);
+        Self(Some(Arc::new(Object { python: Some(object.unbind()), kind, saved })))
+    }
+
+    /// How the journal keeps it; runs no code of the user.
+    pub(crate) fn keep(&self) -> Keep<'_> {
+        match self.0.as_ref().map(|own| (own, &own.saved)) {
+            None => Keep::Plain(Kept::None),
+            Some((_, Saved::Plain(kept))) => Keep::Plain(kept.clone()),
+            Some((_, Saved::Stored(kept))) => Keep::Stored(kept),
+            Some((own, Saved::Not(placeholder))) => {
+                Keep::Stored(placeholder.get_or_init(|| Box::new(not_kept(&own.kind))))
+            }
+        }
     }
 
     /// The object itself.
     pub(crate) fn bind<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        let object = self.0.as_ref().and_then(|object| object.object.as_ref());
+        let object = self.0.as_ref().and_then(|object| object.python.as_ref());
         object.map_or_else(|| py.None().into_bound(py), |object| object.bind(py).clone())
     }
 
     /// Whether it is this very object.
     pub(crate) fn is(&self, object: &Bound<'_, PyAny>) -> bool {
-        match self.0.as_ref().and_then(|own| own.object.as_ref()) {
+        match self.0.as_ref().and_then(|own| own.python.as_ref()) {
             Some(own) => own.is(object),
             None => object.is_none(),
         }
@@ -77,7 +149,7 @@ impl Handle {
 
 impl Drop for Object {
     fn drop(&mut self) {
-        if let Some(object) = self.object.take() {
+        if let Some(object) = self.python.take() {
             graveyard::bury(object);
         }
     }
@@ -134,6 +206,15 @@ impl Kind {
         })
     }
 
+    /// The name of the type, for messages.
+    pub(crate) fn type_name(&self) -> SmolStr {
+        match self {
+            Self::Other(class) => class.name.clone(),
+            Self::Strange => "object".into(),
+            kind => kind.builtin().map(|own| own.short_name()).unwrap_or_default(),
+        }
+    }
+
     fn fits(&self, declared: &DataType) -> Answer {
         match (self, declared) {
             (_, DataType::None | DataType::Object)
@@ -165,11 +246,41 @@ impl Datum for Handle {
     }
 
     fn type_name(&self) -> SmolStr {
-        match self.kind() {
-            None => "NoneType".into(),
-            Some(Kind::Other(class)) => class.name.clone(),
-            Some(Kind::Strange) => "object".into(),
-            Some(kind) => kind.builtin().map(|own| own.short_name()).unwrap_or_default(),
-        }
+        self.kind().map_or_else(|| "NoneType".into(), Kind::type_name)
     }
+}
+
+fn stored(kept: Stored) -> Saved {
+    Saved::Stored(Arc::new(KeptValue::new(kept)))
+}
+
+/// What can stand in an event itself.
+fn plain(object: &Bound<'_, PyAny>, kind: &Kind) -> Option<Kept> {
+    match kind {
+        Kind::Bool => object.cast::<PyBool>().ok().map(|truth| Kept::Bool(truth.is_true())),
+        Kind::Int => object.extract().ok().map(Kept::Int),
+        Kind::Float => object.cast::<PyFloat>().ok().map(|number| Kept::Float(number.value())),
+        Kind::Str => {
+            let text = object.cast::<PyString>().ok()?;
+            if text.len().ok()? > TEXT_MAX {
+                return None;
+            }
+            let text = text.to_cow().ok()?;
+            (text.len() <= TEXT_MAX).then(|| Kept::Text(SmolStr::new(text)))
+        }
+        _ => None,
+    }
+}
+
+/// What stands for a value that nobody has asked to keep.
+fn not_kept(kind: &Kind) -> KeptValue {
+    let type_name = kind.type_name();
+    KeptValue::new(Stored {
+        view: json!({ "__repr__": "(not kept)", "__class__": type_name.as_str() }),
+        type_name,
+        content: Content::Nothing(
+            "the state that made it keeps no values: its semantic data `journal` says so"
+                .to_owned(),
+        ),
+    })
 }

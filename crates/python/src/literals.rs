@@ -1,6 +1,7 @@
 //! Values of files as Python objects.
 
 use crate::handle::Handle;
+use crate::keeper::Keeper;
 use crate::runtime::Runtime;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -10,7 +11,7 @@ use rafcon_model::{Conversion, DataType, Value, convert, convert_runtime_value, 
 use smol_str::SmolStr;
 
 /// Makes Python objects of the values in files; text that only Python can read is read by it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PythonLiterals;
 
 impl Literals<Handle> for PythonLiterals {
@@ -24,23 +25,27 @@ impl Literals<Handle> for PythonLiterals {
 
     fn error(&mut self, text: &str) -> Option<Handle> {
         let error = PyRuntimeError::new_err(text.to_owned());
-        Some(Python::attach(|py| Handle::new(error.into_value(py).into_bound(py).into_any())))
+        Some(Python::attach(|py| kept(error.into_value(py).into_bound(py).into_any())))
     }
 }
 
 fn made(conversion: Conversion, value: &Value, data_type: &DataType) -> Result<Handle, SmolStr> {
     let made = |py: Python<'_>, value: &Value| match object(py, value) {
-        Ok(object) => Ok(Handle::new(object)),
+        Ok(object) => Ok(kept(object)),
         Err(error) => Err(SmolStr::new(error.value(py).to_string())),
     };
     Python::attach(|py| match conversion {
         Conversion::Value(converted) => made(py, &converted),
         Conversion::Global(_) => made(py, value),
         Conversion::NeedsPython => by_python(py, value, data_type)
-            .map(Handle::new)
+            .map(kept)
             .map_err(|error| SmolStr::new(error.value(py).to_string())),
         Conversion::Fails(reason) => made(py, failed(value, reason)?),
     })
+}
+
+fn kept(object: Bound<'_, PyAny>) -> Handle {
+    Handle::kept(object, &Keeper::before_the_run())
 }
 
 fn by_python<'py>(
@@ -57,7 +62,7 @@ pub(crate) fn from_json(json: &serde_json::Value) -> Result<Handle, String> {
     Python::attach(|py| {
         let value =
             Runtime::get(py).and_then(|runtime| runtime.decode.bind(py).call1((json.to_string(),)));
-        value.map(Handle::new).map_err(|error| error.value(py).to_string())
+        value.map(kept).map_err(|error| error.value(py).to_string())
     })
 }
 

@@ -4,7 +4,7 @@ use crate::handle::Handle;
 use crate::literals::{PythonLiterals, from_json};
 use crate::runtime::Runtime;
 use crate::scripts::PythonScripts;
-use crate::{config, current, fork, package};
+use crate::{config, current, fork, globals, package};
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 use rafcon_engine::Literals;
@@ -15,8 +15,8 @@ use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 
 /// Python before it knows its machine.
-#[derive(Debug)]
-struct PythonHost {
+#[derive(Debug, Default)]
+pub(crate) struct PythonHost {
     literals: PythonLiterals,
 }
 
@@ -37,16 +37,20 @@ impl Host for PythonHost {
 
     fn opened(driver: &Arc<Driver<PythonScripts>>) {
         current::set(driver);
+        if current::is_embedded() {
+            return;
+        }
         let scripts = driver.scripts();
         let roots = scripts.files.libraries().roots();
         let ready = Python::attach(|py| {
-            Runtime::get(py)?.prepare.call1(py, (scripts.script_kinds(),))?;
+            Runtime::get(py)?.prepare.call1(py, (scripts.seating.script_kinds(),))?;
+            globals::keep(py, &scripts.keeper)?;
             config::put_in_force(py, &scripts.config, roots)
         });
         if let Err(error) = ready {
             current::say(
                 LogLevel::Error,
-                format!("scripts see the default configuration: {error}"),
+                format!("scripts may see the default configuration: {error}"),
             );
         }
     }
@@ -65,7 +69,7 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     runtime.load_plugins(py)?;
     // What is there now stays for good: the collector need not look at it again and again.
     py.import("gc")?.call_method0("freeze")?;
-    let end = py.detach(|| serve(stream, PythonHost { literals: PythonLiterals }));
+    let end = py.detach(|| serve(stream, PythonHost::default()));
     runtime.flush_all.call0(py)?;
     runtime.hooks.call_method0(py, "shut_down")?;
     Ok(exit_code(end))
@@ -97,7 +101,7 @@ fn exit_code(end: Result<(), ServeError>) -> i32 {
 
 /// Takes the socket over, and keeps it from programs that scripts start.
 #[expect(unsafe_code, reason = "an inherited descriptor has no safe door")]
-fn adopt(py: Python<'_>, fd: RawFd) -> PyResult<UnixStream> {
+pub(crate) fn adopt(py: Python<'_>, fd: RawFd) -> PyResult<UnixStream> {
     let os = py.import("os")?;
     os.call_method1("set_inheritable", (fd, false))?;
     // SAFETY: `set_inheritable` has just shown that the descriptor is open, and whoever started this process gave it to us
@@ -110,5 +114,7 @@ pub(crate) fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("VERSION", env!("CARGO_PKG_VERSION"))?;
     module.add("PROTOCOL", rafcon_protocol::VERSION)?;
     module.add_class::<crate::signals::Signals>()?;
+    module.add_class::<crate::build::Document>()?;
+    module.add_class::<crate::build_files::LibraryRoots>()?;
     module.add_class::<package::Importer>()
 }

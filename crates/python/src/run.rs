@@ -2,12 +2,12 @@
 
 use crate::copy::copied;
 use crate::handle::Handle;
+use crate::keeper::Keeper;
 use crate::returned::returned;
 use crate::runtime::Runtime;
 use crate::script::Script;
 use crate::seat::Seat;
 use crate::{current, module, scripts};
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -17,16 +17,19 @@ use rafcon_protocol::LogLevel;
 use rafcon_runner::signals::PREEMPTED;
 
 /// Runs the script of the state at `seat`. Whatever it raises becomes its result.
-pub(crate) fn run(py: Python<'_>, seat: &Seat, job: &Job<Handle>) -> ScriptResult<Handle> {
-    let outcome = match (Runtime::get(py), &seat.script) {
-        (Ok(runtime), Some(script)) => {
-            let result = Call { py, runtime, script, seat, job }.run();
-            flush(py, runtime);
-            result
-        }
-        (Err(error), _) => Err(error),
-        (_, None) => Err(PyRuntimeError::new_err("a state without a script was asked to run one")),
-    };
+pub(crate) fn run(
+    py: Python<'_>,
+    script: &Script,
+    seat: &Seat,
+    job: &Job<Handle>,
+    keeper: &Keeper,
+) -> ScriptResult<Handle> {
+    let outcome = Runtime::get(py).and_then(|runtime| {
+        let call = Call { py, runtime, script, seat, job, keeper };
+        let result = if job.backward { call.run_backward() } else { call.run() };
+        flush(py, runtime);
+        result
+    });
     outcome.unwrap_or_else(|error| scripts::failed(py, error))
 }
 
@@ -46,6 +49,7 @@ struct Call<'c, 'py> {
     script: &'c Script,
     seat: &'c Seat,
     job: &'c Job<Handle>,
+    keeper: &'c Keeper,
 }
 
 impl<'py> Call<'_, 'py> {
@@ -65,6 +69,33 @@ impl<'py> Call<'_, 'py> {
             None => self.declared_error(&outputs)?,
         };
         Ok(ScriptResult { returned, outputs: self.collect(&outputs)?, error })
+    }
+
+    /// Runs `backward_execute`, if there is one. Nothing of what it gives back counts.
+    fn run_backward(&self) -> PyResult<ScriptResult<Handle>> {
+        let (inputs, outputs) = (self.inputs()?, self.outputs()?);
+        self.seat.begin(&inputs, &outputs);
+        let done = self.call_backward(&inputs, &outputs);
+        let (returned, error) = match done {
+            Ok(()) => (Returned::Id(0), None),
+            Err(error) => self.raised(error),
+        };
+        Ok(ScriptResult { returned, outputs: vec![None; self.script.outputs.len()], error })
+    }
+
+    fn call_backward(
+        &self,
+        inputs: &Bound<'py, PyDict>,
+        outputs: &Bound<'py, PyDict>,
+    ) -> PyResult<()> {
+        let Some(function) = self.script.backward_execute(self.py)? else { return Ok(()) };
+        let state = self.seat.object.bind(self.py);
+        let variables = self.runtime.global_variables.bind(self.py);
+        let flag = intern!(self.py, "_backward");
+        state.setattr(flag, true)?;
+        let done = module::call(&function, [state, inputs, outputs, variables]);
+        state.setattr(flag, false)?;
+        done.map(drop)
     }
 
     fn inputs(&self) -> PyResult<Bound<'py, PyDict>> {
@@ -150,7 +181,7 @@ impl<'py> Call<'_, 'py> {
         let text =
             shown.unwrap_or_else(|failing| format!("(its traceback cannot be shown: {failing})"));
         current::say(LogLevel::Error, text);
-        (Returned::Raised, Some(Handle::new(value)))
+        (Returned::Raised, Some(Handle::kept(value, self.keeper)))
     }
 
     /// The entry `error` of the outputs, if it is true.
@@ -160,7 +191,7 @@ impl<'py> Call<'_, 'py> {
         }
         let error = outputs.get_item(intern!(self.py, "error"))?;
         Ok(match error {
-            Some(error) if error.is_truthy()? => Some(Handle::new(error)),
+            Some(error) if error.is_truthy()? => Some(Handle::kept(error, self.keeper)),
             _ => None,
         })
     }
@@ -171,7 +202,7 @@ impl<'py> Call<'_, 'py> {
         for (name, default) in self.script.outputs.iter().zip(self.job.outputs.iter()) {
             let value = outputs.get_item(name)?;
             found += usize::from(value.is_some());
-            values.push(value.map(|value| handle(value, default)));
+            values.push(value.map(|value| self.handle(value, default)));
         }
         if outputs.len() > found {
             self.report_undeclared(outputs)?;
@@ -194,9 +225,9 @@ impl<'py> Call<'_, 'py> {
         }
         Ok(())
     }
-}
 
-/// A handle for what a script left in its outputs; the default's own, if it left the default there.
-fn handle(value: Bound<'_, PyAny>, default: &Handle) -> Handle {
-    if default.is(&value) { default.clone() } else { Handle::new(value) }
+    /// A handle for what a script left in its outputs; the default's own, if it left the default there.
+    fn handle(&self, value: Bound<'py, PyAny>, default: &Handle) -> Handle {
+        if default.is(&value) { default.clone() } else { Handle::kept(value, self.keeper) }
+    }
 }

@@ -20,6 +20,10 @@ pub(crate) struct Runtime {
     pub(crate) global_variables: Py<PyAny>,
     /// Looks a global variable up for a default.
     pub(crate) resolve_global: Py<PyAny>,
+    /// Puts a global variable back as it was kept.
+    pub(crate) restore_global: Py<PyAny>,
+    /// Keeps the global variables in a journal from now on.
+    pub(crate) keep_globals: Py<PyAny>,
     /// The type of a dotted name.
     pub(crate) resolve_type: Py<PyAny>,
     /// The value of a text that only Python can read.
@@ -50,10 +54,20 @@ pub(crate) struct Runtime {
     pub(crate) install_capture: Py<PyAny>,
     /// `builtins.__dict__`
     pub(crate) builtins: Py<PyAny>,
+    /// The same for scripts that look for the dialogs of the desktop.
+    dialog_builtins: Py<PyAny>,
     /// `copy.deepcopy`
     pub(crate) deep_copy: Py<PyAny>,
     /// `json.dumps`
     pub(crate) write_json: Py<PyAny>,
+    /// Evaluates the condition of a breakpoint.
+    pub(crate) check: Py<PyAny>,
+    /// An error in few words.
+    pub(crate) why: Py<PyAny>,
+    /// The pickle of an object.
+    pub(crate) pickle: Py<PyAny>,
+    /// The object of a pickle.
+    pub(crate) unpickle: Py<PyAny>,
 }
 
 static RUNTIME: PyOnceLock<Runtime> = PyOnceLock::new();
@@ -77,6 +91,15 @@ impl Runtime {
         self.hooked.load(Ordering::Relaxed).then(|| self.hooks.bind(py))
     }
 
+    /// The built-in names that a script finds.
+    pub(crate) fn builtins_for(&self, py: Python<'_>, text: &str) -> PyResult<Py<PyAny>> {
+        if text.contains("rafcon.gui.utils.dialog") {
+            self.dialog_builtins.call0(py)
+        } else {
+            Ok(self.builtins.clone_ref(py))
+        }
+    }
+
     fn import(py: Python<'_>) -> PyResult<Self> {
         let module = py.import("rafcon._runtime")?;
         let get = |name: &str| module.getattr(name).map(Bound::unbind);
@@ -87,6 +110,8 @@ impl Runtime {
             set_verdicts: get("set_verdicts")?,
             global_variables: get("global_variable_manager")?,
             resolve_global: get("resolve_global")?,
+            keep_globals: get("keep_globals")?,
+            restore_global: get("restore_global")?,
             resolve_type: get("resolve_type")?,
             convert: get("convert")?,
             decode: get("decode")?,
@@ -102,8 +127,13 @@ impl Runtime {
             configure: get("configure")?,
             install_capture: get("install_capture")?,
             builtins: py.import("builtins")?.dict().into_any().unbind(),
+            dialog_builtins: get("dialog_builtins")?,
             deep_copy: py.import("copy")?.getattr("deepcopy")?.unbind(),
             write_json: py.import("json")?.getattr("dumps")?.unbind(),
+            check: get("check")?,
+            why: get("why")?,
+            pickle: get("pickle")?,
+            unpickle: get("unpickle")?,
         })
     }
 }

@@ -7,7 +7,7 @@ use pyo3::exceptions::{PyAttributeError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCode, PyDict, PyString};
 use rafcon_engine::{Node, NodeId, Program};
-use rafcon_model::{DataType, Outcome, Port};
+use rafcon_model::{DataType, Outcome, Port, State};
 use smol_str::SmolStr;
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
@@ -31,7 +31,11 @@ pub(crate) struct Script {
     pub(crate) has_error_output: bool,
     /// The outcomes of the state.
     pub(crate) outcomes: Box<[Outcome]>,
+    /// The state that it was made for.
+    state: Arc<State>,
     code: OnceLock<Py<PyCode>>,
+    /// The built-in names that it finds.
+    builtins: OnceLock<Py<PyAny>>,
     /// The module's dictionary, if its body runs only once.
     kept: Option<OnceLock<Py<PyDict>>>,
     /// Ports whose value could not be copied, and were reported.
@@ -63,23 +67,44 @@ impl Script {
             outputs: names(py, node.outputs()),
             has_error_output: node.outputs().iter().any(|port| port.name == "error"),
             outcomes: node.outcomes().into(),
+            state: Arc::clone(node.state()),
             code: OnceLock::new(),
+            builtins: OnceLock::new(),
             kept: (!how.recompile).then(OnceLock::new),
             reported: Mutex::default(),
         }
     }
 
+    /// Whether the script and its ports are those of this node, as the machine has it now.
+    pub(crate) fn is_of(&self, node: &Node<Handle>) -> bool {
+        Arc::ptr_eq(&self.state, node.state())
+    }
+
     /// The function `execute`, from a module whose body has just run (or ran once, if the configuration says so).
     pub(crate) fn execute<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let globals = match &self.kept {
-            None => self.run_body(py)?,
-            Some(kept) => once(kept, || self.run_body(py).map(Bound::unbind))?.bind(py).clone(),
-        };
-        globals.get_item(pyo3::intern!(py, "execute"))?.ok_or_else(|| {
+        self.globals(py)?.get_item(pyo3::intern!(py, "execute"))?.ok_or_else(|| {
             PyAttributeError::new_err(
                 "the script has no function execute(self, inputs, outputs, gvm)",
             )
         })
+    }
+
+    /// The function `backward_execute`, if the script has one.
+    pub(crate) fn backward_execute<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.globals(py)?.get_item(pyo3::intern!(py, "backward_execute"))
+    }
+
+    fn globals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        match &self.kept {
+            None => self.run_body(py),
+            Some(kept) => {
+                let kept = once(kept, || self.run_body(py).map(Bound::unbind))?;
+                Ok(kept.bind(py).clone())
+            }
+        }
     }
 
     /// Whether the port's value was not reported before as one that cannot be copied.
@@ -89,7 +114,9 @@ impl Script {
 
     fn run_body<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let code = once(&self.code, || self.compile(py))?;
-        module::run_body(code.bind(py), Runtime::get(py)?.builtins.bind(py))
+        let text = self.text.as_deref().unwrap_or_default();
+        let builtins = once(&self.builtins, || Runtime::get(py)?.builtins_for(py, text))?;
+        module::run_body(code.bind(py), builtins.bind(py))
     }
 
     fn compile(&self, py: Python<'_>) -> PyResult<Py<PyCode>> {

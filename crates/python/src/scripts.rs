@@ -1,88 +1,55 @@
 //! The host of Python scripts: the port of the runner, filled by an interpreter.
 
-use crate::codes::Codes;
+use crate::globals::{self, PythonGlobals};
 use crate::handle::Handle;
+use crate::keeper::Keeper;
 use crate::literals::{self, PythonLiterals};
 use crate::run::run;
 use crate::runtime::Runtime;
-use crate::script::{How, Script};
-use crate::seat::{Seat, Seats};
-use crate::signals::Signals;
-use crate::{current, graveyard, process, thread};
-use parking_lot::RwLock;
+use crate::seat::Seat;
+use crate::seating::Seating;
+use crate::{build_run, condition, current, graveyard, persistent, process, restore, thread};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use rafcon_engine::{Globals, Job, Literals, NodeId, Program, Returned, ScriptResult};
+use rafcon_engine::{Check, Finish, Globals, Job, Literals, Program, Returned, ScriptResult};
 use rafcon_model::{KindName, Machine};
-use rafcon_protocol::LogLevel;
-use rafcon_runner::{Opening, Place, Scripts, StateFiles};
+use rafcon_protocol::{Keeping, LogLevel};
+use rafcon_runner::{Keep, Opening, Place, Scripts, StateFiles};
 use rafcon_storage::Config;
+use rafcon_storage::journal::{Kept, Stored};
 use serde_json::{Map, Value};
-use std::collections::{BTreeMap, BTreeSet};
+use smol_str::SmolStr;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Python as the host of one machine's scripts.
 #[derive(Debug)]
 pub(crate) struct PythonScripts {
+    /// The machine as it was at the start.
     pub(crate) machine: Machine,
-    program: Arc<Program<Handle>>,
     pub(crate) files: StateFiles,
     pub(crate) config: Config,
-    scripts: RwLock<BTreeMap<NodeId, Arc<Script>>>,
-    codes: Arc<Codes>,
-    seats: Seats,
+    pub(crate) keeper: Keeper,
+    pub(crate) seating: Seating,
     globals: PythonGlobals,
 }
 
 impl PythonScripts {
     pub(crate) fn new(opening: Opening<Handle>) -> Self {
-        let Opening { machine, program, files, config, .. } = opening;
-        Self {
-            machine,
-            program,
-            files,
-            config,
-            scripts: RwLock::default(),
-            codes: Arc::default(),
-            seats: Seats::default(),
-            globals: PythonGlobals,
+        let Opening { machine, program, files, config, keeping, values } = opening;
+        let keeper = Keeper::new(keeping == Keeping::Full, values);
+        let seating = Seating::new(program);
+        Self { machine, files, config, keeper, seating, globals: PythonGlobals }
+    }
+
+    fn run_at(&self, py: Python<'_>, seat: &Seat, job: &Job<Handle>) -> ScriptResult<Handle> {
+        let script = self.script_of(py, seat);
+        if !self.keeper.keeps() || seat.place.keeping != Keeping::Full {
+            return run(py, &script, seat, job, &Keeper::NONE);
         }
-    }
-
-    /// The kinds of the states that run scripts, each once.
-    pub(crate) fn script_kinds(&self) -> BTreeSet<&'static str> {
-        let nodes = self.program.nodes().filter(|(_, node)| node.is_script());
-        nodes.map(|(_, node)| kind_name(node.state().kind.name())).collect()
-    }
-
-    /// What Python keeps for a place, made at the first call.
-    pub(crate) fn seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<Seat>> {
-        match self.seats.get(place.path) {
-            Some(seat) => Ok(seat),
-            None => self.make_seat(py, place),
-        }
-    }
-
-    fn make_seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<Seat>> {
-        let kind = kind_name(self.program.node(place.node).state().kind.name());
-        let signals = Py::new(py, Signals::new(Arc::clone(place)))?;
-        let object = Runtime::get(py)?.new_state.call1(py, (place.path.0, kind, signals))?;
-        let is_script = self.program.node(place.node).is_script();
-        let script = is_script.then(|| self.script(py, place));
-        Ok(self.seats.insert(Seat::new(object, script, Arc::clone(place))))
-    }
-
-    fn script(&self, py: Python<'_>, place: &Place) -> Arc<Script> {
-        let known = self.scripts.read().get(&place.node).cloned();
-        known.unwrap_or_else(|| {
-            let how = How {
-                file: self.files.script(&place.text),
-                recompile: self.config.recompile_scripts,
-                codes: Arc::clone(&self.codes),
-            };
-            let script = Arc::new(Script::new(py, &self.program, place.node, how));
-            Arc::clone(self.scripts.write().entry(place.node).or_insert(script))
-        })
+        let result = run(py, &script, seat, job, &self.keeper);
+        persistent::keep(py, seat, &self.keeper);
+        result
     }
 }
 
@@ -92,7 +59,7 @@ impl Scripts for PythonScripts {
     fn run(&self, job: Job<Handle>, place: &Arc<Place>) -> ScriptResult<Handle> {
         Python::attach(|py| {
             let result = thread::at(job.path, || match self.seat(py, place) {
-                Ok(seat) => run(py, &seat, &job),
+                Ok(seat) => self.run_at(py, &seat, &job),
                 Err(error) => failed(py, error),
             });
             if current::is_forked() {
@@ -134,6 +101,10 @@ impl Scripts for PythonScripts {
         &self.globals
     }
 
+    fn ended(&self, finish: &Finish<Handle>) {
+        build_run::ended(finish);
+    }
+
     fn finished(&self) {
         let told = Python::attach(|py| -> PyResult<()> {
             let runtime = Runtime::get(py)?;
@@ -150,6 +121,9 @@ impl Scripts for PythonScripts {
     }
 
     fn released(&self) {
+        if current::is_embedded() {
+            return;
+        }
         if let Err(error) = Python::attach(process::default_signals) {
             current::say(LogLevel::Warning, format!("signals are ignored from now on: {error}"));
         }
@@ -171,6 +145,37 @@ impl Scripts for PythonScripts {
         make(&mut PythonLiterals);
     }
 
+    fn keep<'v>(&self, value: &'v Handle) -> Keep<'v> {
+        value.keep()
+    }
+
+    fn plain(&self, kept: &Kept) -> Result<Handle, String> {
+        Python::attach(|py| restore::plain(py, kept))
+    }
+
+    fn restore(&self, stored: &Stored, values: &Path) -> Result<Handle, String> {
+        Python::attach(|py| restore::restore(py, stored, values))
+    }
+
+    fn restore_persistent(&self, path: &str, value: Handle) -> Result<(), String> {
+        self.seating.restore_persistent(path, value);
+        Ok(())
+    }
+
+    fn restore_global(&self, name: &str, value: Handle) -> Result<(), String> {
+        Python::attach(|py| globals::restore(py, name, &value))
+    }
+
+    fn check(&self, check: &Check<Handle>, place: &Arc<Place>) -> Result<bool, SmolStr> {
+        let program = self.seating.program();
+        let node = program.node(check.node);
+        Python::attach(|py| thread::at(place.path, || condition::check(py, check, node)))
+    }
+
+    fn changed(&self, _machine: &Machine, program: &Arc<Program<Handle>>) {
+        self.seating.change(Arc::clone(program));
+    }
+
     fn encode_globals(&self) -> Map<String, Value> {
         let encoded = Python::attach(|py| {
             let encoded = Runtime::get(py).and_then(|runtime| runtime.encode_globals.call0(py));
@@ -185,7 +190,8 @@ impl Scripts for PythonScripts {
 
 /// The answer for a script that could not begin.
 pub(crate) fn failed(py: Python<'_>, error: PyErr) -> ScriptResult<Handle> {
-    let error = Handle::new(error.into_value(py).into_bound(py).into_any());
+    let error = error.into_value(py).into_bound(py).into_any();
+    let error = Handle::kept(error, &Keeper::before_the_run());
     ScriptResult { returned: Returned::Raised, outputs: Vec::new(), error: Some(error) }
 }
 
@@ -210,25 +216,4 @@ pub(crate) fn kind_name(kind: KindName) -> &'static str {
         KindName::Preemptive => "preemptive",
         KindName::Library => "library",
     }
-}
-
-/// The global variables, which live in Python.
-#[derive(Debug, Clone, Copy)]
-struct PythonGlobals;
-
-impl Globals<Handle> for PythonGlobals {
-    fn get(&self, name: &str) -> Option<Handle> {
-        let found = thread::while_engine_waits(|| Python::attach(|py| resolve(py, name)));
-        found.unwrap_or_else(|error| {
-            let message = format!("the global variable \"{name}\" cannot be read: {error}");
-            current::say(LogLevel::Error, message);
-            None
-        })
-    }
-}
-
-fn resolve(py: Python<'_>, name: &str) -> PyResult<Option<Handle>> {
-    let answer = Runtime::get(py)?.resolve_global.bind(py).call1((name,))?;
-    let (found, value): (bool, Bound<'_, PyAny>) = answer.extract()?;
-    Ok(found.then(|| Handle::new(value)))
 }

@@ -1,6 +1,7 @@
 //! What Python keeps for a place in the machine, for the life of the process: the `self` of its scripts and the data of the
 //! last run.
 
+use crate::handle::Handle;
 use crate::script::Script;
 use parking_lot::{Mutex, RwLock};
 use pyo3::prelude::*;
@@ -14,11 +15,13 @@ use std::sync::Arc;
 pub(crate) struct Seat {
     /// `self`, with whatever scripts put on it.
     pub(crate) object: Py<PyAny>,
-    /// The script of the state that stands there, if it has one.
-    pub(crate) script: Option<Arc<Script>>,
     /// The place in the run.
     pub(crate) place: Arc<Place>,
+    /// The script of the state that stands there, and for which generation of the machine it was looked up.
+    script: Mutex<Option<(u64, Arc<Script>)>>,
     data: Mutex<Data>,
+    /// `self.persistent_variables` as it was kept last.
+    persistent: Mutex<Option<Handle>>,
 }
 
 /// The dictionaries of the last run of a script.
@@ -29,8 +32,38 @@ struct Data {
 }
 
 impl Seat {
-    pub(crate) fn new(object: Py<PyAny>, script: Option<Arc<Script>>, place: Arc<Place>) -> Self {
-        Self { object, script, place, data: Mutex::default() }
+    pub(crate) fn new(object: Py<PyAny>, place: Arc<Place>, persistent: Option<Handle>) -> Self {
+        Self {
+            object,
+            place,
+            script: Mutex::default(),
+            data: Mutex::default(),
+            persistent: Mutex::new(persistent),
+        }
+    }
+
+    /// The script, if it is known for this generation of the machine.
+    pub(crate) fn script(&self, generation: u64) -> Option<Arc<Script>> {
+        let script = self.script.lock();
+        let known = script.as_ref().filter(|(known, _)| *known == generation);
+        known.map(|(_, script)| Arc::clone(script))
+    }
+
+    /// From now on this is the script.
+    pub(crate) fn set_script(&self, generation: u64, script: &Arc<Script>) {
+        let before = self.script.lock().replace((generation, Arc::clone(script)));
+        drop(before);
+    }
+
+    /// What was kept last of the state's persistent variables.
+    pub(crate) fn persistent(&self) -> Option<Handle> {
+        self.persistent.lock().clone()
+    }
+
+    /// This was kept of them.
+    pub(crate) fn set_persistent(&self, kept: Handle) {
+        let before = self.persistent.lock().replace(kept);
+        drop(before);
     }
 
     /// A script begins with these.

@@ -37,6 +37,11 @@ pub(crate) fn leave<T: Send>(py: Python<'_>, wait: impl FnOnce() -> T + Send) ->
     answer
 }
 
+/// Runs `ask`, which never waits inside the interpreter on a thread of the run, on any thread.
+pub(crate) fn outside<T: Send>(py: Python<'_>, ask: impl FnOnce() -> T + Send) -> T {
+    if is_inside() { ask() } else { leave(py, ask) }
+}
+
 /// Whether this thread lives inside the interpreter.
 pub(crate) fn is_inside() -> bool {
     INSIDE.get()

@@ -111,7 +111,7 @@ class Values(unittest.TestCase):
     def test_a_default_reads_a_locked_variable_without_waiting(self):
         self.gvm.set_variable("a", [1])
         self.gvm.lock_variable("a")
-        self.assertEqual(self.gvm._resolve("a"), (True, [1]))
+        self.assertEqual(self.gvm._resolve("a"), (True, [1], None))
         self.assertEqual(self.gvm._resolve("b"), (False, None))
 
 

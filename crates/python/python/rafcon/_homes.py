@@ -66,12 +66,16 @@ class Running:
     def substitute(self, container, old, state):
         """Puts a state that was built by itself in the place of another."""
         state._store_notes()
+        taken = native.taken(old._place)
         self.change(container, [("children.substitute", (old.state_id, state._home.document))])
+        old._retire(taken)
         self._settle(container, state)
 
     def take(self, container, state):
-        """Takes a state out of a container. Its object speaks of what was removed."""
+        """Takes a state out of a container; it is built by itself from then on."""
+        taken = native.taken(state._place)
         self.change(container, [("children.remove", (state.state_id,))])
+        state._retire(taken)
 
     def group(self, container, _states, arguments):
         """Puts states into a new hierarchy, which is returned; ``arguments`` as the verb takes them."""

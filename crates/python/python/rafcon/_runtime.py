@@ -6,7 +6,10 @@ Every function is called with the GIL held and never waits.
 import rafcon.utils.log  # noqa: F401, the level VERBOSE exists from here on
 from rafcon import _capture, _fork, _logging, _objects
 from rafcon._capture import flush_all, flush_capture, pending
+from rafcon._conditions import check
+from rafcon._conditions import reason as why
 from rafcon._hooks import Hooks
+from rafcon._keeping import pickle, unpickle
 from rafcon._threads import adopt as adopt_thread
 from rafcon._tracebacks import format_error
 from rafcon._types import convert, resolve_type
@@ -17,9 +20,11 @@ from rafcon.core.global_variable_manager import global_variables as global_varia
 __all__ = [
     "StatePreempted",
     "adopt_thread",
+    "check",
     "configure",
     "convert",
     "decode",
+    "dialog_builtins",
     "encode",
     "encode_globals",
     "flush_all",
@@ -28,14 +33,19 @@ __all__ = [
     "global_variable_manager",
     "hooks",
     "install_capture",
+    "keep_globals",
     "machine",
     "new_state",
     "pending",
+    "pickle",
     "prepare",
     "resolve_global",
     "resolve_type",
+    "restore_global",
     "set_verdicts",
     "state",
+    "unpickle",
+    "why",
 ]
 
 #: The hooks of the user's plugins.
@@ -46,6 +56,8 @@ prepare = _objects.prepare
 state = _objects.state
 machine = _objects.machine
 resolve_global = global_variable_manager._resolve
+restore_global = global_variable_manager._restore
+keep_globals = global_variable_manager._keep_in
 
 
 def set_verdicts(decider, verdicts):
@@ -58,6 +70,13 @@ def encode_globals():
     return {name: encode(value) for name, value in global_variable_manager._values().items()}
 
 
+def dialog_builtins():
+    """The built-in names for scripts that look for the dialogs of the desktop."""
+    from rafcon import _desktop  # as late as this, for it takes long to load and is rarely wanted
+
+    return _desktop.builtins_with_dialogs()
+
+
 def configure(values):
     """Sets the configuration in force: key of ``config.yaml`` to value."""
     from rafcon.core.config import global_config
@@ -66,7 +85,8 @@ def configure(values):
 
 
 def install_capture():
-    """Sends what scripts print and log to the running machine from now on."""
+    """Sends what scripts print and log to the running machine from now on: this process is there for nothing else."""
+    _objects.become_host()
     _capture.install()
     _logging.install()
     _fork.install()

@@ -7,6 +7,7 @@ import threading
 import types
 from collections import deque
 
+from rafcon._keeping import Ledger, Variable
 from rafcon.core._waiting import Waiter
 from rafcon.utils.log import get_logger
 
@@ -21,15 +22,17 @@ _IMMUTABLE = frozenset(
 
 
 class _Variable:
-    """A variable: its value, whether that is the user's own object, its type, and the key of who has locked it."""
+    """A variable: its value, whether that is the user's own object, its type, the key of who has locked it, and how the
+    journal of the run keeps the value (None without a journal)."""
 
-    __slots__ = ("value", "by_reference", "data_type", "access_key")
+    __slots__ = ("value", "by_reference", "data_type", "access_key", "kept")
 
     def __init__(self):
         self.value = None
         self.by_reference = False
         self.data_type = _UNTYPED
         self.access_key = None
+        self.kept = None
 
 
 class GlobalVariableManager:
@@ -46,6 +49,7 @@ class GlobalVariableManager:
         self._variables = {}
         # Name of a locked variable to the calls that wait for it, in the order of their arrival.
         self._queues = {}
+        self._ledger = Ledger()
 
     @staticmethod
     def instance():
@@ -64,16 +68,20 @@ class GlobalVariableManager:
         key = str(key)
         if data_type is not None and not isinstance(data_type, type):
             raise TypeError(f"data_type must be a type, not {data_type!r}")
-        kept = value if per_reference else _copied(value)
+        own = value if per_reference else _copied(value)
+        kept = self._ledger.keep(own, bool(per_reference), data_type or self.get_data_type(key) or _UNTYPED)
 
         def write(variable):
             declared = data_type or (_UNTYPED if variable is None else variable.data_type)
-            self.check_value_and_type(kept, declared)
+            self.check_value_and_type(own, declared)
             if variable is None:
                 variable = self._variables.setdefault(key, _Variable())
-            variable.value, variable.by_reference, variable.data_type = kept, bool(per_reference), declared
+            variable.value, variable.by_reference, variable.data_type = own, bool(per_reference), declared
+            variable.kept = kept
+            self._ledger.note(key, kept)
 
         self._when_allowed(key, access_key, write)
+        self._ledger.write()
 
     def get_variable(self, key, per_reference=None, access_key=None, default=None):
         """The value of a variable, or ``default`` if there is none.
@@ -166,13 +174,18 @@ class GlobalVariableManager:
             if variable.access_key is not None:
                 raise RuntimeError(f"the global variable `{key}` is locked, so it cannot be deleted")
             del self._variables[key]
+            self._ledger.note(key, None)
+        self._ledger.write()
 
     def reset(self):
         """Removes all variables, locked ones too; who waits for one finds that it is gone."""
         with self._lock:
+            for key in self._variables:
+                self._ledger.note(key, None)
             self._variables = {}
             for key in list(self._queues):
                 self._serve(key)
+        self._ledger.write()
 
     destroy_all_variables = reset
 
@@ -224,13 +237,32 @@ class GlobalVariableManager:
     # ---- for the runner
 
     def _resolve(self, name):
-        """(found, value) for a port default `$name`: never waits, for a locked variable neither."""
+        """(found, value, how the journal keeps it) for a port default `$name`: never waits, for a locked variable neither."""
         with self._lock:
-            found = _content(self._variables.get(name))
+            variable = self._variables.get(name)
+            found = _content(variable)
+            kept = None if variable is None else variable.kept
         if found is None:
-            return False, None
+            return False, None, None
         value, by_reference = found
-        return True, value if by_reference else _copied(value)
+        return True, value if by_reference else _copied(value), kept
+
+    def _restore(self, name, value):
+        """Puts a variable back as the journal of the run had it."""
+        variable = _Variable()
+        if isinstance(value, Variable):
+            variable.value, variable.by_reference, variable.data_type = value.value, value.by_reference, value.data_type
+        else:
+            variable.value = value
+        variable.kept = self._ledger.keep(variable.value, variable.by_reference, variable.data_type)
+        with self._lock:
+            self._variables[name] = variable
+
+    def _keep_in(self, journal):
+        """From now on each change goes into the journal of the run."""
+        self._ledger = Ledger(journal)
+        for variable in self._variables.values():
+            variable.kept = self._ledger.keep(variable.value, variable.by_reference, variable.data_type)
 
     def _values(self):
         """Name to value, the kept objects themselves."""
@@ -238,8 +270,9 @@ class GlobalVariableManager:
             return {key: variable.value for key, variable in self._variables.items()}
 
     def _after_fork_in_child(self):
-        """The lock may have been held by a thread that does not exist in the child."""
+        """The lock may have been held by a thread that does not exist in the child; the journal is the parent's."""
         self._lock = threading.RLock()
+        self._ledger = Ledger()
 
     # ---- waiting
 

@@ -32,8 +32,9 @@ class StateConstruction:
         self._listed = {}
         self._told = 0
         self._backward = False
-        #: A dictionary of the user's, kept from one run of the state to the next.
-        self.persistent_variables = {}
+        if not hasattr(self, "persistent_variables"):
+            #: A dictionary of the user's, kept from one run of the state to the next.
+            self.persistent_variables = {}
 
     def _build(self, name, state_id, parts):
         """The state stands alone; ``parts`` are inputs, outputs and outcomes as the constructors take them."""
@@ -47,6 +48,21 @@ class StateConstruction:
         state_id = _ids.state_id() if state_id is None else _text(state_id, "state_id")
         self._settle_alone(native.Document.state(self._kind, state_id, name), state_id)
         self._change("state.name", name)
+
+    def _settle_running(self, place):
+        """The state, which was built by itself, and those in it stand in the machine that runs from now on."""
+        inside = self._inside
+        native.settle(place, self)
+        places = native.describe(place)["children"]
+        for state_id, state in inside.items():
+            if state_id in places:
+                state._settle_running(places[state_id])
+
+    def _retire(self, document):
+        """The state was taken out of the machine that runs, and is built by itself from now on."""
+        self._init_run(_signals.Idle())
+        self._place = -1
+        self._settle(Built(document, self), None, document.root_id())
 
     def _settle_alone(self, document, state_id):
         if not hasattr(self, "_signals"):

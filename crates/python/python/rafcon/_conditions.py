@@ -1,0 +1,58 @@
+"""Conditions of breakpoints: Python expressions over the data of a state."""
+
+import builtins
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from rafcon.core.global_variable_manager import global_variables
+
+#: What is shown of an error.
+_TEXT_MAX = 200
+
+_compiled = {}
+
+
+class Variables(Mapping):
+    """The global variables by name: to be read, each as a copy, locked or not."""
+
+    def __getitem__(self, name):
+        found, value, _kept = global_variables._resolve(name)
+        if not found:
+            raise KeyError(name)
+        return value
+
+    def __iter__(self):
+        return iter(global_variables.get_all_keys())
+
+    def __len__(self):
+        return len(global_variables.get_all_keys())
+
+    def get_variable(self, key, default=None):
+        """As in scripts: the value, or ``default`` if there is no such variable."""
+        return self.get(str(key), default)
+
+
+def check(text, inputs, outputs, scoped, outcome):
+    """Whether a condition is true. ``outputs`` and ``outcome`` (its name) are None before the state runs."""
+    names = {
+        "__builtins__": builtins.__dict__,
+        "inputs": MappingProxyType(inputs),
+        "outputs": MappingProxyType(outputs or {}),
+        "scoped": MappingProxyType(scoped),
+        "outcome": outcome,
+        "gvm": Variables(),
+    }
+    return bool(eval(_code(text), names))
+
+
+def _code(text):
+    code = _compiled.get(text)
+    if code is None:
+        code = _compiled[text] = compile(text.strip(), "<condition>", "eval")
+    return code
+
+
+def reason(error):
+    """An error in few words."""
+    text = getattr(error, "msg", None) if isinstance(error, SyntaxError) else str(error)
+    return f"{type(error).__name__}: {text}"[:_TEXT_MAX] if text else type(error).__name__

@@ -1,0 +1,95 @@
+//! The global variables, which live in Python, as the engine and the journal see them.
+
+use crate::handle::Handle;
+use crate::keeper::Keeper;
+use crate::runtime::Runtime;
+use crate::{current, thread};
+use pyo3::prelude::*;
+use rafcon_engine::Globals;
+use rafcon_protocol::LogLevel;
+
+/// The global variables as the engine reads them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PythonGlobals;
+
+impl Globals<Handle> for PythonGlobals {
+    fn get(&self, name: &str) -> Option<Handle> {
+        let found = thread::while_engine_waits(|| Python::attach(|py| resolve(py, name)));
+        found.unwrap_or_else(|error| {
+            let message = format!("the global variable \"{name}\" cannot be read: {error}");
+            current::say(LogLevel::Error, message);
+            None
+        })
+    }
+}
+
+/// The engine is locked meanwhile, so the value is kept as it was when the variable was set.
+fn resolve(py: Python<'_>, name: &str) -> PyResult<Option<Handle>> {
+    type Found<'py> = (bool, Bound<'py, PyAny>, Option<Bound<'py, Kept>>);
+    let answer = Runtime::get(py)?.resolve_global.bind(py).call1((name,))?;
+    let (found, value, kept): Found<'_> = answer.extract()?;
+    Ok(found.then(|| match kept {
+        Some(kept) => kept.get().value.like(value),
+        None => Handle::new(value),
+    }))
+}
+
+/// Puts a variable back as it was kept.
+pub(crate) fn restore(py: Python<'_>, name: &str, value: &Handle) -> Result<(), String> {
+    let put = || Runtime::get(py)?.restore_global.bind(py).call1((name, value.bind(py)));
+    put().map(drop).map_err(|error| error.value(py).to_string())
+}
+
+/// Keeps every change of a variable from now on.
+pub(crate) fn keep(py: Python<'_>, keeper: &Keeper) -> PyResult<()> {
+    if keeper.keeps() {
+        let journal = Journal { keeper: keeper.clone() };
+        Runtime::get(py)?.keep_globals.call1(py, (journal,))?;
+    }
+    Ok(())
+}
+
+/// How the value of a variable is kept.
+#[pyclass(frozen, module = "rafcon._native")]
+#[derive(Debug)]
+struct Kept {
+    /// The value itself.
+    value: Handle,
+    /// With all that is declared of the variable.
+    variable: Handle,
+}
+
+/// The journal as the global variables see it.
+#[pyclass(frozen, module = "rafcon._native")]
+#[derive(Debug)]
+struct Journal {
+    keeper: Keeper,
+}
+
+#[pymethods]
+impl Journal {
+    /// How a value is kept; `carrier` is the variable, if it is more than a value kept as a copy.
+    fn keep(&self, value: &Bound<'_, PyAny>, carrier: Option<&Bound<'_, PyAny>>) -> Kept {
+        let plain = Handle::kept(value.clone(), &self.keeper);
+        let variable = carrier.map_or_else(
+            || plain.clone(),
+            |carrier| Handle::carried(value.clone(), carrier, &self.keeper),
+        );
+        Kept { value: plain, variable }
+    }
+
+    /// Whether the run can be told something now, by this thread.
+    #[expect(clippy::unused_self, reason = "Python asks the journal")]
+    fn is_open(&self) -> bool {
+        current::driver().is_ok()
+    }
+
+    /// A variable got a value, or was removed.
+    #[expect(clippy::unused_self, reason = "Python asks the journal")]
+    fn write(&self, py: Python<'_>, name: &str, kept: Option<&Bound<'_, Kept>>) -> PyResult<()> {
+        let driver = current::driver()?;
+        let value = kept.map(|kept| kept.get().variable.clone());
+        thread::outside(py, || driver.global(name, value.as_ref()));
+        Ok(())
+    }
+}

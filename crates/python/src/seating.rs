@@ -1,0 +1,131 @@
+//! What Python keeps for each place: made when first wanted, and kept up to date with a machine that changes while it runs.
+
+use crate::codes::Codes;
+use crate::handle::Handle;
+use crate::runtime::Runtime;
+use crate::script::{How, Script};
+use crate::scripts::{PythonScripts, kind_name};
+use crate::seat::{Seat, Seats};
+use crate::signals::Signals;
+use parking_lot::{Mutex, RwLock};
+use pyo3::intern;
+use pyo3::prelude::*;
+use rafcon_engine::{NodeId, Program};
+use rafcon_runner::Place;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The seats of a run, and the scripts that they share.
+#[derive(Debug)]
+pub(crate) struct Seating {
+    program: RwLock<Arc<Program<Handle>>>,
+    /// Counts the changes of the program.
+    generation: AtomicU64,
+    scripts: RwLock<BTreeMap<NodeId, Arc<Script>>>,
+    codes: Arc<Codes>,
+    seats: Seats,
+    /// By path: what states had kept when the run was taken up, and have not asked for yet.
+    persistent: Mutex<BTreeMap<String, Handle>>,
+}
+
+impl Seating {
+    pub(crate) fn new(program: Arc<Program<Handle>>) -> Self {
+        Self {
+            program: RwLock::new(program),
+            generation: AtomicU64::new(0),
+            scripts: RwLock::default(),
+            codes: Arc::default(),
+            seats: Seats::default(),
+            persistent: Mutex::default(),
+        }
+    }
+
+    /// What is run now.
+    pub(crate) fn program(&self) -> Arc<Program<Handle>> {
+        Arc::clone(&self.program.read())
+    }
+
+    /// The run goes by another program. Enters no interpreter: scripts that changed are found at their next entry.
+    pub(crate) fn change(&self, program: Arc<Program<Handle>>) {
+        *self.program.write() = program;
+        self.generation.fetch_add(1, Ordering::Release);
+    }
+
+    /// How often the program has changed.
+    pub(crate) fn generation(&self) -> u64 {
+        self.generation.load(Ordering::Acquire)
+    }
+
+    /// Keeps what a state had kept in the life of the run before, until it asks for it.
+    pub(crate) fn restore_persistent(&self, path: &str, value: Handle) {
+        self.persistent.lock().insert(path.to_owned(), value);
+    }
+
+    /// The kinds of the states that run scripts, each once.
+    pub(crate) fn script_kinds(&self) -> BTreeSet<&'static str> {
+        let program = self.program();
+        let nodes = program.nodes().filter(|(_, node)| node.is_script());
+        nodes.map(|(_, node)| kind_name(node.state().kind.name())).collect()
+    }
+}
+
+impl PythonScripts {
+    /// What Python keeps for a place, made at the first call.
+    pub(crate) fn seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<Seat>> {
+        match self.seating.seats.get(place.path) {
+            Some(seat) => Ok(seat),
+            None => self.make_seat(py, place),
+        }
+    }
+
+    /// Puts an object that was made elsewhere on a place where nobody sits yet.
+    pub(crate) fn seat_with(&self, object: &Bound<'_, PyAny>, place: &Arc<Place>) -> PyResult<()> {
+        let py = object.py();
+        let signals = Py::new(py, Signals::new(Arc::clone(place)))?;
+        object.call_method1(intern!(py, "_bind"), (place.path.0, signals))?;
+        self.seating.seats.insert(Seat::new(object.clone().unbind(), Arc::clone(place), None));
+        Ok(())
+    }
+
+    fn make_seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<Seat>> {
+        let program = self.seating.program();
+        let kind = kind_name(program.node(place.node).state().kind.name());
+        let signals = Py::new(py, Signals::new(Arc::clone(place)))?;
+        let object = Runtime::get(py)?.new_state.call1(py, (place.path.0, kind, signals))?;
+        let before = self.seating.persistent.lock().remove(&*place.text);
+        if let Some(before) = &before {
+            object.setattr(py, intern!(py, "persistent_variables"), before.bind(py))?;
+        }
+        let seat = Seat::new(object, Arc::clone(place), before);
+        Ok(self.seating.seats.insert(seat))
+    }
+
+    /// The script of the state at `seat` as the machine has it now.
+    pub(crate) fn script_of(&self, py: Python<'_>, seat: &Seat) -> Arc<Script> {
+        let generation = self.seating.generation.load(Ordering::Acquire);
+        if let Some(script) = seat.script(generation) {
+            return script;
+        }
+        let script = self.current_script(py, &seat.place);
+        seat.set_script(generation, &script);
+        script
+    }
+
+    fn current_script(&self, py: Python<'_>, place: &Place) -> Arc<Script> {
+        let program = self.seating.program();
+        let known = self.seating.scripts.read().get(&place.node).cloned();
+        if let Some(known) = known.filter(|known| known.is_of(program.node(place.node))) {
+            return known;
+        }
+        let how = How {
+            file: self.files.script(&place.text),
+            recompile: self.config.recompile_scripts,
+            codes: Arc::clone(&self.seating.codes),
+        };
+        let script = Arc::new(Script::new(py, &program, place.node, how));
+        let before = self.seating.scripts.write().insert(place.node, Arc::clone(&script));
+        drop(before);
+        script
+    }
+}

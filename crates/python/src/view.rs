@@ -1,0 +1,233 @@
+//! What people see of a value: JSON as `docs/protocol.md` encodes values, bounded, and whether it is all of the value.
+//!
+//! Knows Python's own types. Must never know where a view is kept.
+
+use pyo3::exceptions::PyBaseException;
+use pyo3::prelude::*;
+use pyo3::types::{
+    PyBool, PyByteArray, PyBytes, PyDict, PyFloat, PyFrozenSet, PyInt, PyList, PySet, PySlice,
+    PyString, PyTuple, PyType,
+};
+use serde_json::{Map, Number, Value, json};
+
+/// Values in one view, at most.
+const ITEMS_MAX: usize = 256;
+/// How deep values are shown.
+const DEPTH_MAX: usize = 16;
+/// Bytes of one text, at most.
+const TEXT_MAX: usize = 1024;
+/// How much is shown of what has no encoding of its own.
+const SHOWN_MAX: usize = 200;
+/// Objects with one of these keys mean something else than a dictionary.
+const SPECIAL: [&str; 4] = ["__tuple__", "__exc__", "__type__", "__repr__"];
+
+/// A view of one value.
+#[derive(Debug)]
+pub(crate) struct View {
+    /// What is shown.
+    pub(crate) json: Value,
+    /// Whether [`super::restore::from_view`] makes the very same value of it.
+    pub(crate) whole: bool,
+}
+
+/// The view of any object. May run code of the user, such as a `__repr__`.
+pub(crate) fn view(object: &Bound<'_, PyAny>) -> View {
+    let mut looking = Looking { left: ITEMS_MAX, seen: Vec::new(), whole: true };
+    let json = looking.at(object, 0);
+    View { json, whole: looking.whole }
+}
+
+struct Looking {
+    /// How many more values may be shown.
+    left: usize,
+    /// Addresses of the lists and dictionaries met: one that is met twice is shared, which JSON cannot say.
+    seen: Vec<usize>,
+    whole: bool,
+}
+
+impl Looking {
+    fn at(&mut self, object: &Bound<'_, PyAny>, depth: usize) -> Value {
+        self.left = self.left.saturating_sub(1);
+        if object.is_none() {
+            Value::Null
+        } else if let Ok(truth) = object.cast_exact::<PyBool>() {
+            Value::Bool(truth.is_true())
+        } else if object.is_exact_instance_of::<PyInt>() {
+            self.int(object)
+        } else if let Ok(number) = object.cast_exact::<PyFloat>() {
+            self.float(number)
+        } else if let Ok(text) = object.cast_exact::<PyString>() {
+            self.text(text)
+        } else {
+            self.container(object, depth)
+        }
+    }
+
+    fn int(&mut self, object: &Bound<'_, PyAny>) -> Value {
+        match object.extract::<i64>() {
+            Ok(number) => number.into(),
+            Err(_too_large) => self.part(|| represented(object)),
+        }
+    }
+
+    fn float(&mut self, number: &Bound<'_, PyFloat>) -> Value {
+        match Number::from_f64(number.value()) {
+            Some(finite) => Value::Number(finite),
+            None => self.part(|| represented(number)),
+        }
+    }
+
+    fn text(&mut self, text: &Bound<'_, PyString>) -> Value {
+        match text.to_cow() {
+            Ok(text) if text.len() <= TEXT_MAX => text.into(),
+            Ok(text) => self.part(|| shortened(&text)),
+            Err(_lone_surrogates) => self.part(|| represented(text)),
+        }
+    }
+
+    fn container(&mut self, object: &Bound<'_, PyAny>, depth: usize) -> Value {
+        if depth == DEPTH_MAX {
+            return self.part(|| named(object, &format!("a nested {}", class_name(object))));
+        }
+        if let Ok(list) = object.cast_exact::<PyList>() {
+            self.meet(object);
+            self.sequence(object, list.len(), list.iter(), depth)
+        } else if let Ok(tuple) = object.cast_exact::<PyTuple>() {
+            let items = self.sequence(object, tuple.len(), tuple.iter(), depth);
+            if items.is_array() { json!({ "__tuple__": items }) } else { items }
+        } else if let Ok(dict) = object.cast_exact::<PyDict>() {
+            self.meet(object);
+            self.dict(dict, depth)
+        } else {
+            self.part(|| other(object))
+        }
+    }
+
+    fn meet(&mut self, object: &Bound<'_, PyAny>) {
+        let address = object.as_ptr() as usize;
+        self.whole &= !self.seen.contains(&address);
+        self.seen.push(address);
+    }
+
+    fn sequence<'py>(
+        &mut self,
+        object: &Bound<'py, PyAny>,
+        count: usize,
+        items: impl Iterator<Item = Bound<'py, PyAny>>,
+        depth: usize,
+    ) -> Value {
+        if count > self.left {
+            let first = items.take(self.left).map(|item| self.at(&item, depth + 1)).collect();
+            return self.part(|| cut(object, count, "__first__", Value::Array(first)));
+        }
+        items.map(|item| self.at(&item, depth + 1)).collect()
+    }
+
+    fn dict(&mut self, dict: &Bound<'_, PyDict>, depth: usize) -> Value {
+        let (count, mut members) = (dict.len(), Map::new());
+        for (key, value) in dict.iter().take(self.left) {
+            let key = self.key(&key);
+            // A reader has the keys in their order, so only a dictionary in that order is made again as it was.
+            self.whole &= members.keys().next_back().is_none_or(|before: &String| *before < key);
+            self.whole &= !SPECIAL.contains(&key.as_str());
+            members.insert(key, self.at(&value, depth + 1));
+        }
+        if count > members.len() {
+            return self.part(|| cut(dict, count, "__some__", Value::Object(members)));
+        }
+        Value::Object(members)
+    }
+
+    fn key(&mut self, key: &Bound<'_, PyAny>) -> String {
+        let text = key.cast_exact::<PyString>().ok().and_then(|text| text.to_cow().ok());
+        match text {
+            Some(text) if text.len() <= TEXT_MAX => text.into_owned(),
+            _ => {
+                self.whole = false;
+                words(key, key.str()).chars().take(SHOWN_MAX).collect()
+            }
+        }
+    }
+
+    /// What does not show all of the value.
+    fn part(&mut self, show: impl FnOnce() -> Value) -> Value {
+        self.whole = false;
+        show()
+    }
+}
+
+/// What has no encoding of its own.
+fn other(object: &Bound<'_, PyAny>) -> Value {
+    if object.is_instance_of::<PyBaseException>() {
+        json!({ "__exc__": class_name(object), "msg": words(object, object.str()) })
+    } else if let Ok(class) = object.cast::<PyType>() {
+        let name = class.name().map(|name| name.to_string_lossy().into_owned());
+        json!({ "__type__": name.unwrap_or_default() })
+    } else if let Some(bytes) = leading_bytes(object) {
+        named(object, &words(object, bytes.repr()))
+    } else if is_large_set(object) {
+        named(object, &format!("{} of many", class_name(object)))
+    } else {
+        with_shape(object, represented(object))
+    }
+}
+
+/// The first bytes of `bytes` or a `bytearray`, so that not all of them are written out.
+fn leading_bytes<'py>(object: &Bound<'py, PyAny>) -> Option<Bound<'py, PyAny>> {
+    let is_bytes =
+        object.is_exact_instance_of::<PyBytes>() || object.is_exact_instance_of::<PyByteArray>();
+    let first = PySlice::new(object.py(), 0, SHOWN_MAX.cast_signed(), 1);
+    is_bytes.then(|| object.get_item(first).ok()).flatten()
+}
+
+fn is_large_set(object: &Bound<'_, PyAny>) -> bool {
+    let is_set =
+        object.is_exact_instance_of::<PySet>() || object.is_exact_instance_of::<PyFrozenSet>();
+    is_set && object.len().is_ok_and(|count| count > ITEMS_MAX)
+}
+
+/// Adds what tells arrays apart.
+fn with_shape(object: &Bound<'_, PyAny>, mut shown: Value) -> Value {
+    let text = |name: &str| object.getattr(name).ok()?.str().ok()?.extract::<String>().ok();
+    let shape = || object.getattr("shape").ok()?.extract::<Vec<u64>>().ok();
+    let is_array = !object.is_instance_of::<PyType>() && object.hasattr("dtype").unwrap_or(false);
+    if let (true, Some(shape), Value::Object(members)) = (is_array, shape(), &mut shown) {
+        members.insert("__shape__".to_owned(), shape.into());
+        members.insert("__dtype__".to_owned(), text("dtype").unwrap_or_default().into());
+    }
+    shown
+}
+
+fn cut(object: &Bound<'_, PyAny>, count: usize, key: &str, some: Value) -> Value {
+    let mut shown = named(object, &format!("{} of {count}", class_name(object)));
+    if let Value::Object(members) = &mut shown {
+        members.insert("__len__".to_owned(), count.into());
+        members.insert(key.to_owned(), some);
+    }
+    shown
+}
+
+fn shortened(text: &str) -> Value {
+    let first: String = text.chars().take(SHOWN_MAX).collect();
+    json!({ "__repr__": first, "__class__": "str", "__len__": text.chars().count() })
+}
+
+fn represented(object: &Bound<'_, PyAny>) -> Value {
+    named(object, &words(object, object.repr()))
+}
+
+fn named(object: &Bound<'_, PyAny>, shown: &str) -> Value {
+    let shown: String = shown.chars().take(SHOWN_MAX).collect();
+    json!({ "__repr__": shown, "__class__": class_name(object) })
+}
+
+fn class_name(object: &Bound<'_, PyAny>) -> String {
+    let name = object.get_type().name().map(|name| name.to_string_lossy().into_owned());
+    name.unwrap_or_default()
+}
+
+/// The text that an object has for itself, which may fail.
+fn words(object: &Bound<'_, PyAny>, said: PyResult<Bound<'_, PyString>>) -> String {
+    let said = said.map(|text| text.to_string_lossy().into_owned());
+    said.unwrap_or_else(|_failing| format!("<{} that cannot be shown>", class_name(object)))
+}
