@@ -5,7 +5,7 @@ use crate::driver::Driver;
 use crate::prepare::reason;
 use crate::recorder::Recorder;
 use crate::safety::{Turn, Work};
-use crate::{Scripts, StateFiles, roots, tell};
+use crate::{Scripts, roots, tell};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Event, LogLevel};
 use rafcon_storage::journal::Journal;
@@ -13,17 +13,16 @@ use std::io;
 use std::sync::Arc;
 use std::thread::{self, Scope};
 
-/// Starts the threads that a journal needs; without one, none. `files` are those of the machine at the start.
+/// Starts the threads that a journal needs; without one, none.
 pub(crate) fn start<'scope, S: Scripts>(
     scope: &'scope Scope<'scope, '_>,
     driver: &'scope Arc<Driver<S>>,
-    files: StateFiles,
 ) -> io::Result<()> {
     if driver.recorder().has_journal() {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         named("committer").spawn_scoped(scope, || serve(driver.recorder()))?;
         named("journal").spawn_scoped(scope, || attend(driver))?;
-        named("roots").spawn_scoped(scope, move || roots::serve(driver, &files))?;
+        named("roots").spawn_scoped(scope, || roots::serve(driver))?;
     }
     Ok(())
 }
@@ -58,7 +57,7 @@ fn serve(recorder: &Recorder) {
 }
 
 /// Pauses the run while nothing can be made safe, until the record is closed.
-fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
+pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
     let mut attendant = Attendant { driver, paused: false };
     let mut was = false;
     while let Some(turn) = driver.recorder().safety().next_turn(was) {

@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::driver::Driver;
 use crate::join::{Closer, Door};
 use crate::prepare::{Prepared, prepare, reason};
-use crate::{Clock, Host, Scripts, StateFiles, committer, due, journal, stop};
+use crate::{Clock, Host, Scripts, committer, due, journal, stop};
 use rafcon_engine::{Finish, Input, Program, Start};
 use rafcon_protocol::{Event, Join, Launch, Outcome, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::VALUES_FOLDER;
@@ -82,9 +82,9 @@ fn begin<H: Host>(
     };
     let driver = Driver::new(document, host.open(opening), clock, active, recorder);
     H::opened(&driver);
-    driver.keep_root(&driver.machine(), "");
+    driver.keep_first_root(files);
     let (door, closer) = open_door(launch)?.unzip();
-    let begun = Begun { driver, loaded, files, signals: stop::take_over()?, door, closer };
+    let begun = Begun { driver, loaded, signals: stop::take_over()?, door, closer };
     set_out(&begun.driver, launch, start).map_err(ServeError::Load)?;
     Ok(begun)
 }
@@ -98,8 +98,6 @@ fn run_id(folder: &Path) -> String {
 struct Begun<S: Scripts> {
     driver: Arc<Driver<S>>,
     loaded: ToViewer,
-    /// Those of the machine at the start.
-    files: StateFiles,
     signals: (Signals, Handle),
     door: Option<Door>,
     closer: Option<Closer>,
@@ -107,11 +105,11 @@ struct Begun<S: Scripts> {
 
 impl<S: Scripts> Begun<S> {
     fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
-        let Self { driver, loaded, files, signals: (signals, handle), door, closer } = self;
+        let Self { driver, loaded, signals: (signals, handle), door, closer } = self;
         let company = Company::new(Arc::clone(&driver), loaded);
         thread::scope(|scope| {
             let named = |name: &str| thread::Builder::new().name(name.to_owned());
-            committer::start(scope, &driver, files)?;
+            committer::start(scope, &driver)?;
             company.welcome(scope, line, first(launch))?;
             named("signals").spawn_scoped(scope, || stop::serve(&driver, signals))?;
             named("timers").spawn_scoped(scope, || due::serve(&driver))?;

@@ -5,18 +5,24 @@ use crate::driver::Driver;
 use crate::mailbox::Mailbox;
 use crate::prepare::reason;
 use crate::{Clock, Scripts, StateFiles, tell};
+use parking_lot::Mutex;
 use rafcon_model::Machine;
 use rafcon_protocol::{Event, LogLevel};
 use rafcon_storage::journal::{Hash, Journal, JournalError, Pack, Packer};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// How long after it found no room it is tried again.
 const RETRY: Duration = Duration::from_secs(1);
+/// A machine of no more states is kept before its first state runs, which takes a few milliseconds.
+const AT_ONCE_MAX: usize = 500;
 
 /// The machines that are to be kept.
 #[derive(Debug, Default)]
 pub(crate) struct Roots {
+    /// Those of the first machine.
+    files: OnceLock<StateFiles>,
+    packer: Mutex<Packer>,
     wanted: Mailbox<Wanted>,
     done: Mailbox<()>,
 }
@@ -29,6 +35,19 @@ enum Wanted {
 }
 
 impl<S: Scripts> Driver<S> {
+    /// The run begins with the machine that was read from these files.
+    pub(crate) fn keep_first_root(&self, files: StateFiles) {
+        let files = self.roots().files.get_or_init(|| files);
+        let machine = self.machine();
+        let at_once = machine.count() <= AT_ONCE_MAX;
+        let journal = self.recorder().journal().filter(|_| at_once);
+        let hash = journal.and_then(|journal| journal.keep_root(&self.pack(&machine, files)).ok());
+        match hash {
+            Some(hash) => self.tell_root(hash, String::new()),
+            None => self.keep_root(&machine, ""),
+        }
+    }
+
     /// The run goes by `machine` from now on; `change` says what was changed, and nothing for the first.
     pub(crate) fn keep_root(&self, machine: &Arc<Machine>, change: &str) {
         if self.recorder().has_journal() {
@@ -46,20 +65,28 @@ impl<S: Scripts> Driver<S> {
             self.roots().done.wait();
         }
     }
+
+    fn pack(&self, machine: &Machine, files: &StateFiles) -> Pack {
+        self.roots().packer.lock().pack(machine, Some(files.saved()), files.libraries())
+    }
+
+    fn tell_root(&self, hash: Hash, change: String) {
+        self.tell(Event::Root { hash: hash.to_string(), change });
+    }
 }
 
-/// Keeps machines until [`Driver::close_roots`]; `files` are those of the first.
-pub(crate) fn serve<S: Scripts>(driver: &Driver<S>, files: &StateFiles) {
-    let mut packer = Packer::default();
-    while let Wanted::Keep(machine, change) = driver.roots().wanted.wait() {
-        if let Some(journal) = driver.recorder().journal() {
-            let pack = packer.pack(&machine, Some(files.saved()), files.libraries());
-            if let Some(hash) = keep(driver, &journal, &pack) {
-                driver.tell(Event::Root { hash: hash.to_string(), change });
-            }
+/// Keeps machines until [`Driver::close_roots`].
+pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
+    let roots = driver.roots();
+    while let Wanted::Keep(machine, change) = roots.wanted.wait() {
+        let (journal, files) = (driver.recorder().journal(), roots.files.get());
+        if let (Some(journal), Some(files)) = (journal, files)
+            && let Some(hash) = keep(driver, &journal, &driver.pack(&machine, files))
+        {
+            driver.tell_root(hash, change);
         }
     }
-    driver.roots().done.post(());
+    roots.done.post(());
 }
 
 /// Keeps one machine; a disk that is full is waited for, as long as the run goes on.

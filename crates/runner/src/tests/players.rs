@@ -3,13 +3,13 @@
 use crate::active::Active;
 use crate::blocks::Chunk;
 use crate::document::Document;
-use crate::signals::PREEMPTED;
 use crate::recorder::Recorder;
+use crate::signals::PREEMPTED;
 use crate::words::Wording;
 use crate::{Clock, Driver, Place, Scripts};
 use rafcon_engine::{
     Finish, Globals, Input, Job, Literals, ModelLiterals, NoGlobals, NodeId, Program, Returned,
-    ScriptResult, Start,
+    ScriptResult, Start, Status,
 };
 use rafcon_model::{Value, notation};
 use rafcon_protocol::Event;
@@ -114,6 +114,15 @@ pub(super) struct Report {
 impl Run {
     /// The machine of a text; `meeting` states meet, states with the word `again` take their first way `rounds` times.
     pub(super) fn new(machine: &str, meeting: usize, rounds: i64) -> Self {
+        Self::recorded(machine, (meeting, rounds), Recorder::default())
+    }
+
+    /// The same with a record of the caller's.
+    pub(super) fn recorded(
+        machine: &str,
+        (meeting, rounds): (usize, i64),
+        recorder: Recorder,
+    ) -> Self {
         let machine = notation::parse(machine).unwrap();
         let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
         let players = Players {
@@ -121,8 +130,15 @@ impl Run {
             meeting: Barrier::new(meeting),
             rounds: AtomicI64::new(rounds),
         };
-        let document = Document::new(machine, program);
-        Self { driver: Driver::new(document, players, Clock::start(), Active::default(), Recorder::default()) }
+        let (document, active) = (Document::new(machine, program), Active::default());
+        Self { driver: Driver::new(document, players, Clock::start(), active, recorder) }
+    }
+
+    /// Waits until the engine is in this status.
+    pub(super) fn wait_for_status(&self, status: Status) {
+        while self.driver.with_core(|core| core.engine.status()) != Some(status) {
+            std::thread::yield_now();
+        }
     }
 
     pub(super) fn start(&self) {
@@ -149,7 +165,7 @@ impl Run {
         self.driver.close();
         let mut report = Report { finish, steps: Vec::new(), threads };
         let mut next = 1;
-        while next <= self.driver.recorder().last() {
+        while next < self.driver.recorder().tellable() {
             let (after, texts) = self.texts(next);
             report.steps.extend(texts);
             next = after;

@@ -1,0 +1,234 @@
+//! What of a run is kept, when it is safe, and what viewers are told of it.
+
+use super::house::{House, Viewer};
+use super::players::Run;
+use crate::blocks::Chunk;
+use crate::committer;
+use crate::recorder::Recorder;
+use expect_test::{Expect, expect};
+use rafcon_engine::{Input, Status};
+use rafcon_protocol::{Command, Event, Join, Keeping, Launch, LogLevel, Stream, ToViewer};
+use rafcon_storage::journal::{About, Journal, Options, Reader, Record};
+use std::path::Path;
+use std::thread;
+
+/// A hierarchy in which a number is counted up three times, then something else happens.
+fn counting(semantic: &str, last: &str) -> String {
+    format!(
+        r#"
+hierarchy ROOT
+  outcome done
+  var now: int = 0
+  start -> A
+  A.ok -> B
+  B.ok -> .done
+  flow .now -> A.before
+  flow A.after -> .now
+  execution A "add"
+    {semantic}
+    outcome ok
+    in before: int = 0
+    out after: int = 0
+  execution B "{last}"
+    outcome ok
+"#
+    )
+}
+
+/// A state that writes more than memory holds, then one that waits.
+fn shouting() -> String {
+    let more = "B.ok -> C\n  C.ok -> .done\n  execution C \"wait\"\n    outcome ok";
+    counting("", "shout").replace("B.ok -> .done", more)
+}
+
+/// All events of a journal as they are told, with their numbers; `values` as a viewer chooses.
+fn journal(folder: &Path, values: bool) -> Vec<(u64, Event)> {
+    let mut reader = Reader::open(folder).unwrap();
+    let page = reader.page(1, usize::MAX).unwrap();
+    page.iter().map(|entry| (entry.sequence, reader.event(entry, values).unwrap())).collect()
+}
+
+/// All events that the viewer is told until the end.
+fn told(viewer: &mut Viewer) -> Vec<(u64, Event)> {
+    let mut events = Vec::new();
+    while let Some(message) = viewer.next() {
+        if let ToViewer::Event { sequence, event, .. } = message {
+            events.push((sequence, event));
+        }
+    }
+    events
+}
+
+/// Runs the machine to its end and shows what its journal has, but for roots and the end.
+fn check(machine: &str, launch: impl FnOnce(Launch) -> Launch, expect: &Expect) {
+    let house = House::new(machine);
+    let (mut viewer, runner) = house.begin(launch(house.launch()));
+    told(&mut viewer);
+    runner.join().unwrap();
+    let events = journal(&house.run_folder(), true);
+    let shown = events
+        .iter()
+        .filter(|(_, event)| !matches!(event, Event::Root { .. } | Event::Finished { .. }));
+    let line = |(_, event): &(u64, Event)| format!("{}\n", serde_json::to_string(event).unwrap());
+    expect.assert_eq(&shown.map(line).collect::<Vec<_>>().concat());
+}
+
+#[test]
+fn a_run_is_kept_with_all_values() {
+    check(
+        &counting("", "go"),
+        |launch| launch,
+        &expect![[r#"
+        {"type":"entered","path":"ROOT","inputs":{}}
+        {"type":"scoped","path":"ROOT","name":"now","value":0}
+        {"type":"entered","path":"ROOT/A","inputs":{"before":0}}
+        {"type":"left","path":"ROOT/A","outcome":{"id":0,"name":"ok"},"outputs":{"after":1}}
+        {"type":"scoped","path":"ROOT","name":"now","value":1}
+        {"type":"entered","path":"ROOT/B","inputs":{}}
+        {"type":"left","path":"ROOT/B","outcome":{"id":0,"name":"ok"},"outputs":{}}
+        {"type":"left","path":"ROOT","outcome":{"id":0,"name":"done"},"outputs":{}}
+    "#]],
+    );
+}
+
+#[test]
+fn of_a_run_that_asks_for_it_only_the_status_is_kept() {
+    let status = |launch| Launch { keeping: Keeping::Status, ..launch };
+    check(
+        &counting("", "go"),
+        status,
+        &expect![[r#"
+        {"type":"entered","path":"ROOT","inputs":{}}
+        {"type":"entered","path":"ROOT/A"}
+        {"type":"left","path":"ROOT/A","outcome":{"id":0,"name":"ok"}}
+        {"type":"entered","path":"ROOT/B","inputs":{}}
+        {"type":"left","path":"ROOT/B","outcome":{"id":0,"name":"ok"},"outputs":{}}
+        {"type":"left","path":"ROOT","outcome":{"id":0,"name":"done"},"outputs":{}}
+    "#]],
+    );
+}
+
+#[test]
+fn a_state_can_give_up_its_values() {
+    let machine = counting(r#"semantic {"journal": "status"}"#, "go");
+    check(
+        &machine,
+        |launch| launch,
+        &expect![[r#"
+        {"type":"entered","path":"ROOT","inputs":{}}
+        {"type":"scoped","path":"ROOT","name":"now","value":0}
+        {"type":"entered","path":"ROOT/A"}
+        {"type":"left","path":"ROOT/A","outcome":{"id":0,"name":"ok"}}
+        {"type":"scoped","path":"ROOT","name":"now","value":1}
+        {"type":"entered","path":"ROOT/B","inputs":{}}
+        {"type":"left","path":"ROOT/B","outcome":{"id":0,"name":"ok"},"outputs":{}}
+        {"type":"left","path":"ROOT","outcome":{"id":0,"name":"done"},"outputs":{}}
+    "#]],
+    );
+}
+
+#[test]
+fn a_run_that_is_not_kept_leaves_no_journal() {
+    let house = House::new(&counting("", "go"));
+    let (mut viewer, runner) = house.begin(Launch { keeping: Keeping::Off, ..house.launch() });
+    assert_eq!(told(&mut viewer).len(), 7);
+    runner.join().unwrap();
+    assert!(Reader::open(&house.run_folder()).is_err());
+}
+
+#[test]
+fn viewers_are_told_what_the_journal_has() {
+    let house = House::new(&counting("", "wait"));
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("+ROOT/B");
+    let mut second = house.join(Join { from: 1, every_event: true, values: true });
+    assert_eq!(first.command("stop", Command::Stop), "applied");
+    let seen = told(&mut second);
+    runner.join().unwrap();
+    assert_eq!(seen, journal(&house.run_folder(), true));
+}
+
+#[test]
+fn what_memory_gave_up_is_read_from_the_journal() {
+    let house = House::new(&shouting());
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("+ROOT/C");
+    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    assert_eq!(first.command("stop", Command::Stop), "applied");
+    let numbers: Vec<u64> = told(&mut second).into_iter().map(|(number, _)| number).collect();
+    runner.join().unwrap();
+    let kept = journal(&house.run_folder(), false);
+    let scoped = |event: &Event| matches!(event, Event::Scoped { .. });
+    let wanted = kept.iter().filter(|(_, event)| !scoped(event)).map(|(number, _)| *number);
+    assert_eq!(numbers, wanted.collect::<Vec<u64>>());
+}
+
+#[test]
+fn with_the_strict_rule_a_script_begins_once_its_entry_is_safe() {
+    let mut machine = String::from("hierarchy ROOT\n  outcome done\n  start -> S0\n");
+    for number in 0..20 {
+        let next = if number == 19 { ".done".to_owned() } else { format!("S{}", number + 1) };
+        let state = format!("  execution S{number} \"safe\"\n    outcome ok\n");
+        machine += &format!("  S{number}.ok -> {next}\n{state}");
+    }
+    let house = House::new(&machine);
+    let (viewer, runner) = house.begin(Launch { strict: true, ..house.launch() });
+    let text = viewer.to_end();
+    runner.join().unwrap();
+    assert!(text.trim_end().ends_with("finished done"), "{text}");
+}
+
+/// A recorder with a journal in a new folder; nothing commits.
+fn recorder(folder: &Path) -> Recorder {
+    let journal = Journal::create(folder, &About::default(), &Options::default()).unwrap();
+    Recorder::with_journal(journal, None, (Keeping::Full, false))
+}
+
+fn line(message: &str) -> Record {
+    let message = message.to_owned();
+    Record::Log { place: None, level: LogLevel::Info, stream: Stream::Stdout, message }
+}
+
+#[test]
+fn only_what_is_safe_is_told() {
+    let home = tempfile::tempdir().unwrap();
+    let recorder = recorder(&home.path().join("run"));
+    let told = |from| {
+        let mut chunk = Chunk::default();
+        recorder.read(from, false, &mut chunk);
+        chunk.records().count()
+    };
+    recorder.push(0, [line("one"), line("two")]);
+    assert_eq!((recorder.last(), told(1)), (2, 0));
+    let committed = recorder.journal().unwrap().commit().unwrap();
+    recorder.push(0, [line("three")]);
+    recorder.safe_until(committed.sequence);
+    assert_eq!((recorder.last(), told(1)), (3, 2));
+}
+
+#[test]
+fn while_the_disk_refuses_the_run_is_paused() {
+    let home = tempfile::tempdir().unwrap();
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  A.ok -> .done
+  execution A \"wait\"
+    outcome ok
+";
+    let run = Run::recorded(machine, (1, 0), recorder(&home.path().join("run")));
+    run.start();
+    let safety = run.driver.recorder().safety();
+    thread::scope(|scope| {
+        scope.spawn(|| committer::attend(&run.driver));
+        safety.failed("there is no room");
+        run.wait_for_status(Status::Paused);
+        assert_eq!(safety.state().1.as_deref(), Some("there is no room"));
+        safety.committed(run.driver.recorder().last(), safety.backlog());
+        run.wait_for_status(Status::Running);
+        safety.closed();
+    });
+    run.driver.command(Input::Stop).unwrap();
+    assert_eq!(run.end().finish.outcome_name, "preempted");
+}
