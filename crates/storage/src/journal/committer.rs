@@ -1,13 +1,20 @@
-//! Moves frames into the database, group by group. Knows where the database stands; must never know who appends.
+//! Moves frames into the database, group by group, and keeps now and then how the run stood. Knows where the database stands;
+//! must never know who appends.
 
 use super::database::Database;
-use super::error::JournalError;
+use super::error::{Doing, JournalError};
 use super::folder::{RECORDER_FILE, SPILL_FOLDER};
 use super::frame::{self, Frame};
 use super::group::{Block, Group};
+use super::leftovers::Leftovers;
+use super::moment::Moment;
+use super::reader::Reader;
+use super::record::ValueNumber;
 use super::recorder::spill_file;
+use super::tracker::{Keyframe, Tracker};
 use super::values;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// The database's side of a journal.
@@ -17,15 +24,38 @@ pub(super) struct Committer {
     pub(super) database: Database,
     /// The last row.
     last: Option<Block>,
-    /// Bytes from the recorder; kept for its room.
+    tracker: Tracker,
+    /// Goes with the next group.
+    keyframe: Option<Keyframe>,
+    /// Bytes from the recorder; kept for their room.
     pub(super) buffer: Vec<u8>,
 }
 
 impl Committer {
-    /// Goes on where `database` stands.
-    pub(super) fn new(folder: &Path, mut database: Database) -> Result<Self, JournalError> {
+    /// Begins with an empty database.
+    pub(super) fn new(folder: &Path, database: Database) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            database,
+            last: None,
+            tracker: Tracker::new(Moment::default(), ValueNumber(1)),
+            keyframe: None,
+            buffer: Vec::new(),
+        }
+    }
+
+    /// Goes on where `database` stands, with `leftovers` behind it.
+    pub(super) fn take_up(
+        folder: &Path,
+        mut database: Database,
+        leftovers: &Leftovers,
+    ) -> Result<Self, JournalError> {
         let last = database.last_block()?;
-        Ok(Self { folder: folder.to_owned(), database, last, buffer: Vec::new() })
+        let mut committer = Self { last, ..Self::new(folder, database) };
+        committer.put_frames(&leftovers.frames(committer.sequence()))?;
+        committer.tracker = committer.catch_up()?;
+        committer.remove_spilled();
+        Ok(committer)
     }
 
     /// Number of the last event in the database.
@@ -38,6 +68,11 @@ impl Committer {
         self.last.as_ref().map_or(0, |last| last.t_last)
     }
 
+    /// The number of the next value.
+    pub(super) fn next_value(&self) -> ValueNumber {
+        self.tracker.next_value
+    }
+
     /// Puts the frames in the buffer into the database.
     pub(super) fn put_buffer(&mut self, life: u32) -> Result<(), JournalError> {
         let buffer = std::mem::take(&mut self.buffer);
@@ -46,56 +81,71 @@ impl Committer {
         put
     }
 
-    fn put_bytes(&mut self, mut bytes: &[u8], life: u32) -> Result<(), JournalError> {
-        let mut group = Group::after(self.last.as_ref());
-        let mut spilled = Vec::new();
-        while !bytes.is_empty() {
+    fn put_bytes(&mut self, bytes: &[u8], life: u32) -> Result<(), JournalError> {
+        let mut frames = Vec::new();
+        let mut rest = bytes;
+        while !rest.is_empty() {
             let (frame, length) =
-                frame::read(bytes, life).ok_or_else(|| self.damaged("a frame is broken"))?;
-            if frame.head.spilled {
-                let path = spill_file(&self.folder, life, frame.head.number);
-                let bytes = fs::read(&path).unwrap_or_default();
-                let whole = frame::read(&bytes, life);
-                let (whole, _) = whole.ok_or_else(|| self.damaged("a large group is missing"))?;
-                self.add(&mut group, &whole)?;
-                spilled.push(path);
-            } else {
-                self.add(&mut group, &frame)?;
-            }
-            bytes = &bytes[length..];
+                frame::read(rest, life).ok_or_else(|| self.damaged("a frame is broken"))?;
+            frames.push(frame);
+            rest = &rest[length..];
         }
-        self.put(group)?;
-        for path in spilled {
+        let spilled = frames.iter().filter(|frame| frame.head.spilled);
+        let path = |frame: &Frame<'_>| spill_file(&self.folder, life, frame.head.number);
+        let paths: Vec<PathBuf> = spilled.map(path).collect();
+        let read = |path: &PathBuf| {
+            fs::read(path).map_err(|source| JournalError::io(path, Doing::Read, source))
+        };
+        let bodies = paths.iter().map(read).collect::<Result<Vec<Vec<u8>>, _>>()?;
+        let spilled = frames.iter_mut().filter(|frame| frame.head.spilled);
+        for (frame, body) in spilled.zip(&bodies) {
+            let whole = frame::read(body, life).filter(|(whole, _)| whole.stands_for(frame));
+            (*frame, _) = whole.ok_or_else(|| self.damaged("a large group is torn"))?;
+        }
+        self.put_frames(&frames)?;
+        for path in paths {
             // What is left over of a file that cannot be removed goes with the next life.
             drop(fs::remove_file(path));
         }
         Ok(())
     }
 
-    /// Puts frames into the database.
-    pub(super) fn put_frames(&mut self, frames: &[Frame<'_>]) -> Result<(), JournalError> {
+    /// Puts frames into the database, and follows them once they are there.
+    fn put_frames(&mut self, frames: &[Frame<'_>]) -> Result<(), JournalError> {
         let mut group = Group::after(self.last.as_ref());
+        group.keyframe.clone_from(&self.keyframe);
         for frame in frames {
-            self.add(&mut group, frame)?;
+            group.add(frame).map_err(|broken| self.damaged(&broken.to_string()))?;
         }
-        self.put(group)
-    }
-
-    fn add(&self, group: &mut Group, frame: &Frame<'_>) -> Result<(), JournalError> {
-        group.add(frame).map_err(|broken| self.damaged(&broken.to_string()))
-    }
-
-    fn put(&mut self, mut group: Group) -> Result<(), JournalError> {
         values::settle(&self.folder, &mut group.values)?;
         self.database.put(&group, self.sequence())?;
+        self.keyframe = None;
         if let Some(last) = group.into_last() {
             self.last = Some(last);
         }
+        for frame in frames {
+            self.tracker.follow(frame).map_err(|broken| self.damaged(&broken.to_string()))?;
+        }
+        self.keyframe = self.tracker.keyframe();
         Ok(())
     }
 
+    /// What is known after the last event in the database.
+    fn catch_up(&mut self) -> Result<Tracker, JournalError> {
+        let (start, floor) = self.database.last_keyframe()?;
+        let mut reader = Reader::open(&self.folder)?;
+        let moment = reader.moment(u64::MAX)?;
+        let mut tracker = Tracker::new(moment, floor);
+        tracker.next_value = self.database.next_value()?.max(floor);
+        reader.each(start + 1, |_, entry| {
+            tracker.note(entry.sequence, &entry.record);
+            ControlFlow::Continue(())
+        })?;
+        Ok(tracker)
+    }
+
     /// Removes what an earlier life left in files of large groups.
-    pub(super) fn remove_spilled(&self) {
+    fn remove_spilled(&self) {
         drop(fs::remove_dir_all(self.folder.join(SPILL_FOLDER)));
     }
 

@@ -4,6 +4,7 @@ use super::error::JournalError;
 use super::folder::DATABASE_FILE;
 use super::group::{Block, Group};
 use super::record::{Item, Items, Place, PlaceNumber, ValueNumber};
+use super::tracker::Keyframe;
 use super::{Definition, binary};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
 use std::path::{Path, PathBuf};
@@ -25,7 +26,8 @@ const TABLES: &str = "
         PRIMARY KEY(number, first)) WITHOUT ROWID;
     CREATE TABLE vals(number INTEGER PRIMARY KEY, hash BLOB, data BLOB);
     CREATE TABLE blobs(hash BLOB PRIMARY KEY, data BLOB NOT NULL);
-    CREATE TABLE keyframes(sequence INTEGER PRIMARY KEY, data BLOB NOT NULL);
+    CREATE TABLE keyframes(sequence INTEGER PRIMARY KEY, data BLOB NOT NULL, next_value INTEGER NOT NULL);
+    CREATE TABLE named(number INTEGER PRIMARY KEY, last INTEGER NOT NULL);
     CREATE TABLE roots(hash BLOB PRIMARY KEY, base BLOB, data BLOB NOT NULL);
     CREATE TABLE files(hash BLOB PRIMARY KEY, data BLOB NOT NULL);
     CREATE TABLE lives(life INTEGER PRIMARY KEY, first INTEGER NOT NULL);
@@ -120,8 +122,20 @@ impl Database {
             if !group.values.is_empty() {
                 put_values(&transaction, group)?;
             }
+            if let Some(keyframe) = &group.keyframe {
+                put_keyframe(&transaction, keyframe)?;
+            }
             transaction.commit()
         })
+    }
+
+    /// Number of the last keyframe's record, and the number after that of the last value then.
+    pub(super) fn last_keyframe(&mut self) -> Result<(u64, ValueNumber), JournalError> {
+        let query = "SELECT sequence, next_value FROM keyframes ORDER BY sequence DESC LIMIT 1";
+        let row = |row: &rusqlite::Row<'_>| Ok((row.get(0)?, row.get(1)?));
+        let last = self.run(|connection| connection.query_row(query, [], row).optional())?;
+        let (sequence, next_value): (i64, i64) = last.unwrap_or((0, 1));
+        Ok((sequence.cast_unsigned(), ValueNumber(next_value.cast_unsigned())))
     }
 
     /// The last block, if there is one.
@@ -223,6 +237,17 @@ fn put_values(transaction: &Transaction<'_>, group: &Group) -> rusqlite::Result<
         let hash = *blake3::hash(&data).as_bytes();
         keep.execute(params![hash, data])?;
         insert.execute(params![number, hash, None::<Vec<u8>>])?;
+    }
+    Ok(())
+}
+
+fn put_keyframe(transaction: &Transaction<'_>, keyframe: &Keyframe) -> rusqlite::Result<()> {
+    let insert = "INSERT OR REPLACE INTO keyframes VALUES (?1, ?2, ?3)";
+    let numbers = [keyframe.sequence, keyframe.next_value.0].map(u64::cast_signed);
+    transaction.execute(insert, params![numbers[0], keyframe.data, numbers[1]])?;
+    let mut insert = transaction.prepare("INSERT OR REPLACE INTO named VALUES (?1, ?2)")?;
+    for (number, last) in &keyframe.named {
+        insert.execute([number.0.cast_signed(), last.cast_signed()])?;
     }
     Ok(())
 }

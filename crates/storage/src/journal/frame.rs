@@ -43,6 +43,13 @@ pub(super) struct Frame<'b> {
     pub(super) records: &'b [u8],
 }
 
+impl Frame<'_> {
+    /// Whether this is the body of a frame that says that it lies elsewhere.
+    pub(super) fn stands_for(&self, short: &Frame<'_>) -> bool {
+        self.head == Head { spilled: false, ..short.head }
+    }
+}
+
 /// How long the frame of a batch is, with what fills it up to the next one.
 pub(super) fn length(batch: &Batch) -> usize {
     padded(HEAD + batch.definitions.len() + batch.records.len())

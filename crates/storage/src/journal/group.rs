@@ -4,6 +4,7 @@
 use super::binary::{Broken, Reader};
 use super::frame::Frame;
 use super::record::{Definition, Item, Place, PlaceNumber, Stored, ValueNumber};
+use super::tracker::Keyframe;
 
 /// A row is closed once it is as long as this.
 const BLOCK_BYTES: usize = 32 << 10;
@@ -42,18 +43,15 @@ pub(super) struct Group {
     pub(super) places: Vec<(PlaceNumber, u64, Place)>,
     /// Values.
     pub(super) values: Vec<(ValueNumber, Stored)>,
-    /// Number of the last event.
-    pub(super) sequence: u64,
-    /// Time of the last event.
-    pub(super) t_last: u64,
+    /// How the run stood before these events, if it is to be kept.
+    pub(super) keyframe: Option<Keyframe>,
 }
 
 impl Group {
     /// A group that follows on `tail`, the last block so far.
     pub(super) fn after(tail: Option<&Block>) -> Self {
-        let (sequence, t_last) = tail.map_or((0, 0), |tail| (tail.next() - 1, tail.t_last));
         let tail = tail.filter(|tail| tail.data.len() < TAIL_BYTES).cloned();
-        Self { tail, sequence, t_last, ..Self::default() }
+        Self { tail, ..Self::default() }
     }
 
     /// All rows, a tail that went on included.
@@ -76,8 +74,6 @@ impl Group {
         block.data.extend_from_slice(frame.records);
         block.count += u64::from(frame.head.count);
         block.t_last = frame.head.t_last;
-        self.sequence = frame.head.next() - 1;
-        self.t_last = frame.head.t_last;
         Ok(())
     }
 

@@ -87,7 +87,7 @@ impl Journal {
         let mut database = Database::create(folder)?;
         let life = database.begin_life(1)?;
         let recorder = Recorder::create(folder, options.recorder_bytes, life, 1)?;
-        let committer = Committer::new(folder, database)?;
+        let committer = Committer::new(folder, database);
         sync_folder(folder)?;
         Ok(Self::new(lock, recorder, committer, folder))
     }
@@ -96,14 +96,11 @@ impl Journal {
     pub fn take_up(folder: &Path, options: &Options) -> Result<(Self, TakenUp), JournalError> {
         let about = About::read(folder)?;
         let lock = RunLock::take(folder)?;
-        let mut committer = Committer::new(folder, Database::open(folder)?)?;
-        let leftovers = Leftovers::read(folder)?;
-        committer.put_frames(&leftovers.frames(committer.sequence()))?;
-        committer.remove_spilled();
+        let database = Database::open(folder)?;
+        let mut committer = Committer::take_up(folder, database, &Leftovers::read(folder)?)?;
         let (sequence, t_ns) = (committer.sequence(), committer.t_last());
-        let database = &mut committer.database;
-        let life = database.begin_life(sequence + 1)?;
-        let (next_value, places) = (database.next_value()?, database.places()?);
+        let life = committer.database.begin_life(sequence + 1)?;
+        let (next_value, places) = (committer.next_value(), committer.database.places()?);
         let recorder = Recorder::create(folder, options.recorder_bytes, life, sequence + 1)?;
         let taken_up = TakenUp { about, sequence, t_ns, next_value, places, life };
         Ok((Self::new(lock, recorder, committer, folder), taken_up))

@@ -81,9 +81,7 @@ impl Leftovers {
         }
         let index = self.spilled.binary_search_by_key(&short.head.number, |(number, _)| *number);
         let (frame, _) = frame::read(&self.spilled[index.ok()?].1, self.life)?;
-        let same = (frame.head.number, frame.head.first, frame.head.count)
-            == (short.head.number, short.head.first, short.head.count);
-        same.then_some(frame)
+        frame.stands_for(&short).then_some(frame)
     }
 
     /// All frames by rising number.

@@ -30,6 +30,7 @@ mod retention;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod tracker;
 mod values;
 
 pub use about::About;

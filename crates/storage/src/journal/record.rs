@@ -4,6 +4,7 @@
 //! A sequence of items is self-contained: a definition comes before its first use. Only records are numbered.
 
 use super::binary::{Broken, Reader, Writer};
+use super::moment::values_in;
 use rafcon_protocol::{Event, LogLevel, Stream};
 use smol_str::SmolStr;
 use std::num::NonZeroU64;
@@ -174,6 +175,21 @@ pub enum Content {
     },
     /// Nothing: it cannot be kept, and why. A script never gets such a value back.
     Nothing(String),
+}
+
+impl Record {
+    /// Shows all values that the record names.
+    pub fn values(&self, see: &mut dyn FnMut(&Kept)) {
+        match self {
+            Self::Entered { inputs, .. } => inputs.iter().for_each(see),
+            Self::Left { outputs, error, .. } => outputs.iter().chain(error).for_each(see),
+            Self::Scoped { value, .. } | Self::Persistent { value, .. } => see(value),
+            Self::Global { value, .. } => value.iter().for_each(see),
+            // A moment that is broken names none.
+            Self::WentBack { moment, .. } => drop(values_in(moment, see)),
+            Self::Log { .. } | Self::Told(_) => {}
+        }
+    }
 }
 
 impl Stored {

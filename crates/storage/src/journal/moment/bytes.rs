@@ -6,7 +6,7 @@
 use super::inside::{End, Inside, Step};
 use super::{Active, Moment, Whole};
 use crate::journal::places::Places;
-use crate::journal::record::{Item, Items, PlaceNumber, Record};
+use crate::journal::record::{Item, Items, Kept, PlaceNumber, Record};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU64;
 
@@ -115,6 +115,21 @@ impl Moment {
         let around = self.places.parent(place).and_then(|parent| self.active.get(&parent));
         around.is_some_and(|around| around.inside.is_open(place))
     }
+}
+
+/// Shows all values that a moment names.
+pub(in crate::journal) fn values_in(
+    moment: &[u8],
+    see: &mut dyn FnMut(&Kept),
+) -> Result<(), BadMoment> {
+    let (_, items) = split(moment)?;
+    for item in Items::new(items, 0) {
+        match item.map_err(|_broken| BadMoment("an item is broken"))? {
+            Item::Record(_, record) => record.values(see),
+            Item::Definition(_) => {}
+        }
+    }
+    Ok(())
 }
 
 fn split(bytes: &[u8]) -> Result<(Header, &[u8]), BadMoment> {
