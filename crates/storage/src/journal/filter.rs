@@ -3,7 +3,7 @@
 use super::places::Places;
 use super::reader::Entry;
 use super::record::{Place, PlaceNumber, Record};
-use rafcon_protocol::Event;
+use rafcon_protocol::{Event, LogLevel};
 use std::collections::BTreeMap;
 
 /// What is wanted; by default everything.
@@ -17,6 +17,8 @@ pub struct Filter {
     pub text: Option<String>,
     /// Kinds of events, as the protocol calls them; none means all.
     pub kinds: Vec<String>,
+    /// Lines of the log that matter at least so much, and no other lines.
+    pub level: Option<LogLevel>,
     /// Events from this time on, in ns since the start of the run.
     pub from_ns: Option<u64>,
     /// Events up to this time.
@@ -55,6 +57,7 @@ impl Sieve<'_> {
         filter.from_ns.is_none_or(|from| entry.t_ns >= from)
             && !filter.is_past(entry.t_ns)
             && (filter.kinds.is_empty() || filter.kinds.iter().any(|k| k == kind(&entry.record)))
+            && matters(filter.level, &entry.record)
             && self.fits_outcome(&entry.record, places)
             && self.fits_state(&entry.record, places)
     }
@@ -97,6 +100,13 @@ impl Sieve<'_> {
         let path = path_of(event);
         let names = places.number(path).and_then(|number| places.get(number));
         !path.is_empty() && self.filter.wants_path(path, names.map_or("", |place| &place.names))
+    }
+}
+
+fn matters(least: Option<LogLevel>, record: &Record) -> bool {
+    match (least, record) {
+        (Some(least), Record::Log { level, .. }) => *level >= least,
+        _ => true,
     }
 }
 

@@ -95,17 +95,16 @@ impl Reader {
         Ok(self.source.last_sequence()?.max(self.extra.last_sequence()))
     }
 
-    /// All places, as they were defined last.
-    pub fn places(&mut self) -> Result<&Places, JournalError> {
-        self.learn()?;
-        Ok(&self.places)
+    /// The places of all events that were read so far, as they were defined last.
+    pub fn known_places(&self) -> &Places {
+        &self.places
     }
 
     /// At most `count` events, beginning with number `from`.
     pub fn page(&mut self, from: u64, count: usize) -> Result<Vec<Entry>, JournalError> {
         let mut page = Vec::new();
         if count > 0 {
-            self.each(from, |entry| {
+            self.each(from, |_, entry| {
                 page.push(entry);
                 if page.len() < count { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             })?;
@@ -117,10 +116,12 @@ impl Reader {
     pub fn each(
         &mut self,
         from: u64,
-        visit: impl FnMut(Entry) -> ControlFlow<()>,
+        mut visit: impl FnMut(&Self, Entry) -> ControlFlow<()>,
     ) -> Result<(), JournalError> {
         self.learn()?;
-        self.read(from.max(1), |source, row| source.rows(from, row), visit)
+        let reader = &*self;
+        let rows = |source: &Source, row: &mut Visit<'_>| source.rows(from, row);
+        reader.read(from.max(1), rows, |entry| visit(reader, entry))
     }
 
     /// The last events: those that lie together, and some before them.
@@ -198,7 +199,7 @@ impl Reader {
         }
         let defined = std::mem::take(&mut self.defined);
         let mut later = defined.iter().skip_while(|defined| defined.first <= start).peekable();
-        let gone = self.each(start + 1, |entry| {
+        let gone = self.each(start + 1, |_, entry| {
             while let Some(defined) = later.next_if(|defined| defined.first <= entry.sequence) {
                 moment.define(&Definition::Place(defined.number, defined.place.clone()));
             }

@@ -1,0 +1,64 @@
+//! Values as numbers that are the same if the values are. Knows what of a value says what it is.
+
+use crate::journal::error::JournalError;
+use crate::journal::reader::Reader;
+use crate::journal::record::{Content, Kept, Record, Stored, ValueNumber};
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+
+/// Makes digests for one run.
+#[derive(Debug, Default)]
+pub(super) struct Digests {
+    known: BTreeMap<ValueNumber, u64>,
+}
+
+impl Digests {
+    /// The digest of the values of an entry or end; that of its error is in it.
+    pub(super) fn of(&mut self, reader: &Reader, record: &Record) -> Result<u64, JournalError> {
+        let mut hasher = DefaultHasher::new();
+        let (values, error) = match record {
+            Record::Entered { inputs, .. } => (&inputs[..], None),
+            Record::Left { outputs, error, .. } => (&outputs[..], error.as_ref()),
+            _ => (&[][..], None),
+        };
+        for value in values.iter().chain(error) {
+            hasher.write_u64(self.of_value(reader, value)?);
+        }
+        Ok(hasher.finish())
+    }
+
+    /// The digest of one value.
+    pub(super) fn of_value(&mut self, reader: &Reader, value: &Kept) -> Result<u64, JournalError> {
+        let mut hasher = DefaultHasher::new();
+        match value {
+            Kept::Absent => 0_u8.hash(&mut hasher),
+            Kept::None => 1_u8.hash(&mut hasher),
+            Kept::Bool(value) => (2_u8, value).hash(&mut hasher),
+            Kept::Int(value) => (3_u8, value).hash(&mut hasher),
+            Kept::Float(value) => (4_u8, value.to_bits()).hash(&mut hasher),
+            Kept::Text(text) => (5_u8, text.as_str()).hash(&mut hasher),
+            Kept::Value(number) => {
+                if let Some(known) = self.known.get(number) {
+                    return Ok(*known);
+                }
+                let digest = reader.value(*number)?.map_or(0, |stored| of_stored(&stored));
+                self.known.insert(*number, digest);
+                return Ok(digest);
+            }
+        }
+        Ok(hasher.finish())
+    }
+}
+
+fn of_stored(stored: &Stored) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    stored.type_name.hash(&mut hasher);
+    match &stored.content {
+        Content::View => stored.view.to_string().hash(&mut hasher),
+        Content::Pickle(bytes) => bytes.hash(&mut hasher),
+        Content::File { hash, .. } => hash.hash(&mut hasher),
+        // The view of such a value may name where it lay in memory.
+        Content::Nothing(_) => {}
+    }
+    hasher.finish()
+}

@@ -1,0 +1,183 @@
+//! Two runs side by side: where they part, which data differed before, and where they took their time.
+//!
+//! Knows journals. Branches that ran side by side are compared each by itself: their order among each other means nothing.
+
+mod data;
+mod digest;
+mod steps;
+#[cfg(test)]
+mod tests;
+
+use super::error::JournalError;
+use super::reader::{Reader, outcome_of};
+use rafcon_protocol::Outcome;
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use steps::{Did, Key, Keys, Step, Steps};
+
+/// What comparing two runs says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Entries and ends that are the same in both.
+    pub alike: u64,
+    /// Where the runs part first; `None` if they do not.
+    pub parted: Option<Parting>,
+    /// On how many branches they part.
+    pub branches_parted: usize,
+    /// Data that differed up to there: the first entry and the first end of each state at which it did.
+    pub changed: Vec<Change>,
+    /// How long each state was active.
+    pub timing: Vec<Timing>,
+}
+
+/// Where two runs part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Parting {
+    /// The branch: a child of a concurrency state, or the root.
+    pub branch: String,
+    /// What happened next in the one; nothing if it was over.
+    pub one: Option<Happened>,
+    /// What happened next in the other.
+    pub other: Option<Happened>,
+}
+
+/// An entry or end of a state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Happened {
+    /// The event.
+    pub sequence: u64,
+    /// When, in ns since the start of the run.
+    pub t_ns: u64,
+    /// Ids joined by `/`.
+    pub path: String,
+    /// Names joined by `/`.
+    pub names: String,
+    /// How it ended; `None` if it was entered.
+    pub outcome: Option<Outcome>,
+    /// Whether it was a step back.
+    pub backwards: bool,
+}
+
+/// A value that differed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Change {
+    /// Ids joined by `/`.
+    pub path: String,
+    /// Names joined by `/`.
+    pub names: String,
+    /// `input`, `output` or `error`.
+    pub kind: &'static str,
+    /// The port's name.
+    pub port: String,
+    /// The event in the one.
+    pub one_sequence: u64,
+    /// The value in the one; `None` if there was none.
+    pub one: Option<Value>,
+    /// The event in the other.
+    pub other_sequence: u64,
+    /// The value in the other.
+    pub other: Option<Value>,
+}
+
+/// How long a state was active in each run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Timing {
+    /// Ids joined by `/`.
+    pub path: String,
+    /// Names joined by `/`.
+    pub names: String,
+    /// In the one.
+    pub one: Time,
+    /// In the other.
+    pub other: Time,
+}
+
+/// Time that a state took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Time {
+    /// How often it ran to its end.
+    pub count: u64,
+    /// All together, in ns.
+    pub total_ns: u64,
+}
+
+/// Compares two runs.
+pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, JournalError> {
+    let mut keys = Keys::default();
+    let (a, b) = (Steps::read(one, &mut keys)?, Steps::read(other, &mut keys)?);
+    let side_by_side: BTreeSet<Key> = a.side_by_side.union(&b.side_by_side).copied().collect();
+    let (by_branch_a, by_branch_b) =
+        (a.by_branch(&keys, &side_by_side), b.by_branch(&keys, &side_by_side));
+    let mut partings = Vec::new();
+    let mut pairs = Vec::new();
+    for (branch, steps_a, steps_b) in steps::both(&by_branch_a, &by_branch_b) {
+        let same = |(x, y): &(&Step, &Step)| (x.key, x.did) == (y.key, y.did);
+        let alike: Vec<_> = steps_a.iter().zip(steps_b).take_while(same).collect();
+        let count = alike.len();
+        pairs.extend(alike);
+        if count < steps_a.len().max(steps_b.len()) {
+            partings.push((branch, steps_a.get(count), steps_b.get(count)));
+        }
+    }
+    let first = partings.iter().min_by_key(|(_, x, y)| {
+        (x.map_or(u64::MAX, |x| x.sequence), y.map_or(u64::MAX, |y| y.sequence))
+    });
+    let happened =
+        |reader: &Reader, step: Option<&Step>| step.map(|step| told(reader, &keys, step));
+    let parted = first.map(|(branch, x, y)| Parting {
+        branch: keys.path(*branch).to_owned(),
+        one: happened(one, *x),
+        other: happened(other, *y),
+    });
+    let (alike, branches_parted) = (pairs.len() as u64, partings.len());
+    pairs.retain(|(x, y)| x.digest != y.digest);
+    pairs.sort_by_key(|(x, _)| x.sequence);
+    let changed = data::changes(one, other, &pairs)?;
+    let timing = timing([one, other], &keys, [&a, &b]);
+    Ok(Comparison { alike, parted, branches_parted, changed, timing })
+}
+
+fn told(reader: &Reader, keys: &Keys, step: &Step) -> Happened {
+    let path = keys.path(step.key);
+    let places = reader.known_places();
+    let place = places.number(path).and_then(|number| places.get(number));
+    Happened {
+        sequence: step.sequence,
+        t_ns: step.t_ns,
+        path: path.to_owned(),
+        names: place.map_or(path, |place| &place.names).to_owned(),
+        outcome: match step.did {
+            Did::Entered { .. } => None,
+            Did::Left { outcome, .. } => Some(outcome_of(place.map(|place| &**place), outcome)),
+        },
+        backwards: match step.did {
+            Did::Entered { backwards } | Did::Left { backwards, .. } => backwards,
+        },
+    }
+}
+
+/// How long each state was active, the largest difference first.
+fn timing(readers: [&Reader; 2], keys: &Keys, steps: [&Steps; 2]) -> Vec<Timing> {
+    let [one, other] = steps;
+    let all: BTreeSet<Key> = one.times.keys().chain(other.times.keys()).copied().collect();
+    let time = |steps: &Steps, key| steps.times.get(&key).copied().unwrap_or_default();
+    let timing = |key| Timing {
+        path: keys.path(key).to_owned(),
+        names: names(readers[0], keys.path(key))
+            .or_else(|| names(readers[1], keys.path(key)))
+            .unwrap_or_default(),
+        one: time(one, key),
+        other: time(other, key),
+    };
+    let mut list: Vec<Timing> = all.into_iter().map(timing).collect();
+    list.sort_by_key(|timing| {
+        std::cmp::Reverse(timing.one.total_ns.abs_diff(timing.other.total_ns))
+    });
+    list
+}
+
+fn names(reader: &Reader, path: &str) -> Option<String> {
+    let places = reader.known_places();
+    Some(places.get(places.number(path)?)?.names.clone())
+}

@@ -1,0 +1,124 @@
+//! Two journals from text, compared.
+
+use super::{Change, Comparison, Happened, Time, Timing, compare};
+use crate::journal::{About, Journal, Options, Reader, notation};
+use expect_test::{Expect, expect};
+use std::fmt::Write as _;
+use std::path::Path;
+
+const MACHINE: &str = r#"
+    place R "Root" outcome done
+    place R/A "Root/Scan" script in a out b outcome ok,lost
+    place R/B "Root/Both" outcome ok
+    place R/B/X "Root/Both/Left" script outcome ok
+    place R/B/Y "Root/Both/Right" script outcome ok
+"#;
+
+fn run(folder: &Path, text: &str) -> Reader {
+    let journal = Journal::create(folder, &About::default(), &Options::default()).unwrap();
+    journal.append(&notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
+    journal.close().unwrap();
+    Reader::open(folder).unwrap()
+}
+
+fn check(one: &str, other: &str, expect: &Expect) {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, other] =
+        [("one", one), ("other", other)].map(|(name, text)| run(&folder.path().join(name), text));
+    let compared = compare(&mut { one }, &mut { other }).unwrap();
+    expect.assert_eq(&shown(&compared));
+}
+
+fn shown(compared: &Comparison) -> String {
+    let mut text = format!("{} alike, {} parted\n", compared.alike, compared.branches_parted);
+    if let Some(parting) = &compared.parted {
+        let step = |step: &Option<Happened>| match step {
+            None => "over".to_owned(),
+            Some(step) => {
+                let outcome = step.outcome.as_ref().map(|outcome| format!(" {}", outcome.name));
+                format!("#{} {}{}", step.sequence, step.names, outcome.unwrap_or_default())
+            }
+        };
+        let (one, other) = (step(&parting.one), step(&parting.other));
+        writeln!(text, "on {}: {one} | {other}", parting.branch).unwrap();
+    }
+    for change in &compared.changed {
+        let Change { names, kind, port, one, other, .. } = change;
+        writeln!(text, "{names} {kind} {port}: {one:?} | {other:?}").unwrap();
+    }
+    for Timing { path, one, other, .. } in &compared.timing {
+        let ms = |time: &Time| format!("{}x {} ms", time.count, time.total_ns / 1_000_000);
+        writeln!(text, "{path}: {} | {}", ms(one), ms(other)).unwrap();
+    }
+    text
+}
+
+#[test]
+fn equal_runs_do_not_part() {
+    let run = "enter R\nenter R/A a=[1]\nleave R/A ok b={\"k\": 2}\nleave R done";
+    check(
+        run,
+        run,
+        &expect![[r"
+        4 alike, 0 parted
+        R: 1x 3 ms | 1x 3 ms
+        R/A: 1x 1 ms | 1x 1 ms
+    "]],
+    );
+}
+
+#[test]
+fn runs_part_where_an_outcome_differs() {
+    check(
+        "@0 enter R\n@1 enter R/A a=1\n@3 leave R/A ok b=[1]\n@4 leave R done",
+        "@0 enter R\n@1 enter R/A a=2\n@9 leave R/A lost b=[1] error=\"no map\"\n@9 leave R done",
+        &expect![[r"
+            2 alike, 1 parted
+            on R: #3 Root/Scan ok | #3 Root/Scan lost
+            Root/Scan input a: Some(Number(1)) | Some(Number(2))
+            R/A: 1x 2 ms | 1x 8 ms
+            R: 1x 4 ms | 1x 9 ms
+        "]],
+    );
+}
+
+#[test]
+fn data_may_differ_where_steps_do_not() {
+    check(
+        "enter R\nenter R/A a=[1]\nleave R/A ok b=1\nenter R/A a=1\nleave R/A ok b=1",
+        "enter R\nenter R/A a=[2]\nleave R/A ok\nenter R/A a=7\nleave R/A ok b=1",
+        &expect![[r"
+            5 alike, 0 parted
+            Root/Scan input a: Some(Array [Number(1)]) | Some(Array [Number(2)])
+            Root/Scan output b: Some(Number(1)) | None
+            R/A: 2x 2 ms | 2x 2 ms
+        "]],
+    );
+}
+
+#[test]
+fn the_order_of_branches_means_nothing() {
+    check(
+        "enter R/B\nenter R/B/X\nenter R/B/Y\nleave R/B/X ok\nleave R/B/Y ok\nleave R/B ok",
+        "enter R/B\nenter R/B/X\nenter R/B/Y\nleave R/B/Y ok\nleave R/B/X ok\nleave R/B ok",
+        &expect![[r"
+            6 alike, 0 parted
+            R/B/X: 1x 2 ms | 1x 3 ms
+            R/B/Y: 1x 2 ms | 1x 1 ms
+            R/B: 1x 5 ms | 1x 5 ms
+        "]],
+    );
+}
+
+#[test]
+fn a_run_may_just_be_longer() {
+    check(
+        "enter R\nenter R/A a=1",
+        "enter R\nenter R/A a=1\nleave R/A ok b=1",
+        &expect![[r"
+        2 alike, 1 parted
+        on R: over | #3 Root/Scan ok
+        R/A: 0x 0 ms | 1x 1 ms
+    "]],
+    );
+}
