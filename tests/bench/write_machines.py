@@ -86,6 +86,22 @@ def gathering(children):
     )
 
 
+def commanded():
+    """A state that waits until a command preempts it, again and again, and says when it went on."""
+    wait = (
+        "self.preemptive_wait(20)\n"
+        "gvm.set_variable('woken', gvm.get_variable('woken', default=[]) + [time.perf_counter_ns()])\n"
+        "return 0"
+    )
+    collect = f"woken = gvm.get_variable('woken')\nanswer(woken=woken)\nreturn 0 if len(woken) < {ROUNDS} else 1"
+    return hierarchy(
+        "ROOT",
+        [execution("WAIT", _script(wait)), execution("COLLECT", _script(collect), outcomes=("again", "enough"))],
+        ["-> WAIT", "WAIT.success -> COLLECT", "WAIT.preempted -> COLLECT", "COLLECT.again -> WAIT",
+         "COLLECT.enough -> .success"],
+    )
+
+
 def first():
     """One state that says when it runs, on the clock that all processes of the machine share."""
     return execution("ROOT", _script("answer(first_ns=time.perf_counter_ns())\nreturn 0"))
@@ -99,6 +115,7 @@ def main():
         "race": race(),
         "gathering": gathering(64),
         "first": first(),
+        "commanded": commanded(),
     }
     for name, machine in machines.items():
         write(os.path.join(folder, name), machine)

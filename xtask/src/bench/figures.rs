@@ -31,7 +31,7 @@ const fn most(name: &'static str, unit: &'static str, bar: f64, meaning: &'stati
 }
 
 /// All of them.
-pub(crate) const ALL: [Figure; 13] = [
+pub(crate) const ALL: [Figure; 17] = [
     least(
         "python_flat_states_per_s",
         "states/s",
@@ -65,6 +65,20 @@ pub(crate) const ALL: [Figure; 13] = [
         "process start to first state, above the interpreter's own start",
     ),
     most("barrier_64_ms", "ms", 3.0, "barrier of 64 children that do nothing, once"),
+    least(
+        "journal_full_states_per_s",
+        "states/s",
+        100_000.0,
+        "the Python states with everything kept in the journal",
+    ),
+    least("journal_over_off", "ratio", 0.5, "the same, against a run that is not kept"),
+    most(
+        "journal_bytes_per_state",
+        "bytes",
+        64.0,
+        "size of a run's folder for each executed state, without data",
+    ),
+    most("command_ms", "ms", 2.0, "a command from the socket to the script that it preempts"),
 ];
 
 impl Bar {

@@ -1,6 +1,7 @@
 //! Figures of speed and memory, against what we promise and against the reference, measured in the same run.
 
 mod figures;
+mod journal;
 mod library;
 mod whole_process;
 

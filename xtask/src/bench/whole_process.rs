@@ -8,21 +8,23 @@ use std::process::{Command, Stdio};
 use anyhow::{Context as _, Result};
 use serde_json::Value;
 
-use super::{Measured, middle};
+use super::{Measured, journal, middle};
 use crate::product::{Product, Profile};
 use crate::reference::Reference;
 use crate::{process, python, workspace};
 
 /// How often everything is measured.
-const RUNS: usize = 5;
+pub(super) const RUNS: usize = 5;
 /// Where a machine writes its answer.
 const ANSWER: &str = "RAFCON_BENCH_ANSWER";
 
-struct Bench {
+pub(super) struct Bench {
     product: Product,
     reference: Reference,
     machines: PathBuf,
     answer: PathBuf,
+    /// Where runs are kept; each measurement has a folder of its own in it.
+    runs: PathBuf,
 }
 
 /// Measures them all.
@@ -33,12 +35,14 @@ pub(crate) fn measure() -> Result<Vec<Measured>> {
         reference: Reference::installed()?,
         machines: folder.join("machines"),
         answer: folder.join("answer.json"),
+        runs: folder.join("runs"),
     };
     bench.write_machines()?;
     let mut measured = bench.flat()?;
     measured.push(middle("preempt_ms", bench.times("race")?)?);
     measured.push(middle("barrier_64_ms", bench.times("gathering")?)?);
     measured.push(bench.first_state()?);
+    measured.extend(journal::measure(&bench)?);
     Ok(measured)
 }
 
@@ -91,23 +95,43 @@ impl Bench {
 
     /// How long a program takes from its start to its answer.
     fn start(&self, program: &Command) -> Result<f64> {
-        let mut stopwatch = python::command(&self.reference.python);
-        stopwatch
-            .arg("tests/bench/stopwatch.py")
-            .arg(program.get_program())
-            .args(program.get_args());
-        let times = json(&process::quiet(stopwatch.env(ANSWER, &self.answer))?)?;
+        let mut stopwatch = self.helper("tests/bench/stopwatch.py");
+        stopwatch.arg(program.get_program()).args(program.get_args());
+        let times = json(&process::quiet(&mut stopwatch)?)?;
         numbers(&times["times_ms"])?.first().copied().context("the stopwatch took no time")
     }
 
-    /// `rafcon run` of a machine, as a user whose output goes to a file.
+    /// `rafcon run` of a machine, as a user whose output goes to a file; the run is not kept.
     fn run(&self, machine: &str) -> Command {
+        self.run_kept(machine, "off", &self.runs)
+    }
+
+    /// The same, kept in `runs` as far as `keep` says.
+    pub(super) fn run_kept(&self, machine: &str, keep: &str, runs: &Path) -> Command {
         let mut run = process::command(&self.product.binary);
-        run.arg("run").arg("--python").arg(&self.reference.python).arg(self.machines.join(machine));
+        run.arg("run").arg("--python").arg(&self.reference.python);
+        run.args(["--keep", keep, "--runs"]).arg(runs).arg(self.machines.join(machine));
         run
     }
 
-    fn speed(&self, command: &mut Command) -> Result<f64> {
+    /// An empty folder for runs.
+    pub(super) fn empty_runs(&self) -> Result<&Path> {
+        if self.runs.exists() {
+            std::fs::remove_dir_all(&self.runs)
+                .with_context(|| format!("cannot empty {}", self.runs.display()))?;
+        }
+        Ok(&self.runs)
+    }
+
+    /// A helper in Python, which gets the answer's file by name.
+    pub(super) fn helper(&self, script: &str) -> Command {
+        let mut helper = python::command(&self.reference.python);
+        helper.arg(script).env(ANSWER, &self.answer);
+        helper
+    }
+
+    /// What the machine says of its own speed.
+    pub(super) fn speed(&self, command: &mut Command) -> Result<f64> {
         number(&self.answer(command)?["states_per_s"])
     }
 
@@ -127,7 +151,7 @@ fn remove(file: &Path) -> Result<()> {
     Ok(())
 }
 
-fn json(text: &str) -> Result<Value> {
+pub(super) fn json(text: &str) -> Result<Value> {
     serde_json::from_str(text).with_context(|| format!("not JSON: {text}"))
 }
 
@@ -135,6 +159,6 @@ fn number(value: &Value) -> Result<f64> {
     value.as_f64().with_context(|| format!("not a number: {value}"))
 }
 
-fn numbers(value: &Value) -> Result<Vec<f64>> {
+pub(super) fn numbers(value: &Value) -> Result<Vec<f64>> {
     value.as_array().with_context(|| format!("not a list: {value}"))?.iter().map(number).collect()
 }
