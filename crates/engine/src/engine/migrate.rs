@@ -156,7 +156,7 @@ impl<'s, D: Datum> Step<'s, D> {
     ) {
         let frame = self.run.frames.get_mut(slot);
         let (path, is) = (frame.path, self.program.node(frame.node));
-        if frame.slots.is_empty() {
+        if frame.slots.len() != old.slots as usize {
             return;
         }
         let values = std::mem::take(&mut frame.slots);

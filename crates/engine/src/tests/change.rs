@@ -61,6 +61,49 @@ hierarchy ROOT
 }
 
 #[test]
+fn a_container_without_data_gets_its_first() {
+    let machine = |lines: &str| {
+        format!(
+            "
+hierarchy ROOT
+  outcome done
+  {lines}
+  start -> A ; A.done -> B ; B.done -> .done
+  execution A
+    outcome done
+    out y: int = 0
+  execution B
+    outcome done
+    in x: int = 0
+"
+        )
+    };
+    check_change(
+        &machine(""),
+        &machine("var v: int = 7\n  flow A.y -> B.x"),
+        "start; change; A done y=3; B done",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/A
+              run ROOT/A
+            > change
+            changed
+            set ROOT.v = 7
+            > A done y=3
+            leave ROOT/A done y=3
+            enter ROOT/B x=3
+              run ROOT/B
+            > B done
+            leave ROOT/B done
+            leave ROOT done
+            finished
+              end of run: done (0) variables: v=7, 3 states
+        "]],
+    );
+}
+
+#[test]
 fn values_stay_where_their_names_do() {
     let after = "
 hierarchy ROOT
