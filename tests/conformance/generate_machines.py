@@ -748,6 +748,97 @@ def a_run_may_start_inside():
     )
 
 
+# Machines that change while they run
+
+
+BUILD = """
+from rafcon.core.states.execution_state import ExecutionState
+new = ExecutionState("new", "NEW")
+head = "def execute(self, inputs, outputs, gvm):"
+new.script_text = head + "\\n    self.logger.info('%s %s', self.name, inputs)\\n    return 0\\n"
+"""
+
+
+@rule
+def a_state_that_a_script_adds_runs_next():
+    add = BUILD + """
+ours = self.parent
+new.add_input_data_port("word", str, "default")
+ours.add_state(new)
+ours.transitions[ours.get_transition_for_outcome(self, self.outcomes[0]).transition_id].to_state = "NEW"
+ours.add_transition("NEW", 0, "LAST", None)
+self.logger.info("%s", sorted(ours.states))
+return 0
+"""
+    return hierarchy(
+        "ROOT",
+        [execution("ADD", add), says("LAST", "value")],
+        ["-> ADD", "ADD.success -> LAST", "LAST.success -> .success"],
+    )
+
+
+@rule
+def a_rewired_transition_is_followed():
+    rewire = """
+ours = self.parent
+ours.get_transition_for_outcome(self, self.outcomes[0]).to_state = "OTHER"
+return 0
+"""
+    return hierarchy(
+        "ROOT",
+        [execution("REWIRE", rewire), execution("SKIPPED", FAIL), says("OTHER", "value")],
+        ["-> REWIRE", "REWIRE.success -> SKIPPED", "SKIPPED.success -> .success", "OTHER.success -> .success"],
+    )
+
+
+@rule
+def a_removed_state_leaves_its_outcomes_to_others():
+    remove = """
+ours = self.parent
+ours.remove_state("GONE")
+ours.add_transition(self.state_id, 0, "LAST", None)
+self.logger.info("%s %s", sorted(ours.states), len(ours.transitions))
+return 0
+"""
+    return hierarchy(
+        "ROOT",
+        [execution("REMOVE", remove), execution("GONE", FAIL), says("LAST", "value")],
+        ["-> REMOVE", "REMOVE.success -> GONE", "GONE.success -> LAST", "LAST.success -> .success"],
+    )
+
+
+@rule
+def a_new_script_counts_at_the_next_entry():
+    change = """
+other = self.parent.states["OTHER"]
+head = "def execute(self, inputs, outputs, gvm):"
+other.script_text = head + "\\n    self.logger.info('changed')\\n    return 0\\n"
+return 0
+"""
+    return hierarchy(
+        "ROOT",
+        [execution("CHANGE", change), execution("OTHER", FAIL)],
+        ["-> CHANGE", "CHANGE.success -> OTHER", "OTHER.success -> .success"],
+    )
+
+
+@rule
+def a_data_flow_that_a_script_adds_moves_data():
+    connect = """
+ours = self.parent
+give, take = ours.states["GIVE"], ours.states["TAKE"]
+out = give.add_output_data_port("word", str, "given")
+port = take.add_input_data_port("word", str, "default")
+ours.add_data_flow("GIVE", out, "TAKE", port)
+return 0
+"""
+    return hierarchy(
+        "ROOT",
+        [execution("CONNECT", connect), execution("GIVE", "return 0"), says("TAKE", "word", inputs={})],
+        ["-> CONNECT", "CONNECT.success -> GIVE", "GIVE.success -> TAKE", "TAKE.success -> .success"],
+    )
+
+
 def main():
     here = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
     for name, make in RULES.items():
