@@ -10,13 +10,14 @@ use anyhow::Result;
 use crate::workspace;
 
 /// The documents whose every rule names its tests.
-const DOCUMENTS: [&str; 6] = [
+const DOCUMENTS: [&str; 7] = [
     "docs/format.md",
     "docs/semantics.md",
     "docs/scripts.md",
     "docs/differences.md",
     "docs/edits.md",
     "docs/notation.md",
+    "docs/protocol.md",
 ];
 
 /// A source file: its path and its text.
