@@ -1,5 +1,11 @@
 //! The words of the command line, as clap reads them: the raw half. What they mean is checked by each command.
 
+mod kept;
+
+pub(crate) use kept::{
+    Compare, Export, ExportFormat, History, KeptRun, Level as LogLevel, ListRuns, Log, Replay,
+};
+
 use crate::templates;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -21,6 +27,12 @@ pub(crate) enum Command {
     Attach(Attach),
     Tell(Tell),
     Resume(Resume),
+    Runs(ListRuns),
+    History(History),
+    Log(Log),
+    Replay(Replay),
+    Compare(Compare),
+    Export(Export),
     Check(Check),
     Show(Show),
     Fmt(Fmt),

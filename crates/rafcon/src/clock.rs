@@ -26,6 +26,19 @@ pub(crate) fn utc() -> String {
     date(now.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs())
 }
 
+/// The time in ms since 1970, UTC.
+pub(crate) fn since_1970_ms() -> u64 {
+    #[expect(clippy::disallowed_methods, reason = "this is the program's one clock")]
+    let now = SystemTime::now();
+    let now = now.duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(now.as_millis()).unwrap_or(u64::MAX)
+}
+
+/// A time in ms since 1970 as programs read it: `2026-01-31T12:00:00.000Z`.
+pub(crate) fn utc_at(ms: u64) -> String {
+    format!("{}.{:03}Z", date(ms / 1000).replace(' ', "T"), ms % 1000)
+}
+
 /// Four hexadecimal digits that are not likely to be the same for two programs that begin in the same second.
 pub(crate) fn four_digits(attempt: u32) -> String {
     #[expect(clippy::disallowed_methods, reason = "this is the program's one clock")]

@@ -2,9 +2,15 @@
 
 mod attach;
 mod check;
+mod compare;
+mod export;
 mod fmt;
+mod history;
+mod kept;
 mod new;
+mod replay;
 mod run;
+mod runs;
 mod shell;
 mod show;
 mod tell;
@@ -22,6 +28,12 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Attach(request) => attach::attach(&request, environment, clock),
         Command::Tell(request) => tell::tell(&request, environment),
         Command::Resume(request) => run::resume(&request, environment, clock),
+        Command::Runs(request) => runs::runs(&request, environment),
+        Command::History(request) => history::history(&request, environment),
+        Command::Log(request) => history::log(&request, environment),
+        Command::Replay(request) => replay::replay(&request, environment),
+        Command::Compare(request) => compare::compare(&request, environment),
+        Command::Export(request) => export::export(&request, environment),
         Command::Check(request) => check::check(&request, environment),
         Command::Show(request) => show::show(&request, environment),
         Command::Fmt(request) => fmt::fmt(&request),

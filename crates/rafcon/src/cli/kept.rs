@@ -1,0 +1,246 @@
+//! The words of the commands that read what runs have kept.
+
+use super::Runs;
+use clap::builder::PossibleValuesParser;
+use clap::{Args, ValueEnum};
+use rafcon_storage::journal::KINDS;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// One run that was kept.
+#[derive(Debug, Args)]
+pub(crate) struct KeptRun {
+    /// The run: its id, the beginning of it, its folder, or `last`
+    pub(crate) run: String,
+    #[command(flatten)]
+    pub(crate) runs: Runs,
+}
+
+/// List the runs, the newest last; or give up old ones.
+#[derive(Debug, Args)]
+pub(crate) struct ListRuns {
+    #[command(flatten)]
+    pub(crate) runs: Runs,
+    /// One JSON object a line
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Delete old runs, but never one that goes on nor the 10 newest
+    #[arg(long)]
+    pub(crate) prune: bool,
+    /// Keep so many runs
+    #[arg(long, value_name = "NUMBER", requires = "prune")]
+    pub(crate) keep: Option<usize>,
+    /// Keep runs up to this age, such as `12h` or `30d`
+    #[arg(long, value_name = "AGE", requires = "prune", value_parser = age)]
+    pub(crate) max_age: Option<Duration>,
+    /// Keep so many bytes in all, such as `500M` or `20G`
+    #[arg(long, value_name = "SIZE", requires = "prune", value_parser = size)]
+    pub(crate) max_size: Option<u64>,
+}
+
+/// Print what happened in a run, event by event.
+#[derive(Debug, Args)]
+pub(crate) struct History {
+    #[command(flatten)]
+    pub(crate) run: KeptRun,
+    /// States with this in their path of names or ids; `*` and `?` stand for any text and any character
+    #[arg(long, value_name = "STATE")]
+    pub(crate) state: Option<String>,
+    /// Ends by this outcome: name or id
+    #[arg(long, allow_hyphen_values = true)]
+    pub(crate) outcome: Option<String>,
+    /// Events with this text in them
+    #[arg(long)]
+    pub(crate) text: Option<String>,
+    /// Events from this time on: seconds since the start, or H:MM:SS
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub(crate) from: Option<Duration>,
+    /// Events up to this time
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub(crate) to: Option<Duration>,
+    /// Events of this kind (repeat for more)
+    #[arg(long = "kind", value_parser = PossibleValuesParser::new(KINDS), hide_possible_values = true)]
+    pub(crate) kinds: Vec<String>,
+    /// With the inputs and outputs of states
+    #[arg(long)]
+    pub(crate) values: bool,
+    /// Only the last ones
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) last: Option<usize>,
+    /// One JSON object a line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Print what a run has logged.
+#[derive(Debug, Args)]
+pub(crate) struct Log {
+    #[command(flatten)]
+    pub(crate) run: KeptRun,
+    /// Lines that matter at least so much
+    #[arg(long, value_enum, default_value_t = Level::Verbose)]
+    pub(crate) level: Level,
+    /// Lines of states with this in their path of names or ids; `*` and `?` stand for any text and any character
+    #[arg(long, value_name = "STATE")]
+    pub(crate) state: Option<String>,
+    /// Only the last ones
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) last: Option<usize>,
+    /// One JSON object a line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// How much a line of the log matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Level {
+    /// Below debug
+    Verbose,
+    /// For whoever looks for a fault
+    Debug,
+    /// For everybody
+    Info,
+    /// Could be wrong
+    Warning,
+    /// Is wrong
+    Error,
+}
+
+/// Print how a run stood at one of its events: what was active, with which data.
+#[derive(Debug, Args)]
+pub(crate) struct Replay {
+    #[command(flatten)]
+    pub(crate) run: KeptRun,
+    /// After this event; else after the last one
+    #[arg(long, value_name = "SEQUENCE")]
+    pub(crate) at: Option<u64>,
+    /// At this time: seconds since the start, or H:MM:SS
+    #[arg(long, value_name = "TIME", conflicts_with = "at", value_parser = time)]
+    pub(crate) time: Option<Duration>,
+    /// As one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Say where two runs part, which data differed before, and where they took their time.
+///
+/// Branches that ran side by side are compared each by itself. Exits with 1 if the runs part.
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    /// One run: its id, the beginning of it, its folder, or `last`
+    pub(crate) one: String,
+    /// The other
+    pub(crate) other: String,
+    #[command(flatten)]
+    pub(crate) runs: Runs,
+    /// As one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Write a run in a format of other programs.
+#[derive(Debug, Args)]
+pub(crate) struct Export {
+    #[command(flatten)]
+    pub(crate) run: KeptRun,
+    /// Which format
+    #[arg(long, value_enum)]
+    pub(crate) format: ExportFormat,
+    /// File to write; else the standard output
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// A format of other programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ExportFormat {
+    /// Every event as a JSON object on a line
+    Jsonl,
+    /// A table for spreadsheets
+    Csv,
+    /// A recording for Foxglove and Lichtblick
+    Mcap,
+}
+
+/// `12.5`, `2:05` or `1:02:05`.
+fn time(text: &str) -> Result<Duration, String> {
+    let refused = || format!("`{text}` is no time: write seconds, such as 12.5, or H:MM:SS");
+    let part = |part: &str| part.parse::<f64>().ok().filter(|part| *part >= 0.0);
+    let add = |sum: f64, next: &str| Some(sum * 60.0 + part(next)?);
+    let seconds = text.split(':').try_fold(0.0, add).ok_or_else(refused)?;
+    Duration::try_from_secs_f64(seconds).map_err(|_too_long| refused())
+}
+
+/// `90s`, `45m`, `12h` or `30d`.
+fn age(text: &str) -> Result<Duration, String> {
+    let refused = || format!("`{text}` is no age: write a number and s, m, h or d, such as 30d");
+    let units = [('s', 1), ('m', 60), ('h', 3600), ('d', 86_400)];
+    scaled(text, &units).map(Duration::from_secs).ok_or_else(refused)
+}
+
+/// `500M` or `20G`; without a letter, bytes.
+fn size(text: &str) -> Result<u64, String> {
+    let refused = || format!("`{text}` is no size: write a number and K, M, G or T, such as 20G");
+    let plain = || text.parse().ok();
+    let units = [('K', 1 << 10), ('M', 1 << 20), ('G', 1 << 30), ('T', 1 << 40)];
+    scaled(text, &units).or_else(plain).ok_or_else(refused)
+}
+
+fn scaled(text: &str, units: &[(char, u64)]) -> Option<u64> {
+    let unit = text.chars().next_back()?;
+    let (_, factor) = units.iter().find(|(letter, _)| letter.eq_ignore_ascii_case(&unit))?;
+    text[..text.len() - unit.len_utf8()].parse::<u64>().ok()?.checked_mul(*factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{age, size, time};
+    use expect_test::{Expect, expect};
+    use std::fmt::Debug;
+
+    fn check(answers: &[Result<impl Debug, String>], expect: &Expect) {
+        let line = |answer: &Result<_, String>| match answer {
+            Ok(value) => format!("{value:?}\n"),
+            Err(reason) => format!("{reason}\n"),
+        };
+        expect.assert_eq(&answers.iter().map(line).collect::<String>());
+    }
+
+    #[test]
+    fn times_ages_and_sizes() {
+        check(
+            &["12.5", "2:05", "1:02:05.5", "-1", "x", ""].map(time),
+            &expect![[r"
+            12.5s
+            125s
+            3725.5s
+            `-1` is no time: write seconds, such as 12.5, or H:MM:SS
+            `x` is no time: write seconds, such as 12.5, or H:MM:SS
+            `` is no time: write seconds, such as 12.5, or H:MM:SS
+        "]],
+        );
+        check(
+            &["90s", "45m", "12h", "30d", "7", "d", "99999999999999999999d"].map(age),
+            &expect![[r"
+                90s
+                2700s
+                43200s
+                2592000s
+                `7` is no age: write a number and s, m, h or d, such as 30d
+                `d` is no age: write a number and s, m, h or d, such as 30d
+                `99999999999999999999d` is no age: write a number and s, m, h or d, such as 30d
+            "]],
+        );
+        check(
+            &["500M", "20g", "4096", "1.5G", "T", "99999999999T"].map(size),
+            &expect![[r"
+            524288000
+            21474836480
+            4096
+            `1.5G` is no size: write a number and K, M, G or T, such as 20G
+            `T` is no size: write a number and K, M, G or T, such as 20G
+            `99999999999T` is no size: write a number and K, M, G or T, such as 20G
+        "]],
+        );
+    }
+}

@@ -1,0 +1,115 @@
+//! `rafcon compare`: where two runs part, which data differed before, and where they took their time.
+
+use super::kept::{open_folder, out, paint};
+use crate::cli;
+use crate::environment::Environment;
+use crate::runs::Runs;
+use crate::view::{Line, Style, counted, harmless, outcome_style, shown, time};
+use anyhow::Result;
+use rafcon_storage::journal::{self, Change, Comparison, Happened, Reader, Time, Timing};
+use serde_json::Value;
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// So many differences are shown to people.
+const SHOWN: usize = 20;
+
+/// Compares two runs; the exit code is 1 if they part.
+pub(super) fn compare(raw: &cli::Compare, environment: &Environment) -> Result<ExitCode> {
+    let runs = Runs::new(&raw.runs, environment)?;
+    let mut one = open_folder(&runs.find(&raw.one)?)?;
+    let mut other = open_folder(&runs.find(&raw.other)?)?;
+    let compared = journal::compare(&mut one, &mut other)?;
+    let mut out = out();
+    if raw.json {
+        writeln!(out, "{}", serde_json::to_string(&compared)?)?;
+    } else {
+        for line in lines(&compared, [&one, &other].map(Reader::about).map(|about| &*about.id)) {
+            writeln!(out, "{}", line.render(paint(environment)))?;
+        }
+    }
+    out.flush()?;
+    Ok(ExitCode::from(u8::from(compared.parted.is_some())))
+}
+
+fn lines(compared: &Comparison, ids: [&str; 2]) -> Vec<Line> {
+    let [one, other] = ids.map(harmless);
+    let mut lines = vec![Line::of(Style::Dim, format!("A is {one}, B is {other}"))];
+    lines.extend(parting(compared));
+    lines.extend(heading("data that differed", compared.changed.len()));
+    lines.extend(compared.changed.iter().take(SHOWN).flat_map(change));
+    let timing: Vec<&Timing> = compared.timing.iter().filter(|timing| differs(timing)).collect();
+    lines.extend(heading("time in states, the largest difference first", timing.len()));
+    let width = timing.iter().take(SHOWN).map(|t| t.names.chars().count()).max().unwrap_or(0);
+    lines.extend(timing.into_iter().take(SHOWN).map(|timing| of_state(timing, width)));
+    lines
+}
+
+fn heading(text: &str, count: usize) -> Option<Line> {
+    let more = if count > SHOWN { format!(" ({SHOWN} of {count})") } else { String::new() };
+    (count > 0).then(|| Line::of(Style::Strong, format!("{text}{more}")))
+}
+
+fn parting(compared: &Comparison) -> Vec<Line> {
+    let alike = format!("{} alike", counted(compared.alike, "step"));
+    let Some(parting) = &compared.parted else {
+        return vec![Line::of(Style::Good, format!("the runs do not part: {alike}"))];
+    };
+    let branches =
+        counted(compared.branches_parted as u64, "branch").replace("branchs", "branches");
+    vec![
+        Line::of(Style::Bad, "the runs part")
+            .and(Style::Plain, format!(" on {branches}; {alike} before")),
+        happened("A", parting.one.as_ref()),
+        happened("B", parting.other.as_ref()),
+    ]
+}
+
+fn happened(run: &str, step: Option<&Happened>) -> Line {
+    let head = Line::of(Style::Dim, format!("  {run}  "));
+    let Some(step) = step else { return head.and(Style::Plain, "was over") };
+    let backwards = if step.backwards { " backwards" } else { "" };
+    let head = head.and(Style::Strong, harmless(&step.names));
+    let line = match &step.outcome {
+        None => head.and(Style::Plain, format!(" was entered{backwards}")),
+        Some(outcome) => head
+            .and(Style::Plain, format!(" ended{backwards} by "))
+            .and(outcome_style(outcome), harmless(&outcome.name)),
+    };
+    let at = time(Duration::from_nanos(step.t_ns));
+    line.and(Style::Dim, format!(" (event {}, after {at})", step.sequence))
+}
+
+fn change(change: &Change) -> [Line; 3] {
+    let Change { names, kind, port, .. } = change;
+    let gap = if port.is_empty() { "" } else { " " };
+    let value = |run: &str, value: &Option<Value>, sequence: u64| {
+        let text = value.as_ref().map_or_else(|| "nothing".to_owned(), shown);
+        Line::of(Style::Dim, format!("    {run}  "))
+            .and(Style::Plain, harmless(&text))
+            .and(Style::Dim, format!(" (event {sequence})"))
+    };
+    [
+        Line::of(Style::Plain, format!("  {}: {kind}{gap}{}", harmless(names), harmless(port))),
+        value("A", &change.one, change.one_sequence),
+        value("B", &change.other, change.other_sequence),
+    ]
+}
+
+/// Whether people would see a difference.
+fn differs(timing: &Timing) -> bool {
+    (timing.one.count, shown_time(timing.one)) != (timing.other.count, shown_time(timing.other))
+}
+
+fn of_state(timing: &Timing, width: usize) -> Line {
+    let gap = width - timing.names.chars().count();
+    let text = format!("{:>18}  {:>18}", shown_time(timing.one), shown_time(timing.other));
+    Line::of(Style::Plain, format!("  {}{:gap$}", harmless(&timing.names), ""))
+        .and(Style::Dim, text)
+}
+
+fn shown_time(time: Time) -> String {
+    let total = Duration::from_nanos(time.total_ns);
+    format!("{}x {:.3} s", time.count, total.as_secs_f64())
+}

@@ -1,0 +1,138 @@
+//! A run as an MCAP recording: the topics `/events`, `/log`, `/states` and `/values`, each message in JSON.
+
+use super::states::States;
+use super::{Found, csv, schemas};
+use crate::commands::history::each_found;
+use anyhow::{Context as _, Result};
+use mcap::WriteOptions;
+use mcap::records::MessageHeader;
+use rafcon_protocol::{Event, LogLevel};
+use rafcon_storage::journal::{Filter, Reader, kind_of, path_of};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
+
+/// Writes the run; `can_seek` says whether `out` can go back.
+pub(super) fn write(reader: &mut Reader, out: impl Write + Seek, can_seek: bool) -> Result<()> {
+    let options = WriteOptions::new()
+        .compression(None)
+        .library(concat!("rafcon ", env!("CARGO_PKG_VERSION")))
+        .disable_seeking(!can_seek);
+    let writer = options.create(out).context("cannot begin the recording")?;
+    let mut recording = Recording::new(writer, reader.about().started_ms)?;
+    each_found(reader, &Filter::default(), None, |found| recording.event(found))?;
+    recording.writer.finish().context("cannot end the recording")?;
+    Ok(())
+}
+
+struct Recording<W: Write + Seek> {
+    writer: mcap::Writer<W>,
+    channels: Channels,
+    started_ns: u64,
+    states: States,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Channels {
+    events: u16,
+    log: u16,
+    states: u16,
+    values: u16,
+}
+
+impl<W: Write + Seek> Recording<W> {
+    fn new(mut writer: mcap::Writer<W>, started_ms: u64) -> Result<Self> {
+        let mut channel = |topic: &str, schema: &Value| -> Result<u16> {
+            let name = schema["title"].as_str().unwrap_or_default();
+            let schema = writer.add_schema(name, "jsonschema", &serde_json::to_vec(schema)?)?;
+            Ok(writer.add_channel(schema, topic, "json", &BTreeMap::new())?)
+        };
+        let channels = Channels {
+            events: channel("/events", &schemas::events())?,
+            log: channel("/log", &schemas::log())?,
+            states: channel("/states", &schemas::states())?,
+            values: channel("/values", &schemas::values())?,
+        };
+        let started_ns = started_ms.saturating_mul(1_000_000);
+        Ok(Self { writer, channels, started_ns, states: States::default() })
+    }
+
+    fn event(&mut self, found: &Found) -> Result<()> {
+        let kind = kind_of(&found.event);
+        let channels = self.channels;
+        let message = json!({
+            "sequence": found.sequence, "kind": kind, "state": found.names, "event": found.event,
+        });
+        self.put(channels.events, found, message)?;
+        if let Event::Log { level, message, .. } = &found.event {
+            let message = json!({
+                "level": level_number(*level), "message": message, "name": found.names,
+                "file": "", "line": 0,
+            });
+            self.put(channels.log, found, message)?;
+        }
+        self.state(found)?;
+        self.values(found)
+    }
+
+    fn state(&mut self, found: &Found) -> Result<()> {
+        let path = path_of(&found.event);
+        let outcome = match &found.event {
+            Event::Entered { .. } => {
+                self.states.entered(path, &found.names);
+                ""
+            }
+            Event::Left { outcome, .. } => {
+                self.states.left(path);
+                &outcome.name
+            }
+            Event::Dropped { .. } => {
+                self.states.left(path);
+                ""
+            }
+            _ => return Ok(()),
+        };
+        let message = json!({
+            "kind": kind_of(&found.event), "state": found.names, "path": path, "outcome": outcome,
+            "active": self.states.innermost(),
+        });
+        self.put(self.channels.states, found, message)
+    }
+
+    fn values(&mut self, found: &Found) -> Result<()> {
+        let kind = match &found.event {
+            Event::Entered { .. } => "input",
+            Event::Left { .. } | Event::Finished { .. } => "output",
+            other => kind_of(other),
+        };
+        let Value::Object(values) = csv::values(&found.event) else { return Ok(()) };
+        for (name, value) in values {
+            let number = value.as_f64();
+            let message = json!({
+                "kind": kind, "state": found.names, "name": name, "value": value, "number": number,
+            });
+            self.put(self.channels.values, found, message)?;
+        }
+        Ok(())
+    }
+
+    fn put(&mut self, channel_id: u16, found: &Found, mut message: Value) -> Result<()> {
+        let log_time = self.started_ns.saturating_add(found.t_ns);
+        let (sec, nsec) = (log_time / 1_000_000_000, log_time % 1_000_000_000);
+        message["timestamp"] = json!({ "sec": sec, "nsec": nsec });
+        // Numbers of messages have 32 bits there.
+        let sequence = u32::try_from(found.sequence).unwrap_or(u32::MAX);
+        let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+        let message = serde_json::to_vec(&message)?;
+        self.writer.write_to_known_channel(&header, &message).context("cannot write the recording")
+    }
+}
+
+fn level_number(level: LogLevel) -> u8 {
+    match level {
+        LogLevel::Verbose | LogLevel::Debug => 1,
+        LogLevel::Info => 2,
+        LogLevel::Warning => 3,
+        LogLevel::Error => 4,
+    }
+}

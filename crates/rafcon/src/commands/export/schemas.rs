@@ -1,0 +1,84 @@
+//! What the messages of a recording look like, as JSON Schema. The log has the schema that Foxglove and Lichtblick know.
+
+use serde_json::{Value, json};
+
+fn time() -> Value {
+    json!({
+        "type": "object",
+        "title": "time",
+        "properties": {
+            "sec": { "type": "integer", "minimum": 0 },
+            "nsec": { "type": "integer", "minimum": 0, "maximum": 999_999_999 }
+        }
+    })
+}
+
+fn text() -> Value {
+    json!({ "type": "string" })
+}
+
+fn object(title: &str, properties: &Value) -> Value {
+    json!({ "title": title, "type": "object", "properties": properties })
+}
+
+/// Every event as `docs/protocol.md` tells it.
+pub(super) fn events() -> Value {
+    object(
+        "rafcon.Event",
+        &json!({
+            "timestamp": time(),
+            "sequence": { "type": "integer" },
+            "kind": text(),
+            "state": text(),
+            "event": { "type": "object" }
+        }),
+    )
+}
+
+/// A state that began or ended, and the innermost states that are active after it.
+pub(super) fn states() -> Value {
+    object(
+        "rafcon.States",
+        &json!({
+            "timestamp": time(),
+            "kind": text(),
+            "state": text(),
+            "path": text(),
+            "outcome": text(),
+            "active": { "type": "array", "items": text() }
+        }),
+    )
+}
+
+/// A value that was given or set.
+pub(super) fn values() -> Value {
+    object(
+        "rafcon.Value",
+        &json!({
+            "timestamp": time(),
+            "kind": text(),
+            "state": text(),
+            "name": text(),
+            "value": {},
+            "number": { "type": "number" }
+        }),
+    )
+}
+
+/// `foxglove.Log`.
+pub(super) fn log() -> Value {
+    let levels = ["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
+    let level = |(number, title): (i32, &str)| json!({ "title": title, "const": number });
+    let levels: Vec<Value> = (0..).zip(levels).map(level).collect();
+    object(
+        "foxglove.Log",
+        &json!({
+            "timestamp": time(),
+            "level": { "title": "foxglove.LogLevel", "oneOf": levels },
+            "message": text(),
+            "name": text(),
+            "file": text(),
+            "line": { "type": "integer", "minimum": 0 }
+        }),
+    )
+}

@@ -1,0 +1,88 @@
+//! `rafcon history` and `rafcon log`: what happened in a run, as far as it is wanted.
+
+mod found;
+mod words;
+
+pub(super) use found::{Found, each_found};
+
+use super::kept::{open, out, paint};
+use crate::cli;
+use crate::environment::Environment;
+use crate::view::log_lines;
+use anyhow::Result;
+use rafcon_protocol::{Event, LogLevel};
+use rafcon_storage::journal::{Filter, Reader};
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Prints the events that are wanted.
+pub(super) fn history(raw: &cli::History, environment: &Environment) -> Result<ExitCode> {
+    let filter = Filter {
+        state: raw.state.clone(),
+        outcome: raw.outcome.clone(),
+        text: raw.text.clone(),
+        kinds: raw.kinds.clone(),
+        level: None,
+        from_ns: raw.from.map(nanos),
+        to_ns: raw.to.map(nanos),
+    };
+    let paint = paint(environment);
+    let text = |found: &Found| vec![words::line(found, raw.values).render(paint)];
+    let json = |found: &Found| found.json(raw.values);
+    let mut reader = open(&raw.run, environment)?;
+    print(&mut reader, &filter, raw.last, if raw.json { &json } else { &text })
+}
+
+/// Prints the lines of the log that are wanted.
+pub(super) fn log(raw: &cli::Log, environment: &Environment) -> Result<ExitCode> {
+    let filter = Filter {
+        state: raw.state.clone(),
+        kinds: vec!["log".to_owned()],
+        level: Some(least(raw.level)),
+        ..Filter::default()
+    };
+    let paint = paint(environment);
+    let text = |found: &Found| match &found.event {
+        Event::Log { level, message, .. } => {
+            let lines = log_lines(found.time(), &found.names, *level, message);
+            lines.iter().map(|line| line.render(paint)).collect()
+        }
+        _ => Vec::new(),
+    };
+    let json = |found: &Found| found.json(false);
+    let mut reader = open(&raw.run, environment)?;
+    print(&mut reader, &filter, raw.last, if raw.json { &json } else { &text })
+}
+
+/// Prints what is found, each as the lines that `shown` gives.
+fn print(
+    reader: &mut Reader,
+    filter: &Filter,
+    last: Option<usize>,
+    shown: &dyn Fn(&Found) -> Vec<String>,
+) -> Result<ExitCode> {
+    let mut out = out();
+    each_found(reader, filter, last, |found| {
+        for line in shown(found) {
+            writeln!(out, "{line}")?;
+        }
+        Ok(())
+    })?;
+    out.flush()?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn nanos(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
+fn least(level: cli::LogLevel) -> LogLevel {
+    match level {
+        cli::LogLevel::Verbose => LogLevel::Verbose,
+        cli::LogLevel::Debug => LogLevel::Debug,
+        cli::LogLevel::Info => LogLevel::Info,
+        cli::LogLevel::Warning => LogLevel::Warning,
+        cli::LogLevel::Error => LogLevel::Error,
+    }
+}

@@ -1,0 +1,191 @@
+//! Events in words: one line each. Knows what people call things; must never know where events come from.
+
+use super::Found;
+use crate::view::{Line, Style, harmless, outcome_style, shown, time};
+use rafcon_protocol::{
+    Answer, Breakpoint, Closing, Event, HeldBy, LogLevel, OnCrash, Outcome, Values, When,
+};
+use serde_json::Value;
+
+/// The line of an event: its number, its time, the state, and what happened.
+pub(super) fn line(found: &Found, values: bool) -> Line {
+    let head = format!("{:>7} {:9.3}  ", found.sequence, found.time().as_secs_f64());
+    let gap = if found.names.is_empty() { "" } else { "  " };
+    Line::of(Style::Dim, head)
+        .and(Style::Strong, format!("{}{gap}", harmless(&found.names)))
+        .followed_by(what(found, values))
+}
+
+fn what(found: &Found, values: bool) -> Line {
+    match &found.event {
+        Event::Entered { inputs, undoes, .. } => {
+            let text = if undoes.is_some() { "entered backwards" } else { "entered" };
+            Line::of(Style::Dim, text).followed_by(with(inputs.as_ref().filter(|_| values)))
+        }
+        Event::Left { outcome, outputs, error, undoes, .. } => {
+            let text = if undoes.is_some() { "left backwards" } else { "ended by " };
+            let line = Line::of(Style::Dim, text);
+            let line = if undoes.is_some() { line } else { line.followed_by(named(outcome)) };
+            let after = found.lasted.map(|lasted| format!(" after {}", time(lasted)));
+            let line = line.and(Style::Dim, after.unwrap_or_default());
+            let line = line.followed_by(with(outputs.as_ref().filter(|_| values)));
+            match error.as_ref().filter(|_| values) {
+                Some(error) => line.and(Style::Bad, format!(", {}", value(error))),
+                None => line,
+            }
+        }
+        Event::Scoped { name, value: v, .. } => Line::of(Style::Plain, set(name, v)),
+        Event::Global { name, value: Some(v) } => {
+            Line::of(Style::Plain, format!("global {}", set(name, v)))
+        }
+        Event::Global { name, value: None } => {
+            Line::of(Style::Plain, format!("global {} deleted", harmless(name)))
+        }
+        Event::Persistent { value: v, .. } => {
+            Line::of(Style::Plain, format!("remembers {}", value(v)))
+        }
+        Event::Log { level, message, .. } => Line::of(level_style(*level), harmless(message)),
+        Event::Finished { outcome, outputs, .. } => Line::of(Style::Plain, "the run ended by ")
+            .followed_by(named(outcome))
+            .followed_by(with(Some(outputs).filter(|_| values))),
+        other => rest(other),
+    }
+}
+
+/// What is not frequent.
+fn rest(event: &Event) -> Line {
+    let (style, text) = match event {
+        Event::Held { next, by, .. } => {
+            let before = next.as_ref().map(|next| format!(" before {next}")).unwrap_or_default();
+            (Style::Warning, format!("held{before} by {}", holder(*by)))
+        }
+        Event::Hit { breakpoint, hits, held, .. } => {
+            let held = if *held { "" } else { ", holding nothing" };
+            (Style::Warning, format!("breakpoint {breakpoint} passed, {hits} times by now{held}"))
+        }
+        Event::BreakpointSet { breakpoint } => (Style::Plain, set_breakpoint(breakpoint)),
+        Event::BreakpointRemoved { id } => (Style::Plain, format!("breakpoint {id} removed")),
+        Event::Forced { outcome, .. } => {
+            (Style::Warning, format!("its outcome was chosen: {}", outcome.name))
+        }
+        Event::Dropped { .. } => (Style::Warning, "dropped: the run begins elsewhere".to_owned()),
+        Event::WentBack { sequence } => {
+            (Style::Warning, format!("begins again at event {sequence}"))
+        }
+        Event::Root { hash, change } if change.is_empty() => {
+            (Style::Dim, format!("the machine is {}", short(hash)))
+        }
+        Event::Root { hash, change } => {
+            (Style::Plain, format!("the machine is {} from now on: {change}", short(hash)))
+        }
+        Event::ChangeWaits { change, .. } => {
+            (Style::Warning, format!("a change waits until it is left: {change}"))
+        }
+        Event::Asked { question } => (Style::Plain, format!("asks: {}", question.message)),
+        Event::Waiting { reason, .. } => (Style::Warning, format!("waiting: {reason}")),
+        Event::DeadlinePassed { deadline_ms, .. } => {
+            (Style::Bad, format!("went past its deadline of {deadline_ms} ms"))
+        }
+        Event::CutOff { grace_ms, .. } => {
+            (Style::Bad, format!("did not end within {grace_ms} ms and was cut off"))
+        }
+        Event::Paused { paused: true } => (Style::Warning, "paused".to_owned()),
+        Event::Paused { paused: false } => (Style::Plain, "goes on".to_owned()),
+        Event::Stopping => (Style::Warning, "stopping".to_owned()),
+        other => of_the_run(other),
+    };
+    Line::of(style, harmless(&text))
+}
+
+/// What concerns the run as a whole.
+fn of_the_run(event: &Event) -> (Style, String) {
+    match event {
+        Event::Commanded { envelope, answer } => {
+            let command = serde_json::to_string(&envelope.command).unwrap_or_default();
+            let author = if envelope.author.is_empty() { "somebody" } else { &envelope.author };
+            let (style, answer) = match answer {
+                Answer::Applied => (Style::Plain, String::new()),
+                Answer::Refused { reason } => (Style::Warning, format!(", refused: {reason}")),
+                Answer::Expired => (Style::Warning, ", too late".to_owned()),
+            };
+            (style, format!("{author} asked for {command}{answer}"))
+        }
+        Event::Closed { id, how, answer, author } => {
+            let answer = answer.as_ref().map(value).unwrap_or_default();
+            let text = match how {
+                Closing::Answered => format!("question {id} answered by {author}: {answer}"),
+                Closing::TimedOut => format!("question {id} not answered in time: {answer}"),
+                Closing::Withdrawn => format!("question {id} withdrawn"),
+            };
+            (Style::Plain, text)
+        }
+        Event::Resumed { life, crash, policy } => {
+            let policy = match policy {
+                OnCrash::Ask => "wait for a decision",
+                OnCrash::Abort => "are aborted",
+                OnCrash::Restart => "run again",
+            };
+            let reason = &crash.reason;
+            let text = format!("taken up by runner {life}: {reason}; interrupted scripts {policy}");
+            (Style::Warning, text)
+        }
+        Event::Thinned { before } => {
+            (Style::Dim, format!("detail before event {before} was given up"))
+        }
+        other => (Style::Plain, serde_json::to_string(other).unwrap_or_default()),
+    }
+}
+
+fn holder(by: HeldBy) -> String {
+    match by {
+        HeldBy::Pause => "a pause".to_owned(),
+        HeldBy::Step => "a step".to_owned(),
+        HeldBy::RunTo => "the state to run to".to_owned(),
+        HeldBy::Breakpoint { id } => format!("breakpoint {id}"),
+        HeldBy::Start => "its start".to_owned(),
+    }
+}
+
+fn set_breakpoint(breakpoint: &Breakpoint) -> String {
+    let when = match breakpoint.when {
+        When::Before => "before",
+        When::After => "after",
+    };
+    let condition = breakpoint.condition.as_ref().map(|text| format!(" if {text}"));
+    let off = if breakpoint.enabled { "" } else { ", disabled" };
+    format!("breakpoint {} {when} it{}{off}", breakpoint.id, condition.unwrap_or_default())
+}
+
+fn named(outcome: &Outcome) -> Line {
+    Line::of(outcome_style(outcome), harmless(&outcome.name))
+}
+
+fn with(values: Option<&Values>) -> Line {
+    let list: Vec<String> = values.into_iter().flatten().map(|(name, v)| set(name, v)).collect();
+    if list.is_empty() {
+        Line::default()
+    } else {
+        Line::of(Style::Plain, format!(": {}", list.join(", ")))
+    }
+}
+
+fn set(name: &str, v: &Value) -> String {
+    format!("{} = {}", harmless(name), value(v))
+}
+
+fn value(value: &Value) -> String {
+    harmless(&shown(value))
+}
+
+fn short(hash: &str) -> &str {
+    hash.get(..12).unwrap_or(hash)
+}
+
+fn level_style(level: LogLevel) -> Style {
+    match level {
+        LogLevel::Verbose | LogLevel::Debug => Style::Dim,
+        LogLevel::Info => Style::Plain,
+        LogLevel::Warning => Style::Warning,
+        LogLevel::Error => Style::Bad,
+    }
+}

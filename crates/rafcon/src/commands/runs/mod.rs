@@ -1,0 +1,106 @@
+//! `rafcon runs`: which runs there are, and how old ones go.
+
+use super::kept::{out, paint};
+use crate::cli;
+use crate::clock;
+use crate::environment::Environment;
+use crate::runs::Runs;
+use crate::view::{Line, Style, counted, harmless, outcome_style, time};
+use anyhow::{Context as _, Result};
+use rafcon_storage::journal::{self, Retention, RunState, Summary};
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Lists the runs, or deletes old ones.
+pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<ExitCode> {
+    let runs = Runs::new(&raw.runs, environment)?;
+    if raw.prune {
+        return prune(raw, &runs);
+    }
+    let found = journal::runs(&runs.0).context("cannot list the runs")?;
+    let mut out = out();
+    if raw.json {
+        for run in &found {
+            writeln!(out, "{}", serde_json::to_string(run)?)?;
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    if found.is_empty() {
+        writeln!(out, "no runs in {}", runs.0.display())?;
+    }
+    let width = found.iter().map(|run| run.id.chars().count()).max().unwrap_or(0);
+    for run in &found {
+        writeln!(out, "{}", line(run, width).render(paint(environment)))?;
+    }
+    out.flush()?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn prune(raw: &cli::ListRuns, runs: &Runs) -> Result<ExitCode> {
+    let usual = Retention::default();
+    let wanted = Retention {
+        count: raw.keep.unwrap_or(usual.count),
+        age: raw.max_age.or(usual.age),
+        bytes: raw.max_size.unwrap_or(usual.bytes),
+        ..usual
+    };
+    let pruned = wanted.prune(&runs.0, clock::since_1970_ms()).context("cannot delete old runs")?;
+    let mut out = out();
+    for run in &pruned {
+        writeln!(out, "deleted {}", run.id)?;
+    }
+    let bytes = pruned.iter().map(|run| run.bytes).sum();
+    writeln!(out, "{} deleted, {} freed", counted(pruned.len() as u64, "run"), size(bytes))?;
+    out.flush()?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// One run: id, machine, what has become of it, how long it took, what it takes.
+fn line(run: &Summary, width: usize) -> Line {
+    let gap = width + 2 - run.id.chars().count();
+    let line = Line::of(Style::Plain, format!("{}{:gap$}", harmless(&run.id), ""))
+        .and(Style::Strong, format!("{}  ", harmless(&run.name)));
+    let length = time(Duration::from_millis(run.length_ms));
+    let facts = format!(" after {length}, {}, {}", counted(run.events, "event"), size(run.bytes));
+    match &run.state {
+        RunState::Live { process } => line
+            .and(Style::Good, "running")
+            .and(Style::Dim, format!(" in process {process}{facts}")),
+        RunState::Finished { outcome, .. } => line
+            .and(Style::Plain, "ended by ")
+            .and(outcome_style(outcome), harmless(&outcome.name))
+            .and(Style::Dim, facts),
+        RunState::Crashed => line.and(Style::Bad, "crashed").and(Style::Dim, facts),
+        RunState::Unreadable { reason } => {
+            line.and(Style::Bad, "unreadable: ").and(Style::Plain, harmless(reason))
+        }
+    }
+}
+
+/// A number of bytes as people say it.
+#[expect(clippy::cast_precision_loss, reason = "one digit after the point is shown")]
+fn size(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KB", "MB", "GB", "TB"];
+    let mut size = bytes as f64;
+    let mut unit = 0;
+    while size >= 999.5 && unit + 1 < UNITS.len() {
+        (size, unit) = (size / 1000.0, unit + 1);
+    }
+    if unit == 0 || size >= 99.5 {
+        format!("{size:.0} {}", UNITS[unit])
+    } else {
+        format!("{size:.1} {}", UNITS[unit])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::size;
+
+    #[test]
+    fn sizes_are_for_people() {
+        let sizes = [0, 999, 1000, 25_300_000, 999_600_000, 20 << 30].map(size);
+        assert_eq!(sizes, ["0 B", "999 B", "1.0 KB", "25.3 MB", "1.0 GB", "21.5 GB"]);
+    }
+}
