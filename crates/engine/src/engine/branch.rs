@@ -4,6 +4,7 @@ use super::frames::{Ended, NONE};
 use super::holds::Spot;
 use super::phase::Cause;
 use super::step::Step;
+use super::trail::Past;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{BranchId, Datum, Effect};
 
@@ -24,7 +25,7 @@ impl<'s, D: Datum> Step<'s, D> {
         slot: u32,
         (kind, inside): (Concurrency, &'s Inside<D>),
         (child, branch): (u32, BranchId),
-        ended: Ended<D>,
+        (ended, past): (Ended<D>, Option<Past<D>>),
     ) {
         if matches!(kind, Concurrency::Barrier(_)) {
             self.store_outputs(slot, inside, child, &ended);
@@ -32,6 +33,10 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(slot);
         frame.children[child as usize] = NONE;
         frame.ended[child as usize] = Some(ended);
+        frame.order.push(child);
+        if let Some(place) = frame.pasts.get_mut(child as usize) {
+            *place = past;
+        }
         if self.passes(Spot::after(slot, child), branch) {
             self.branch_done(slot, child, branch);
         }
@@ -59,4 +64,12 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(slot);
         frame.open = frame.open.saturating_sub(1);
     }
+}
+
+/// The children of a concurrency state that have branches of their own.
+pub(super) fn all_but_decider<D>(
+    kind: Concurrency,
+    inside: &Inside<D>,
+) -> impl DoubleEndedIterator<Item = u32> + use<D> {
+    (0..inside.count()).filter(move |&child| Some(child) != kind.decider())
 }

@@ -39,7 +39,7 @@ impl<D: Datum> Step<'_, D> {
             Input::Start(start) => return self.start(start),
             Input::Restore(restore) => return self.restore(*restore),
             Input::Resume(branch) => return self.resume(branch.as_ref()),
-            Input::Step(Stride::Back, _) => return Err(Refusal::NotYet),
+            Input::Step(Stride::Back, branch) => return self.back(branch.as_ref()),
             Input::Force(path, outcome) => return self.force(&path, outcome),
             Input::Preempt(path) => return self.preempt_at(&path),
             // It changes the program, and so it is taken before there is a step.

@@ -117,7 +117,11 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(slot);
         let Some(place) = frame.slots.get_mut(target as usize) else { return };
         self.run.sequence += 1;
-        *place = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
+        let slot = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
+        let replaced = std::mem::replace(place, slot);
+        if frame.trail.logs {
+            frame.trail.undo.push_back((target, replaced));
+        }
         let node = self.program.node(frame.node);
         let variable = (target as usize).checked_sub(node.inputs.len());
         let Some(scoped) = variable.and_then(|index| inside.scoped.get(index)) else { return };

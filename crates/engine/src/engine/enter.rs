@@ -1,5 +1,6 @@
 //! Entering a state: its frame, its data, and what it does first.
 
+use super::branch::all_but_decider;
 use super::frames::{NONE, Seed};
 use super::holds::Spot;
 use super::phase::Phase;
@@ -60,7 +61,10 @@ impl<'s, D: Datum> Step<'s, D> {
                 }
             }
             Body::Hierarchy(inside) => {
-                let error = self.run.frames.get_mut(parent).last_error.take();
+                let keeps = self.keeps_trail();
+                let frame = self.run.frames.get_mut(parent);
+                let error = frame.last_error.take();
+                frame.gave = error.clone().filter(|_| keeps);
                 let seed = self.seed(parent, child, inside.child(child), error);
                 self.enter_with(seed, child, None);
             }
@@ -173,6 +177,8 @@ impl<'s, D: Datum> Step<'s, D> {
             self.note(path, Level::Error, note);
         }
         let slot = self.run.frames.add(seed);
+        self.run.entries += 1;
+        self.run.frames.get_mut(slot).entry = self.run.entries;
         self.run.entered += u64::from(!matches!(node.body, Body::Library(_)));
         match &node.body {
             Body::Script => self.run_script(slot, verdicts),
@@ -204,6 +210,7 @@ impl<'s, D: Datum> Step<'s, D> {
     fn begin_container(&mut self, slot: u32, inside: &'s Inside<D>) {
         if !self.fails_to_begin(slot, inside) {
             self.fill(slot, inside);
+            self.run.frames.get_mut(slot).trail.logs = self.keeps_trail();
             self.advance_later(slot);
         }
     }
@@ -216,15 +223,16 @@ impl<'s, D: Datum> Step<'s, D> {
         if self.run.frames.get(slot).preempted {
             return self.leave_container_later(slot, inside, PREEMPTED);
         }
-        let decider = match kind {
-            Concurrency::Barrier(decider) => decider,
-            Concurrency::Preemptive => None,
-        };
+        let keeps = self.keeps_trail();
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Branches;
         frame.children.resize(inside.children.len(), NONE);
         frame.ended.resize_with(inside.children.len(), || None);
-        let branches = (0..inside.count()).rev().filter(|&child| Some(child) != decider);
+        if keeps {
+            frame.base.clone_from(&frame.slots);
+            frame.pasts.resize_with(inside.children.len(), || None);
+        }
+        let branches = all_but_decider(kind, inside).rev();
         let before = self.run.work.len();
         self.run.work.extend(branches.map(|child| Work::Enter { parent: slot, child }));
         let open = self.run.work.len() - before;

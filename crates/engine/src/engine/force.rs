@@ -5,6 +5,7 @@ use super::frames::{Ended, NONE};
 use super::holds::{Hold, Spot, Why};
 use super::phase::{Cause, Phase};
 use super::step::Step;
+use super::trail::Past;
 use crate::program::{ABORTED, Body, Concurrency, Inside, Node};
 use crate::{Datum, Effect, Event, PathId, When};
 use rafcon_model::{OutcomeId, StatePath};
@@ -105,19 +106,24 @@ impl<'s, D: Datum> Step<'s, D> {
             self.run.finish = Some(Box::new(self.unbegun(outcome)));
             return self.finish();
         }
+        let past = self.keeps_trail().then(|| Past::skipped(outcome));
         match self.body(parent) {
             Body::Script => {}
             Body::Hierarchy(_) => {
                 let frame = self.run.frames.get_mut(parent);
-                frame.last = Some((child, outcome));
-                frame.last_error = None;
+                frame.gave = frame.last_error.take();
+                let first = frame.trail.undo.len();
+                if let Some(past) = past {
+                    self.trace(parent, child, past, first);
+                }
+                self.run.frames.get_mut(parent).last = Some((child, outcome));
                 self.wake(&[parent], Cause::LetGo);
             }
             Body::Library(content) => {
                 let Some(root) = content.root() else { return };
                 let outputs = self.root_outputs(parent, content, self.program.node(root));
                 let ended = Ended { outcome, outputs, absent: Vec::new(), error: None };
-                self.library_root_ended(parent, content, ended);
+                self.library_root_ended(parent, content, (ended, past));
             }
             Body::Concurrency(kind, inside) => self.skip_branch(hold, (*kind, inside), outcome),
         }
@@ -133,6 +139,9 @@ impl<'s, D: Datum> Step<'s, D> {
         let ended = without_outputs(self.program.node(inside.child(child)), outcome);
         let frame = self.run.frames.get_mut(parent);
         frame.ended[child as usize] = Some(ended);
+        if let Some(place) = frame.pasts.get_mut(child as usize) {
+            *place = Some(Past::skipped(outcome));
+        }
         if kind.decider() == Some(child) {
             frame.last = Some((child, outcome));
             self.wake(&[parent], Cause::LetGo);

@@ -1,6 +1,7 @@
 //! The table of frames: one for each active run of a state. Knows how frames hang together, not what they do.
 
 use super::phase::Phase;
+use super::trail::{Past, Trail};
 use crate::{BranchId, FrameId, NodeId, PathId};
 use std::sync::Arc;
 
@@ -54,6 +55,20 @@ pub(super) struct Frame<D> {
     pub(super) pass: Option<u32>,
     /// A child was left, and breakpoints behind it have not been looked at.
     pub(super) after: bool,
+    /// The number of its entry, counted over all entries of the run.
+    pub(super) entry: u64,
+    /// It was entered backwards: the number of the entry that is undone, and the outcome of then.
+    pub(super) undoes: Option<(u64, u32)>,
+    /// The error that was handed to the child that is active.
+    pub(super) gave: Option<D>,
+    /// What became of the children of a hierarchy.
+    pub(super) trail: Trail<D>,
+    /// How the branches of a concurrency state ended, or the root of a library.
+    pub(super) pasts: Vec<Option<Past<D>>>,
+    /// The children of a concurrency state in the order in which they ended.
+    pub(super) order: Vec<u32>,
+    /// The values of a concurrency state before any child ended.
+    pub(super) base: Vec<Slot<D>>,
     /// How many steps of the start path lead to here, while it leads on from here.
     pub(super) start_depth: Option<u32>,
     /// Its inputs.
@@ -140,6 +155,8 @@ impl<D> Frames<D> {
         frame.marker = None;
         frame.pass = None;
         frame.after = false;
+        frame.undoes = None;
+        frame.trail.begin();
         frame.start_depth = seed.start_depth;
         frame.inputs = Some(seed.inputs);
         frame.outputs = Some(seed.outputs);
@@ -161,6 +178,13 @@ impl<D> Frames<D> {
             marker: None,
             pass: None,
             after: false,
+            entry: 0,
+            undoes: None,
+            gave: None,
+            trail: Trail::default(),
+            pasts: Vec::new(),
+            order: Vec::new(),
+            base: Vec::new(),
             start_depth: None,
             inputs: None,
             outputs: None,
@@ -188,6 +212,11 @@ impl<D> Frames<D> {
         frame.error = None;
         frame.last_error = None;
         frame.last = None;
+        frame.gave = None;
+        frame.trail.clear();
+        frame.pasts.clear();
+        frame.order.clear();
+        frame.base.clear();
         frame.steps = 0;
         frame.slots.clear();
         frame.children.clear();

@@ -114,7 +114,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// A pause becomes steps.
-    fn end_pause(&mut self) {
+    pub(super) fn end_pause(&mut self) {
         if self.run.status == Status::Paused {
             self.pause(false);
             self.step_all(true);

@@ -5,6 +5,7 @@ use super::frames::Ended;
 use super::holds::Spot;
 use super::phase::{Cause, Phase};
 use super::step::Step;
+use super::trail::Past;
 use crate::program::{ABORTED, Body, Exit, Inside, PREEMPTED};
 use crate::{Datum, Event, WaitReason};
 
@@ -110,9 +111,13 @@ impl<'s, D: Datum> Step<'s, D> {
         slot: u32,
         inside: &'s Inside<D>,
         child: u32,
-        ended: Ended<D>,
+        (ended, past): (Ended<D>, Option<Past<D>>),
     ) {
+        let first = self.run.frames.get(slot).trail.undo.len();
         self.store_outputs(slot, inside, child, &ended);
+        if let Some(past) = past {
+            self.trace(slot, child, past, first);
+        }
         let frame: &mut frames::Frame<D> = self.run.frames.get_mut(slot);
         frame.children.clear();
         frame.after = true;

@@ -27,6 +27,10 @@ impl<'s, D: Datum> Step<'s, D> {
         if react(&frame.phase, Cause::ScriptEnded) != Reaction::Leave {
             return Err(refusal());
         }
+        if frame.undoes.is_some() {
+            self.leave_back(slot);
+            return Ok(());
+        }
         let (node, path, preempted) = (self.program.node(frame.node), frame.path, frame.preempted);
         let outcome = self.outcome(node, path, preempted, &result.returned);
         let ended = ended(node, outcome, result.outputs, result.error);
@@ -117,16 +121,19 @@ impl<'s, D: Datum> Step<'s, D> {
 
     fn child_ended(&mut self, parent: u32, slot: u32, child: u32, ended: Ended<D>) {
         let branch = self.run.frames.get(slot).branch;
+        let past = self.past(slot, ended.outcome);
         self.run.frames.remove(slot);
         match self.body(parent) {
             Body::Script => {}
-            Body::Library(content) => self.library_root_ended(parent, content, ended),
-            Body::Hierarchy(inside) => self.child_of_hierarchy_ended(parent, inside, child, ended),
+            Body::Library(content) => self.library_root_ended(parent, content, (ended, past)),
+            Body::Hierarchy(inside) => {
+                self.child_of_hierarchy_ended(parent, inside, child, (ended, past));
+            }
             Body::Concurrency(kind, inside) if kind.decider() == Some(child) => {
                 self.decider_ended(parent, inside, child, ended);
             }
             Body::Concurrency(kind, inside) => {
-                self.branch_ended(parent, (*kind, inside), (child, branch), ended);
+                self.branch_ended(parent, (*kind, inside), (child, branch), (ended, past));
             }
         }
     }

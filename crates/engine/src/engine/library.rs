@@ -4,6 +4,7 @@ use super::frames::{Ended, Seed};
 use super::holds::Spot;
 use super::phase::{Cause, Phase};
 use super::step::{Step, Work};
+use super::trail::Past;
 use crate::program::{ABORTED, Content, Node, PREEMPTED};
 use crate::{Datum, Level, Note, PathId};
 use std::sync::Arc;
@@ -105,12 +106,14 @@ impl<'s, D: Datum> Step<'s, D> {
         &mut self,
         slot: u32,
         content: &'s Content<D>,
-        ended: Ended<D>,
+        (ended, past): (Ended<D>, Option<Past<D>>),
     ) {
         let Content::Found { ports, outcomes, .. } = content else { return };
         let free = self.run.is_free();
         let frame = self.run.frames.get_mut(slot);
         frame.children.clear();
+        frame.pasts.clear();
+        frame.pasts.push(past);
         let outcome = outcomes.get(ended.outcome as usize).copied().unwrap_or(ABORTED);
         let ended = match ports {
             None => Ended { outcome, ..ended },

@@ -1,6 +1,9 @@
 //! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
 
 mod again;
+mod back_in;
+mod back_out;
+mod backward;
 mod barrier;
 mod branch;
 mod branches;
@@ -32,6 +35,7 @@ mod restore;
 mod snapshot;
 mod start;
 mod step;
+mod trail;
 
 pub use change::Touch;
 pub use inspect::Inspection;
@@ -85,6 +89,11 @@ struct Run<D> {
     entered: u64,
     /// What scripts that a crash interrupted end with, if they are aborted.
     crash: Option<D>,
+    /// All states entered, backwards too.
+    entries: u64,
+    /// How many steps back are kept at most; and how many are, the count of which lags behind.
+    steps_max: usize,
+    steps_kept: usize,
     /// A changed program that waits until nothing stands in its way.
     change: Option<Arc<Program<D>>>,
 }
@@ -109,6 +118,9 @@ impl<D: Datum> Engine<D> {
             turn: 0,
             entered: 0,
             crash: None,
+            entries: 0,
+            steps_max: trail::STEPS_MAX,
+            steps_kept: 0,
             change: None,
         };
         Self { program, run }

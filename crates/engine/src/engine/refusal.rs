@@ -71,9 +71,23 @@ pub enum Refusal {
         /// Where the run stands.
         status: Status,
     },
-    /// This engine cannot do that yet.
-    #[error("this engine does not know the command yet; it knows start, pause, resume and stop")]
-    NotYet,
+    /// The run keeps nothing to step back.
+    #[error("this run keeps no history to step back in; begin a run that does")]
+    NoHistory,
+    /// There is nothing before.
+    #[error("'{path}' is held at its beginning, and nothing comes before; step forwards")]
+    AtStart {
+        /// What is held.
+        path: StatePath,
+    },
+    /// What happened before is not known any more.
+    #[error(
+        "what happened in '{path}' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history"
+    )]
+    TooFarBack {
+        /// Where.
+        path: StatePath,
+    },
     /// A script runs, and the command would end it without a result.
     #[error(
         "cannot {command}: the script of '{path}' runs; hold the run and wait for its end, or preempt it"

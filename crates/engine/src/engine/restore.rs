@@ -60,6 +60,12 @@ impl<'s, D: Datum> Step<'s, D> {
             Event::Entered { path, node: id, inputs: Arc::clone(&seed.inputs), undoes: None };
         self.out.events.insert(seed.entered_at, entered);
         let slot = self.run.frames.add(seed);
+        self.run.entries += 1;
+        let keeps = self.keeps_trail();
+        let frame = self.run.frames.get_mut(slot);
+        frame.entry = self.run.entries;
+        frame.trail.logs = keeps && matches!(self.program.node(id).body, Body::Hierarchy(_));
+        frame.trail.lost = true;
         match parent {
             NONE => self.run.root = Some(slot),
             _ => self.hang(parent, child, slot),
@@ -292,7 +298,7 @@ impl<'s, D: Datum> Step<'s, D> {
             return;
         }
         match ended {
-            Some(ended) => self.library_root_ended(slot, content, ended),
+            Some(ended) => self.library_root_ended(slot, content, (ended, None)),
             None => self.begin_library(slot, content),
         }
     }

@@ -1,6 +1,7 @@
 //! One call of the engine: everything that follows from one input.
 
 use super::Run;
+use super::backward::Back;
 use super::frames::Ended;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
@@ -14,6 +15,8 @@ pub(super) enum Work<D> {
     Advance(FrameId),
     /// Go on where something was held.
     Pass(u64),
+    /// Go a step back.
+    Back(Back),
     /// Leave a library state as its root ended.
     Leave { slot: u32, ended: Box<Ended<D>> },
 }
@@ -39,6 +42,7 @@ impl<'s, D: Datum> Step<'s, D> {
             Work::Enter { parent, child } => self.enter(parent, child),
             Work::Advance(frame) => self.advance(frame),
             Work::Pass(hold) => self.pass(hold),
+            Work::Back(back) => self.go_back(back),
             Work::Leave { slot, ended } => self.leave(slot, *ended),
         }
         true

@@ -1,5 +1,6 @@
 //! The rules of `docs/semantics.md`: a machine in, a script of inputs in, what the engine did out.
 
+mod backward;
 mod barrier;
 mod breakpoints;
 mod change;

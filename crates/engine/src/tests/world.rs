@@ -9,6 +9,7 @@ use crate::{
 use rafcon_model::{Machine, OutcomeId, Port, StatePath, Value, literal, notation};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
+use std::num::NonZeroU64;
 use std::sync::Arc;
 
 #[derive(Default)]
@@ -162,15 +163,17 @@ impl World {
 
     fn event(&mut self, event: &Event<Value>) {
         let line = match event {
-            Event::Entered { path, node, inputs, .. } => {
+            Event::Entered { path, node, inputs, undoes } => {
                 let ports = self.program.node(*node).inputs();
-                format!("enter {}{}", self.path(*path), values(ports, inputs))
+                let (path, inputs) = (self.path(*path), values(ports, inputs));
+                format!("enter{} {path}{inputs}", back(*undoes))
             }
-            Event::Left { path, node, outcome, outputs, error, .. } => {
+            Event::Left { path, node, outcome, outputs, error, undoes, .. } => {
                 let ports = self.program.node(*node).outputs();
                 let outputs = values(ports, outputs);
                 let (path, outcome) = (self.path(*path), self.outcome(*path, *outcome));
-                format!("leave {path} {outcome}{outputs}{}", shown_error(error.as_deref()))
+                let (back, error) = (back(*undoes), shown_error(error.as_deref()));
+                format!("leave{back} {path} {outcome}{outputs}{error}")
             }
             Event::Scoped { path, port, value } => {
                 let place = self.engine.path_node(*path).map(|node| self.program.node(node));
@@ -253,9 +256,15 @@ impl World {
         };
         let error = shown_error(job.error.as_ref());
         let preempted = if job.preempted { " preempted" } else { "" };
+        let run = if job.backward { "undo" } else { "run" };
+        let inputs = if job.backward {
+            values(self.program.node(job.node).inputs(), &job.inputs)
+        } else {
+            String::new()
+        };
         let verdicts = job.verdicts.iter().flat_map(|verdicts| &verdicts.children).map(verdict);
         let verdicts = verdicts.collect::<String>();
-        format!("  run {path}{branch}{error}{preempted}{verdicts}")
+        format!("  {run} {path}{branch}{inputs}{error}{preempted}{verdicts}")
     }
 
     fn check(&self, check: &Check<Value>) -> String {
@@ -371,4 +380,9 @@ fn noted(note: &Note) -> String {
             format!("bad condition of {breakpoint}: {reason}")
         }
     }
+}
+
+/// The entry that is undone.
+fn back(undoes: Option<NonZeroU64>) -> String {
+    undoes.map(|entry| format!(" back {entry}")).unwrap_or_default()
 }
