@@ -209,12 +209,12 @@ impl Recorder {
         self.grown.notify_all();
     }
 
-    /// Wakes those who wait, if there is more to tell.
+    /// Wakes those who wait, if there is more.
     fn change(&self, change: impl FnOnce(&mut Ring)) {
         let mut ring = self.ring.lock();
-        let before = ring.tellable();
+        let before = (ring.tellable(), ring.blocks.next());
         change(&mut ring);
-        if ring.sleepers > 0 && ring.tellable() > before {
+        if ring.sleepers > 0 && (ring.tellable(), ring.blocks.next()) != before {
             self.grown.notify_all();
         }
     }
@@ -238,11 +238,16 @@ impl Recorder {
         Read { next, missed: begin - from, closed: ring.closed && next >= end }
     }
 
-    /// Waits until a record with number `from` may be told, nothing more will come, or `deadline` has passed.
-    pub(crate) fn wait(&self, from: u64, deadline: Option<Instant>) {
+    /// Waits until a record with number `from` may be told, there is one after number `last`, nothing more will come, or
+    /// `deadline` has passed.
+    pub(crate) fn wait(&self, from: u64, last: u64, deadline: Option<Instant>) {
         let mut ring = self.ring.lock();
         ring.sleepers += 1;
-        while !ring.closed && ring.tellable() <= from && self.sleep(&mut ring, deadline) {}
+        while !ring.closed
+            && ring.tellable() <= from
+            && ring.blocks.next() <= last + 1
+            && self.sleep(&mut ring, deadline)
+        {}
         ring.sleepers -= 1;
     }
 

@@ -27,6 +27,8 @@ pub(crate) struct Viewer<'d, S: Scripts> {
     last_snapshot_ms: Option<u64>,
     /// Something happened since the last snapshot.
     stale: bool,
+    /// The last record that is in a snapshot, or will be in the next.
+    seen: u64,
     chunk: Chunk,
     archive: Archive,
     lines: Vec<u8>,
@@ -43,6 +45,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             next,
             last_snapshot_ms: None,
             stale: true,
+            seen: 0,
             chunk: Chunk::default(),
             archive: Archive::default(),
             lines: Vec::new(),
@@ -147,6 +150,9 @@ impl<'d, S: Scripts> Viewer<'d, S> {
     }
 
     fn tell_snapshot(&mut self) {
+        let last = self.driver.recorder().last();
+        self.stale |= last > self.seen;
+        self.seen = last;
         let now = self.driver.clock().now_ms();
         if !self.stale || self.snapshot_due_ms() > now {
             return;
@@ -166,6 +172,6 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         self.driver.recorder().wait_closed(Clock::moment(BUNDLE_EVERY));
         let due = self.snapshot_due_ms().saturating_sub(self.driver.clock().now_ms());
         let deadline = if self.stale { Clock::moment(Duration::from_millis(due)) } else { None };
-        self.driver.recorder().wait(self.next, deadline);
+        self.driver.recorder().wait(self.next, self.seen, deadline);
     }
 }

@@ -9,6 +9,7 @@ use expect_test::{Expect, expect};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Command, Event, Join, Keeping, Launch, LogLevel, Stream, ToViewer};
 use rafcon_storage::journal::{About, Journal, Options, Reader, Record};
+use std::fmt::Write as _;
 use std::path::Path;
 use std::thread;
 
@@ -168,12 +169,12 @@ fn with_the_strict_rule_a_script_begins_once_its_entry_is_safe() {
     let mut machine = String::from("hierarchy ROOT\n  outcome done\n  start -> S0\n");
     for number in 0..20 {
         let next = if number == 19 { ".done".to_owned() } else { format!("S{}", number + 1) };
-        let state = format!("  execution S{number} \"safe\"\n    outcome ok\n");
-        machine += &format!("  S{number}.ok -> {next}\n{state}");
+        writeln!(machine, "  S{number}.ok -> {next}").unwrap();
+        writeln!(machine, "  execution S{number} \"safe\"\n    outcome ok").unwrap();
     }
     let house = House::new(&machine);
     let (viewer, runner) = house.begin(Launch { strict: true, ..house.launch() });
-    let text = viewer.to_end();
+    let text = viewer.into_end();
     runner.join().unwrap();
     assert!(text.trim_end().ends_with("finished done"), "{text}");
 }

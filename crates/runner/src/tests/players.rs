@@ -92,6 +92,14 @@ impl Scripts for Players {
         make(&mut ModelLiterals);
     }
 
+    fn lost(&self, why: &str) -> Value {
+        Value::str(why)
+    }
+
+    fn is_lost(&self, _value: &Value) -> Option<String> {
+        None
+    }
+
     fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value> {
         serde_json::Map::new()
     }
@@ -130,7 +138,7 @@ impl Run {
             meeting: Barrier::new(meeting),
             rounds: AtomicI64::new(rounds),
         };
-        let (document, active) = (Document::new(machine, program), Active::default());
+        let (document, active) = (Document::new(machine, program, None), Active::default());
         Self { driver: Driver::new(document, players, Clock::start(), active, recorder) }
     }
 
@@ -149,7 +157,7 @@ impl Run {
     pub(super) fn wait_for(&self, wanted: impl Fn(&str) -> bool) {
         let mut next = 1;
         loop {
-            self.driver.recorder().wait(next, None);
+            self.driver.recorder().wait(next, u64::MAX - 1, None);
             let (after, texts) = self.texts(next);
             if texts.iter().any(|text| wanted(text)) {
                 return;
