@@ -106,6 +106,18 @@ class Runner:
         """Reads until a line is logged that contains a text."""
         return self.read_event(lambda event: event["type"] == "log" and text in event["message"])
 
+    def question(self):
+        """Reads until a state asks people, and returns what it asks."""
+        asked = self.read_event(lambda event: event["type"] == "asked")
+        return asked and asked["question"]
+
+    def answer(self, **value):
+        """Reads until a state asks, and answers; returns the question."""
+        question = self.question()
+        name = "answer %s" % question["id"]
+        self.command("answer_question", id=name, command={"type": "answer_question", "question": question["id"], "value": value})
+        return question
+
     def _kill(self):
         self._stuck = True
         self.process.kill()

@@ -112,7 +112,7 @@ class Values(unittest.TestCase):
         self.gvm.set_variable("a", [1])
         self.gvm.lock_variable("a")
         self.assertEqual(self.gvm._resolve("a"), (True, [1], None))
-        self.assertEqual(self.gvm._resolve("b"), (False, None))
+        self.assertEqual(self.gvm._resolve("b"), (False, None, None))
 
 
 class Types(unittest.TestCase):
