@@ -4,6 +4,7 @@
 use crate::class::{self, Class};
 use crate::graveyard;
 use crate::keeper::Keeper;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyString, PyTuple};
 use rafcon_engine::Datum;
@@ -15,6 +16,9 @@ use serde_json::json;
 use smol_str::SmolStr;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
+
+/// The name of the type of what stands for a value that was lost. No class has a name with spaces.
+const LOST: &str = "a value that was lost";
 
 /// A Python object, or `None`. Cloning counts a reference of our own, never Python's.
 #[derive(Clone, Default)]
@@ -93,6 +97,26 @@ impl Handle {
     /// A handle for what was made again of `stored`.
     pub(crate) fn restored(object: Bound<'_, PyAny>, kept: Stored) -> Self {
         Self::make(object, |_, _| stored(kept))
+    }
+
+    /// A handle that stands for a value that cannot be made again.
+    pub(crate) fn lost(py: Python<'_>, why: &str) -> Self {
+        let error = PyRuntimeError::new_err(why.to_owned()).into_value(py);
+        let kept = Stored {
+            view: json!({ "__exc__": "RuntimeError", "msg": why }),
+            type_name: LOST.into(),
+            content: Content::Nothing(why.to_owned()),
+        };
+        Self::restored(error.into_bound(py).into_any(), kept)
+    }
+
+    /// Why there is no value, if the handle only stands for one.
+    pub(crate) fn why_lost(&self) -> Option<String> {
+        let Keep::Stored(kept) = self.keep() else { return None };
+        match &kept.stored().content {
+            Content::Nothing(why) if kept.stored().type_name == LOST => Some(why.clone()),
+            _ => None,
+        }
     }
 
     /// A handle for a copy of the same value, or for what stands for it in the journal.

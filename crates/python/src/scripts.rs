@@ -162,6 +162,14 @@ impl Scripts for PythonScripts {
         Ok(())
     }
 
+    fn lost(&self, why: &str) -> Handle {
+        Python::attach(|py| Handle::lost(py, why))
+    }
+
+    fn is_lost(&self, value: &Handle) -> Option<String> {
+        value.why_lost()
+    }
+
     fn restore_global(&self, name: &str, value: Handle) -> Result<(), String> {
         Python::attach(|py| globals::restore(py, name, &value))
     }

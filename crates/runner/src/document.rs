@@ -2,6 +2,7 @@
 //! all. Knows roots; must never know who changes them.
 
 use crate::core::Core;
+use crate::prepare::Source;
 use crate::{Driver, Scripts};
 use parking_lot::{Condvar, Mutex, RwLock};
 use rafcon_engine::{Change, Input, PathId, Program};
@@ -28,6 +29,8 @@ pub(crate) struct Document<D> {
     /// The newest root, waiting or not; taken out by whoever makes the next one.
     newest: Mutex<Option<Root<D>>>,
     returned: Condvar,
+    /// From where it can be read again.
+    source: Option<Source>,
 }
 
 /// One root of the machine.
@@ -48,13 +51,14 @@ impl<D> Clone for Root<D> {
 
 impl<D> Document<D> {
     /// A machine that nobody has changed.
-    pub(crate) fn new(machine: Machine, program: Arc<Program<D>>) -> Self {
+    pub(crate) fn new(machine: Machine, program: Arc<Program<D>>, source: Option<Source>) -> Self {
         let root = Root { machine: Arc::new(machine), program, what: String::new() };
         Self {
             current: RwLock::new(root.clone()),
             coming: Mutex::default(),
             newest: Mutex::new(Some(root)),
             returned: Condvar::new(),
+            source,
         }
     }
 
@@ -142,6 +146,13 @@ impl<S: Scripts> Driver<S> {
         self.edit(&[edit], &format!("the script of {path}"), false).map(drop)
     }
 
+    /// Reads the machine's folder again and goes by what is there.
+    pub(crate) fn reload(self: &Arc<Self>, wait: bool) -> Result<(), String> {
+        let source = self.document().source.as_ref();
+        let source = source.ok_or("the machine of this run was not read from a folder")?;
+        self.change("its folder was read again", wait, |_| source.read()).map(drop)
+    }
+
     /// Goes by what `make` makes of the newest root.
     pub(crate) fn change(
         self: &Arc<Self>,
@@ -155,10 +166,8 @@ impl<S: Scripts> Driver<S> {
         if *old.machine == machine {
             return Ok(if self.document().is_run(old) { Edited::Applied } else { Edited::Waits });
         }
-        let what = match self.document().is_run(old) {
-            false if !old.what.is_empty() => format!("{}; {what}", old.what),
-            _ => what.to_owned(),
-        };
+        let waits_with_it = !self.document().is_run(old) && !old.what.is_empty();
+        let what = if waits_with_it { format!("{}; {what}", old.what) } else { what.to_owned() };
         let program = self.compile(&old.program, &machine)?;
         let root = Root { machine: Arc::new(machine), program, what };
         self.give_to_engine(&root, wait)?;

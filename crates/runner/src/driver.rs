@@ -13,8 +13,13 @@ use crate::signals::PREEMPTED;
 use crate::timers::Timers;
 use crate::{Clock, Places, Scripts, tell, written};
 use parking_lot::{Condvar, Mutex};
-use rafcon_engine::{BranchId, Effect, Event, Finish, Input, NodeId, PathId, Program, Refusal};
+use rafcon_engine::{
+    BranchId, Effect, Event, Finish, Input, Job, NodeId, PathId, Program, Refusal,
+};
+use rafcon_protocol::LogLevel;
+use rafcon_storage::journal::Record;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A run in progress.
 #[derive(Debug)]
@@ -28,6 +33,8 @@ pub struct Driver<S: Scripts> {
     questions: Questions,
     points: Points,
     timers: Timers,
+    /// Whether there are stand-ins among the values, for which scripts must be looked through.
+    any_lost: AtomicBool,
     roots: Roots,
     end: Mutex<Option<Finish<S::Value>>>,
     ended: Condvar,
@@ -57,6 +64,7 @@ impl<S: Scripts> Driver<S> {
             questions: Questions::default(),
             points: Points::default(),
             timers,
+            any_lost: AtomicBool::new(false),
             roots: Roots::default(),
             end: Mutex::new(None),
             ended: Condvar::new(),
@@ -195,14 +203,48 @@ impl<S: Scripts> Driver<S> {
         answer
     }
 
+    /// Gives the engine an input from outside its branches; if it is taken, its events come after this record.
+    pub(crate) fn input_after(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        record: Record,
+    ) -> Result<(), String> {
+        let take = |core: &mut Core<S::Value>| self.drive_after(core, input, None, Some(record));
+        let taken = self.with_core(take);
+        self.scripts.settle();
+        match taken {
+            Some(Ok(_none)) => Ok(()),
+            Some(Err(refusal)) => Err(refusal.to_string()),
+            None => Err("the run cannot be reached".to_owned()),
+        }
+    }
+
+    /// There are stand-ins for lost values from now on, if that is so.
+    pub(crate) fn has_lost(&self, any: bool) {
+        self.any_lost.fetch_or(any, Ordering::Relaxed);
+    }
+
     pub(crate) fn drive(
         self: &Arc<Self>,
         core: &mut Core<S::Value>,
         input: Input<S::Value>,
         own: Option<BranchId>,
     ) -> Result<Next<S::Value>, Refusal> {
+        self.drive_after(core, input, own, None)
+    }
+
+    fn drive_after(
+        self: &Arc<Self>,
+        core: &mut Core<S::Value>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+        record: Option<Record>,
+    ) -> Result<Next<S::Value>, Refusal> {
         let mut turn = Turning::of(own);
         core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
+        if let Some(record) = record {
+            self.recorder.push(self.clock.now_ns(), [record]);
+        }
         self.carry_out(core, &mut turn);
         self.answer_pending(core, &mut turn)?;
         let next = core.settle(turn);
@@ -255,7 +297,16 @@ impl<S: Scripts> Driver<S> {
     ) {
         match effect {
             Effect::Run(job) => {
+                let lost = self.lost_input(&job);
+                let frame = job.frame;
                 let begun = core.begin(job);
+                if let Some(why) = lost {
+                    let path = begun.place.text.to_string();
+                    let line = tell::log(path, LogLevel::Error, why.clone());
+                    self.recorder.push(self.clock.now_ns(), [line]);
+                    let result = self.scripts.failure(&why);
+                    return core.pending.push_back(Input::Finished { frame, result });
+                }
                 if begun.place.signals.any(PREEMPTED) {
                     self.timers.asked_to_end(&begun.place, self.clock.now_ns());
                 }
@@ -278,6 +329,15 @@ impl<S: Scripts> Driver<S> {
             Effect::Paused(paused) => core.pause(paused),
             Effect::Finish(finish) => self.finish(finish),
         }
+    }
+
+    /// Why this script cannot run: one of its values is only a stand-in.
+    fn lost_input(&self, job: &Job<S::Value>) -> Option<String> {
+        if !self.any_lost.load(Ordering::Relaxed) {
+            return None;
+        }
+        let values = job.inputs.iter().chain(&job.error);
+        values.into_iter().find_map(|value| self.scripts.is_lost(value))
     }
 
     /// What the events about to be recorded mean to the driver itself: another machine is run from now on; the states that

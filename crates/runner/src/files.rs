@@ -11,18 +11,25 @@ const SCRIPT: &str = "script.py";
 /// The folders of a machine and of its libraries.
 #[derive(Debug, Clone)]
 pub struct StateFiles {
+    /// Where the machine lay when it was begun, if it was read from a copy.
+    origin: Option<PathBuf>,
     saved: Arc<Saved>,
     libraries: Arc<Libraries>,
 }
 
 impl StateFiles {
     pub(crate) fn new(saved: Saved, libraries: Arc<Libraries>) -> Self {
-        Self { saved: Arc::new(saved), libraries }
+        Self { origin: None, saved: Arc::new(saved), libraries }
+    }
+
+    /// The same for a copy of the machine that lay in `origin`.
+    pub(crate) fn copied_from(self, origin: PathBuf) -> Self {
+        Self { origin: Some(origin), ..self }
     }
 
     /// The folder of the machine.
     pub fn machine(&self) -> &Path {
-        self.saved.dir()
+        self.origin.as_deref().unwrap_or_else(|| self.saved.dir())
     }
 
     /// The machine as it was read.

@@ -7,8 +7,11 @@ use crate::document::Document;
 use crate::driver::Driver;
 use crate::join::{Closer, Door};
 use crate::prepare::{Prepared, prepare, reason};
+use crate::recorder::Recorder;
+use crate::resume::{Past, Resumed};
 use crate::{Clock, Host, Scripts, committer, due, journal, stop};
 use rafcon_engine::{Finish, Input, Program, Start};
+use rafcon_model::Machine;
 use rafcon_protocol::{Event, Join, Launch, Outcome, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::VALUES_FOLDER;
 use signal_hook::iterator::{Handle, Signals};
@@ -51,27 +54,27 @@ pub fn serve<H: Host>(stream: UnixStream, host: H) -> Result<(), ServeError> {
     }
 }
 
-/// Loads the machine and makes everything ready.
+/// Loads the machine, makes everything ready and lets the run begin, or go on.
 fn begin<H: Host>(
     mut host: H,
     launch: &Launch,
     clock: Clock,
 ) -> Result<Begun<H::Scripts>, ServeError> {
-    let Prepared { machine, files, problems, start, config } =
-        prepare(&mut host, launch).map_err(ServeError::Load)?;
+    let resumed = launch.resume.map(|resume| Resumed::take_up(launch, resume));
+    let resumed = resumed.transpose().map_err(ServeError::Load)?;
+    let prepared = match &resumed {
+        Some(resumed) => resumed.prepare(&mut host, launch),
+        None => prepare(&mut host, launch, None),
+    };
+    let Prepared { machine, files, problems, start, config, source } =
+        prepared.map_err(ServeError::Load)?;
     let program = Arc::new(Program::compile(&machine, host.literals()));
     if let Some(path) = &start.start_from {
         program.find(path).map_err(|unknown| ServeError::Load(unknown.to_string()))?;
     }
-    let loaded = ToViewer::Loaded {
-        name: machine.root.name.to_string(),
-        states: machine.count() as u64,
-        run: launch.run_folder.as_deref().map(run_id).unwrap_or_default(),
-        problems,
-    };
-    let document = Document::new(machine.clone(), Arc::clone(&program));
-    let recorder = journal::begin(launch, &machine, clock)
-        .map_err(|error| ServeError::Load(reason(&error)))?;
+    let loaded = loaded(launch, &machine, problems);
+    let document = Document::new(machine.clone(), Arc::clone(&program), Some(source));
+    let (recorder, past) = record(launch, &machine, clock, resumed)?;
     let keeping = recorder.keeping();
     let values = launch.run_folder.as_ref().map(|folder| folder.join(VALUES_FOLDER));
     let opening =
@@ -80,13 +83,39 @@ fn begin<H: Host>(
         Some(folder) => Active::open(folder)?,
         None => Active::default(),
     };
+    let clock = clock.after(past.as_ref().map_or(0, |past| past.taken_up.t_ns));
+    let from = past.as_ref().map_or(0, |past| past.taken_up.sequence) + 1;
     let driver = Driver::new(document, host.open(opening), clock, active, recorder);
     H::opened(&driver);
     driver.keep_first_root(files);
     let (door, closer) = open_door(launch)?.unzip();
-    let begun = Begun { driver, loaded, signals: stop::take_over()?, door, closer };
-    set_out(&begun.driver, launch, start).map_err(ServeError::Load)?;
+    let begun = Begun { driver, loaded, from, signals: stop::take_over()?, door, closer };
+    set_out(&begun.driver, launch, start, past).map_err(ServeError::Load)?;
     Ok(begun)
+}
+
+fn loaded(launch: &Launch, machine: &Machine, problems: Vec<String>) -> ToViewer {
+    ToViewer::Loaded {
+        name: machine.root.name.to_string(),
+        states: machine.count() as u64,
+        run: launch.run_folder.as_deref().map(run_id).unwrap_or_default(),
+        problems,
+    }
+}
+
+/// The record of a run that begins, or goes on.
+fn record(
+    launch: &Launch,
+    machine: &Machine,
+    clock: Clock,
+    resumed: Option<Resumed>,
+) -> Result<(Recorder, Option<Past>), ServeError> {
+    if let Some(resumed) = resumed {
+        let (recorder, past) = resumed.recorder();
+        return Ok((recorder, Some(past)));
+    }
+    let recorder = journal::begin(launch, machine, clock);
+    Ok((recorder.map_err(|error| ServeError::Load(reason(&error)))?, None))
 }
 
 /// The run's id: the name of its folder.
@@ -98,6 +127,8 @@ fn run_id(folder: &Path) -> String {
 struct Begun<S: Scripts> {
     driver: Arc<Driver<S>>,
     loaded: ToViewer,
+    /// The first event that the viewer is told that launched the run.
+    from: u64,
     signals: (Signals, Handle),
     door: Option<Door>,
     closer: Option<Closer>,
@@ -105,12 +136,12 @@ struct Begun<S: Scripts> {
 
 impl<S: Scripts> Begun<S> {
     fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
-        let Self { driver, loaded, signals: (signals, handle), door, closer } = self;
+        let Self { driver, loaded, from, signals: (signals, handle), door, closer } = self;
         let company = Company::new(Arc::clone(&driver), loaded);
         thread::scope(|scope| {
             let named = |name: &str| thread::Builder::new().name(name.to_owned());
             committer::start(scope, &driver)?;
-            company.welcome(scope, line, first(launch))?;
+            company.welcome(scope, line, first(launch, from))?;
             named("signals").spawn_scoped(scope, || stop::serve(&driver, signals))?;
             named("timers").spawn_scoped(scope, || due::serve(&driver))?;
             if let Some(door) = door {
@@ -127,8 +158,8 @@ impl<S: Scripts> Begun<S> {
 }
 
 /// What the viewer that launched the run is told.
-fn first(launch: &Launch) -> Join {
-    Join { from: 1, every_event: launch.every_event, values: false }
+fn first(launch: &Launch, from: u64) -> Join {
+    Join { from, every_event: launch.every_event, values: false }
 }
 
 fn open_door(launch: &Launch) -> io::Result<Option<(Door, Closer)>> {
@@ -136,14 +167,18 @@ fn open_door(launch: &Launch) -> io::Result<Option<(Door, Closer)>> {
     folder.map(Door::open).transpose()
 }
 
-/// Sets the breakpoints and lets the run begin; the error is for people.
+/// Sets the breakpoints and lets the run begin, or go on; the error is for people.
 fn set_out<S: Scripts>(
     driver: &Arc<Driver<S>>,
     launch: &Launch,
     start: Start<S::Value>,
+    past: Option<Past>,
 ) -> Result<(), String> {
     launch.breakpoints.iter().try_for_each(|breakpoint| driver.set_breakpoint(breakpoint))?;
-    driver.input(Input::Start(start))
+    match past {
+        Some(past) => past.go_on(driver, launch.hold),
+        None => driver.input(Input::Start(start)),
+    }
 }
 
 /// Waits for the end of the run, and notes it down.

@@ -35,6 +35,8 @@ mod points;
 mod prepare;
 mod questions;
 mod recorder;
+mod resume;
+mod revive;
 mod roots;
 mod safety;
 mod scripts;

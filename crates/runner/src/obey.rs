@@ -35,36 +35,35 @@ impl<S: Scripts> Driver<S> {
                 self.questions().answer(*question, value, &envelope.author)
             }
             Command::EditScript { path, script } => self.edit_script(path, script),
-            Command::Reload { .. } | Command::StartFromHistory { .. } => {
-                Err("this runner does not know this command yet".to_owned())
-            }
+            Command::Reload { wait } => self.reload(*wait),
+            Command::StartFromHistory { sequence } => self.start_from_history(*sequence),
             command => self.input(self.input_of(command)?),
         }
     }
 
     /// The input that a command stands for.
     fn input_of(&self, command: &Command) -> Result<Input<S::Value>, String> {
-        let begin = |path: &Option<String>, data, then| self.start(path.as_deref(), data, then);
+        let begin = |path: &str, data, then| self.start(Some(path), data, then);
         Ok(match command {
-            Command::Start { from, data } => begin(from, data, Then::GoOn)?,
-            Command::RunSelected { path, data } => begin(&Some(path.clone()), data, Then::Hold)?,
-            Command::RunOnlySelected { path, data } => {
-                begin(&Some(path.clone()), data, Then::Stop)?
-            }
+            Command::Start { from, data } => self.start(from.as_deref(), data, Then::GoOn)?,
+            Command::RunSelected { path, data } => begin(path, data, Then::Hold)?,
+            Command::RunOnlySelected { path, data } => begin(path, data, Then::Stop)?,
             Command::Pause => Input::Pause,
-            Command::Resume { branch } => Input::Resume(state(branch)),
+            Command::Resume { branch } => Input::Resume(state(branch.as_ref())),
             Command::Stop => Input::Stop,
             Command::StepMode => Input::StepMode,
-            Command::StepInto { branch } => Input::Step(Stride::Into, state(branch)),
-            Command::StepOver { branch } => Input::Step(Stride::Over, state(branch)),
-            Command::StepOut { branch } => Input::Step(Stride::Out, state(branch)),
-            Command::StepBack { branch } => Input::Step(Stride::Back, state(branch)),
+            Command::StepInto { branch } => Input::Step(Stride::Into, state(branch.as_ref())),
+            Command::StepOver { branch } => Input::Step(Stride::Over, state(branch.as_ref())),
+            Command::StepOut { branch } => Input::Step(Stride::Out, state(branch.as_ref())),
+            Command::StepBack { branch } => Input::Step(Stride::Back, state(branch.as_ref())),
             Command::RunTo { path } => Input::RunTo(StatePath::parse(path)),
             Command::ForceOutcome { path, outcome } => {
                 Input::Force(StatePath::parse(path), OutcomeId(*outcome))
             }
             Command::Preempt { path } => Input::Preempt(StatePath::parse(path)),
-            Command::Recover { path, policy } => Input::Recover(state(path), recovery(*policy)?),
+            Command::Recover { path, policy } => {
+                Input::Recover(state(path.as_ref()), recovery(*policy)?)
+            }
             Command::Kill
             | Command::StartFromHistory { .. }
             | Command::SetBreakpoint { .. }
@@ -98,8 +97,8 @@ impl<S: Scripts> Driver<S> {
     }
 }
 
-fn state(path: &Option<String>) -> Option<StatePath> {
-    path.as_deref().map(StatePath::parse)
+fn state(path: Option<&String>) -> Option<StatePath> {
+    path.map(|path| StatePath::parse(path))
 }
 
 fn recovery(policy: OnCrash) -> Result<Interrupted, String> {

@@ -4,7 +4,8 @@ use crate::{Host, StateFiles, limits};
 use rafcon_engine::Start;
 use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
 use rafcon_protocol::Launch;
-use rafcon_storage::{Config, Libraries, config, load, roots};
+use rafcon_storage::{Config, Libraries, Root, config, load, roots};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Everything that a run begins with.
@@ -16,19 +17,50 @@ pub(crate) struct Prepared<D> {
     pub(crate) problems: Vec<String>,
     pub(crate) start: Start<D>,
     pub(crate) config: Config,
+    /// From where the machine is read again when it is changed.
+    pub(crate) source: Source,
+}
+
+/// Where a machine and its libraries lie.
+#[derive(Debug, Clone)]
+pub(crate) struct Source {
+    folder: PathBuf,
+    libraries: Arc<Libraries>,
+}
+
+impl Source {
+    /// Reads the machine as it is there now; the error is for people.
+    pub(crate) fn read(&self) -> Result<Machine, String> {
+        self.libraries.refresh();
+        let loaded = load(&self.folder, &self.libraries).map_err(|error| reason(&error))?;
+        Ok(loaded.machine)
+    }
+}
+
+/// A copy of a machine that is run instead of the original.
+#[derive(Debug)]
+pub(crate) struct Copied {
+    pub(crate) machine: PathBuf,
+    pub(crate) libraries: Vec<Root>,
 }
 
 /// Reads config, libraries and machine; the error is for people.
 pub(crate) fn prepare<H: Host>(
     host: &mut H,
     launch: &Launch,
+    copied: Option<&Copied>,
 ) -> Result<Prepared<crate::HostValue<H>>, String> {
     let environment = |name: &str| std::env::var_os(name)?.into_string().ok();
     let (config, _file) =
         config::find(launch.config.as_deref(), &environment).map_err(|error| reason(&error))?;
     let (roots, notes) = roots(&config, &environment, &launch.libraries);
-    let libraries = Arc::new(Libraries::new(roots));
-    let loaded = load(&launch.machine, &libraries).map_err(|error| reason(&error))?;
+    let folder = std::path::absolute(&launch.machine).map_err(|error| reason(&error))?;
+    let source = Source { folder, libraries: Arc::new(Libraries::new(roots)) };
+    let (machine, libraries) = match copied {
+        Some(copied) => (&copied.machine, Arc::new(Libraries::new(copied.libraries.clone()))),
+        None => (&launch.machine, Arc::clone(&source.libraries)),
+    };
+    let loaded = load(machine, &libraries).map_err(|error| reason(&error))?;
     let problems = lines(&config.notes)
         .chain(lines(&notes))
         .chain(lines(&loaded.problems))
@@ -41,8 +73,11 @@ pub(crate) fn prepare<H: Host>(
         hold: launch.hold,
         ..Start::default()
     };
-    let files = StateFiles::new(loaded.saved, libraries);
-    Ok(Prepared { machine: loaded.machine, files, problems, start, config })
+    let mut files = StateFiles::new(loaded.saved, libraries);
+    if copied.is_some() {
+        files = files.copied_from(source.folder.clone());
+    }
+    Ok(Prepared { machine: loaded.machine, files, problems, start, config, source })
 }
 
 /// What will not work as drawn.

@@ -83,6 +83,13 @@ pub trait Scripts: Debug + Send + Sync + 'static {
         Err(format!("this host cannot make a value of type {} again", stored.type_name))
     }
 
+    /// Stands for a value that cannot be made again; `why` says which, and why. It is passed on like any other, it is kept as
+    /// what it is, and no script ever gets it.
+    fn lost(&self, why: &str) -> Self::Value;
+
+    /// The reason, if this is such a stand-in. Called with the engine locked: enters no interpreter.
+    fn is_lost(&self, value: &Self::Value) -> Option<String>;
+
     /// Puts a global variable back, before anything of a run that is taken up again runs.
     fn restore_global(&self, name: &str, value: Self::Value) -> Result<(), String> {
         let _ = (name, value);

@@ -9,8 +9,8 @@ use rafcon_engine::{
 };
 use rafcon_model::{Machine, Value, notation};
 use rafcon_protocol::{
-    Answer, Command, Envelope, Event, Form, Hello, Join, Launch, LogLevel, Stream, ToRunner, ToViewer,
-    decode, encode,
+    Answer, Command, Envelope, Event, Form, Hello, Join, Launch, LogLevel, Stream, ToRunner,
+    ToViewer, decode, encode,
 };
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{Kept, Stored};
@@ -75,9 +75,10 @@ impl Cast {
                 place.signals.wait(PREEMPTED, None);
                 plain(Returned::Id(-2), Vec::new())
             }
-            "stuck" => loop {
-                std::thread::park();
-            },
+            "stuck" => {
+                place.signals.wait(0, None);
+                plain(Returned::Id(0), Vec::new())
+            }
             "ask" => self.ask(place),
             "add" => {
                 let Some(Value::Int(number)) = job.inputs.first() else {
@@ -202,6 +203,17 @@ impl Scripts for Cast {
         }
     }
 
+    fn lost(&self, why: &str) -> Value {
+        Value::str(&format!("lost: {why}"))
+    }
+
+    fn is_lost(&self, value: &Value) -> Option<String> {
+        match value {
+            Value::Str(text) => text.strip_prefix("lost: ").map(str::to_owned),
+            _ => None,
+        }
+    }
+
     fn restore_global(&self, name: &str, value: Value) -> Result<(), String> {
         self.globals.lock().push((name.to_owned(), value));
         Ok(())
@@ -273,7 +285,6 @@ impl House {
 
     /// What a launch of it asks for: every event, and that others may join.
     pub(super) fn launch(&self) -> Launch {
-        std::fs::create_dir_all(self.run_folder()).unwrap();
         Launch {
             machine: self.machine(),
             run_folder: Some(self.run_folder()),
@@ -286,6 +297,7 @@ impl House {
 
     /// Begins a run, with the viewer that launches it.
     pub(super) fn begin(&self, launch: Launch) -> (Viewer, JoinHandle<()>) {
+        std::fs::create_dir_all(self.run_folder()).unwrap();
         let (ours, theirs) = UnixStream::pair().unwrap();
         let runner = std::thread::Builder::new().name("runner".to_owned());
         let runner = runner.spawn(move || serve(theirs, Actors).unwrap()).unwrap();
@@ -384,10 +396,11 @@ impl Viewer {
     }
 
     /// Reads to the end; the texts of all events, one a line, but for machines: they are kept beside the run.
-    pub(super) fn to_end(mut self) -> String {
+    pub(super) fn into_end(mut self) -> String {
         while self.next().is_some() {}
         self.seen.retain(|text| !text.starts_with("Root "));
-        self.seen.iter().map(|text| format!("{text}\n")).collect()
+        self.seen.push(String::new());
+        self.seen.join("\n")
     }
 }
 

@@ -8,7 +8,7 @@ use std::process;
 fn check(machine: &str, expect: &Expect) {
     let house = House::new(machine);
     let (viewer, runner) = house.begin(house.launch());
-    expect.assert_eq(&viewer.to_end());
+    expect.assert_eq(&viewer.into_end());
     runner.join().unwrap();
 }
 

@@ -31,9 +31,9 @@ hierarchy ROOT
 
 /// All events but those of commands, line by line.
 fn check(viewer: Viewer, expect: &Expect) {
-    let text = viewer.to_end();
-    let lines = text.lines().filter(|line| !line.contains(" by test: "));
-    expect.assert_eq(&lines.map(|line| format!("{line}\n")).collect::<String>());
+    let text = viewer.into_end();
+    let lines = text.split_inclusive('\n').filter(|line| !line.contains(" by test: "));
+    expect.assert_eq(&lines.collect::<String>());
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn an_id_counts_once_for_all_viewers() {
     assert_eq!(second.command("pause", Command::Resume { branch: None }), "applied");
     assert_eq!(second.command("stop", Command::Stop), "applied");
     assert_eq!(first.command("stop", Command::Stop), "applied");
-    let text = first.to_end();
+    let text = first.into_end();
     let commands: Vec<&str> = text.lines().filter(|line| line.contains(" by test: ")).collect();
     assert_eq!(commands, ["pause by test: Applied", "stop by test: Applied"]);
     runner.join().unwrap();
@@ -125,7 +125,7 @@ fn the_first_answer_counts_and_a_stop_withdraws_the_question() {
         "refused: there is no question 9; a snapshot lists those that are open"
     );
     assert_eq!(first.command("4", Command::Stop), "applied");
-    let text = first.to_end();
+    let text = first.into_end();
     assert!(text.contains("closed 2 Withdrawn by "), "{text}");
     runner.join().unwrap();
 }

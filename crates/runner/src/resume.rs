@@ -1,0 +1,256 @@
+//! Runs that are taken up again: after the end of their runner, or at an entry of their history. Knows what has to be put back,
+//! and in which order; what a journal says, others read.
+
+use crate::journal::options;
+use crate::prepare::{Copied, Prepared, prepare, reason};
+use crate::recorder::Recorder;
+use crate::revive::{Reviver, Surroundings};
+use crate::{Driver, Host, Scripts, tell};
+use rafcon_engine::{Input, Interrupted, Restore, Start};
+use rafcon_protocol::{Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active};
+use rafcon_storage::journal::{
+    About, Hash, Journal, Kept, Moment, Place, Reader, Record, TakenUp, unpack,
+};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Where the machine of a run lies while it is run again, in the run's folder.
+const MACHINE_FOLDER: &str = "taken-up";
+
+/// A journal that a runner goes on with, and the moment from which.
+pub(crate) struct Resumed {
+    pub(crate) taken_up: TakenUp,
+    journal: Journal,
+    reader: Reader,
+    /// How the run stood at its end.
+    last: Moment,
+    from: Option<From>,
+    crash: Crash,
+    policy: OnCrash,
+}
+
+/// An entry of the history to go back to.
+struct From {
+    sequence: u64,
+    /// The moment before it.
+    before: Moment,
+    /// The root and its inputs, if it is the root that was entered.
+    root: Option<(Arc<Place>, Vec<Kept>)>,
+}
+
+impl Resumed {
+    /// Takes the journal of the run over; the error is for people.
+    pub(crate) fn take_up(launch: &Launch, resume: Resume) -> Result<Self, String> {
+        let folder = launch.run_folder.as_deref().ok_or("a run is taken up by its folder")?;
+        let crash = launch.crash.clone().unwrap_or_else(|| crash(folder));
+        let (journal, taken_up) =
+            Journal::take_up(folder, &options(launch.size_max)).map_err(|error| reason(&error))?;
+        let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
+        let last = reader.moment(taken_up.sequence).map_err(|error| reason(&error))?;
+        let from = resume.from.map(|sequence| From::find(&mut reader, sequence)).transpose()?;
+        if from.is_none() && last.whole().status == RunStatus::Finished {
+            return Err("the run has come to its end; begin a new one, or choose an entry of its history to begin from".to_owned());
+        }
+        Ok(Self { taken_up, journal, reader, last, from, crash, policy: resume.policy })
+    }
+
+    /// Loads the machine as the run kept it.
+    pub(crate) fn prepare<H: Host>(
+        &self,
+        host: &mut H,
+        launch: &Launch,
+    ) -> Result<Prepared<crate::HostValue<H>>, String> {
+        let about = &self.taken_up.about;
+        let launch = &Launch {
+            machine: about.machine.clone(),
+            libraries: about.libraries.clone(),
+            config: launch.config.clone().or_else(|| about.config.clone()),
+            ..launch.clone()
+        };
+        let Some(hash) = self.last.whole().root.as_deref() else {
+            return prepare(host, launch, None);
+        };
+        let hash = Hash::parse(hash).ok_or_else(|| format!("{hash} is no hash of a machine"))?;
+        let folder = self.reader.folder();
+        let into = folder.join(MACHINE_FOLDER);
+        clear(&into)?;
+        let unpacked = unpack(folder, hash, &into).map_err(|error| reason(&error))?;
+        let copied = Copied { machine: unpacked.machine, libraries: unpacked.roots };
+        prepare(host, launch, Some(&copied))
+    }
+
+    /// The run's life goes on with this record.
+    pub(crate) fn recorder(self) -> (Recorder, Past) {
+        let Self { taken_up, journal, reader, last, from, crash, policy } = self;
+        let About { keeping, strict, .. } = taken_up.about;
+        let recorder = Recorder::with_journal(journal, Some(&taken_up), (keeping, strict));
+        (recorder, Past { reader, last, from, crash, policy, taken_up })
+    }
+}
+
+/// What a run that is taken up has behind it.
+pub(crate) struct Past {
+    reader: Reader,
+    last: Moment,
+    from: Option<From>,
+    crash: Crash,
+    policy: OnCrash,
+    pub(crate) taken_up: TakenUp,
+}
+
+impl Past {
+    /// Puts everything back and lets the run go on; the error is for people.
+    pub(crate) fn go_on<S: Scripts>(
+        self,
+        driver: &Arc<Driver<S>>,
+        hold: bool,
+    ) -> Result<(), String> {
+        let whole = self.last.whole();
+        // There are fewer questions than events.
+        driver.questions().go_on_after(self.taken_up.sequence);
+        let (life, crash, policy) = (self.taken_up.life, self.crash.clone(), self.policy);
+        driver.tell(Event::Resumed { life, crash, policy });
+        whole.breakpoints.values().try_for_each(|point| driver.set_breakpoint(point))?;
+        if let Some(from) = &self.from {
+            return driver.go_back(&self.reader, from, self.last.states_run());
+        }
+        let held = matches!(whole.status, RunStatus::Paused | RunStatus::Stepping);
+        let restore = driver.revive(&self.reader, &self.last);
+        let Some(root) = restore else {
+            return driver.input(Input::Start(Start { hold, ..Start::default() }));
+        };
+        let crash = driver.scripts().failure(&crash_text(&self.crash)).error;
+        let interrupted = match policy {
+            OnCrash::Ask => Interrupted::Wait,
+            OnCrash::Abort => Interrupted::Abort,
+            OnCrash::Restart => Interrupted::Again,
+        };
+        let states_run = self.last.states_run();
+        let hold = hold || held;
+        let restore = Restore { root, interrupted, crash, hold, states_run };
+        driver.input(Input::Restore(Box::new(restore)))?;
+        if whole.status == RunStatus::Stopping { driver.input(Input::Stop) } else { Ok(()) }
+    }
+}
+
+impl<S: Scripts> Driver<S> {
+    /// Begins again at an entry of the history of this run, which has to stand still; the error is for people.
+    pub(crate) fn start_from_history(self: &Arc<Self>, sequence: u64) -> Result<(), String> {
+        let folder = self.recorder().folder().ok_or(
+            "this run keeps no journal, so it has no history to begin from; run it with one",
+        )?;
+        let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
+        let from = From::find(&mut reader, sequence)?;
+        self.go_back(&reader, &from, 0)
+    }
+
+    fn go_back(
+        self: &Arc<Self>,
+        reader: &Reader,
+        from: &From,
+        states_run: u64,
+    ) -> Result<(), String> {
+        let input = match self.revive(reader, &from.before) {
+            Some(root) => Input::Restore(Box::new(Restore {
+                root,
+                interrupted: Interrupted::Again,
+                crash: None,
+                hold: true,
+                states_run,
+            })),
+            None => self.begin_again(reader, from),
+        };
+        let moment = from.before.to_bytes();
+        let record = Record::WentBack { sequence: from.sequence, moment };
+        self.input_after(input, record)
+    }
+
+    fn begin_again(&self, reader: &Reader, from: &From) -> Input<S::Value> {
+        let machine = self.machine();
+        let mut reviver = Reviver::new(self.scripts(), reader, &machine);
+        let root = from.root.as_ref();
+        let inputs = root.map(|(place, inputs)| reviver.root_inputs(place, inputs));
+        self.has_lost(reviver.has_lost());
+        Input::Start(Start { inputs: inputs.unwrap_or_default(), hold: true, ..Start::default() })
+    }
+
+    /// What was active at a moment; global variables and what states keep are put back on the way.
+    fn revive(
+        &self,
+        reader: &Reader,
+        moment: &Moment,
+    ) -> Option<rafcon_engine::Restored<S::Value>> {
+        let machine = self.machine();
+        let mut reviver = Reviver::new(self.scripts(), reader, &machine);
+        let root = reviver.root(moment);
+        let Surroundings { globals, persistent, mut problems } = reviver.surroundings(moment);
+        self.has_lost(reviver.has_lost());
+        let globals = globals.into_iter().map(|(name, value)| {
+            let put = self.scripts().restore_global(&name, value);
+            put.map_err(|why| format!("the global variable \"{name}\" cannot be put back: {why}"))
+        });
+        problems.extend(globals.filter_map(Result::err));
+        let persistent = persistent.into_iter().map(|(path, value)| {
+            let put = self.scripts().restore_persistent(&path, value);
+            put.map_err(|why| format!("what {path} keeps cannot be put back: {why}"))
+        });
+        problems.extend(persistent.filter_map(Result::err));
+        let now = self.clock().now_ns();
+        let lines =
+            problems.into_iter().map(|line| tell::log(String::new(), LogLevel::Warning, line));
+        self.recorder().push(now, lines);
+        root
+    }
+}
+
+impl From {
+    /// Finds the entry; the error is for people.
+    fn find(reader: &mut Reader, sequence: u64) -> Result<Self, String> {
+        let page = reader.page(sequence, 1).map_err(|error| reason(&error))?;
+        let entry = page.first().filter(|entry| entry.sequence == sequence);
+        let Some(Record::Entered { place, inputs, undoes: None }) =
+            entry.map(|entry| &entry.record)
+        else {
+            return Err(format!(
+                "event {sequence} is no entry of a state that is safe on disk; the history says which are"
+            ));
+        };
+        let (place, inputs) = (*place, inputs.clone());
+        let moment =
+            |reader: &mut Reader, sequence| reader.moment(sequence).map_err(|error| reason(&error));
+        let before = moment(reader, sequence - 1)?;
+        let root = if before.active().is_empty() {
+            moment(reader, sequence)?.places().get(place).map(|place| (Arc::clone(place), inputs))
+        } else {
+            None
+        };
+        Ok(Self { sequence, before, root })
+    }
+}
+
+/// What is known of the end of the last runner, if nobody saw it.
+fn crash(folder: &Path) -> Crash {
+    let read = |name| fs::read(folder.join(name)).unwrap_or_default();
+    let paths = read(active::PATHS_FILE);
+    let active = active::running(&read(active::SLOTS_FILE), &String::from_utf8_lossy(&paths));
+    Crash { reason: "nobody saw how it ended".to_owned(), active }
+}
+
+/// What scripts see as the error of a state that a crash interrupted.
+fn crash_text(crash: &Crash) -> String {
+    let active = match crash.active.as_slice() {
+        [] => "no script was running".to_owned(),
+        active => format!("the scripts of {} were running", active.join(", ")),
+    };
+    format!("the runner of this run ended in the middle of it: {}; {active}", crash.reason)
+}
+
+fn clear(folder: &PathBuf) -> Result<(), String> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(format!("cannot remove {}: {error}", folder.display()))
+        }
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
