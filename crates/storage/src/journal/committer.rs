@@ -11,6 +11,7 @@ use super::moment::Moment;
 use super::reader::Reader;
 use super::record::ValueNumber;
 use super::recorder::spill_file;
+use super::thin::Thinner;
 use super::tracker::{Keyframe, Tracker};
 use super::values;
 use std::fs;
@@ -25,6 +26,7 @@ pub(super) struct Committer {
     /// The last row.
     last: Option<Block>,
     tracker: Tracker,
+    thinner: Thinner,
     /// Goes with the next group.
     keyframe: Option<Keyframe>,
     /// Bytes from the recorder; kept for their room.
@@ -33,27 +35,33 @@ pub(super) struct Committer {
 
 impl Committer {
     /// Begins with an empty database.
-    pub(super) fn new(folder: &Path, database: Database) -> Self {
-        Self {
+    pub(super) fn new(
+        folder: &Path,
+        mut database: Database,
+        size_max: u64,
+    ) -> Result<Self, JournalError> {
+        Ok(Self {
+            thinner: Thinner::new(size_max, &mut database)?,
             folder: folder.to_owned(),
             database,
             last: None,
-            tracker: Tracker::new(Moment::default(), ValueNumber(1)),
+            tracker: Tracker::new(Moment::default(), ValueNumber(1), size_max),
             keyframe: None,
             buffer: Vec::new(),
-        }
+        })
     }
 
     /// Goes on where `database` stands, with `leftovers` behind it.
     pub(super) fn take_up(
         folder: &Path,
-        mut database: Database,
+        database: Database,
+        size_max: u64,
         leftovers: &Leftovers,
     ) -> Result<Self, JournalError> {
-        let last = database.last_block()?;
-        let mut committer = Self { last, ..Self::new(folder, database) };
+        let mut committer = Self::new(folder, database, size_max)?;
+        committer.last = committer.database.last_block()?;
         committer.put_frames(&leftovers.frames(committer.sequence()))?;
-        committer.tracker = committer.catch_up()?;
+        committer.tracker = committer.catch_up(size_max)?;
         committer.remove_spilled();
         Ok(committer)
     }
@@ -71,6 +79,11 @@ impl Committer {
     /// The number of the next value.
     pub(super) fn next_value(&self) -> ValueNumber {
         self.tracker.next_value
+    }
+
+    /// Gives up a little old detail if the journal is too large; see [`Thinner::thin`].
+    pub(super) fn thin(&mut self) -> Result<Option<u64>, JournalError> {
+        self.thinner.thin(&mut self.database, &self.folder)
     }
 
     /// Puts the frames in the buffer into the database.
@@ -131,11 +144,11 @@ impl Committer {
     }
 
     /// What is known after the last event in the database.
-    fn catch_up(&mut self) -> Result<Tracker, JournalError> {
+    fn catch_up(&mut self, size_max: u64) -> Result<Tracker, JournalError> {
         let (start, floor) = self.database.last_keyframe()?;
         let mut reader = Reader::open(&self.folder)?;
-        let moment = reader.moment(u64::MAX)?;
-        let mut tracker = Tracker::new(moment, floor);
+        let moment = reader.moment(self.sequence())?;
+        let mut tracker = Tracker::new(moment, floor, size_max);
         tracker.next_value = self.database.next_value()?.max(floor);
         reader.each(start + 1, |_, entry| {
             tracker.note(entry.sequence, &entry.record);

@@ -3,7 +3,7 @@
 use super::error::JournalError;
 use super::folder::DATABASE_FILE;
 use super::group::{Block, Group};
-use super::record::{Item, Items, Place, PlaceNumber, ValueNumber};
+use super::record::{Content, Item, Items, Place, PlaceNumber, ValueNumber};
 use super::tracker::Keyframe;
 use super::{Definition, binary};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
@@ -25,7 +25,8 @@ const TABLES: &str = "
     CREATE TABLE places(number INTEGER NOT NULL, first INTEGER NOT NULL, data BLOB NOT NULL,
         PRIMARY KEY(number, first)) WITHOUT ROWID;
     CREATE TABLE vals(number INTEGER PRIMARY KEY, hash BLOB, data BLOB);
-    CREATE TABLE blobs(hash BLOB PRIMARY KEY, data BLOB NOT NULL);
+    CREATE TABLE blobs(hash BLOB PRIMARY KEY, data BLOB NOT NULL, uses INTEGER NOT NULL);
+    CREATE TABLE large(name TEXT PRIMARY KEY, size INTEGER NOT NULL, uses INTEGER NOT NULL);
     CREATE TABLE keyframes(sequence INTEGER PRIMARY KEY, data BLOB NOT NULL, next_value INTEGER NOT NULL);
     CREATE TABLE named(number INTEGER PRIMARY KEY, last INTEGER NOT NULL);
     CREATE TABLE roots(hash BLOB PRIMARY KEY, base BLOB, data BLOB NOT NULL);
@@ -226,18 +227,29 @@ fn put_places(transaction: &Transaction<'_>, group: &Group) -> rusqlite::Result<
 }
 
 fn put_values(transaction: &Transaction<'_>, group: &Group) -> rusqlite::Result<()> {
-    let mut insert = transaction.prepare("INSERT OR REPLACE INTO vals VALUES (?1, ?2, ?3)")?;
-    let mut keep = transaction.prepare("INSERT OR IGNORE INTO blobs VALUES (?1, ?2)")?;
+    let mut insert = transaction.prepare("INSERT OR IGNORE INTO vals VALUES (?1, ?2, ?3)")?;
+    let keep = "INSERT INTO blobs VALUES (?1, ?2, 1) ON CONFLICT DO UPDATE SET uses = uses + 1";
+    let mut keep = transaction.prepare(keep)?;
     for (number, stored) in &group.values {
         let (number, data) = (number.0.cast_signed(), stored.to_bytes());
-        if data.len() < SHORT {
-            insert.execute(params![number, None::<Vec<u8>>, data])?;
+        let hash = (data.len() >= SHORT).then(|| *blake3::hash(&data).as_bytes());
+        let short = if hash.is_some() { None } else { Some(&data) };
+        if insert.execute(params![number, hash, short])? == 0 {
             continue;
         }
-        let hash = *blake3::hash(&data).as_bytes();
-        keep.execute(params![hash, data])?;
-        insert.execute(params![number, hash, None::<Vec<u8>>])?;
+        if let Some(hash) = hash {
+            keep.execute(params![hash, data])?;
+        }
+        if let Content::File { hash, size } = &stored.content {
+            put_file(transaction, hash, *size)?;
+        }
     }
+    Ok(())
+}
+
+fn put_file(transaction: &Transaction<'_>, name: &str, size: u64) -> rusqlite::Result<()> {
+    let keep = "INSERT INTO large VALUES (?1, ?2, 1) ON CONFLICT DO UPDATE SET uses = uses + 1";
+    transaction.execute(keep, params![name, size.cast_signed()])?;
     Ok(())
 }
 

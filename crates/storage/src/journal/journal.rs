@@ -87,7 +87,7 @@ impl Journal {
         let mut database = Database::create(folder)?;
         let life = database.begin_life(1)?;
         let recorder = Recorder::create(folder, options.recorder_bytes, life, 1)?;
-        let committer = Committer::new(folder, database);
+        let committer = Committer::new(folder, database, options.size_max)?;
         sync_folder(folder)?;
         Ok(Self::new(lock, recorder, committer, folder))
     }
@@ -97,7 +97,8 @@ impl Journal {
         let about = About::read(folder)?;
         let lock = RunLock::take(folder)?;
         let database = Database::open(folder)?;
-        let mut committer = Committer::take_up(folder, database, &Leftovers::read(folder)?)?;
+        let leftovers = Leftovers::read(folder)?;
+        let mut committer = Committer::take_up(folder, database, options.size_max, &leftovers)?;
         let (sequence, t_ns) = (committer.sequence(), committer.t_last());
         let life = committer.database.begin_life(sequence + 1)?;
         let (next_value, places) = (committer.next_value(), committer.database.places()?);
@@ -142,12 +143,13 @@ impl Journal {
         let recorder = self.recorder.lock();
         let (mark, life) = (recorder.pending(&mut committer.buffer), recorder.life());
         drop(recorder);
-        if !committer.buffer.is_empty() {
-            committer.put_buffer(life)?;
-            self.recorder.lock().release(mark);
-            self.disk_safe.store(committer.sequence(), Ordering::Release);
+        if committer.buffer.is_empty() {
+            return Ok(Committed { sequence: committer.sequence(), thinned: None });
         }
-        Ok(Committed { sequence: committer.sequence(), thinned: None })
+        committer.put_buffer(life)?;
+        self.recorder.lock().release(mark);
+        self.disk_safe.store(committer.sequence(), Ordering::Release);
+        Ok(Committed { sequence: committer.sequence(), thinned: committer.thin()? })
     }
 
     /// Keeps a machine, and returns when it is safe from a power cut; commits go on meanwhile. If it fails, keep the same pack

@@ -11,6 +11,7 @@ mod database;
 mod error;
 mod filter;
 pub mod folder;
+mod forget;
 mod frame;
 mod group;
 #[expect(
@@ -31,6 +32,7 @@ mod retention;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod thin;
 mod tracker;
 mod values;
 

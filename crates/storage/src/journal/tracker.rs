@@ -5,11 +5,13 @@ use super::binary::Broken;
 use super::frame::Frame;
 use super::group::definitions;
 use super::moment::Moment;
-use super::record::{Definition, Item, Items, Kept, Record, ValueNumber};
+use super::record::{Content, Definition, Item, Items, Kept, Record, ValueNumber};
 use std::collections::BTreeMap;
 
-/// So many records lie between two keyframes at least.
+/// So many records lie between two keyframes, if they are small.
 const RECORDS: u64 = 50_000;
+/// So many keyframes are in a journal that is as large as it may be, at least.
+const KEYFRAMES: u64 = 16;
 /// Keyframes take this part of what lies between them at most.
 const PART: usize = 4;
 
@@ -34,15 +36,20 @@ pub(super) struct Tracker {
     /// The same at the last keyframe.
     floor: ValueNumber,
     named: BTreeMap<ValueNumber, u64>,
-    /// Records and bytes since the last keyframe.
+    /// Records since the last keyframe, and their bytes.
     records: u64,
     bytes: usize,
+    /// The same with all values.
+    weight: u64,
+    /// Keyframes are no further apart.
+    weight_max: u64,
     keyframe_bytes: usize,
 }
 
 impl Tracker {
-    /// Goes on from `moment`, which is a keyframe; `next_value` is the number after that of the last value then.
-    pub(super) fn new(moment: Moment, next_value: ValueNumber) -> Self {
+    /// Goes on from `moment`; `next_value` is the number after that of the last value at the last keyframe. Keyframes are so close
+    /// that a journal of at most `size_max` bytes has several.
+    pub(super) fn new(moment: Moment, next_value: ValueNumber, size_max: u64) -> Self {
         Self {
             moment,
             next_value,
@@ -50,6 +57,8 @@ impl Tracker {
             named: BTreeMap::new(),
             records: 0,
             bytes: 0,
+            weight: 0,
+            weight_max: size_max / KEYFRAMES,
             keyframe_bytes: 0,
         }
     }
@@ -73,13 +82,17 @@ impl Tracker {
             self.define(&definition?.1);
         }
         self.bytes += frame.records.len();
+        self.weight += (frame.records.len() + frame.definitions.len()) as u64;
         Ok(())
     }
 
     /// A number gets its meaning.
     fn define(&mut self, definition: &Definition) {
-        if let Definition::Value(number, _) = definition {
+        if let Definition::Value(number, stored) = definition {
             self.next_value = self.next_value.max(ValueNumber(number.0 + 1));
+            if let Content::File { size, .. } = stored.content {
+                self.weight += size;
+            }
         }
         self.moment.define(definition);
     }
@@ -98,10 +111,12 @@ impl Tracker {
 
     /// How the run stands, if it is time to keep it.
     pub(super) fn keyframe(&mut self) -> Option<Keyframe> {
-        let is_due = self.records >= RECORDS && self.bytes >= PART * self.keyframe_bytes;
+        let is_far = self.records >= RECORDS || self.weight >= self.weight_max;
+        let is_due = is_far && self.bytes >= PART * self.keyframe_bytes;
         is_due.then(|| {
             let data = self.moment.to_bytes();
-            (self.records, self.bytes, self.keyframe_bytes) = (0, 0, data.len());
+            (self.records, self.bytes, self.weight) = (0, 0, 0);
+            self.keyframe_bytes = data.len();
             self.floor = self.next_value;
             Keyframe {
                 sequence: self.moment.sequence(),

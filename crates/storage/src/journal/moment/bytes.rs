@@ -7,6 +7,7 @@ use super::inside::{End, Inside, Step};
 use super::{Active, Moment, Whole};
 use crate::journal::places::Places;
 use crate::journal::record::{Item, Items, Kept, PlaceNumber, Record};
+use crate::journal::thin::forget;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU64;
 
@@ -130,6 +131,22 @@ pub(in crate::journal) fn values_in(
         }
     }
     Ok(())
+}
+
+/// A moment without the values that it names.
+pub(in crate::journal) fn without_values(moment: &[u8]) -> Result<Vec<u8>, BadMoment> {
+    let (_, rest) = split(moment)?;
+    let mut out = moment[..moment.len() - rest.len()].to_vec();
+    let mut items = Items::new(rest, 0);
+    while let Some(item) = items.next() {
+        let mut item = item.map_err(|_broken| BadMoment("an item is broken"))?;
+        if let Item::Record(_, record) = &mut item {
+            forget(record);
+        }
+        item.write(&mut 0, &mut out);
+        items.count_from_zero();
+    }
+    Ok(out)
 }
 
 fn split(bytes: &[u8]) -> Result<(Header, &[u8]), BadMoment> {

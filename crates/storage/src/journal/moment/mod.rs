@@ -11,7 +11,7 @@ mod told;
 mod tests;
 
 pub use bytes::BadMoment;
-pub(super) use bytes::values_in;
+pub(super) use bytes::{values_in, without_values};
 pub use standing::{Ended, Standing, Variable};
 pub use told::{Holding, Whole};
 

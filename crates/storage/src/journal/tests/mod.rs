@@ -3,6 +3,7 @@
 mod keyframes;
 mod power_cut;
 mod round_trip;
+mod size;
 
 use super::database::Database;
 use super::record::{Item, Items};

@@ -149,7 +149,7 @@ fn write(folder: &Path, files: &Files) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn what_was_told_to_be_safe_is_there_and_nothing_that_never_was(

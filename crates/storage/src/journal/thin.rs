@@ -1,0 +1,260 @@
+//! Keeps a journal within its size while its run goes on: old detail is given up, a little with every commit. First values and
+//! lines of old events go, then the events themselves. Knows the tables and what may go; must never know why it is so much.
+
+use super::database::Database;
+use super::error::JournalError;
+use super::folder::VALUES_FOLDER;
+use super::forget::Forgetting;
+use super::moment::{values_in, without_values};
+use super::record::{Item, Items, Kept, Record};
+use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
+use std::fs;
+use std::path::Path;
+
+/// So much is rewritten with one commit, in bytes.
+const SLICE_BYTES: usize = 2 << 20;
+/// So many values or rows are looked at with one commit.
+const SLICE_ROWS: i64 = 10_000;
+
+/// What is given up just now.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Work {
+    /// Nothing.
+    #[default]
+    None,
+    /// Detail of events up to this one; those up to `at` have none left.
+    Detail { until: i64, at: i64 },
+    /// Values that no event after this one names; those below `at` were looked at.
+    Values { until: i64, at: i64, end: i64 },
+    /// Events before this one.
+    Events { before: i64 },
+}
+
+/// What is given up, and when.
+#[derive(Debug)]
+pub(super) struct Thinner {
+    size_max: u64,
+    work: Work,
+    /// The last event without detail.
+    border: i64,
+}
+
+/// What one slice did.
+#[derive(Debug, Default)]
+struct Slice {
+    next: Work,
+    /// Files of values that nobody names any more.
+    files: Vec<String>,
+    finished: Option<i64>,
+}
+
+impl Thinner {
+    /// Goes on where `database` stands.
+    pub(super) fn new(size_max: u64, database: &mut Database) -> Result<Self, JournalError> {
+        let border = database.run(|connection| {
+            let query = "SELECT coalesce(max(before), 1) - 1 FROM thinned";
+            connection.query_row(query, [], |row| row.get(0))
+        })?;
+        Ok(Self { size_max, work: Work::None, border })
+    }
+
+    /// Gives up a little if the journal is too large. The answer is the first event that still has its detail, if that changed.
+    pub(super) fn thin(
+        &mut self,
+        database: &mut Database,
+        folder: &Path,
+    ) -> Result<Option<u64>, JournalError> {
+        if self.work == Work::None {
+            if database.run(size)? <= self.size_max {
+                return Ok(None);
+            }
+            let border = self.border;
+            self.work = database.run(|connection| choose(connection, border))?;
+        }
+        let (work, border) = (self.work, self.border);
+        let slice = database.run(|connection| slice(connection, work, border))?;
+        self.work = slice.next;
+        for name in slice.files {
+            // A file that cannot be removed takes room, nothing else.
+            drop(fs::remove_file(folder.join(VALUES_FOLDER).join(name)));
+        }
+        self.border = slice.finished.unwrap_or(self.border);
+        Ok(slice.finished.map(|border| border.cast_unsigned() + 1))
+    }
+}
+
+/// How large the journal is, in bytes, without room that is used again.
+fn size(connection: &mut Connection) -> rusqlite::Result<u64> {
+    let number = |query: &str| connection.query_row(query, [], |row| row.get::<_, i64>(0));
+    let pages =
+        number("SELECT page_count - freelist_count FROM pragma_page_count, pragma_freelist_count")?;
+    let page = number("SELECT page_size FROM pragma_page_size")?;
+    let large = number("SELECT coalesce(sum(size), 0) FROM large")?;
+    Ok((pages * page + large).cast_unsigned())
+}
+
+/// What can be given up: the older half of what has detail, or else the older half of the rest.
+fn choose(connection: &Connection, border: i64) -> rusqlite::Result<Work> {
+    let middle = |condition: &str| {
+        let query = format!(
+            "SELECT sequence FROM keyframes WHERE {condition} ORDER BY sequence LIMIT 1 OFFSET
+                (SELECT count(*) / 2 FROM keyframes WHERE {condition})"
+        );
+        connection.query_row(&query, [border], |row| row.get::<_, i64>(0)).optional()
+    };
+    if let Some(until) = middle("sequence > ?1")? {
+        return Ok(Work::Detail { until, at: border });
+    }
+    let before = middle("sequence <= ?1")?;
+    let first: Option<i64> =
+        connection.query_row("SELECT min(first) FROM blocks", [], |row| row.get(0))?;
+    let is_less = |before: &i64| first.is_some_and(|first| first < *before);
+    Ok(before.filter(is_less).map_or(Work::None, |before| Work::Events { before }))
+}
+
+fn slice(connection: &mut Connection, work: Work, border: i64) -> rusqlite::Result<Slice> {
+    let transaction = connection.transaction()?;
+    let slice = match work {
+        Work::None => Slice::default(),
+        Work::Detail { until, at } => detail(&transaction, until, at, border)?,
+        Work::Values { until, at, end } => values(&transaction, until, at, end)?,
+        Work::Events { before } => events(&transaction, before)?,
+    };
+    transaction.commit()?;
+    Ok(slice)
+}
+
+/// Rewrites some rows without detail.
+fn detail(
+    transaction: &Transaction<'_>,
+    until: i64,
+    mut at: i64,
+    border: i64,
+) -> rusqlite::Result<Slice> {
+    let next = "SELECT first, count, t_before, data FROM blocks WHERE first + count - 1 > ?1
+        AND first >= coalesce((SELECT max(first) FROM blocks WHERE first <= ?1), 0) ORDER BY first LIMIT 1";
+    let mut next = transaction.prepare(next)?;
+    let mut update = transaction.prepare("UPDATE blocks SET data = ?2 WHERE first = ?1")?;
+    let mut bytes = 0;
+    while at < until && bytes < SLICE_BYTES {
+        let row = |row: &rusqlite::Row<'_>| {
+            Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?, row.get::<_, i64>(2)?, row.get(3)?))
+        };
+        let Some((first, count, t_before, data)) = next.query_row([at], row).optional()? else {
+            break;
+        };
+        let data: Vec<u8> = data;
+        update
+            .execute(params![first, thinned(&data, t_before.cast_unsigned(), until - first + 1)])?;
+        bytes += data.len();
+        at = (first + count - 1).min(until);
+    }
+    if at < until && bytes >= SLICE_BYTES {
+        return Ok(Slice { next: Work::Detail { until, at }, ..Slice::default() });
+    }
+    keyframes(transaction, until, border)
+}
+
+/// Rewrites the keyframes before `until`, and notes which values that one names.
+fn keyframes(transaction: &Transaction<'_>, until: i64, border: i64) -> rusqlite::Result<Slice> {
+    let mut old = transaction
+        .prepare("SELECT sequence, data FROM keyframes WHERE sequence BETWEEN ?1 AND ?2")?;
+    let row = |row: &rusqlite::Row<'_>| Ok((row.get::<_, i64>(0)?, row.get::<_, Vec<u8>>(1)?));
+    let old: Vec<_> = old.query_map([border, until], row)?.collect::<Result<_, _>>()?;
+    let note = "INSERT INTO named VALUES (?1, ?2) ON CONFLICT DO UPDATE SET last = max(last, ?2)";
+    let mut note = transaction.prepare(note)?;
+    for (sequence, data) in old {
+        if sequence < until {
+            // One that cannot be read is of no use.
+            let data = without_values(&data).unwrap_or_default();
+            let update = "UPDATE keyframes SET data = ?2 WHERE sequence = ?1";
+            transaction.execute(update, params![sequence, data])?;
+            continue;
+        }
+        let mut numbers = Vec::new();
+        let seen = values_in(&data, &mut |value| {
+            if let Kept::Value(number) = value {
+                numbers.push(number.0.cast_signed());
+            }
+        });
+        drop(seen);
+        for number in numbers {
+            note.execute([number, until + 1])?;
+        }
+    }
+    let end = "SELECT next_value FROM keyframes WHERE sequence = ?1";
+    let end = transaction.query_row(end, [until], |row| row.get(0))?;
+    let begin = "SELECT coalesce(max(next_value), 1) FROM keyframes WHERE sequence <= ?1";
+    let at = transaction.query_row(begin, [border], |row| row.get(0))?;
+    Ok(Slice { next: Work::Values { until, at, end }, ..Slice::default() })
+}
+
+/// Gives up some values that are not named after `until`.
+fn values(transaction: &Transaction<'_>, until: i64, at: i64, end: i64) -> rusqlite::Result<Slice> {
+    let stop = end.min(at + SLICE_ROWS);
+    let fresh = "SELECT number FROM vals WHERE number >= ?1 AND number < ?2
+        AND number NOT IN (SELECT number FROM named WHERE last > ?3)";
+    let mut numbers: Vec<i64> = transaction
+        .prepare(fresh)?
+        .query_map([at, stop, until], |row| row.get(0))?
+        .collect::<Result<_, _>>()?;
+    if stop == end {
+        let old = "DELETE FROM named WHERE last <= ?1 RETURNING number";
+        let mut old = transaction.prepare(old)?;
+        numbers.extend(old.query_map([until], |row| row.get(0))?.collect::<Result<Vec<i64>, _>>()?);
+    }
+    let mut forgetting = Forgetting::new(transaction)?;
+    for number in numbers {
+        forgetting.value(number)?;
+    }
+    let files = std::mem::take(&mut forgetting.files);
+    if stop < end {
+        return Ok(Slice { next: Work::Values { until, at: stop, end }, files, finished: None });
+    }
+    transaction.execute("INSERT OR REPLACE INTO thinned VALUES (?1)", [until + 1])?;
+    Ok(Slice { next: Work::None, files, finished: Some(until) })
+}
+
+/// Gives up some of the oldest events.
+fn events(transaction: &Transaction<'_>, before: i64) -> rusqlite::Result<Slice> {
+    let delete = "DELETE FROM blocks WHERE first IN
+        (SELECT first FROM blocks WHERE first + count <= ?1 ORDER BY first LIMIT ?2)";
+    let gone = transaction.execute(delete, [before, SLICE_ROWS])?;
+    transaction.execute("DELETE FROM keyframes WHERE sequence < ?1", [before])?;
+    let more = i64::try_from(gone).is_ok_and(|gone| gone == SLICE_ROWS);
+    Ok(Slice { next: if more { Work::Events { before } } else { Work::None }, ..Slice::default() })
+}
+
+/// The items of a row, the first `count` of them without detail. What cannot be read is left out.
+fn thinned(data: &[u8], t_before: u64, count: i64) -> Vec<u8> {
+    let (mut out, mut before) = (Vec::new(), t_before);
+    let items = Items::new(data, t_before).map_while(Result::ok);
+    for (mut item, index) in items.zip(0_i64..) {
+        if let Item::Record(_, record) = &mut item
+            && index < count
+        {
+            forget(record);
+        }
+        item.write(&mut before, &mut out);
+    }
+    out
+}
+
+/// Takes values and lines out of a record.
+pub(super) fn forget(record: &mut Record) {
+    match record {
+        Record::Entered { inputs, .. } => inputs.clear(),
+        Record::Left { outputs, error, .. } => {
+            outputs.clear();
+            *error = None;
+        }
+        Record::Scoped { value, .. } | Record::Persistent { value, .. } => *value = Kept::Absent,
+        Record::Global { value, .. } => {
+            if let Some(value) = value {
+                *value = Kept::Absent;
+            }
+        }
+        Record::Log { message, .. } => message.clear(),
+        Record::Told(_) | Record::WentBack { .. } => {}
+    }
+}
