@@ -65,6 +65,9 @@ impl Place {
         for name in ["VIRTUAL_ENV", "RAFCON_PYTHON", "RAFCON_EXTENSION", "RAFCON_LIB_PATH"] {
             command.env_remove(name);
         }
+        for name in ["RAFCON_RUNS", "XDG_STATE_HOME"] {
+            command.env_remove(name);
+        }
         for name in ["RAFCON_LIBRARY_PATH", "RAFCON_PLUGIN_PATH", "LC_ALL"] {
             command.env_remove(name);
         }
@@ -83,9 +86,20 @@ impl Place {
         self.call(&format!("run MACHINE --output json {more}"))
     }
 
+    /// The ids of the runs that are kept here.
+    fn runs(&self) -> Vec<String> {
+        let folder = self.path(".local/state/rafcon/runs");
+        let entries = std::fs::read_dir(folder).into_iter().flatten().map(Result::unwrap);
+        entries.map(|entry| entry.file_name().into_string().unwrap()).collect()
+    }
+
     pub(crate) fn answer(&self, output: &Output) -> Answer {
         let folder = self.folder.path().display().to_string();
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace(&folder, "PLACE");
+        let runs = self.runs();
+        let text = |bytes: &[u8]| {
+            let text = String::from_utf8_lossy(bytes).replace(&folder, "PLACE");
+            runs.iter().fold(text, |text, run| text.replace(run, "RUN"))
+        };
         Answer {
             code: output.status.code(),
             stdout: text(&output.stdout),
