@@ -17,6 +17,7 @@ mod process;
 mod product;
 mod python;
 mod reference;
+mod simulate;
 mod soak;
 mod test;
 mod tidy;
@@ -51,6 +52,8 @@ enum Task {
     Demo(demo::Options),
     /// Pack an archive and a wheel.
     Dist,
+    /// Run random machines through random orders, and watch that the engine keeps its promises.
+    Simulate(simulate::Options),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed.
     Soak(soak::Options),
     /// Kill runners in the middle of a run, and take the runs up again.
@@ -78,6 +81,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Bench(options) => bench::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
+        Task::Simulate(options) => simulate::run(&options),
         Task::Soak(options) => soak::run(&options),
         Task::Torture(options) => torture::run(&options),
         Task::Tidy(options) => tidy::run(options),

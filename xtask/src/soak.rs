@@ -3,14 +3,14 @@
 
 use anyhow::Result;
 
-use crate::process;
+use crate::{process, simulate};
 
 /// What `cargo xtask soak` can be asked for.
 #[derive(clap::Args)]
 pub(crate) struct Options {
     /// How many random machines run through random orders.
     #[arg(long, default_value_t = 100_000)]
-    seeds: u32,
+    seeds: u64,
     /// How many saving processes are killed.
     #[arg(long, default_value_t = 1000)]
     kills: u32,
@@ -18,9 +18,7 @@ pub(crate) struct Options {
 
 /// Runs both; the first failure ends it and names its seed.
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let seeds = options.seeds.to_string();
-    let simulate = ["run", "--release", "-p", "rafcon-engine", "--example", "simulate", "--"];
-    process::run(process::cargo().args(simulate).args(["--seeds", &seeds]))?;
+    simulate::seeds(0, options.seeds)?;
     let kill = ["test", "--release", "-p", "rafcon-storage", "--test", "it"];
     let one = ["kill::a_killed_process_leaves_one_of_its_machines", "--", "--exact"];
     let mut kill_often = process::cargo();

@@ -5,7 +5,11 @@ use crate::random::Random;
 /// How deep machines get.
 const DEPTH: usize = 4;
 /// Every state has these outcomes, besides the mandatory ones.
-const OUTCOMES: [&str; 2] = ["a", "b"];
+pub(crate) const OUTCOMES: [&str; 2] = ["a", "b"];
+/// Every state has this input, with the id 0.
+pub(crate) const INPUT: &str = "x";
+/// Every state has this output, with the id 1.
+pub(crate) const OUTPUT: &str = "y";
 
 /// What a machine is made of.
 #[derive(Debug)]
@@ -62,8 +66,8 @@ impl Generator<'_> {
         for outcome in OUTCOMES {
             self.line(indent, &format!("outcome {outcome}"));
         }
-        self.line(indent, "in x: int = 1");
-        self.line(indent, "out y: int = 2");
+        self.line(indent, &format!("in {INPUT}: int = 1"));
+        self.line(indent, &format!("out {OUTPUT}: int = 2"));
         if self.random.percent(10) {
             self.line(indent, "in error: object");
         }
@@ -107,7 +111,7 @@ impl Generator<'_> {
 
     /// A child or an outcome of the container.
     fn target(&mut self, children: &[String]) -> String {
-        let outcome = children.is_empty() || self.random.percent(15);
+        let outcome = children.is_empty() || self.random.percent(10);
         if outcome {
             format!(".{}", OUTCOMES[self.random.below(OUTCOMES.len())])
         } else {

@@ -1,11 +1,19 @@
 //! Runs random machines in random orders: `cargo run -p rafcon-engine --example simulate -- --seeds 10000 [--from 0]`.
 //!
-//! Prints the first broken promise with its seed and machine and ends with 1; prints a summary and ends with 0 otherwise.
+//! Each seed runs twice and must say the same, byte for byte. Prints the first broken promise with its seed, its machine and
+//! what happened last, and ends with 1; prints what was exercised and ends with 0 otherwise, or with 1 if some of it
+//! hardly was.
 
+mod commands;
+mod counts;
+mod edits;
 mod machine;
 mod random;
+mod twin;
+mod watch;
 mod world;
 
+use counts::Counts;
 use std::process::ExitCode;
 
 #[expect(clippy::print_stdout, clippy::print_stderr, reason = "this is a command-line program")]
@@ -14,21 +22,27 @@ fn main() -> ExitCode {
         eprintln!("usage: simulate [--seeds NUMBER] [--from SEED]");
         return ExitCode::from(2);
     };
-    let (mut states, mut by_itself) = (0, 0);
+    let mut counts = Counts::default();
     for seed in from..from.saturating_add(count) {
-        match world::simulate(seed) {
-            Ok(report) => {
-                states += report.states;
-                by_itself += u64::from(report.by_itself);
+        match (world::simulate(seed), world::simulate(seed)) {
+            (Ok(report), again) if again.as_ref() == Ok(&report) => counts.add(&report.counts),
+            (Ok(_), _) => {
+                eprintln!("seed {seed}: another run of it went otherwise");
+                return ExitCode::FAILURE;
             }
-            Err(broken) => {
+            (Err(broken), _) => {
                 eprintln!("{broken}");
                 return ExitCode::FAILURE;
             }
         }
     }
-    println!("{count} seeds: all ended, {by_itself} by themselves, {states} states run");
-    ExitCode::SUCCESS
+    println!("{count} seeds from {from}: all ended, and each went twice the same way\n{counts}");
+    let rare = counts.rare(count);
+    if rare.is_empty() {
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("hardly exercised: {}", rare.join(", "));
+    ExitCode::FAILURE
 }
 
 /// The first seed and how many.

@@ -26,4 +26,17 @@ impl Random {
     pub(crate) fn percent(&mut self, chance: usize) -> bool {
         self.below(100) < chance
     }
+
+    /// A small number.
+    pub(crate) fn small(&mut self, limit: usize) -> i64 {
+        i64::try_from(self.below(limit)).unwrap_or_default()
+    }
+
+    /// One of these, if there are any.
+    pub(crate) fn pick<T: Clone>(&mut self, items: &[T]) -> Option<T> {
+        if items.is_empty() {
+            return None;
+        }
+        items.get(self.below(items.len())).cloned()
+    }
 }

@@ -1,29 +1,31 @@
-//! A world that drives an engine as real threads would, in any order, and watches that no promise is broken.
+//! A world that drives an engine as real threads and people would, in any order.
 
+use crate::commands::{self, Like, Moment, Mood};
+use crate::counts::Counts;
+use crate::edits::edited;
 use crate::machine::machine;
 use crate::random::Random;
+use crate::twin::twins;
+use crate::watch::{Checked, Watch, promise};
 use rafcon_engine::{
-    Active, Activity, Effect, Engine, Event, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox,
-    PathId, Program, Returned, ScriptResult, Start, Status,
+    Change, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox, Program, Refusal,
+    Restore, Restored, Returned, ScriptResult, Start, Status, Stride,
 };
-use rafcon_model::{KindName, Value, notation};
-use std::collections::{BTreeMap, BTreeSet};
+use rafcon_model::{Machine, Value, notation};
 use std::sync::Arc;
 
 /// Inputs at most before the run is stopped.
-const INPUTS: usize = 120;
+const INPUTS: usize = 150;
 /// Inputs after the first stop, before the second.
 const PATIENCE: usize = 60;
 
 /// What a run came to.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Report {
-    /// States that were run.
-    pub(crate) states: u64,
+    /// What it exercised.
+    pub(crate) counts: Counts,
     /// Everything that happened, as one number.
     pub(crate) fingerprint: u64,
-    /// Whether it ended by itself, before any stop.
-    pub(crate) by_itself: bool,
 }
 
 /// Runs the machine of this seed to its end. The error says which promise was broken, and shows the machine.
@@ -32,93 +34,128 @@ pub(crate) fn simulate(seed: u64) -> Result<Report, String> {
     let handlers = random.percent(50);
     let text = machine(&mut random, handlers);
     let machine = notation::parse(&text).map_err(|error| format!("{error}\n{text}"))?;
-    let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
-    let mut world = World::new(program, random);
-    world.live(handlers).map_err(|broken| format!("seed {seed}: {broken}\n{text}"))?;
-    Ok(Report {
-        states: world.engine.states_run(),
-        fingerprint: world.fingerprint,
-        by_itself: world.by_itself,
-    })
+    let is_twin = random.percent(20);
+    let mood = if is_twin { Mood::plain(&mut random) } else { Mood::new(&mut random) };
+    let mut world = World::new(machine, mood, random);
+    let lived = if is_twin { world.live_as_twins() } else { world.live(handlers) };
+    lived.map_err(|broken| {
+        format!("seed {seed}: {broken}\n{text}\nand last:\n{}", world.watch.story())
+    })?;
+    world.watch.counts.states_run = world.engine.states_run();
+    Ok(Report { counts: world.watch.counts, fingerprint: world.watch.fingerprint })
 }
 
-struct World {
-    engine: Engine<Value>,
-    random: Random,
+pub(crate) struct World {
+    pub(crate) engine: Engine<Value>,
+    pub(crate) random: Random,
+    pub(crate) watch: Watch,
     out: Outbox<Value>,
-    running: Vec<Job<Value>>,
-    branches: BTreeSet<u32>,
-    active: BTreeSet<PathId>,
+    mood: Mood,
+    /// The machine that runs.
+    machine: Machine,
+    /// The machine and the program that were given last; they may wait.
+    latest: (Machine, Arc<Program<Value>>),
+    /// Numbers for new states.
+    fresh: u32,
+    /// Moments of the past.
+    moments: Vec<Restored<Value>>,
     /// A frame that has given its result.
     stale: Option<FrameId>,
-    started: usize,
-    fingerprint: u64,
-    by_itself: bool,
-    /// The races that have a winner.
-    decided: BTreeSet<PathId>,
-    /// How often each place was entered and left.
-    visits: BTreeMap<PathId, (u64, u64)>,
-}
-
-type Checked = Result<(), String>;
-
-fn promise(kept: bool, what: &str) -> Checked {
-    if kept { Ok(()) } else { Err(what.to_owned()) }
 }
 
 impl World {
-    fn new(program: Arc<Program<Value>>, random: Random) -> Self {
+    fn new(machine: Machine, mood: Mood, random: Random) -> Self {
+        let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
+        let holds = [Like::Steps, Like::Breakpoints, Like::BeginningAgain];
+        let plain = !holds.into_iter().any(|like| mood.likes(like));
         Self {
-            engine: Engine::new(program),
+            engine: Engine::new(Arc::clone(&program)),
             random,
+            watch: Watch::new(plain),
             out: Outbox::default(),
-            running: Vec::new(),
-            branches: BTreeSet::from([0]),
-            active: BTreeSet::new(),
+            mood,
+            machine: machine.clone(),
+            latest: (machine, program),
+            fresh: 0,
+            moments: Vec::new(),
             stale: None,
-            started: 0,
-            fingerprint: 0,
-            by_itself: false,
-            decided: BTreeSet::new(),
-            visits: BTreeMap::new(),
         }
     }
 
     /// From start to end: at random, then a stop, and if handlers go on for long, a second one.
     fn live(&mut self, handlers: bool) -> Checked {
-        self.feed(Input::Start(Start::default()))?;
+        let start =
+            if self.mood.likes(Like::BeginningAgain) { self.start() } else { Start::default() };
+        self.feed(Input::Start(start))?;
         for _ in 0..self.random.below(INPUTS) {
             if self.is_over() {
-                self.by_itself = true;
+                self.watch.counts.ended_by_themselves += 1;
                 return self.end();
             }
             self.something()?;
         }
+        self.wind_up(handlers)
+    }
+
+    fn wind_up(&mut self, handlers: bool) -> Checked {
+        if self.random.percent(50) {
+            self.let_go()?;
+        }
         self.stop()?;
-        let started = self.started;
+        let started = self.watch.started;
         for _ in 0..PATIENCE {
             self.one_ends()?;
         }
-        promise(
-            handlers || self.started == started,
-            "a script began after a stop, without a handler",
-        )?;
+        let handles =
+            handlers || self.mood.likes(Like::Changes) || self.mood.likes(Like::BeginningAgain);
+        let quiet = handles || self.watch.started == started;
+        promise(quiet, "a script began after a stop, without a handler")?;
         if !self.is_over() {
             self.last_stop()?;
         }
         self.end()
     }
 
-    fn last_stop(&mut self) -> Checked {
-        self.stop()?;
-        let started = self.started;
-        while !self.running.is_empty() {
-            self.one_ends()?;
+    /// Runs for a while, and is then cut and taken up while it also goes on.
+    fn live_as_twins(&mut self) -> Checked {
+        self.feed(Input::Start(Start::default()))?;
+        for _ in 0..self.random.below(INPUTS / 4) {
+            if !self.is_over() {
+                self.something()?;
+            }
         }
-        promise(self.started == started, "a script began after the second stop")
+        if matches!(self.engine.status(), Status::Paused | Status::Stepping) {
+            self.feed(Input::Resume(None))?;
+        }
+        if self.engine.status() == Status::Running {
+            return twins(self);
+        }
+        self.wind_up(true)
     }
 
-    fn is_over(&self) -> bool {
+    /// Everything that is held may go on, and every condition is answered.
+    fn let_go(&mut self) -> Checked {
+        for _ in 0..PATIENCE {
+            match self.engine.status() {
+                Status::Paused | Status::Stepping => self.feed(Input::Resume(None))?,
+                Status::Idle | Status::Running | Status::Stopping | Status::Finished => {}
+            }
+            self.answer()?;
+            self.one_ends()?;
+        }
+        Ok(())
+    }
+
+    fn last_stop(&mut self) -> Checked {
+        self.stop()?;
+        let started = self.watch.started;
+        while !self.watch.running.is_empty() {
+            self.one_ends()?;
+        }
+        promise(self.watch.started == started, "a script began after the second stop")
+    }
+
+    pub(crate) fn is_over(&self) -> bool {
         self.engine.status() == Status::Finished
     }
 
@@ -129,208 +166,222 @@ impl World {
     /// What must hold when the run is over.
     fn end(&mut self) -> Checked {
         promise(self.is_over(), "all scripts have ended, and the run has not")?;
-        promise(self.running.is_empty(), "the run is over, and scripts run")?;
-        promise(self.active.is_empty(), "a state was entered and never left")?;
-        promise(self.branches == BTreeSet::from([0]), "a branch began and never ended")?;
-        let balanced = self.visits.values().all(|(entered, left)| entered == left);
-        promise(balanced, "a state was not left as often as it was entered")?;
-        for input in
-            [Input::Start(Start::default()), Input::Stop, Input::Pause, Input::Resume(None)]
-        {
-            promise(self.refuses(input), "a run that is over took an input")?;
+        self.watch.end()?;
+        let late = [Input::Start(Start::default()), Input::Stop, Input::Pause, Input::Resume(None)];
+        let refused = late.into_iter().all(|input| self.handle(input).is_err());
+        promise(refused, "a run that is over took an input")
+    }
+
+    fn handle(&mut self, input: Input<Value>) -> Result<(), Refusal> {
+        self.engine.handle(input, &NoGlobals, &mut self.out)
+    }
+
+    fn something(&mut self) -> Checked {
+        if self.random.percent(self.mood.commands) {
+            return self.command();
+        }
+        if self.watch.running.is_empty() {
+            return if self.watch.checks.is_empty() { self.command() } else { self.answer() };
+        }
+        if self.random.percent(1) { self.late_result() } else { self.one_ends() }
+    }
+
+    fn command(&mut self) -> Checked {
+        match self.random.below(100) {
+            0 if self.random.percent(30) => self.try_out(Input::Stop).map(|_| ()),
+            1..=20 if self.mood.likes(Like::Changes) => self.change(),
+            21..=24 if self.mood.likes(Like::BeginningAgain) => self.lose_engine(),
+            25..=32 if self.mood.likes(Like::BeginningAgain) => self.go_back(),
+            33..=40 => self.answer(),
+            _ => {
+                let moment = Moment { engine: &self.engine, machine: &self.machine };
+                let input = commands::command(&moment, &self.mood, &mut self.random);
+                self.counted(input)
+            }
+        }
+    }
+
+    fn start(&mut self) -> Start<Value> {
+        let moment = Moment { engine: &self.engine, machine: &self.machine };
+        let mut start = commands::start(&moment, &mut self.random);
+        if self.random.percent(30) {
+            start.given.clear();
+        }
+        start
+    }
+
+    fn counted(&mut self, input: Input<Value>) -> Checked {
+        let counted = input.clone();
+        if !self.try_out(input)? {
+            return Ok(());
+        }
+        let counts = &mut self.watch.counts;
+        match counted {
+            Input::Step(Stride::Into | Stride::Over | Stride::Out, None) => counts.steps += 1,
+            Input::Step(Stride::Into | Stride::Over | Stride::Out, Some(_)) => {
+                counts.branch_steps += 1;
+            }
+            Input::Preempt(_) => counts.preempt_commands += 1,
+            Input::Start(_) => counts.started_again += 1,
+            Input::Recover(..) => counts.recovered += 1,
+            _ => {}
         }
         Ok(())
     }
 
-    fn refuses(&mut self, input: Input<Value>) -> bool {
-        self.engine.handle(input, &NoGlobals, &mut self.out).is_err()
-    }
-
-    fn something(&mut self) -> Checked {
-        match self.random.below(100) {
-            0..=4 => self.command(Input::Pause),
-            5..=12 => self.command(Input::Resume(None)),
-            13 if self.random.percent(20) => self.feed(Input::Stop),
-            14 => self.late_result(),
-            _ => self.one_ends(),
+    /// A command that may be out of place, and then changes nothing. Whether it was taken.
+    fn try_out(&mut self, input: Input<Value>) -> Result<bool, String> {
+        let before = (self.engine.status(), self.engine.snapshot());
+        self.say(&input);
+        match self.handle(input) {
+            Ok(()) => {
+                self.watch.counts.commands_taken += 1;
+                self.take()?;
+                Ok(true)
+            }
+            Err(refusal) => {
+                self.watch.line(format!("  refused: {refusal}"));
+                self.watch.counts.commands_refused += 1;
+                let same = before == (self.engine.status(), self.engine.snapshot());
+                promise(same, "a refusal changed something")?;
+                let silent = self.out.events.is_empty() && self.out.effects.is_empty();
+                promise(silent, "a refusal said something")?;
+                Ok(false)
+            }
         }
     }
 
-    /// A command that may be out of place, and then changes nothing.
-    fn command(&mut self, input: Input<Value>) -> Checked {
-        let before = self.engine.snapshot();
-        match self.engine.handle(input, &NoGlobals, &mut self.out) {
-            Ok(()) => self.take(),
-            Err(_) => promise(before == self.engine.snapshot(), "a refusal changed something"),
+    fn say(&mut self, input: &Input<Value>) {
+        let line = match input {
+            Input::Change(change) => format!("> change, wait: {}", change.wait),
+            other => format!("> {other:?}"),
+        };
+        self.watch.line(line);
+    }
+
+    /// The answer to a condition, which may come too late.
+    fn answer(&mut self) -> Checked {
+        let Some(check) = self.watch.checks.pop() else { return Ok(()) };
+        let result = match self.random.below(10) {
+            0 => Err("it raised".into()),
+            number => Ok(number < 6),
+        };
+        if self.try_out(Input::Checked { check, result })? {
+            self.watch.counts.checks += 1;
         }
+        Ok(())
+    }
+
+    fn change(&mut self) -> Checked {
+        let Some(machine) = edited(&self.latest.0, &mut self.random, &mut self.fresh) else {
+            return Ok(());
+        };
+        let program = Arc::new(self.latest.1.change(&machine, &mut ModelLiterals));
+        let wait = self.mood.likes(Like::WaitingChanges) && self.random.percent(70);
+        let earlier = std::mem::replace(&mut self.latest, (machine, Arc::clone(&program)));
+        let taken = self.try_out(Input::Change(Change { program, wait }))?;
+        let counts = &mut self.watch.counts;
+        if !taken {
+            counts.refused_changes += 1;
+            self.latest = earlier;
+        } else if self.watch.changed {
+            counts.applied_changes += 1;
+            counts.changes_after_waiting -= 1;
+        } else {
+            counts.waiting_changes += 1;
+        }
+        Ok(())
+    }
+
+    /// The process dies; another engine takes the run up as it was.
+    fn lose_engine(&mut self) -> Checked {
+        let Some(root) = self.engine.configuration() else { return Ok(()) };
+        let states_run = self.engine.states_run();
+        let program = Arc::clone(self.engine.program());
+        self.latest = (self.machine.clone(), Arc::clone(&program));
+        self.engine = Engine::new(program);
+        self.stale = None;
+        self.watch.begin_anew();
+        let restore = self.restoring(root, states_run);
+        self.watch.counts.taken_up += 1;
+        self.feed(Input::Restore(Box::new(restore)))
+    }
+
+    fn restoring(&mut self, root: Restored<Value>, states_run: u64) -> Restore<Value> {
+        let interrupted = commands::interrupted(&mut self.random);
+        let crash = Some(Value::str("crash"));
+        Restore { root, interrupted, crash, hold: self.random.percent(50), states_run }
+    }
+
+    /// Keeps the moment, or goes back to an earlier one.
+    fn go_back(&mut self) -> Checked {
+        if self.moments.len() < 4 && self.random.percent(40) {
+            self.moments.extend(self.engine.configuration());
+            return Ok(());
+        }
+        let Some(root) = self.random.pick(&self.moments) else { return Ok(()) };
+        let restore = self.restoring(root, 0);
+        if self.try_out(Input::Restore(Box::new(restore)))? {
+            self.watch.counts.moments_restored += 1;
+        }
+        Ok(())
     }
 
     fn late_result(&mut self) -> Checked {
         let Some(frame) = self.stale else { return Ok(()) };
         let result = ScriptResult { returned: Returned::Id(0), outputs: Vec::new(), error: None };
-        promise(self.refuses(Input::Finished { frame, result }), "a result was taken twice")
+        let refused = self.handle(Input::Finished { frame, result }).is_err();
+        promise(refused, "a result was taken twice")
     }
 
     fn one_ends(&mut self) -> Checked {
-        if self.running.is_empty() {
+        if self.watch.running.is_empty() {
             return Ok(());
         }
-        let index = self.random.below(self.running.len());
-        let job = self.running.swap_remove(index);
+        let index = self.random.below(self.watch.running.len());
+        let job: Job<Value> = self.watch.running.swap_remove(index);
         self.stale = Some(job.frame);
-        let result = self.result();
+        let result = result(&mut self.random, &job);
         self.feed(Input::Finished { frame: job.frame, result })
     }
 
-    fn result(&mut self) -> ScriptResult<Value> {
-        let returned = match self.random.below(20) {
-            0 => Returned::Raised,
-            1 => Returned::Other("nothing".into()),
-            2 => Returned::Id(77),
-            3 => Returned::Name("aborted".into()),
-            4..=11 => Returned::Id(0),
-            _ => Returned::Name("b".into()),
-        };
-        let output = match self.random.below(4) {
-            0 => None,
-            1 => Some(Value::None),
-            number => Some(Value::Int(i64::try_from(number).unwrap_or_default())),
-        };
-        let error = (returned == Returned::Raised).then(|| Value::str("boom"));
-        ScriptResult { returned, outputs: vec![output], error }
-    }
-
-    fn feed(&mut self, input: Input<Value>) -> Checked {
-        if let Err(refusal) = self.engine.handle(input, &NoGlobals, &mut self.out) {
-            return Err(format!("refused: {refusal}"));
-        }
+    /// An input that must be taken.
+    pub(crate) fn feed(&mut self, input: Input<Value>) -> Checked {
+        self.say(&input);
+        self.handle(input).map_err(|refusal| format!("refused: {refusal}"))?;
         self.take()
     }
 
     /// Takes the answer and checks it.
     fn take(&mut self) -> Checked {
         let out = std::mem::take(&mut self.out);
-        let mut named = self.active.clone();
-        for event in &out.events {
-            self.note_down(event);
-            self.event(event, &mut named)?;
+        self.watch.take(out, &self.engine)?;
+        if self.watch.changed {
+            self.watch.counts.changes_after_waiting += 1;
+            self.machine = self.latest.0.clone();
+            let same = Arc::ptr_eq(self.engine.program(), &self.latest.1);
+            promise(same, "another program runs than was given last")?;
         }
-        for effect in out.effects {
-            self.effect(effect, &named)?;
-        }
-        self.consistent()
+        self.watch.consistent(&self.engine, &self.machine)
     }
+}
 
-    /// Everything that happened becomes part of one number (FNV-1a).
-    fn note_down(&mut self, event: &Event<Value>) {
-        for byte in format!("{event:?}").bytes() {
-            self.fingerprint =
-                (self.fingerprint ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    }
-
-    fn event(&mut self, event: &Event<Value>, named: &mut BTreeSet<PathId>) -> Checked {
-        match event {
-            Event::Entered { path, .. } => {
-                named.insert(*path);
-                self.visits.entry(*path).or_default().0 += 1;
-                self.decided.remove(path);
-                let parent = self.engine.path_parent(*path);
-                let inside = parent.is_none_or(|parent| self.active.contains(&parent));
-                promise(inside, "a state was entered in a state that is not active")?;
-                promise(self.active.insert(*path), "a state was entered twice")
-            }
-            Event::Left { path, .. } => {
-                self.visits.entry(*path).or_default().1 += 1;
-                let parent = self.engine.path_parent(*path);
-                let race = parent.filter(|&path| self.kind(path) == Some(KindName::Preemptive));
-                self.decided.extend(race);
-                promise(self.active.remove(path), "a state was left that is not active")
-            }
-            Event::Scoped { path, .. } | Event::Waiting { path, .. } => promise(
-                self.active.contains(path),
-                "something happened in a state that is not active",
-            ),
-            Event::Note { .. }
-            | Event::Held { .. }
-            | Event::Hit { .. }
-            | Event::Forced { .. }
-            | Event::Dropped { .. }
-            | Event::Changed
-            | Event::ChangeWaits { .. }
-            | Event::Paused(_)
-            | Event::Stopping
-            | Event::Finished { .. } => Ok(()),
-        }
-    }
-
-    fn effect(&mut self, effect: Effect<Value>, named: &BTreeSet<PathId>) -> Checked {
-        match effect {
-            Effect::Fork { branch } => {
-                promise(self.branches.insert(branch.0), "a branch began twice")
-            }
-            Effect::EndBranch { branch } => {
-                let idle = self.running.iter().all(|job| job.branch != branch);
-                promise(idle, "a branch ended while its script runs")?;
-                promise(self.branches.remove(&branch.0), "a branch ended that never began")
-            }
-            Effect::Run(job) => {
-                promise(
-                    self.branches.contains(&job.branch.0),
-                    "a job for a branch that is not there",
-                )?;
-                let idle = self.running.iter().all(|other| other.branch != job.branch);
-                promise(idle, "a job for a branch that already runs one")?;
-                self.started += 1;
-                self.running.push(job);
-                Ok(())
-            }
-            Effect::Preempt(path) => {
-                promise(named.contains(&path), "a state was preempted that was not active")
-            }
-            Effect::Check(_) | Effect::Paused(_) | Effect::Finish(_) => Ok(()),
-        }
-    }
-
-    /// Whoever lost a race was asked to end, and so is everything inside of what was asked, except in hierarchies, which
-    /// may run a handler.
-    fn requests_arrive(&self, snapshot: &[Active]) -> Checked {
-        let asked = snapshot.iter().filter(|active| active.preempted).map(|active| active.path);
-        let asked = asked.collect::<BTreeSet<_>>();
-        for active in snapshot {
-            let Some(parent) = self.engine.path_parent(active.path) else { continue };
-            let all_at_once = !matches!(self.kind(parent), Some(KindName::Hierarchy));
-            let must = self.decided.contains(&parent) || all_at_once && asked.contains(&parent);
-            promise(active.preempted || !must, "a request to end was lost")?;
-        }
-        Ok(())
-    }
-
-    fn kind(&self, path: PathId) -> Option<KindName> {
-        let node = self.engine.path_node(path)?;
-        Some(self.engine.program().node(node).state().kind.name())
-    }
-
-    /// What must hold between any two inputs: the engine and those who listened agree, and whoever stands still has a reason.
-    fn consistent(&self) -> Checked {
-        let snapshot = self.engine.snapshot();
-        let paths = snapshot.iter().map(|active| active.path).collect::<BTreeSet<_>>();
-        promise(paths == self.active, "the snapshot and the events disagree")?;
-        let scripts = snapshot.iter().filter(|active| active.activity == Activity::Script).count();
-        promise(scripts == self.running.len(), "the snapshot and the jobs disagree")?;
-        self.requests_arrive(&snapshot)?;
-        let inner = snapshot.iter().filter_map(|active| self.engine.path_parent(active.path));
-        let inner = inner.collect::<BTreeSet<_>>();
-        let leaves = snapshot.iter().filter(|active| !inner.contains(&active.path));
-        for leaf in leaves {
-            let reason = match leaf.activity {
-                Activity::Script | Activity::Checking => true,
-                Activity::Waiting(_) => !leaf.preempted,
-                Activity::Held => !leaf.holds.is_empty(),
-                Activity::Inside => false,
-            };
-            promise(reason, "a state stands still without a reason")?;
-        }
-        Ok(())
-    }
+/// What a script gives back.
+pub(crate) fn result(random: &mut Random, job: &Job<Value>) -> ScriptResult<Value> {
+    let returned = match random.below(20) {
+        0 => Returned::Raised,
+        1 => Returned::Other("nothing".into()),
+        2 => Returned::Id(77),
+        3 => Returned::Name("aborted".into()),
+        4..=11 => Returned::Id(0),
+        _ => Returned::Name("b".into()),
+    };
+    let output = |_: &Value| match random.below(4) {
+        0 => None,
+        1 => Some(Value::None),
+        number => Some(Value::Int(i64::try_from(number).unwrap_or_default())),
+    };
+    let outputs = job.outputs.iter().map(output).collect();
+    let error = (returned == Returned::Raised).then(|| Value::str("boom"));
+    ScriptResult { returned, outputs, error }
 }

@@ -1,0 +1,302 @@
+//! Watches what an engine says and does, and that no promise is broken.
+
+use crate::counts::Counts;
+use rafcon_engine::{
+    Active, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status, WaitReason,
+};
+use rafcon_model::{KindName, LibraryContent, Machine, State, StatePath, Value};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+
+/// Lines that are shown of what went before a broken promise.
+const LINES: usize = 60;
+
+/// A promise that was broken, as text.
+pub(crate) type Checked = Result<(), String>;
+
+pub(crate) fn promise(kept: bool, what: &str) -> Checked {
+    if kept { Ok(()) } else { Err(what.to_owned()) }
+}
+
+/// What is known about a run from outside.
+#[derive(Debug)]
+pub(crate) struct Watch {
+    pub(crate) running: Vec<Job<Value>>,
+    pub(crate) checks: Vec<u64>,
+    pub(crate) counts: Counts,
+    /// Everything that happened, as one number.
+    pub(crate) fingerprint: u64,
+    /// Scripts that were begun.
+    pub(crate) started: usize,
+    /// Whether an answer said that the machine has changed.
+    pub(crate) changed: bool,
+    /// Whether nothing is ever held between the end of a state and what follows.
+    pub(crate) plain: bool,
+    branches: BTreeSet<u32>,
+    active: BTreeSet<PathId>,
+    paused: bool,
+    /// The races that have a winner.
+    decided: BTreeSet<PathId>,
+    /// How often each place was entered, less how often it was left or dropped.
+    inside: BTreeMap<PathId, i64>,
+    names: BTreeMap<PathId, StatePath>,
+    lines: VecDeque<String>,
+}
+
+impl Watch {
+    pub(crate) fn new(plain: bool) -> Self {
+        Self {
+            running: Vec::new(),
+            checks: Vec::new(),
+            counts: Counts::default(),
+            fingerprint: 0,
+            started: 0,
+            changed: false,
+            plain,
+            branches: BTreeSet::from([0]),
+            active: BTreeSet::new(),
+            paused: false,
+            decided: BTreeSet::new(),
+            inside: BTreeMap::new(),
+            names: BTreeMap::new(),
+            lines: VecDeque::new(),
+        }
+    }
+
+    /// The engine is lost; another one begins.
+    pub(crate) fn begin_anew(&mut self) {
+        self.running.clear();
+        self.checks.clear();
+        self.branches = BTreeSet::from([0]);
+        self.active.clear();
+        self.paused = false;
+        self.decided.clear();
+        self.inside.clear();
+        self.names.clear();
+    }
+
+    /// Something to be shown if a promise is broken.
+    pub(crate) fn line(&mut self, line: String) {
+        // FNV-1a.
+        for byte in line.bytes() {
+            self.fingerprint =
+                (self.fingerprint ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+        if self.lines.len() == LINES {
+            self.lines.pop_front();
+        }
+        self.lines.push_back(line);
+    }
+
+    /// What happened last.
+    pub(crate) fn story(&self) -> String {
+        self.lines.iter().flat_map(|line| [line.as_str(), "\n"]).collect()
+    }
+
+    /// Takes an answer and checks it.
+    pub(crate) fn take(&mut self, out: Outbox<Value>, engine: &Engine<Value>) -> Checked {
+        let mut named = self.active.clone();
+        self.changed = false;
+        for event in &out.events {
+            self.line(format!("  {event:?}"));
+            self.event(event, &mut named, engine)?;
+        }
+        for effect in out.effects {
+            self.effect(effect, &named)?;
+        }
+        Ok(())
+    }
+
+    fn event(
+        &mut self,
+        event: &Event<Value>,
+        named: &mut BTreeSet<PathId>,
+        engine: &Engine<Value>,
+    ) -> Checked {
+        match event {
+            Event::Entered { path, undoes, .. } => {
+                self.counts.backward_steps += u64::from(undoes.is_some());
+                named.insert(*path);
+                *self.inside.entry(*path).or_default() += 1;
+                self.decided.remove(path);
+                let parent = engine.path_parent(*path);
+                let inside = parent.is_none_or(|parent| self.active.contains(&parent));
+                promise(inside, "a state was entered in a state that is not active")?;
+                promise(self.active.insert(*path), "a state was entered twice")
+            }
+            Event::Left { path, undoes, .. } => {
+                let parent = engine.path_parent(*path).filter(|_| undoes.is_none());
+                let race = parent.filter(|&path| kind(engine, path) == Some(KindName::Preemptive));
+                self.decided.extend(race);
+                self.gone(*path, "a state was left that is not active")
+            }
+            Event::Dropped { path } => {
+                self.counts.dropped_states += 1;
+                self.gone(*path, "a state was dropped that is not active")
+            }
+            Event::Scoped { path, .. } | Event::Waiting { path, .. } => promise(
+                self.active.contains(path),
+                "something happened in a state that is not active",
+            ),
+            Event::Hit { held, .. } => {
+                self.counts.held_breakpoints += u64::from(*held);
+                self.counts.passed_breakpoints += u64::from(!held);
+                Ok(())
+            }
+            Event::Held { by, .. } => {
+                self.counts.held_at_targets += u64::from(*by == HeldBy::RunTo);
+                Ok(())
+            }
+            Event::Forced { .. } => {
+                self.counts.forced_outcomes += 1;
+                Ok(())
+            }
+            Event::Changed => {
+                self.changed = true;
+                Ok(())
+            }
+            Event::Paused(paused) => {
+                promise(self.paused != *paused, "a pause began or ended twice")?;
+                self.paused = *paused;
+                Ok(())
+            }
+            Event::Note { .. }
+            | Event::ChangeWaits { .. }
+            | Event::Stopping
+            | Event::Finished { .. } => Ok(()),
+        }
+    }
+
+    fn gone(&mut self, path: PathId, otherwise: &str) -> Checked {
+        *self.inside.entry(path).or_default() -= 1;
+        promise(self.active.remove(&path), otherwise)
+    }
+
+    fn effect(&mut self, effect: Effect<Value>, named: &BTreeSet<PathId>) -> Checked {
+        match effect {
+            Effect::Fork { branch } => {
+                promise(self.branches.insert(branch.0), "a branch began twice")
+            }
+            Effect::EndBranch { branch } => {
+                let idle = self.running.iter().all(|job| job.branch != branch);
+                promise(idle, "a branch ended while its script runs")?;
+                promise(self.branches.remove(&branch.0), "a branch ended that never began")
+            }
+            Effect::Run(job) => {
+                let there = self.branches.contains(&job.branch.0);
+                promise(there, "a job for a branch that is not there")?;
+                let idle = self.running.iter().all(|other| other.branch != job.branch);
+                promise(idle, "a job for a branch that already runs one")?;
+                self.counts.backward_scripts += u64::from(job.backward);
+                self.started += 1;
+                self.line(format!("  run {job:?}"));
+                self.running.push(job);
+                Ok(())
+            }
+            Effect::Check(check) => {
+                let there = self.branches.contains(&check.branch.0);
+                promise(there, "a condition for a branch that is not there")?;
+                let idle = self.running.iter().all(|other| other.branch != check.branch);
+                promise(idle, "a condition for a branch that runs a script")?;
+                self.checks.push(check.check);
+                Ok(())
+            }
+            Effect::Preempt(path) => {
+                self.counts.preemptions += 1;
+                promise(named.contains(&path), "a state was preempted that was not active")
+            }
+            Effect::Paused(_) | Effect::Finish(_) => Ok(()),
+        }
+    }
+
+    /// What must hold when the run is over.
+    pub(crate) fn end(&self) -> Checked {
+        promise(self.running.is_empty(), "the run is over, and scripts run")?;
+        promise(self.active.is_empty(), "a state was entered and never left")?;
+        promise(self.branches == BTreeSet::from([0]), "a branch began and never ended")?;
+        let balanced = self.inside.values().all(|inside| *inside == 0);
+        promise(balanced, "a state was not left as often as it was entered")
+    }
+
+    /// What must hold between any two inputs: the engine and those who listened agree, and whoever stands still has a reason.
+    pub(crate) fn consistent(&mut self, engine: &Engine<Value>, machine: &Machine) -> Checked {
+        let snapshot = engine.snapshot();
+        let paths = snapshot.iter().map(|active| active.path).collect::<BTreeSet<_>>();
+        promise(paths == self.active, "the snapshot and the events disagree")?;
+        let scripts = snapshot.iter().filter(|active| active.activity == Activity::Script).count();
+        promise(scripts == self.running.len(), "the snapshot and the jobs disagree")?;
+        let over = engine.status() == Status::Finished;
+        let paused = engine.status() == Status::Paused;
+        promise(over || self.paused == paused, "nobody knows of a pause")?;
+        self.names_stay(&snapshot, engine, machine)?;
+        self.requests_arrive(&snapshot, engine)?;
+        let inner = snapshot.iter().filter_map(|active| engine.path_parent(active.path));
+        let inner = inner.collect::<BTreeSet<_>>();
+        for leaf in snapshot.iter().filter(|active| !inner.contains(&active.path)) {
+            let reason = match leaf.activity {
+                Activity::Script | Activity::Waiting(WaitReason::Interrupted) => true,
+                Activity::Checking => !self.checks.is_empty(),
+                Activity::Waiting(_) => !leaf.preempted,
+                Activity::Held => !leaf.holds.is_empty(),
+                Activity::Inside => !leaf.holds.is_empty() || !self.checks.is_empty(),
+            };
+            promise(reason, "a state stands still without a reason")?;
+        }
+        Ok(())
+    }
+
+    /// A place keeps its name, and what is active stands in the machine.
+    fn names_stay(
+        &mut self,
+        snapshot: &[Active],
+        engine: &Engine<Value>,
+        machine: &Machine,
+    ) -> Checked {
+        for active in snapshot {
+            let text = engine.path_text(active.path);
+            let state = state_at(machine, &text);
+            promise(state.is_some(), "a state is active that the machine does not have")?;
+            let node = engine.program().node(active.node);
+            let same = state.is_some_and(|state| Arc::ptr_eq(state, node.state()));
+            promise(same, "a state is active as it was before a change")?;
+            let there = engine.path_node(active.path) == Some(active.node);
+            promise(there, "a place has another state than is active there")?;
+            let known = self.names.entry(active.path).or_insert_with(|| text.clone());
+            promise(*known == text, "a place has another name than before")?;
+        }
+        Ok(())
+    }
+
+    /// Whoever lost a race was asked to end, and so is everything inside of what was asked, except in hierarchies, which
+    /// may run a handler.
+    fn requests_arrive(&self, snapshot: &[Active], engine: &Engine<Value>) -> Checked {
+        let asked = snapshot.iter().filter(|active| active.preempted).map(|active| active.path);
+        let asked = asked.collect::<BTreeSet<_>>();
+        for active in snapshot {
+            let Some(parent) = engine.path_parent(active.path) else { continue };
+            let all_at_once = kind(engine, parent) != Some(KindName::Hierarchy);
+            let lost = self.plain && self.decided.contains(&parent);
+            let must = lost || all_at_once && asked.contains(&parent);
+            promise(active.preempted || !must, "a request to end was lost")?;
+        }
+        Ok(())
+    }
+}
+
+fn kind(engine: &Engine<Value>, path: PathId) -> Option<KindName> {
+    let node = engine.path_node(path)?;
+    Some(engine.program().node(node).state().kind.name())
+}
+
+/// The state at this place, also in libraries.
+fn state_at<'m>(machine: &'m Machine, path: &StatePath) -> Option<&'m Arc<State>> {
+    let (first, rest) = path.0.split_first()?;
+    let root = Some(&machine.root).filter(|root| root.id == *first)?;
+    rest.iter().try_fold(root, |state, id| match &state.kind {
+        rafcon_model::Kind::Library(library) => match &library.content {
+            LibraryContent::Found(root) => Some(root).filter(|root| root.id == *id),
+            LibraryContent::Missing { .. } => None,
+        },
+        _ => state.container()?.states.get(id),
+    })
+}
