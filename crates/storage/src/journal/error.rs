@@ -103,6 +103,12 @@ pub enum JournalError {
         /// What `SQLite` says.
         source: rusqlite::Error,
     },
+    /// What is to be read was given up to keep the journal within its size.
+    #[error("{} has given up its oldest events to stay within its size: ask for a later one, or give runs more room with --keep-max", path.display())]
+    GivenUp {
+        /// The file.
+        path: PathBuf,
+    },
     /// The bytes are not what they should be.
     #[error("{} is damaged: {what}; what was kept before can be read with `rafcon history`", path.display())]
     Damaged {

@@ -163,9 +163,13 @@ impl Reader {
     /// How the run stood after event number `sequence`, or after the last one if there are fewer.
     pub fn moment(&mut self, sequence: u64) -> Result<Moment, JournalError> {
         self.learn()?;
-        let mut before = sequence;
+        let sequence = sequence.min(self.last_sequence()?);
+        let (mut before, mut nearly) = (sequence, None);
         loop {
             let keyframe = self.source.keyframe(before)?;
+            if keyframe.is_none() && self.source.first_sequence()? > 1 {
+                return nearly.ok_or_else(|| self.source.given_up());
+            }
             let start = keyframe.as_ref().map_or(0, |(sequence, _)| *sequence);
             let places = self.places_at(start);
             let moment = match &keyframe {
@@ -178,8 +182,9 @@ impl Reader {
             };
             match moment {
                 Some(moment) if start == 0 || !moment.lacks_steps() => return Ok(moment),
-                _ => before = start.saturating_sub(1 + (sequence - start)),
+                other => nearly = nearly.or(other),
             }
+            before = start.saturating_sub(1 + (sequence - start));
         }
     }
 

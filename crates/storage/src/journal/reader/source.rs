@@ -59,6 +59,18 @@ impl Source {
         })
     }
 
+    /// Number of the first event that is still there; 1 if there is none.
+    pub(super) fn first_sequence(&self) -> Found<u64> {
+        self.ask("SELECT coalesce(min(first), 1) FROM blocks", |statement| {
+            statement.query_row([], |row| row.get(0)).map(i64::cast_unsigned)
+        })
+    }
+
+    /// What is to be read is not there any more.
+    pub(super) fn given_up(&self) -> JournalError {
+        JournalError::GivenUp { path: self.path.clone() }
+    }
+
     /// Shows the rows from the one with event number `from` on, until `visit` has enough.
     pub(super) fn rows(&self, from: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
         let query = "SELECT first, t_before, data FROM blocks WHERE first >=

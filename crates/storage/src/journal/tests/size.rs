@@ -3,7 +3,8 @@
 use crate::journal::folder::VALUES_FOLDER;
 use crate::journal::record::Content;
 use crate::journal::{
-    About, Batch, Journal, Kept, Left, Options, Place, PlaceNumber, Reader, Stored, ValueNumber,
+    About, Batch, Journal, JournalError, Kept, Left, Options, Place, PlaceNumber, Reader, Stored,
+    ValueNumber,
 };
 use serde_json::json;
 use std::fs;
@@ -113,5 +114,9 @@ fn a_journal_stays_near_its_size_however_long_the_run() {
     journal.close().unwrap();
     let size = fs::metadata(folder.path().join("journal.db")).unwrap().len();
     let (first, _) = read(folder.path(), thinned);
+    let mut reader = Reader::open(folder.path()).unwrap();
+    let gone = reader.moment(first / 2).unwrap_err();
+    assert!(matches!(gone, JournalError::GivenUp { .. }), "{gone}");
+    assert_eq!(reader.moment(u64::MAX).unwrap().sequence(), reader.last_sequence().unwrap());
     assert!(first > 1 && size < 6 << 20, "{first} {size}");
 }
