@@ -68,6 +68,13 @@ def described(kind, state_id, name, path, parent=-1, **more):
     return {**facts, **more}
 
 
+class Taken:
+    """What a machine has given away."""
+
+    def __init__(self, root_id):
+        self.root_id = lambda: root_id
+
+
 class Native(types.ModuleType):
     """The table, and what was sent to the machine."""
 
@@ -119,6 +126,9 @@ class Native(types.ModuleType):
 
     def edit(self, changes):
         self.edits += changes
+
+    def taken(self, path):
+        return Taken(self.table[path]["state_id"])
 
     def last_left(self, path):
         return self.before.get(path, -1)

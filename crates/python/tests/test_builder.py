@@ -6,6 +6,7 @@ import unittest
 
 import building
 from building import REFERENCE, call
+from support import ROOT
 
 #: Builds one machine with everything, and saves it to the folder in ``OUT``.
 EVERYTHING = """
@@ -277,6 +278,14 @@ class Building(unittest.TestCase):
             another
             """,
         )
+
+
+class Guide(unittest.TestCase):
+    def test_the_guide_works(self):
+        guide = (ROOT / "docs/guide/building.md").read_text(encoding="utf-8")
+        program = guide.partition("```python\n")[2].partition("```")[0]
+        shown = guide.partition("$ python3 counting.py\n")[2].partition("$")[0]
+        self.assertEqual(call(program), shown)
 
 
 class Libraries(unittest.TestCase):

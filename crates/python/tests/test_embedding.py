@@ -76,6 +76,22 @@ class Embedding(unittest.TestCase):
             """,
         )
 
+    def test_what_scripts_log_goes_where_the_program_wants(self):
+        self.check(
+            """
+            import logging, sys
+            logging.basicConfig(stream=sys.stdout, level=logging.INFO, format="%(name)s %(levelname)s %(message).29s")
+            machine = one("self.logger.info('hello'); print('plain'); return 'nowhere'")
+            machine.start()
+            machine.join()
+            """,
+            """
+            rafcon.one INFO hello
+            plain
+            rafcon.engine ERROR the script returned 'nowhere'
+            """,
+        )
+
     def test_it_can_be_stopped_and_paused(self):
         self.check(
             """

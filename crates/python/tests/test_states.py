@@ -273,7 +273,6 @@ class Changes(Stage):
 
     def test_changes_go_to_the_machine(self):
         root, first = self.root, self.first
-        self.check(lambda: root.remove_state("FIRST"), ("children.remove", "ROOT", ("FIRST",)))
         ends = (9, "FIRST", 0, "LIB", None)
         self.check(lambda: root.add_transition(*ends[1:], 9), ("transition.add", "ROOT", ends))
         self.check(lambda: root.set_start_state("LIB"), ("children.start", "ROOT", ("LIB", None)))
@@ -284,6 +283,8 @@ class Changes(Stage):
         self.check(lambda: setattr(first.outcomes[0], "name", "x"), rename)
         target = ("transition.target", "ROOT", (2, "FIRST", None))
         self.check(lambda: root.transitions[2].modify_target("FIRST"), target)
+        self.check(lambda: root.remove_state("FIRST"), ("children.remove", "ROOT", ("FIRST",)))
+        self.assertIsNone(first.parent)
 
     def test_what_belongs_to_other_programs_is_refused(self):
         for call in (
