@@ -3,8 +3,9 @@
 use crate::cli;
 use crate::clock;
 use crate::environment::Environment;
-use crate::failure::Usage;
+use crate::failure::{Usage, complain};
 use anyhow::{Context as _, Result, bail};
+use rafcon_storage::journal::Retention;
 use std::fs;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
@@ -59,6 +60,13 @@ impl Runs {
                     });
                 }
             }
+        }
+    }
+
+    /// Deletes runs beyond the usual number and size. What cannot be deleted stops no run.
+    pub(crate) fn give_up_old_ones(&self) {
+        if let Err(error) = Retention::default().prune(&self.0, clock::since_1970_ms()) {
+            complain(&format!("warning: old runs stay: {error}"));
         }
     }
 

@@ -10,6 +10,7 @@ mod commands;
 mod endings;
 mod examples;
 mod harness;
+mod kept_runs;
 mod readme;
 mod script_check;
 mod signals;

@@ -108,9 +108,12 @@ impl<W: Write + Seek> Recording<W> {
         let Value::Object(values) = csv::values(&found.event) else { return Ok(()) };
         for (name, value) in values {
             let number = value.as_f64();
-            let message = json!({
-                "kind": kind, "state": found.names, "name": name, "value": value, "number": number,
+            let mut message = json!({
+                "kind": kind, "state": found.names, "name": name, "value": value,
             });
+            if let Some(number) = number {
+                message["number"] = number.into();
+            }
             self.put(self.channels.values, found, message)?;
         }
         Ok(())

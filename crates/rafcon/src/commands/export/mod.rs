@@ -34,6 +34,11 @@ fn to_file(reader: &mut Reader, format: ExportFormat, path: &Path) -> Result<()>
     let cannot = || format!("cannot write {}", path.display());
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or_else(|| Path::new("."));
+    if !folder.is_dir() {
+        let folder = folder.display();
+        let reason = format!("there is no folder {folder}: make it, or name another file");
+        return Err(Usage(reason).into());
+    }
     let file = NamedTempFile::new_in(folder).with_context(cannot)?;
     match format {
         ExportFormat::Jsonl => lines(reader, file.as_file(), jsonl::line, "")?,

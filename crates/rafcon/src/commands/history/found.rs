@@ -3,7 +3,7 @@
 use anyhow::Result;
 use rafcon_protocol::Event;
 use rafcon_storage::journal::{Entry, Filter, PlaceNumber, Reader, Record, path_of, place_of};
-use serde_json::json;
+use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -35,9 +35,17 @@ impl Found {
             Event::Left { outputs, error, .. } if !values => (*outputs, *error) = (None, None),
             _ => {}
         }
-        let (sequence, t_ns) = (self.sequence, self.t_ns);
-        vec![json!({ "sequence": sequence, "t_ns": t_ns, "event": event }).to_string()]
+        let line = Numbered { sequence: self.sequence, t_ns: self.t_ns, event: &event };
+        serde_json::to_string(&line).into_iter().collect()
     }
+}
+
+/// An event as it stands in a line.
+#[derive(Debug, Serialize)]
+struct Numbered<'e> {
+    sequence: u64,
+    t_ns: u64,
+    event: &'e Event,
 }
 
 /// Shows the events that the filter wants; with `last`, only so many of the last.

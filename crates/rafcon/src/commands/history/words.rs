@@ -3,7 +3,7 @@
 use super::Found;
 use crate::view::{Line, Style, harmless, outcome_style, shown, time};
 use rafcon_protocol::{
-    Answer, Breakpoint, Closing, Event, HeldBy, LogLevel, OnCrash, Outcome, Values, When,
+    Answer, Breakpoint, Closing, Command, Event, HeldBy, LogLevel, OnCrash, Outcome, Values, When,
 };
 use serde_json::Value;
 
@@ -101,7 +101,7 @@ fn rest(event: &Event) -> Line {
 fn of_the_run(event: &Event) -> (Style, String) {
     match event {
         Event::Commanded { envelope, answer } => {
-            let command = serde_json::to_string(&envelope.command).unwrap_or_default();
+            let command = asked_for(&envelope.command);
             let author = if envelope.author.is_empty() { "somebody" } else { &envelope.author };
             let (style, answer) = match answer {
                 Answer::Applied => (Style::Plain, String::new()),
@@ -134,6 +134,17 @@ fn of_the_run(event: &Event) -> (Style, String) {
         }
         other => (Style::Plain, serde_json::to_string(other).unwrap_or_default()),
     }
+}
+
+/// A command as `rafcon tell` takes it.
+fn asked_for(command: &Command) -> String {
+    let Ok(Value::Object(mut fields)) = serde_json::to_value(command) else {
+        return String::new();
+    };
+    let name = fields.remove("type").unwrap_or_default();
+    let fields = fields.iter().filter(|(_, value)| !value.is_null());
+    let name = name.as_str().unwrap_or_default().to_owned();
+    fields.fold(name, |words, (field, v)| words + " " + field + "=" + &value(v))
 }
 
 fn holder(by: HeldBy) -> String {

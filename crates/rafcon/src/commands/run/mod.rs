@@ -30,7 +30,9 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let place = match raw.keeping.keep {
         cli::Level::Off => Place::passing()?,
         cli::Level::Full | cli::Level::Status => {
-            Place::Kept(Runs::new(&raw.runs, environment)?.make(&request.machine_name())?)
+            let runs = Runs::new(&raw.runs, environment)?;
+            runs.give_up_old_ones();
+            Place::Kept(runs.make(&request.machine_name())?)
         }
     };
     let launch = request.launch(&place)?;
