@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// Where a value in a container comes from.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-enum Source {
+pub(super) enum Source {
     Input(PortId),
     Variable(PortId),
     Output(StateId, PortId),
@@ -109,6 +109,7 @@ impl<'s, D: Datum> Step<'s, D> {
         frame.node = is;
         frame.pass = pass;
         frame.start_depth = frame.start_depth.filter(|&depth| (depth as usize) < steps);
+        self.migrate_trail(slot, before, was);
         match (&was.body, self.body(slot)) {
             (Body::Hierarchy(old), Body::Hierarchy(new)) => {
                 self.migrate_last(slot, before, old);
@@ -196,7 +197,7 @@ impl<'s, D: Datum> Step<'s, D> {
 }
 
 /// What each slot of a container is for.
-fn sources<D>(program: &Program<D>, node: &Node<D>, inside: &Inside<D>) -> Vec<Source> {
+pub(super) fn sources<D>(program: &Program<D>, node: &Node<D>, inside: &Inside<D>) -> Vec<Source> {
     let inputs = node.inputs().iter().map(|port| Source::Input(port.id));
     let variables = inside.scoped.iter().map(|scoped| Source::Variable(scoped.port.id));
     let outputs = inside.sources.iter().filter_map(|&(child, port)| {

@@ -36,6 +36,7 @@ mod snapshot;
 mod start;
 mod step;
 mod trail;
+mod trail_change;
 
 pub use change::Touch;
 pub use inspect::Inspection;

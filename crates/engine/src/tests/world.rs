@@ -71,6 +71,7 @@ impl World {
                     .extend(assignments(rest).into_iter().map(|(k, v)| (k.to_owned(), v)));
                 return;
             }
+            "trail" => return self.keep_trail(rest),
             "active" => return self.show_active(),
             "cut" => return self.cut(rest),
             "change" => self.change(rest == "or wait"),
@@ -135,6 +136,15 @@ impl World {
         let check = if self.checks.is_empty() { 77 } else { self.checks.remove(0) };
         let result = answer.parse().map_err(|_no_bool| answer.into());
         Input::Checked { check, result }
+    }
+
+    /// The run keeps so many steps to go back.
+    fn keep_trail(&mut self, steps: &str) {
+        let engine = Engine::new(Arc::clone(&self.program));
+        self.engine = match steps {
+            "off" => engine.without_trail(),
+            steps => engine.with_trail(steps.parse().expect("a number of steps")),
+        };
     }
 
     fn show_active(&mut self) {
