@@ -233,6 +233,42 @@ class Building(unittest.TestCase):
             """,
         )
 
+    def test_copies_stand_alone(self):
+        self.check(
+            """
+            from copy import copy
+            root, leaf = HierarchyState("root", "R"), ExecutionState("leaf", "L")
+            root.add_state(leaf)
+            leaf.semantic_data["a"] = "b"
+            again = copy(leaf)
+            again.name = "again"
+            print(again.state_id, again.parent, again.semantic_data, leaf.name, len(root.add_state(again)))
+            other = copy(StateMachine(root))
+            print(other.root_state is root, sorted(other.root_state.states) == sorted(root.states), other.file_system_path)
+            """,
+            """
+            L None {'a': 'b'} leaf 6
+            False True None
+            """,
+        )
+
+    def test_connections_of_several_states(self):
+        self.check(
+            """
+            root = HierarchyState("root", "R")
+            for name in "ABC":
+                root.add_state(ExecutionState(name, name))
+            root.set_start_state("A")
+            root.add_transition("A", 0, "B", None)
+            root.add_transition("B", 0, "C", None)
+            lines, flows = root.get_connections_for_state_and_scoped_variables(["A", "B"], [])
+            print({kind: [line.to_state for line in found] for kind, found in lines.items()}, flows["enclosed"])
+            """,
+            """
+            {'enclosed': ['B'], 'ingoing': ['A'], 'outgoing': ['C']} []
+            """,
+        )
+
     def test_values_that_no_file_keeps_are_refused(self):
         self.check(
             """

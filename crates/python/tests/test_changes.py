@@ -70,6 +70,35 @@ return 0
         lines = ["R/I/L True True", "R/I/L {'word': 'changed'}"]
         self.check(sequence(execute(body, id="A")), lines)
 
+    def test_a_copy_of_a_state_runs(self):
+        body = """
+from copy import copy
+again = copy(self.parent.states["B"])
+again.change_state_id("C")
+again.name = "c"
+self.parent.add_state(again)
+self.parent.get_transition_for_outcome(self.parent.states["B"], again.outcomes[0]).to_state = "C"
+self.parent.add_transition("C", 0, "R", 0)
+return 0
+"""
+        lines = ["b {}", "c {}"]
+        root = container("hierarchy", [execute(body, id="A"), execute(SAYS, id="B")], [
+            (None, None, "A"), ("A", 0, "B"), ("B", 0, "A"),
+        ])
+        self.check(root, lines)
+
+    def test_branches_change_one_machine(self):
+        body = """
+for _ in range(20):
+    self.parent.add_scoped_variable(self.name + str(_), int, 1)
+return 0
+"""
+        decide = "print(len(self.parent.scoped_variables))\nreturn 0"
+        children = [execute(body, id="A"), execute(body, id="B"), execute(decide, decider=True)]
+        decider = children[-1]["id"]
+        lines = [("A", 0, decider), ("B", 0, decider), (decider, 0, 0)]
+        self.check(container("barrier", children, lines), ["40"])
+
     def test_a_new_script_counts_at_the_next_entry(self):
         body = """
 other = self.parent.states["B"]

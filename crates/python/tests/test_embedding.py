@@ -76,6 +76,29 @@ class Embedding(unittest.TestCase):
             """,
         )
 
+    def test_the_usual_calls_open_and_run(self):
+        self.check(
+            """
+            from rafcon.core import start
+            machine = one("return 0")
+            storage.save_state_machine_to_path(machine, "m")
+            state_machine_manager.delete_all_state_machines()
+            os.mkdir("config")
+            with open("config/config.yaml", "w") as file:
+                file.write("LIBRARY_PATHS: {lib: .}")
+            start.setup_configuration("config")
+            print(library_manager.library_root_paths == {"lib": os.path.realpath("config")})
+            opened = start.open_state_machine("m")
+            start.start_state_machine(opened)
+            start.wait_for_state_machine_finished(opened)
+            print(opened.root_state.final_outcome.name)
+            """,
+            """
+            True
+            success
+            """,
+        )
+
     def test_what_scripts_log_goes_where_the_program_wants(self):
         self.check(
             """

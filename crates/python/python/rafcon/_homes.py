@@ -46,6 +46,10 @@ class Running:
         path = state._facts["path"]
         native.edit([(verb, path, arguments) for verb, arguments in changes])
 
+    def copy_of(self, state):
+        """A state with everything in it as a document of its own."""
+        return native.taken(state._place)
+
     def renamed(self, state, state_id):
         """The state has another id; its place is the same."""
 
@@ -188,6 +192,12 @@ class Built:
         taken = self.document.taken(state._facts["path"])
         self.change(container, [("children.remove", (state.state_id,))])
         self._release(container, state, taken)
+
+    def copy_of(self, state):
+        """A state with everything in it as a document of its own."""
+        for known in state._known_states():
+            known._store_notes()
+        return self.document.taken(state._facts["path"])
 
     def renamed(self, state, state_id):
         """The state has another id."""

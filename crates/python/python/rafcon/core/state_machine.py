@@ -3,6 +3,7 @@
 import datetime
 import threading
 from contextlib import contextmanager
+from copy import copy
 
 from rafcon import _ids, _objects
 from rafcon.core.custom_exceptions import MachineChangeNotSupported
@@ -126,6 +127,13 @@ class StateMachine:
     def execution_histories(self):
         """One history for each run of this process."""
         return [ExecutionHistory(self.root_state)]
+
+    def __copy__(self):
+        """The same once more, with an id of its own; it belongs to no folder."""
+        return StateMachine(copy(self.root_state), self.version, self.creation_time)
+
+    def __deepcopy__(self, _memo):
+        return self.__copy__()
 
     def start(self):
         """Starts the machine; see :meth:`join`. The same as the engine's ``start`` with the id of this machine."""

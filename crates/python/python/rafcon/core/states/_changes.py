@@ -1,5 +1,6 @@
 """Changes of a state: its name, outcomes, ports. They hold in the machine that runs from its next step on."""
 
+from rafcon.core.decorators import lock_state_machine
 from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
 from rafcon.core.state_elements.logical_port import Income, Outcome
 from rafcon.utils.log import get_logger
@@ -29,6 +30,7 @@ class StateChanges:
         self._change("state.id", state_id)
         self._home.renamed(self, state_id)
 
+    @lock_state_machine
     def add_outcome(self, name, outcome_id=None):
         """Adds an outcome and returns its id; None, with an error in the log, if the id is taken."""
         if outcome_id is None:

@@ -1,8 +1,9 @@
 """How a state comes to be: bound to a place of the machine that runs, or built by itself."""
 
-from rafcon import _ids, _signals
+from rafcon import _ids, _objects, _signals
 from rafcon._bridge import native
 from rafcon._homes import RUNNING, Built
+from rafcon.core.decorators import lock_state_machine
 from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
 from rafcon.core.state_elements.logical_port import Outcome
 from rafcon.utils.type_helpers import convert_string_to_type, port_default, type_name
@@ -91,6 +92,16 @@ class StateConstruction:
             found += state._known_states()
         return found
 
+    def __copy__(self):
+        """The same once more, with everything inside; it stands alone."""
+        document = self._home.copy_of(self)
+        copied = _objects.blank_state(self._kind)
+        copied._settle_alone(document, document.root_id())
+        return copied
+
+    def __deepcopy__(self, _memo):
+        return self.__copy__()
+
     def _change(self, verb, *arguments):
         self._home.change(self, [(verb, arguments)])
 
@@ -112,6 +123,7 @@ class StateConstruction:
             self._add_port(group, port.name, port.data_type, port.default_value, key)
             self._adopt(group, key, port)
 
+    @lock_state_machine
     def _add_port(self, group, name, data_type, default, key):
         data_type = convert_string_to_type(data_type)
         default = port_default(default, data_type)

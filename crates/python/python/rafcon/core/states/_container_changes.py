@@ -1,6 +1,7 @@
 """Changes of what stands inside a container: states, transitions, data flows, scoped variables."""
 
 from rafcon import _ids
+from rafcon.core.decorators import lock_state_machine
 from rafcon.core.state_elements.data_flow import DataFlow
 from rafcon.core.state_elements.scope import ScopedVariable
 from rafcon.core.state_elements.transition import Transition
@@ -17,6 +18,7 @@ class ContainerChanges(StateChanges):
 
     # ---- states
 
+    @lock_state_machine
     def add_state(self, state, storage_load=False):
         """Puts a state in and returns its id, which is a new one if its own is taken here.
 
@@ -55,6 +57,7 @@ class ContainerChanges(StateChanges):
         """Lets the container begin at a state (or the state of an id); None: nowhere."""
         self.start_state_id = getattr(state, "state_id", state)
 
+    @lock_state_machine
     def _set_start(self, state_id):
         if state_id is None:
             self._change("children.start", None, None)
@@ -65,6 +68,7 @@ class ContainerChanges(StateChanges):
         else:
             self._change("children.start", state_id, None)
 
+    @lock_state_machine
     def group_states(self, state_ids, scoped_variables=None):
         """Puts states (and scoped variables) into a new hierarchy, which is returned; what crosses its border gets
         outcomes and ports there.
@@ -75,6 +79,7 @@ class ContainerChanges(StateChanges):
         arguments = (ids, _list(scoped_variables), group_id, _ids.state_name(_hierarchy()))
         return self._home.group(self, states, arguments)
 
+    @lock_state_machine
     def ungroup_state(self, state_id):
         """Puts the states of a container in its place; the container is returned."""
         group = self._child(state_id)
@@ -86,6 +91,7 @@ class ContainerChanges(StateChanges):
         self._home.ungroup(self, group, ids)
         return group
 
+    @lock_state_machine
     def substitute_state(self, state_id, state):
         """Puts a state in the place of another and returns it; connections follow where names agree."""
         old = self._child(state_id)
@@ -104,6 +110,7 @@ class ContainerChanges(StateChanges):
 
     # ---- transitions
 
+    @lock_state_machine
     def add_transition(self, from_state_id, from_outcome, to_state_id, to_outcome, transition_id=None):
         """Adds a transition and returns its id.
 
@@ -123,6 +130,7 @@ class ContainerChanges(StateChanges):
 
     # ---- data flows
 
+    @lock_state_machine
     def add_data_flow(self, from_state_id, from_data_port_id, to_state_id, to_data_port_id, data_flow_id=None):
         """Adds a data flow between two ports (or scoped variables) and returns its id."""
         known = self._facts["data_flows"]

@@ -181,6 +181,26 @@ class ContainerState(ContainerChanges, State):
             _connections(self.data_flows, state.data_flows if inside else {}, state_id),
         )
 
+    def get_connections_for_state_and_scoped_variables(self, state_ids, scoped_variables):
+        """What is connected to states inside and scoped variables: a pair, transitions first, then data flows.
+
+        Each is a dictionary of lists: ``enclosed`` between the given ones, ``ingoing`` and ``outgoing`` at their border.
+        """
+        states, variables = set(state_ids), set(scoped_variables)
+
+        def given(state_id, key):
+            return state_id in states or (state_id == self.state_id and key in variables)
+
+        lines, flows = ({"enclosed": [], "ingoing": [], "outgoing": []} for _ in range(2))
+        ends = {(True, True): "enclosed", (True, False): "outgoing", (False, True): "ingoing"}
+        for line in self.transitions.values():
+            found = ends.get((line.from_state in states, line.to_state in states))
+            lines.get(found, []).append(line)
+        for flow in self.data_flows.values():
+            found = ends.get((given(flow.from_state, flow.from_key), given(flow.to_state, flow.to_key)))
+            flows.get(found, []).append(flow)
+        return lines, flows
+
     def __str__(self):
         return f"{State.__str__(self)} [{len(self.states)} child states]"
 
