@@ -1,8 +1,7 @@
 //! The journal of the run, as its own viewers read it: what memory has given up, and values. Knows how to open it; must never
 //! keep anybody from writing it.
 
-use rafcon_storage::journal::{Reader, Record, ValueNumber};
-use serde_json::Value;
+use rafcon_storage::journal::{JournalError, Reader, Record, Stored, ValueNumber};
 use std::path::Path;
 
 /// Events read at once.
@@ -29,9 +28,13 @@ impl Archive {
         (!records.is_empty()).then_some(records)
     }
 
-    /// A value as viewers see it.
-    pub(crate) fn view(&mut self, folder: Option<&Path>, number: ValueNumber) -> Option<Value> {
-        Some(self.open(folder)?.value(number).ok()??.view)
+    /// A value; nothing if it was given up.
+    pub(crate) fn value(
+        &mut self,
+        folder: Option<&Path>,
+        number: ValueNumber,
+    ) -> Result<Option<Stored>, JournalError> {
+        self.open(folder).map_or(Ok(None), |reader| reader.value(number))
     }
 
     fn open(&mut self, folder: Option<&Path>) -> Option<&mut Reader> {

@@ -5,7 +5,7 @@ use crate::blocks::Chunk;
 use crate::connection::Sender;
 use crate::driver::Driver;
 use crate::pen::is_rare;
-use crate::words::{Views, Wording};
+use crate::words::Wording;
 use crate::{Clock, Scripts, snapshot};
 use rafcon_protocol::{Event, Join, LogLevel, Stream, ToViewer, encode};
 use rafcon_storage::journal::Record;
@@ -122,11 +122,8 @@ impl<'d, S: Scripts> Viewer<'d, S> {
 
     /// Sends records that the viewer wants, with number and time.
     fn send(&mut self, records: impl Iterator<Item = (u64, u64, Record)>) {
-        let (recorder, values) = (self.driver.recorder(), self.join.values);
         let mut archive = std::mem::take(&mut self.archive);
-        let mut views = |number| archive.view(recorder.folder(), number);
-        let views: Option<&mut Views<'_>> = if values { Some(&mut views) } else { None };
-        let mut wording = Wording::new(recorder.names(), views);
+        let wording = Wording::new(self.driver.recorder(), &mut archive, self.join.values);
         for (sequence, t_ns, record) in records {
             if let Some(event) = wording.event(sequence, record) {
                 self.push(&ToViewer::Event { sequence, t_ns, event });

@@ -1,6 +1,7 @@
 //! Scripts without an interpreter, and runs of them.
 
 use crate::active::Active;
+use crate::archive::Archive;
 use crate::blocks::Chunk;
 use crate::document::Document;
 use crate::recorder::Recorder;
@@ -185,7 +186,8 @@ impl Run {
     fn texts(&self, next: u64) -> (u64, Vec<String>) {
         let (recorder, mut chunk) = (self.driver.recorder(), Chunk::default());
         let next = recorder.read(next, false, &mut chunk).next;
-        let mut words = Wording::new(recorder.names(), None);
+        let mut archive = Archive::default();
+        let words = Wording::new(recorder, &mut archive, false);
         let events = chunk.records().filter_map(|(number, _, record)| words.event(number, record));
         (next, events.map(|event| text(&event)).collect())
     }

@@ -30,6 +30,7 @@ pub mod record;
 mod recorder;
 mod retention;
 mod summary;
+mod telling;
 #[cfg(test)]
 mod tests;
 mod thin;
@@ -52,3 +53,4 @@ pub use reader::{Entry, Picture, PicturedEnd, PicturedState, Reader};
 pub use record::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
 pub use retention::{Pruned, Retention};
 pub use summary::{RunState, Summary, run_folders, runs};
+pub use telling::{Glossary, tell};
