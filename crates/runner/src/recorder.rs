@@ -170,7 +170,7 @@ impl Recorder {
         let batch = ink.pen.batch();
         loop {
             match journal.append(batch) {
-                Ok(last) => return self.safety.wrote(last, batch.records().len()),
+                Ok(last) => return self.safety.wrote(last, batch.bytes()),
                 Err(Full::Recorder) => {}
                 Err(Full::Disk(error)) => self.safety.failed(&error.to_string()),
             }
@@ -236,6 +236,15 @@ impl Recorder {
         let end = ring.tellable().max(begin);
         let next = ring.blocks.read(begin, end, rare, into).max(begin);
         Read { next, missed: begin - from, closed: ring.closed && next >= end }
+    }
+
+    /// Copies records from number `next` on to `into`, also those that are not safe yet, and puts `next` behind them; false if
+    /// there are none.
+    pub(crate) fn recent(&self, next: &mut u64, into: &mut Chunk) -> bool {
+        let blocks = &self.ring.lock().blocks;
+        let begin = (*next).max(blocks.first());
+        *next = blocks.read(begin, blocks.next(), false, into).max(begin);
+        *next > begin
     }
 
     /// Waits until a record with number `from` may be told, there is one after number `last`, nothing more will come, or

@@ -40,6 +40,11 @@ impl Batch {
         self.count
     }
 
+    /// How many bytes are in it.
+    pub fn bytes(&self) -> usize {
+        self.records.len() + self.definitions.len()
+    }
+
     /// Its records as [`super::Item`]s in bytes, without the definitions.
     pub fn records(&self) -> &[u8] {
         &self.records
