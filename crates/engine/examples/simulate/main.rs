@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     };
     let mut counts = Counts::default();
     for seed in from..from.saturating_add(count) {
-        match (world::simulate(seed), world::simulate(seed)) {
+        match (simulate(seed), simulate(seed)) {
             (Ok(report), again) if again.as_ref() == Ok(&report) => counts.add(&report.counts),
             (Ok(_), _) => {
                 eprintln!("seed {seed}: another run of it went otherwise");
@@ -43,6 +43,11 @@ fn main() -> ExitCode {
     }
     eprintln!("hardly exercised: {}", rare.join(", "));
     ExitCode::FAILURE
+}
+
+fn simulate(seed: u64) -> Result<world::Report, String> {
+    let run = std::panic::catch_unwind(|| world::simulate(seed));
+    run.unwrap_or_else(|_panic| Err(format!("seed {seed}: it panicked")))
 }
 
 /// The first seed and how many.
