@@ -4,6 +4,7 @@ mod house;
 mod keeping;
 mod limits;
 mod players;
+mod resuming;
 mod runs;
 mod stress;
 mod talks;

@@ -9,8 +9,8 @@ use rafcon_engine::{
 };
 use rafcon_model::{Machine, Value, notation};
 use rafcon_protocol::{
-    Answer, Command, Envelope, Event, Form, Hello, Join, Launch, LogLevel, Stream, ToRunner,
-    ToViewer, decode, encode,
+    Answer, Command, Crash, Envelope, Event, Form, Hello, Join, Launch, LogLevel, OnCrash, Resume,
+    Stream, ToRunner, ToViewer, decode, encode,
 };
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{Kept, Stored};
@@ -23,6 +23,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock, Weak};
 use std::thread::JoinHandle;
 use tempfile::TempDir;
+
+/// Set in processes whose runs may die.
+const MORTAL: &str = "RAFCON_TEST_MORTAL";
 
 /// A host for one run.
 #[derive(Debug)]
@@ -86,7 +89,7 @@ impl Cast {
                 };
                 plain(Returned::Id(0), vec![Some(Value::Int(number + 1))])
             }
-            "die" => std::process::abort(),
+            "die" if std::env::var_os(MORTAL).is_some() => std::process::abort(),
             "shout" => {
                 let line = "x".repeat(1 << 20);
                 (0..20).for_each(|_| self.print(place, line.clone()));
@@ -285,19 +288,42 @@ impl House {
 
     /// What a launch of it asks for: every event, and that others may join.
     pub(super) fn launch(&self) -> Launch {
-        Launch {
-            machine: self.machine(),
-            run_folder: Some(self.run_folder()),
-            config: Some(self.home.path().to_owned()),
-            every_event: true,
-            listen: true,
-            ..Launch::default()
+        launch(self.home.path())
+    }
+
+    /// What is asked for to take its run up again.
+    pub(super) fn resume(&self, policy: OnCrash, from: Option<u64>) -> Launch {
+        let crash = Crash { reason: "a crash".to_owned(), active: vec!["ROOT/B".to_owned()] };
+        let resume = Some(Resume { policy, from });
+        Launch { resume, crash: Some(crash), ..self.launch() }
+    }
+
+    /// A process of its own begins the run of this house, and dies of it. `test` is the test that calls this, which does nothing
+    /// else in that process.
+    pub(super) fn die(&self, test: &str) {
+        if let Some(home) = std::env::var_os(MORTAL) {
+            return Self::die_here(Path::new(&home));
         }
+        let child = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", test, "--nocapture"])
+            .env(MORTAL, self.home.path())
+            .output()
+            .unwrap();
+        assert_eq!(child.status.code(), None, "{}", String::from_utf8_lossy(&child.stdout));
+    }
+
+    fn die_here(home: &Path) {
+        let launch = launch(home);
+        let (ours, theirs) = UnixStream::pair().unwrap();
+        let runner = std::thread::Builder::new().spawn(move || serve(theirs, Actors).unwrap());
+        let mut viewer = Viewer::new(ours);
+        viewer.send(&ToRunner::Launch(launch));
+        while viewer.next().is_some() {}
+        runner.unwrap().join().unwrap();
     }
 
     /// Begins a run, with the viewer that launches it.
     pub(super) fn begin(&self, launch: Launch) -> (Viewer, JoinHandle<()>) {
-        std::fs::create_dir_all(self.run_folder()).unwrap();
         let (ours, theirs) = UnixStream::pair().unwrap();
         let runner = std::thread::Builder::new().name("runner".to_owned());
         let runner = runner.spawn(move || serve(theirs, Actors).unwrap()).unwrap();
@@ -312,6 +338,19 @@ impl House {
         let mut viewer = Viewer::new(stream);
         viewer.send(&ToRunner::Join(join));
         viewer
+    }
+}
+
+fn launch(home: &Path) -> Launch {
+    let run_folder = home.join("run");
+    std::fs::create_dir_all(&run_folder).unwrap();
+    Launch {
+        machine: home.join("machine"),
+        run_folder: Some(run_folder),
+        config: Some(home.to_owned()),
+        every_event: true,
+        listen: true,
+        ..Launch::default()
     }
 }
 
@@ -423,7 +462,20 @@ fn text(event: &Event) -> String {
         Event::CutOff { path, grace_ms } => format!("cut off {path} {grace_ms} ms"),
         Event::Paused { paused } => format!("paused {paused}"),
         Event::Stopping => "stopping".to_owned(),
-        Event::Finished { outcome, .. } => format!("finished {}", outcome.name),
+        Event::Finished { outcome, outputs, .. } if outputs.is_empty() => {
+            format!("finished {}", outcome.name)
+        }
+        Event::Finished { outcome, outputs, .. } => {
+            format!("finished {} {}", outcome.name, serde_json::to_string(outputs).unwrap())
+        }
+        Event::Waiting { path, reason } => format!("{path} waits: {reason}"),
+        Event::Held { path, next, by } => {
+            let next = next.as_deref().unwrap_or("its end");
+            format!("{path} is held before {next} by {by:?}")
+        }
+        Event::Resumed { life, crash, policy } => {
+            format!("life {life} after {} of {}: {policy:?}", crash.reason, crash.active.join(", "))
+        }
         other => format!("{other:?}"),
     }
 }

@@ -1,0 +1,304 @@
+//! Runs that are taken up after their runner died, or begun again at an entry of their history.
+
+use super::house::{Actors, House, Viewer};
+use expect_test::{Expect, expect};
+use rafcon_protocol::{Command, Event, OnCrash, ToRunner, ToViewer};
+use rafcon_storage::journal::Reader;
+use std::os::unix::net::UnixStream;
+
+/// Adds twice to a number; between that a script dies with its runner, in the first life.
+const DIES: &str = "
+hierarchy ROOT
+  outcome done
+  outcome rescued
+  out sum: int
+  out why: object
+  var total: int = 40
+  start -> A
+  A.ok -> B
+  B.ok -> C
+  B.aborted -> RESCUE
+  C.ok -> .done
+  RESCUE.ok -> .rescued
+  flow .total -> A.number
+  flow A.number -> .total
+  flow .total -> B.number
+  flow .total -> C.number
+  flow C.number -> .total
+  flow .total -> .sum
+  flow RESCUE.why -> .why
+  execution A \"add\"
+    outcome ok
+    in number: int
+    out number: int
+  execution B \"die\"
+    outcome ok
+    in number: int
+  execution C \"add\"
+    outcome ok
+    in number: int
+    out number: int
+  execution RESCUE \"show\"
+    outcome ok
+    out why: object
+";
+
+fn died(machine: &str, test: &str) -> House {
+    let house = House::new(machine);
+    house.die(&format!("tests::resuming::{test}"));
+    house
+}
+
+/// The number of the first entry of a state.
+fn entry(house: &House, wanted: &str) -> u64 {
+    let mut reader = Reader::open(&house.run_folder()).unwrap();
+    let entries = reader.page(1, 100).unwrap();
+    let entry = entries.iter().find(|entry| {
+        matches!(reader.event(entry, false).unwrap(), Event::Entered { path, .. } if path == wanted)
+    });
+    entry.unwrap().sequence
+}
+
+/// What the next life of the run tells, with these commands, each after an event.
+fn check(
+    house: &House,
+    (policy, from): (OnCrash, Option<u64>),
+    commands: &[(&str, Command)],
+    expect: &Expect,
+) {
+    let (mut viewer, runner) = house.begin(house.resume(policy, from));
+    for (after, command) in commands {
+        viewer.until_text(after);
+        assert_eq!(viewer.command(after, command.clone()), "applied");
+    }
+    expect.assert_eq(&without_commands(&viewer.into_end()));
+    runner.join().unwrap();
+}
+
+/// A command is noted down while what it leads to goes on already.
+fn without_commands(text: &str) -> String {
+    text.split_inclusive('\n').filter(|line| !line.contains(" by test: ")).collect()
+}
+
+#[test]
+fn interrupted_states_abort_and_recovery_takes_over() {
+    let house = died(DIES, "interrupted_states_abort_and_recovery_takes_over");
+    check(
+        &house,
+        (OnCrash::Abort, None),
+        &[],
+        &expect![[r#"
+        life 2 after a crash of ROOT/B: Abort
+        +ROOT
+        +ROOT/B
+        -ROOT/B=aborted
+        +ROOT/RESCUE
+        -ROOT/RESCUE=ok
+        -ROOT=rescued
+        finished rescued {"sum":41,"why":"the runner of this run ended in the middle of it: a crash; the scripts of ROOT/B were running"}
+    "#]],
+    );
+}
+
+#[test]
+fn interrupted_states_run_again_with_the_data_they_had() {
+    let house = died(DIES, "interrupted_states_run_again_with_the_data_they_had");
+    check(
+        &house,
+        (OnCrash::Restart, None),
+        &[],
+        &expect![[r#"
+        life 2 after a crash of ROOT/B: Restart
+        +ROOT
+        +ROOT/B
+        -ROOT/B=ok
+        +ROOT/C
+        -ROOT/C=ok
+        -ROOT=done
+        finished done {"sum":42,"why":null}
+    "#]],
+    );
+}
+
+#[test]
+fn nothing_moves_until_somebody_decides() {
+    let house = died(DIES, "nothing_moves_until_somebody_decides");
+    let restart = Command::Recover { path: Some("ROOT/B".to_owned()), policy: OnCrash::Restart };
+    let resume = Command::Resume { branch: None };
+    check(
+        &house,
+        (OnCrash::Ask, None),
+        &[
+            (
+                "ROOT/B waits: its script was interrupted by a crash: decide whether it aborts or runs again, or force an outcome",
+                restart,
+            ),
+            ("ROOT is held before ROOT/C by Step", resume),
+        ],
+        &expect![[r#"
+        life 2 after a crash of ROOT/B: Ask
+        +ROOT
+        +ROOT/B
+        ROOT/B waits: its script was interrupted by a crash: decide whether it aborts or runs again, or force an outcome
+        -ROOT/B=ok
+        ROOT is held before ROOT/C by Step
+        +ROOT/C
+        -ROOT/C=ok
+        -ROOT=done
+        finished done {"sum":42,"why":null}
+    "#]],
+    );
+}
+
+#[test]
+fn a_run_begins_again_at_an_entry_of_its_history() {
+    let house = died(DIES, "a_run_begins_again_at_an_entry_of_its_history");
+    let resume = Command::Resume { branch: None };
+    let entry = entry(&house, "ROOT/A");
+    check(
+        &house,
+        (OnCrash::Ask, Some(entry)),
+        &[("ROOT is held before ROOT/A by Start", resume)],
+        &expect![[r#"
+            life 2 after a crash of ROOT/B: Ask
+            WentBack { sequence: 4 }
+            +ROOT
+            ROOT is held before ROOT/A by Start
+            +ROOT/A
+            -ROOT/A=ok
+            +ROOT/B
+            -ROOT/B=ok
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done {"sum":42,"why":null}
+        "#]],
+    );
+}
+
+/// The number that is lost is needed by one state only.
+const LOSES: &str = "
+hierarchy ROOT
+  outcome done
+  in lost: str = \"lost\"
+  start -> A
+  A.ok -> B
+  B.ok -> C
+  C.aborted -> D
+  D.ok -> .done
+  flow .lost -> C.text
+  execution A
+    outcome ok
+  execution B \"die\"
+    outcome ok
+  execution C
+    outcome ok
+    in text: str
+  execution D
+    outcome ok
+";
+
+#[test]
+fn a_state_that_needs_a_lost_value_aborts_and_names_it() {
+    let house = died(LOSES, "a_state_that_needs_a_lost_value_aborts_and_names_it");
+    check(
+        &house,
+        (OnCrash::Restart, None),
+        &[],
+        &expect![[r#"
+        life 2 after a crash of ROOT/B: Restart
+        +ROOT
+        +ROOT/B
+        -ROOT/B=ok
+        +ROOT/C
+        log ROOT/C: the value of "lost" of ROOT cannot be made again: it was lost
+        -ROOT/C=aborted
+        +ROOT/D
+        -ROOT/D=ok
+        -ROOT=done
+        finished done
+    "#]],
+    );
+}
+
+/// Three states, one after the other.
+const THREE: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  A.ok -> B
+  B.ok -> C
+  C.ok -> .done
+  C.preempted -> A
+  execution A
+    outcome ok
+  execution B
+    outcome ok
+  execution C \"wait\"
+    outcome ok
+";
+
+#[test]
+fn a_run_that_stands_still_goes_back_to_an_entry_of_its_history() {
+    let house = House::new(THREE);
+    let (mut viewer, runner) = house.begin(house.launch());
+    viewer.until_text("+ROOT/C");
+    let entry = entry(&house, "ROOT/B");
+    let back = Command::StartFromHistory { sequence: entry };
+    let refused = viewer.command("running", back.clone());
+    assert!(refused.starts_with("refused: "), "{refused}");
+    let preempt = Command::Preempt { path: "ROOT/C".to_owned() };
+    assert_eq!(viewer.command("step", Command::StepMode), "applied");
+    assert_eq!(viewer.command("preempt", preempt), "applied");
+    viewer.until_text("-ROOT/C=preempted");
+    assert_eq!(viewer.command("back", back), "applied");
+    assert_eq!(viewer.command("on", Command::StepOver { branch: None }), "applied");
+    viewer.until_text("-ROOT/B=ok");
+    assert_eq!(viewer.command("stop", Command::Stop), "applied");
+    let text = viewer.into_end();
+    let after = text.split_once("-ROOT/C=preempted\n").unwrap().1;
+    expect![[r#"
+        ROOT is held before ROOT/A by Step
+        WentBack { sequence: 5 }
+        Dropped { path: "ROOT" }
+        +ROOT
+        ROOT is held before ROOT/B by Start
+        +ROOT/B
+        -ROOT/B=ok
+        ROOT is held before ROOT/C by Step
+        stopping
+        -ROOT=preempted
+        finished preempted
+    "#]]
+    .assert_eq(&without_commands(after));
+    runner.join().unwrap();
+}
+
+#[test]
+fn a_run_that_is_over_or_goes_on_is_not_taken_up() {
+    let house = House::new(THREE);
+    let (mut viewer, runner) = house.begin(house.launch());
+    viewer.until_text("+ROOT/C");
+    let refused = refusal(&house);
+    assert!(refused.contains("still going on"), "{refused}");
+    assert_eq!(viewer.command("stop", Command::Stop), "applied");
+    drop(viewer);
+    runner.join().unwrap();
+    expect!["the run has come to its end; begin a new one, or choose an entry of its history to begin from"]
+        .assert_eq(&refusal(&house));
+}
+
+/// Why the run is not taken up.
+fn refusal(house: &House) -> String {
+    let (ours, theirs) = UnixStream::pair().unwrap();
+    let runner = std::thread::Builder::new();
+    let runner = runner.spawn(move || crate::serve(theirs, Actors)).unwrap();
+    let mut viewer = Viewer::new(ours);
+    viewer.send(&ToRunner::Launch(house.resume(OnCrash::Abort, None)));
+    let reason = viewer.until(|message| match message {
+        ToViewer::LoadFailed { reason } => Some(reason.clone()),
+        _ => None,
+    });
+    runner.join().unwrap().unwrap_err();
+    reason
+}
