@@ -2,7 +2,8 @@
 #![expect(unsafe_code, reason = "an interpreter looks for a C function of this name")]
 
 use crate::{
-    build_files, build_run, config, describe, edit_run, fork, functions, process, questions, status,
+    build_files, build_run, config, describe, edit_run, fork, functions, orders, process,
+    questions, status,
 };
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -24,7 +25,9 @@ mod _rafcon {
     #[pymodule_export]
     use super::fork::after_fork_in_child;
     #[pymodule_export]
-    use super::functions::{command, current_path, emit, last_left, machine, state_object};
+    use super::functions::{current_path, emit, last_left, machine, state_object};
+    #[pymodule_export]
+    use super::orders::{command, past};
     #[pymodule_export]
     use super::process::main;
     #[pymodule_export]

@@ -3,10 +3,10 @@
 use crate::describe::ROOT;
 use crate::status::place;
 use crate::{current, thread};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rafcon_engine::{Input, PathId};
+use rafcon_engine::PathId;
 use rafcon_protocol::{LogLevel, Stream};
 
 /// Notes a line down. `level` is a level of Python's `logging`.
@@ -66,18 +66,4 @@ pub(crate) fn machine(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     facts.set_item("creation_time", header.creation_time.as_str())?;
     facts.set_item("root", ROOT.0)?;
     Ok(facts)
-}
-
-/// Pauses, resumes or stops the run; an error with the reason if it cannot be done now.
-#[pyfunction]
-pub(crate) fn command(py: Python<'_>, name: &str) -> PyResult<()> {
-    let input = match name {
-        "pause" => Input::Pause,
-        "resume" => Input::Resume(None),
-        "stop" => Input::Stop,
-        other => return Err(PyValueError::new_err(format!("no command is named {other}"))),
-    };
-    let driver = current::driver()?;
-    let answer = thread::leave(py, || driver.command(input));
-    answer.map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))
 }

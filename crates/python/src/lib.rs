@@ -25,6 +25,7 @@ mod handle;
 mod keeper;
 mod literals;
 mod module;
+mod orders;
 mod package;
 mod persistent;
 mod process;

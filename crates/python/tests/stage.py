@@ -94,6 +94,7 @@ class Native(types.ModuleType):
         self.commands = []
         self.edits = []
         self.before = {}
+        self.happened = []
 
     def current_path(self):
         return getattr(self.here, "path", -1)
@@ -118,8 +119,11 @@ class Native(types.ModuleType):
     def emit(self, path, stream, level, message):
         self.sent.append((path, stream, level, message))
 
-    def command(self, name):
-        self.commands.append(name)
+    def command(self, name, path=None, sequence=0):
+        self.commands.append(" ".join([name] + [str(more) for more in (path, sequence) if more]))
+
+    def past(self):
+        return self.happened
 
     def revision(self):
         return len(self.edits)

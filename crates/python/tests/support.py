@@ -115,7 +115,8 @@ class Runner:
         """Reads until a state asks, and answers; returns the question."""
         question = self.question()
         name = "answer %s" % question["id"]
-        self.command("answer_question", id=name, command={"type": "answer_question", "question": question["id"], "value": value})
+        command = {"type": "answer_question", "question": question["id"], "value": value}
+        self.send({"message": "command", "id": name, "command": command})
         return question
 
     def _kill(self):
@@ -266,6 +267,8 @@ def _save_state(folder, state):
     (folder / "core_data.json").write_text(json.dumps(core))
     if state.get("script") is not None:
         (folder / "script.py").write_text(state["script"])
+    if "semantic_data" in state:
+        (folder / "semantic_data.json").write_text(json.dumps(state["semantic_data"]))
     for child in state.get("children", ()):
         below = folder / ("%s_%s" % (child.get("name", child["id"].lower()), child["id"]))
         below.mkdir(exist_ok=True)

@@ -238,9 +238,23 @@ class Run(Stage):
     def test_what_ran_before(self):
         self.assertIsNone(self.library.get_previously_executed_state())
         self.assertEqual(len(self.library.execution_history), 0)
+        self.assertIsNone(self.library.execution_history.get_last_history_item())
         stage.native.before[LIBRARY] = FIRST
         self.assertIs(self.library.get_previously_executed_state(), self.first)
         self.assertIs(self.library.execution_history.get_last_history_item().state_reference, self.first)
+
+    def test_the_history_of_the_run(self):
+        path = self.first.get_path()
+        stage.native.happened = [(3, 1.5, path, None, '{"a": 1}', False), (4, 2.0, path, (0, "success"), "{}", False)]
+        call, returned = self.root.execution_history
+        self.assertEqual((type(call).__name__, type(returned).__name__), ("CallItem", "ReturnItem"))
+        self.assertEqual((call.path, call.timestamp, call.outcome, call.call_type.name), (path, 1.5, None, "EXECUTE"))
+        self.assertEqual(call.input_output_data, {"a": 1})
+        self.assertIs(call.state_reference, self.first)
+        self.assertEqual(returned.outcome, Outcome(0, "success"))
+        self.assertEqual(self.root.execution_history[-1].sequence, 4)
+        engine.replay_from_history(call, None)
+        self.assertEqual(stage.native.commands, ["start_from_history 3"])
 
     def test_a_decider_sees_how_the_others_ended(self):
         error = ZeroDivisionError("division by zero")
@@ -263,6 +277,19 @@ class Run(Stage):
         self.root.preempted = True
         self.assertTrue(engine.finished_or_stopped())
         self.assertEqual(stage.native.commands, ["pause", "resume", "stop"])
+
+    def test_the_engine_steps(self):
+        engine.step_mode()
+        engine.step_into()
+        engine.step_over()
+        engine.step_out()
+        engine.backward_step()
+        engine.run_to_selected_state("ROOT/FIRST", 1)
+        engine.run_selected_state("ROOT/FIRST", 1)
+        engine.run_only_selected_state("ROOT/FIRST", 1)
+        steps = ["step_mode", "step_into", "step_over", "step_out", "step_back"]
+        runs = ["run_to ROOT/FIRST", "run_selected ROOT/FIRST", "run_only_selected ROOT/FIRST"]
+        self.assertEqual(stage.native.commands, steps + runs)
 
 
 class Changes(Stage):
@@ -296,9 +323,9 @@ class Changes(Stage):
                 call()
             self.assertIn("Nothing was changed", str(refused.exception))
 
-    def test_commands_of_later_versions_are_refused(self):
+    def test_what_makes_no_sense_in_a_script_is_refused(self):
         with self.assertRaises(CommandNotSupported):
-            engine.step_over()
+            engine.set_execution_mode(None)
         with self.assertRaises(CommandNotSupported):
             self.first.execution_history.pop_last_item()
 

@@ -37,13 +37,10 @@ class MachineChangeRefused(RuntimeError):
 
 
 class CommandNotSupported(RuntimeError):
-    """A script gave the engine a command that this version does not know."""
+    """A script called something of the engine that makes no sense in the machine that it is part of."""
 
     def __init__(self, call):
-        RuntimeError.__init__(
-            self,
-            f"`{call}` is not known to this version of rafcon; a script can pause, resume and stop the machine",
-        )
+        RuntimeError.__init__(self, f"`{call}` is not for scripts of the machine that runs; nothing was done")
         self.call = call
 
 

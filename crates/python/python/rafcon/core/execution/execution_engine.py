@@ -1,26 +1,15 @@
-"""The engine: scripts pause, resume and stop the machine that they are part of, programs run those that they have built."""
+"""The engine: scripts control the machine that they are part of, programs run those that they have built."""
 
 from rafcon import _embedding, _objects
 from rafcon._bridge import native
 from rafcon.core.custom_exceptions import CommandNotSupported
 from rafcon.core.execution.execution_status import ExecutionStatus, StateMachineExecutionStatus
 
-_UNKNOWN = (
-    "step_mode",
-    "step_into",
-    "step_over",
-    "step_out",
-    "backward_step",
-    "run_to_selected_state",
-    "run_selected_state",
-    "run_only_selected_state",
-    "replay_from_history",
-    "set_execution_mode",
-)
-
-
 class ExecutionEngine:
-    """Runs the state machine. A command takes effect at once and returns at once."""
+    """Runs the state machine. A command takes effect at once and returns at once.
+
+    One that cannot be carried out now is a ``RuntimeError`` that says why.
+    """
 
     def __init__(self, state_machine_manager):
         self.state_machine_manager = state_machine_manager
@@ -93,6 +82,50 @@ class ExecutionEngine:
         """Preempts everything; the machine then ends as *preempted*."""
         native.command("stop")
 
+    # ---- step by step
+
+    def step_mode(self, state_machine_id=None):
+        """Holds wherever a next state would begin, from now on."""
+        native.command("step_mode")
+
+    def step_into(self):
+        """One state further on every branch that is held, entering it."""
+        native.command("step_into")
+
+    def step_over(self):
+        """One state further on every branch that is held, running all that is in it."""
+        native.command("step_over")
+
+    def step_out(self):
+        """To the end of the containers that are held."""
+        native.command("step_out")
+
+    def backward_step(self):
+        """One step back on every branch that is held."""
+        native.command("step_back")
+
+    def run_to_selected_state(self, path, state_machine_id=None):
+        """Runs until before the state at a path, and holds there."""
+        native.command("run_to", path)
+
+    def run_selected_state(self, path, state_machine_id=None):
+        """Begins again at the state at a path, runs it, and holds. The machine has to be held."""
+        native.command("run_selected", path)
+
+    def run_only_selected_state(self, path, state_machine_id=None):
+        """Begins again at the state at a path, runs it, and stops. The machine has to be held."""
+        native.command("run_only_selected", path)
+
+    def replay_from_history(self, call_item, state_machine=None):
+        """Begins again at an entry of ``state.execution_history``, with the data of then. The machine has to be held."""
+        native.command("start_from_history", None, call_item.sequence)
+
+    def set_execution_mode(self, execution_mode, notify=True):
+        """The mode follows from the commands: refused with ``CommandNotSupported``."""
+        raise CommandNotSupported("ExecutionEngine.set_execution_mode")
+
+    # ---- how it stands
+
     def finished_or_stopped(self):
         """Whether the machine has ended or was told to."""
         return _mode() in (StateMachineExecutionStatus.FINISHED, StateMachineExecutionStatus.STOPPED)
@@ -113,16 +146,3 @@ def _mode():
     if root._signals.preempted:
         return StateMachineExecutionStatus.STOPPED
     return StateMachineExecutionStatus.PAUSED if root._signals.paused else StateMachineExecutionStatus.STARTED
-
-
-def _refusing(name):
-    def method(self, *_arguments, **_named):
-        raise CommandNotSupported("ExecutionEngine." + name)
-
-    method.__name__ = name
-    method.__doc__ = "Not known to this version: refused with ``CommandNotSupported``."
-    return method
-
-
-for _name in _UNKNOWN:
-    setattr(ExecutionEngine, _name, _refusing(_name))

@@ -1,8 +1,9 @@
-"""What ran before a state, as far as scripts can see it."""
+"""What has run, as scripts see it."""
 
 from rafcon import _objects
 from rafcon._bridge import native
 from rafcon.core.custom_exceptions import CommandNotSupported
+from rafcon.core.execution import execution_history_items
 
 
 class HistoryItem:
@@ -15,26 +16,32 @@ class HistoryItem:
 
 
 class ExecutionHistory:
-    """The states that ran in the container of one state; only the last of them is offered."""
+    """The states that were entered and left in the run, oldest first: ``CallItem`` and ``ReturnItem`` objects.
+
+    It reaches back over about 20,000 events, as far as memory keeps them; all of them are in the journal of the run.
+    Each question to it is answered anew.
+    """
 
     def __init__(self, state):
         self._state = state
 
     def get_last_history_item(self):
-        """The :class:`HistoryItem` of the state that ran before, or None."""
+        """The :class:`HistoryItem` of the state that ran before in the same container, or None."""
         before = native.last_left(self._state._place)
         return HistoryItem(_objects.state(before)) if before >= 0 else None
 
+    def _items(self):
+        return [execution_history_items.item(*told) for told in native.past()]
+
     def __len__(self):
-        return 0 if self.get_last_history_item() is None else 1
+        return len(native.past())
 
     def __iter__(self):
-        item = self.get_last_history_item()
-        return iter(() if item is None else (item,))
+        return iter(self._items())
 
     def __getitem__(self, index):
-        return list(self)[index]
+        return self._items()[index]
 
     def pop_last_item(self):
-        """Would change the history: refused."""
+        """What has happened stays: refused."""
         raise CommandNotSupported("ExecutionHistory.pop_last_item")

@@ -1,0 +1,91 @@
+//! `rafcon._native.command` and `rafcon._native.past`: scripts that control the run, and look back at it.
+
+use crate::{current, thread};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use rafcon_protocol::{Answer, Command, Envelope, Event};
+use rafcon_runner::Past;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Carries a command out; an error with the reason if it cannot be done now. `path` and `sequence` are for those that need one.
+#[pyfunction]
+#[pyo3(signature = (name, path=None, sequence=0))]
+pub(crate) fn command(
+    py: Python<'_>,
+    name: &str,
+    path: Option<String>,
+    sequence: u64,
+) -> PyResult<()> {
+    static COUNT: AtomicU64 = AtomicU64::new(1);
+    let envelope = Envelope {
+        id: format!("script {}", COUNT.fetch_add(1, Ordering::Relaxed)),
+        author: author(),
+        decided_on: None,
+        expiry: None,
+        command: named(name, path.unwrap_or_default(), sequence)?,
+    };
+    let driver = current::driver()?;
+    match thread::leave(py, || driver.obey(envelope)) {
+        Answer::Applied => Ok(()),
+        Answer::Refused { reason } => Err(PyRuntimeError::new_err(reason)),
+        Answer::Expired => Err(PyRuntimeError::new_err("the command came too late")),
+    }
+}
+
+/// The state whose script gives the command.
+fn author() -> String {
+    let path = thread::current_path();
+    let place = path.and_then(|path| current::driver().ok()?.places().peek(path));
+    place.map_or_else(
+        || "a thread of a script".to_owned(),
+        |place| format!("script of {}", place.text),
+    )
+}
+
+fn named(name: &str, path: String, sequence: u64) -> PyResult<Command> {
+    let data = Vec::new();
+    Ok(match name {
+        "pause" => Command::Pause,
+        "resume" => Command::Resume { branch: None },
+        "stop" => Command::Stop,
+        "step_mode" => Command::StepMode,
+        "step_into" => Command::StepInto { branch: None },
+        "step_over" => Command::StepOver { branch: None },
+        "step_out" => Command::StepOut { branch: None },
+        "step_back" => Command::StepBack { branch: None },
+        "run_to" => Command::RunTo { path },
+        "run_selected" => Command::RunSelected { path, data },
+        "run_only_selected" => Command::RunOnlySelected { path, data },
+        "start_from_history" => Command::StartFromHistory { sequence },
+        other => return Err(PyValueError::new_err(format!("no command is named {other}"))),
+    })
+}
+
+/// Number, time (s since 1970), path, name and id of the outcome (none: it was entered), values as JSON, whether it undoes.
+type Told = (u64, f64, String, Option<(i64, String)>, String, bool);
+
+/// The states that were entered and left, oldest first.
+#[pyfunction]
+pub(crate) fn past(py: Python<'_>) -> PyResult<Vec<Told>> {
+    let driver = current::driver()?;
+    let past = thread::leave(py, || driver.past());
+    Ok(past.into_iter().filter_map(told).collect())
+}
+
+#[expect(clippy::cast_precision_loss, reason = "Python's times are floats")]
+fn told(past: Past) -> Option<Told> {
+    let time = past.epoch_ms as f64 / 1000.0;
+    let json = |values| serde_json::Value::Object(values).to_string();
+    match past.event {
+        Event::Entered { path, inputs, undoes } => {
+            let inputs = json(inputs.unwrap_or_default());
+            Some((past.sequence, time, path, None, inputs, undoes.is_some()))
+        }
+        Event::Left { path, outcome, outputs, undoes, .. } => {
+            let (outputs, outcome) =
+                (json(outputs.unwrap_or_default()), (outcome.id, outcome.name));
+            Some((past.sequence, time, path, Some(outcome), outputs, undoes.is_some()))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,254 @@
+"""What a run keeps of values: a runner dies in the middle of its run, and another one takes it up."""
+
+import pathlib
+import tempfile
+import textwrap
+import unittest
+
+from support import Runner, run, save, script, sequence
+
+#: Dies the first time that it runs.
+ONCE = """
+import os, pathlib
+marker = pathlib.Path(os.environ["TEST_FOLDER"], "died")
+if not marker.exists():
+    marker.touch()
+    os.kill(os.getpid(), 9)
+"""
+
+
+def execute(body, head="", **state):
+    """A state with this body of ``execute``."""
+    text = head + "\ndef execute(self, inputs, outputs, gvm):\n"
+    return script(text + textwrap.indent(textwrap.dedent(body).strip("\n"), "    ") + "\n", **state)
+
+
+class Lives(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.run_folder = self.folder / "run"
+        self.run_folder.mkdir(mode=0o700)
+        self.options = {"run_folder": str(self.run_folder), "env": {"TEST_FOLDER": str(self.folder)}}
+
+    def die(self, root):
+        """The first life, which ends by a signal."""
+        first = run(save(self.folder / "machine", root), **self.options)
+        self.assertEqual(first.exit_code, -9, first.logged())
+        return first
+
+    def resume(self, policy="restart", **resume):
+        """The second life."""
+        return run(self.folder / "machine", resume={"policy": policy, **resume}, **self.options)
+
+    def live_twice(self, root):
+        self.die(root)
+        return self.resume()
+
+    def live_on_with(self, *expressions, before="", head="", outcome="success"):
+        """One state makes values, the next dies, runs again and compares what it gets with the same values made anew."""
+        ports = [("v%d" % index, "object", None) for index in range(len(expressions))]
+        make = "\n".join('outputs["v%d"] = %s' % pair for pair in enumerate(expressions))
+        look = "\n".join(
+            'show(%r, inputs["v%d"], %s)' % (expression, index, expression)
+            for index, expression in enumerate(expressions)
+        )
+        compare = """
+def show(text, found, expected):
+    if type(found) is not type(expected) or repr(found) != repr(expected):
+        print(text, "became", type(found).__name__, repr(found))
+"""
+        first = execute(before + make + "\nreturn 0", head, id="A", outputs=ports)
+        second = execute(look + "\nprint('done')\nreturn 0", head + ONCE + compare, id="B", inputs=ports)
+        flows = [("A", name, "B", name) for name, *_ in ports]
+        result = self.live_twice(sequence(first, second, flows=flows))
+        self.assertEqual(result.outcome, outcome, result.logged())
+        return result
+
+
+class Values(Lives):
+    def test_values_of_python_come_back_as_they_were(self):
+        result = self.live_on_with(
+            "None",
+            "True",
+            "3",
+            "2**64",
+            "-(2**200)",
+            "0.1 + 0.2",
+            "float('nan')",
+            "-0.0",
+            "'grün'",
+            "'x' * 300",
+            "'\\ud800'",
+            "b'\\x00\\xff'",
+            "bytearray(b'ab')",
+            "1 + 2j",
+            "[1, [2.5, 'a'], None]",
+            "(1, (2, 3))",
+            "{'a': 1, 'b': [1, 2]}",
+            "{'b': 1, 'a': 2}",
+            "{1: 'x', (2, 3): 'y'}",
+            "{'__tuple__': [1]}",
+            "{1, 2}",
+            "frozenset([1])",
+            "range(3)",
+            "[0.1] * 1000",
+            "{'%d' % n: n for n in range(2000)}",
+            "[[[[[[[[[[[[[[[[[[[[1]]]]]]]]]]]]]]]]]]]]",
+            "int",
+            "ValueError",
+        )
+        self.assertEqual(result.logged("stdout"), ["done"])
+
+    def test_objects_of_modules_come_back(self):
+        result = self.live_on_with(
+            "datetime.datetime(2026, 1, 2)",
+            "decimal.Decimal('1.10')",
+            "collections.OrderedDict(a=1)",
+            "pathlib.PurePosixPath('/a')",
+            head="import collections, datetime, decimal, pathlib\n",
+        )
+        self.assertEqual(result.logged("stdout"), ["done"])
+
+    def test_what_is_shared_stays_shared(self):
+        root = sequence(
+            execute("item = [1]\noutputs['v'] = [item, item]\nreturn 0", id="A", outputs=[("v", "list", None)]),
+            execute("print(inputs['v'][0] is inputs['v'][1])\nreturn 0", ONCE, id="B", inputs=[("v", "list", None)]),
+            flows=[("A", "v", "B", "v")],
+        )
+        self.assertEqual(self.live_twice(root).logged("stdout"), ["True"])
+
+    def test_an_array_comes_back(self):
+        try:
+            import numpy  # noqa: F401, scripts use it
+        except ImportError:
+            self.skipTest("numpy is not installed for this interpreter")
+        result = self.live_on_with("numpy.arange(6.0).reshape(2, 3)", "numpy.float32(1.5)", head="import numpy\n")
+        self.assertEqual(result.logged("stdout"), ["done"])
+
+    def test_a_large_value_is_kept_once_in_a_file_of_its_own(self):
+        result = self.live_on_with("bytes(200000)", "bytes(200000)")
+        self.assertEqual(result.logged("stdout"), ["done"])
+        files = list((self.run_folder / "values").iterdir())
+        self.assertEqual(len(files), 1, files)
+        self.assertGreater(files[0].stat().st_size, 200000)
+        self.assertEqual((self.run_folder / "values").stat().st_mode & 0o777, 0o700)
+
+    def test_a_damaged_file_is_an_error_that_names_the_value(self):
+        root = sequence(
+            execute("outputs['v'] = bytes(200000)\nreturn 0", id="A", outputs=[("v", "object", None)]),
+            execute("print('never')\nreturn 0", ONCE, id="B", inputs=[("v", "object", None)]),
+            flows=[("A", "v", "B", "v")],
+        )
+        self.die(root)
+        (file,) = (self.run_folder / "values").iterdir()
+        file.write_bytes(b"x" * 200000)
+        self.check_lost(self.resume(), '"v"', "is damaged")
+
+    def check_lost(self, result, *words):
+        self.assertEqual(result.outcome, "aborted")
+        self.assertNotIn("never", result.logged("stdout"))
+        error = result.finished["outputs"]["error"]["msg"]
+        for word in words:
+            self.assertIn(word, error)
+
+    def check_placeholder(self, value, *words, head=""):
+        """A run with such a value goes on; if it is needed after a crash, the state that needs it aborts."""
+        first = execute("outputs['v'] = %s\nreturn 0" % value, head, id="A", outputs=[("v", "object", None)])
+        second = execute("print('never')\nreturn 0", ONCE, id="B", inputs=[("v", "object", None)])
+        root = sequence(first, second, flows=[("A", "v", "B", "v")])
+        self.check_lost(self.live_twice(root), '"v"', *words)
+
+    def test_a_lock_leaves_a_placeholder(self):
+        self.check_placeholder("threading.Lock()", "lock", head="import threading\n")
+
+    def test_an_object_of_a_class_of_the_script_leaves_a_placeholder(self):
+        self.check_placeholder("Own()", "put the class into a module", head="class Own: pass\n")
+
+    def test_a_pickle_that_fails_in_any_way_leaves_a_placeholder(self):
+        head = "import types\nclass Bad:\n    def __reduce__(self):\n        raise SystemExit('no')\n"
+        self.check_placeholder("[Bad()]", "SystemExit", head=head)
+
+    def test_an_object_that_cannot_be_shown_is_no_problem(self):
+        head = "class Bad:\n    def __repr__(self):\n        raise ValueError\n"
+        self.check_placeholder("Bad()", "v", head=head)
+
+    def test_a_state_may_keep_its_values_to_itself(self):
+        first = execute("outputs['v'] = [1]\noutputs['n'] = 5\nreturn 0", id="A", outputs=[("v", "list", None), ("n", "int", 0)])
+        first["semantic_data"] = {"journal": "status"}
+        ports = [("v", "list", None), ("n", "int", 0)]
+        second = execute("print('never')\nreturn 0", ONCE, id="B", inputs=ports)
+        flows = [("A", "v", "B", "v"), ("A", "n", "B", "n")]
+        self.check_lost(self.live_twice(sequence(first, second, flows=flows)), '"v"', "keeps no values")
+
+    def test_an_exception_comes_back_or_is_stood_in_for(self):
+        head = "class Own(Exception): pass\n"
+        for raised, shown in (("KeyError('k')", "KeyError KeyError('k')"), ("Own('o')", "RuntimeError RuntimeError('Own: o')")):
+            with self.subTest(raised):
+                self.setUp()
+                handler = execute("error = inputs['error']\nprint(type(error).__name__, repr(error))\nreturn 0", ONCE, id="B")
+                root = sequence(execute("raise " + raised, head, id="A"), handler)
+                root["transitions"].append(("A", -1, "B"))
+                self.assertEqual(self.live_twice(root).logged("stdout"), [shown])
+
+
+class Variables(Lives):
+    def test_global_variables_are_as_they_were(self):
+        make = """
+            gvm.set_variable("a", [1])
+            gvm.set_variable("a", [2])
+            gvm.set_variable("typed", 3, data_type=int)
+            shared = {"n": 1}
+            gvm.set_variable("shared", shared, per_reference=True)
+            gvm.set_variable("gone", 1)
+            gvm.delete_variable("gone")
+            return 0
+            """
+        look = """
+            print(gvm.get_variable("a"), gvm.get_variable("typed"), gvm.get_data_type("typed").__name__)
+            gvm.get_variable("shared", per_reference=True)["n"] += 1
+            print(gvm.get_variable("shared"), gvm.variable_exist("gone"), inputs["x"])
+            return 0
+            """
+        root = sequence(
+            execute(make, id="A"), execute(look, ONCE, id="B", inputs=[("x", "list", "$a")])
+        )
+        self.assertEqual(self.live_twice(root).logged("stdout"), ["[2] 3 int", "{'n': 2} False [2]"])
+
+    def test_a_global_variable_that_cannot_be_kept_is_missing_afterwards(self):
+        root = sequence(
+            execute("import threading\ngvm.set_variable('l', threading.Lock(), per_reference=True)\nreturn 0", id="A"),
+            execute("print(gvm.variable_exist('l'))\nreturn 0", ONCE, id="B"),
+        )
+        result = self.live_twice(root)
+        self.assertEqual(result.logged("stdout"), ["False"])
+        self.assertTrue(any('"l"' in line for line in result.logged("engine")), result.logged("engine"))
+
+    def test_persistent_variables_are_as_they_were(self):
+        count = """
+            known = self.persistent_variables
+            known["count"] = known.get("count", 0) + 1
+            print(known["count"])
+            return 0
+            """
+        again = sequence(
+            execute(count, id="A"),
+            execute("return 1 if gvm.get_variable('second') else 0", "", id="B", outcomes=("again", "end")),
+            execute("gvm.set_variable('second', True)\nreturn 0", ONCE, id="C"),
+        )
+        again["transitions"] = [(None, None, "A"), ("A", 0, "B"), ("B", 0, "C"), ("C", 0, "A"), ("B", 1, 0)]
+        self.assertEqual(self.live_twice(again).logged("stdout"), ["2"])
+
+
+class Journal(unittest.TestCase):
+    def test_without_a_journal_nothing_is_pickled(self):
+        head = "class Bad:\n    def __reduce__(self):\n        print('pickled')\n        return (Bad, ())\n"
+        with tempfile.TemporaryDirectory() as folder:
+            state = execute("outputs['v'] = Bad()\ngvm.set_variable('v', 1)\nreturn 0", head, outputs=[("v", "object", None)])
+            result = run(save(pathlib.Path(folder) / "machine", sequence(state)), keeping="off")
+        self.assertEqual((result.outcome, result.logged("stdout")), ("success", []))
+
+
+if __name__ == "__main__":
+    unittest.main()
