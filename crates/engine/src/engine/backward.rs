@@ -7,7 +7,7 @@ use super::phase::Phase;
 use super::step::{Step, Work};
 use super::trail::Past;
 use crate::program::{Body, Concurrency};
-use crate::{Datum, FrameId, PathId};
+use crate::{Datum, FrameId, PathId, When};
 use rafcon_model::StatePath;
 use std::sync::Arc;
 
@@ -119,16 +119,8 @@ impl<D: Datum> Step<'_, D> {
         if decides || is_decided {
             return Ok(None);
         }
-        let id = self.run.frames.id(slot);
         if self.all_at_start(slot) {
-            let inside = within.is_none_or(|top| self.is_around(slot, top));
-            let checks = |hold: &super::holds::Hold<D>| hold.check().is_some();
-            let mut holds = self.run.control.holds.iter();
-            return match inside && !holds.any(|hold| hold.spot.parent == slot && checks(hold)) {
-                false => Ok(None),
-                true if self.is_outermost(slot) => Err((Reason::AtStart, frame.path)),
-                true => Ok(Some(Back::Leave(id))),
-            };
+            return self.start_goes_back(slot, within);
         }
         let ended = (0..).zip(&frame.ended).filter(|(_, ended)| ended.is_some());
         let ended = ended.map(|(child, _)| child).filter(|&child| Some(child) != kind.decider());
@@ -141,7 +133,35 @@ impl<D: Datum> Step<'_, D> {
         if !children.iter().all(is_known) {
             return Err((Reason::Lost, frame.path));
         }
-        Ok((!children.is_empty()).then_some(Back::Branches(id, children)))
+        if children.is_empty() {
+            let at_start = within.filter(|&top| self.begins_held(slot, top));
+            return at_start.map_or(Ok(None), |top| Err((Reason::AtStart, top)));
+        }
+        Ok(Some(Back::Branches(self.run.frames.id(slot), children)))
+    }
+
+    /// A concurrency state whose children are all at their start is left.
+    fn start_goes_back(
+        &self,
+        slot: u32,
+        within: Option<PathId>,
+    ) -> Result<Option<Back>, (Reason, PathId)> {
+        let mut holds = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
+        let checks = holds.any(|hold| hold.check().is_some());
+        if checks || !within.is_none_or(|top| self.is_around(slot, top)) {
+            return Ok(None);
+        }
+        if self.is_outermost(slot) {
+            return Err((Reason::AtStart, self.run.frames.get(slot).path));
+        }
+        Ok(Some(Back::Leave(self.run.frames.id(slot))))
+    }
+
+    /// Whether the child at this place is held before it begins.
+    fn begins_held(&self, slot: u32, top: PathId) -> bool {
+        let holds = self.run.control.holds.iter().filter(|hold| hold.by().is_some());
+        let mut spots = holds.map(|hold| hold.spot).filter(|spot| spot.parent == slot);
+        spots.any(|spot| spot.when == When::Before && self.is_child_within(slot, spot.child, top))
     }
 
     /// Whether a branch that is named by `top` begins in this frame, or is around it.

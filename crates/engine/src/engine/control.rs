@@ -116,3 +116,60 @@ fn command<D>(input: &Input<D>) -> Option<Command> {
         Input::Change(_) => Command::Change,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Command, Status, is_legal};
+    use expect_test::expect;
+
+    #[test]
+    fn the_table() {
+        let statuses = [
+            Status::Idle,
+            Status::Running,
+            Status::Paused,
+            Status::Stepping,
+            Status::Stopping,
+            Status::Finished,
+        ];
+        let commands = [
+            Command::Start,
+            Command::Restore,
+            Command::Pause,
+            Command::Resume,
+            Command::Stop,
+            Command::StepMode,
+            Command::Step,
+            Command::RunTo,
+            Command::Force,
+            Command::Preempt,
+            Command::Recover,
+            Command::Break,
+            Command::Unbreak,
+            Command::Attended,
+            Command::Change,
+        ];
+        let mark = |legal: bool| if legal { " taken |" } else { " – |" };
+        let rows = commands.map(|command| {
+            let marks = statuses.map(|status| mark(is_legal(status, command)));
+            format!("| {command} |{}\n", marks.concat())
+        });
+        expect![[r"
+            | start | taken | taken | taken | taken | – | – |
+            | take the run up elsewhere | taken | taken | taken | taken | – | – |
+            | pause | – | taken | – | taken | – | – |
+            | resume | – | – | taken | taken | – | – |
+            | stop | – | taken | taken | taken | taken | – |
+            | begin to step | – | taken | taken | taken | – | – |
+            | step | – | – | taken | taken | – | – |
+            | run to a state | – | taken | taken | taken | – | – |
+            | force an outcome | – | taken | taken | taken | – | – |
+            | preempt a state | – | taken | taken | taken | taken | – |
+            | recover | – | taken | taken | taken | taken | – |
+            | set a breakpoint | taken | taken | taken | taken | taken | – |
+            | remove a breakpoint | taken | taken | taken | taken | taken | – |
+            | note who is connected | taken | taken | taken | taken | taken | taken |
+            | change the machine | taken | taken | taken | taken | taken | – |
+        "]].assert_eq(&rows.concat());
+    }
+}

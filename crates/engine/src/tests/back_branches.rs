@@ -197,7 +197,7 @@ fn one_branch_steps_back() {
             ROOT/C/G Held (Step before ROOT/C/G/B)
             Stepping, 7 states run
             > step back ROOT/C/S
-            refused: nothing is held on the branch 'ROOT/C/S'; wait until what runs there has come to its next state
+            refused: 'ROOT/C/S' is held at its beginning, and nothing comes before; step forwards
             > step back ROOT/C/G
             enter back 7 ROOT/C/G/A
               undo ROOT/C/G/A on 2
