@@ -147,3 +147,31 @@ pub(crate) fn is_rare(record: &Record) -> bool {
         | Record::Persistent { .. } => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Pen, VALUE_LIFE};
+    use crate::keep::{Keep, KeptValue};
+    use rafcon_storage::journal::record::Content;
+    use rafcon_storage::journal::{Kept, PlaceNumber, Stored, ValueNumber};
+
+    #[test]
+    fn a_value_is_defined_once_for_the_records_that_can_name_it() {
+        let stored = Stored {
+            view: serde_json::json!([1, 2]),
+            type_name: "list".into(),
+            content: Content::View,
+        };
+        let value = KeptValue::new(stored);
+        let mut pen = Pen::after(0, 0, 6);
+        let mut name_after = |records| {
+            for _ in 0..records {
+                pen.entered(0, PlaceNumber(0), None);
+            }
+            pen.kept(&Keep::Stored(&value))
+        };
+        assert_eq!(name_after(0), Kept::Value(ValueNumber(7)));
+        assert_eq!(name_after(VALUE_LIFE), Kept::Value(ValueNumber(7)));
+        assert_eq!(name_after(1), Kept::Value(ValueNumber(8)));
+    }
+}

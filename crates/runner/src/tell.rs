@@ -4,7 +4,7 @@ use rafcon_engine::{Datum, Engine, Event, HeldBy, Level, Note, PathId, WaitReaso
 use rafcon_model::OutcomeId;
 use rafcon_protocol as protocol;
 use rafcon_protocol::{LogLevel, Stream};
-use rafcon_storage::journal::Record;
+use rafcon_storage::journal::{PlaceNumber, Record};
 
 /// A line that reports a defect of this program.
 pub(crate) fn defect(what: &str) -> Record {
@@ -33,9 +33,6 @@ pub(crate) fn rare<D: Datum>(event: &Event<D>, engine: &Engine<D>) -> Option<Rec
             path: engine.path_text(*path).to_string(),
             reason: waiting(reason, engine),
         }),
-        Event::Note { path, level, note: what } => {
-            log(engine.path_text(*path).to_string(), log_level(*level), note(what))
-        }
         Event::Paused(paused) => told(protocol::Event::Paused { paused: *paused }),
         Event::Stopping => told(protocol::Event::Stopping),
         Event::Held { path, next, by } => told(protocol::Event::Held {
@@ -62,12 +59,19 @@ pub(crate) fn rare<D: Datum>(event: &Event<D>, engine: &Engine<D>) -> Option<Rec
         Event::Entered { .. }
         | Event::Left { .. }
         | Event::Scoped { .. }
+        | Event::Note { .. }
         | Event::Changed
         | Event::ChangeWaits { .. }
         | Event::Finished { .. } => {
             return None;
         }
     })
+}
+
+/// The line of a note about the state at `place`.
+pub(crate) fn note(place: PlaceNumber, level: Level, note: &Note) -> Record {
+    let (level, message) = (log_level(level), text(note));
+    Record::Log { place: Some(place), level, stream: Stream::Engine, message }
 }
 
 fn log_level(level: Level) -> LogLevel {
@@ -118,7 +122,7 @@ pub(crate) fn held_by(by: HeldBy) -> protocol::HeldBy {
     }
 }
 
-fn note(note: &Note) -> String {
+fn text(note: &Note) -> String {
     match note {
         Note::TypeMismatch { port, expected, found } => format!(
             "\"{port}\" got a value of type {found} but declares {expected}; the value is passed on all the same"

@@ -86,7 +86,13 @@ impl<S: Scripts> Page<'_, S> {
             Event::Changed => self.core.generation += 1,
             _ => {}
         }
-        if let Some(record) = tell::rare(event, &self.core.engine) {
+        let record = match event {
+            Event::Note { path, level, note } => {
+                self.place_at(*path).map(|(place, _)| tell::note(place, *level, note))
+            }
+            event => tell::rare(event, &self.core.engine),
+        };
+        if let Some(record) = record {
             self.pen.note(self.now, &record);
         }
     }
