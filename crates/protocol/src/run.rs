@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub enum Keeping {
     /// Nothing: the run cannot be replayed or resumed.
     Off,
-    /// States, outcomes, commands and the log, without values.
+    /// States, outcomes, commands and the log, without values; and what the run came to.
     Status,
     /// Everything.
     #[default]
