@@ -10,7 +10,7 @@ use anyhow::Result;
 use crate::workspace;
 
 /// The documents whose every rule names its tests.
-const DOCUMENTS: [&str; 7] = [
+const DOCUMENTS: [&str; 8] = [
     "docs/format.md",
     "docs/semantics.md",
     "docs/scripts.md",
@@ -18,6 +18,7 @@ const DOCUMENTS: [&str; 7] = [
     "docs/edits.md",
     "docs/notation.md",
     "docs/protocol.md",
+    "docs/journal.md",
 ];
 
 /// A source file: its path and its text.

@@ -110,7 +110,7 @@ pub enum JournalError {
         path: PathBuf,
     },
     /// The bytes are not what they should be.
-    #[error("{} is damaged: {what}; what was kept before can be read with `rafcon history`", path.display())]
+    #[error("{} is damaged: {what}; `rafcon history` shows what can still be read", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

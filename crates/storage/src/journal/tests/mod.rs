@@ -4,6 +4,7 @@ mod keyframes;
 mod power_cut;
 mod round_trip;
 mod size;
+mod versions;
 
 use super::database::Database;
 use super::record::{Item, Items};
