@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 use rafcon_model::edit::{Edit, apply};
 use rafcon_model::{
-    Container, Conversion, Header, Kind, KindName, Library, LibraryContent, Machine, Ports,
-    RuntimeValue, RuntimeValues, Script, State, StateId, StatePath, convert,
+    Container, Conversion, DataFlowId, Header, Kind, KindName, Library, LibraryContent, Machine,
+    Ports, RuntimeValue, RuntimeValues, Script, State, StateId, StatePath, TransitionId, convert,
 };
 use rafcon_storage::{Libraries, Saved, fill_library};
 use smol_str::SmolStr;
@@ -48,6 +48,12 @@ impl Document {
     /// The outermost state with everything in it.
     pub(crate) fn root(&self) -> Arc<State> {
         Arc::clone(&self.0.lock().machine.root)
+    }
+
+    /// The state at a path.
+    fn at(&self, py: Python<'_>, path: &str) -> PyResult<Arc<State>> {
+        let path = StatePath::parse(path);
+        self.lock(py).machine.state(&path).cloned().ok_or_else(|| missing(&path))
     }
 
     /// The content, waited for without the interpreter: whoever has it may need the interpreter.
@@ -118,15 +124,34 @@ impl Document {
 
     /// One fact about the state at a path.
     fn fact<'py>(&self, py: Python<'py>, path: &str, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        let (path, content) = (StatePath::parse(path), self.lock(py));
-        let state = content.machine.state(&path).cloned().ok_or_else(|| missing(&path))?;
         if key == "file_system_path" {
+            let (path, content) = (StatePath::parse(path), self.lock(py));
             let folder =
                 content.saved.as_ref().and_then(|saved| saved.folder(&path, &content.libraries));
             return Ok(folder.map(|dir| dir.to_string_lossy().into_owned()).into_pyobject(py)?);
         }
-        drop(content);
-        fact(py, &state, key)
+        fact(py, &*self.at(py, path)?, key)
+    }
+
+    /// Whether the state at a path has a state with this id inside.
+    fn has_child(&self, py: Python<'_>, path: &str, id: &str) -> PyResult<bool> {
+        let state = self.at(py, path)?;
+        Ok(match &state.kind {
+            Kind::Library(Library { content: LibraryContent::Found(root), .. }) => {
+                root.id.as_str() == id
+            }
+            _ => state.container().is_some_and(|c| c.states.contains_key(&StateId::new(id))),
+        })
+    }
+
+    /// Whether the container at a path has a transition (or else a data flow) with this id.
+    fn has_line(&self, py: Python<'_>, path: &str, group: &str, id: i64) -> PyResult<bool> {
+        let state = self.at(py, path)?;
+        let inside = state.container();
+        Ok(inside.is_some_and(|inside| match group {
+            "transitions" => inside.transitions.get(TransitionId(id)).is_some(),
+            _ => inside.data_flows.get(DataFlowId(id)).is_some(),
+        }))
     }
 
     /// The state at a path as a document of its own, with everything in it.

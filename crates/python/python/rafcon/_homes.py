@@ -37,6 +37,14 @@ class Running:
         """The ids of the states inside."""
         return list(state._facts["children"])
 
+    def has_child(self, state, state_id):
+        """Whether there is a state of this id inside."""
+        return state_id in state._facts["children"]
+
+    def has_line(self, state, group, key):
+        """Whether there is a transition or data flow of this id inside."""
+        return key in state._facts[group]
+
     def child(self, state, state_id):
         """The state of this id inside; ``KeyError`` if there is none."""
         return _objects.state(state._facts["children"][state_id])
@@ -150,11 +158,19 @@ class Built:
         """The ids of the states inside."""
         return state._facts["children"]
 
+    def has_child(self, state, state_id):
+        """Whether there is a state of this id inside."""
+        return isinstance(state_id, str) and self.document.has_child(state._facts["path"], state_id)
+
+    def has_line(self, state, group, key):
+        """Whether there is a transition or data flow of this id inside."""
+        return self.document.has_line(state._facts["path"], group, key)
+
     def child(self, state, state_id):
         """The state of this id inside; ``KeyError`` if there is none."""
         known = state._inside.get(state_id)
         if known is None:
-            if state_id not in state._facts["children"]:
+            if not self.has_child(state, state_id):
                 raise KeyError(state_id)
             kind = self.document.fact(f"{state._facts['path']}/{state_id}", "kind")
             known = _objects.blank_state(kind)

@@ -28,11 +28,11 @@ def machine_id():
     return next(_machines)
 
 
-def transition_id(taken):
+def transition_id(is_taken):
     """The next id of a transition that is not taken in its container."""
-    return next(found for found in _transitions if found not in taken)
+    return next(found for found in _transitions if not is_taken(found))
 
 
-def data_flow_id(taken):
+def data_flow_id(is_taken):
     """The next id of a data flow that is not taken in its container."""
-    return next(found for found in _data_flows if found not in taken)
+    return next(found for found in _data_flows if not is_taken(found))

@@ -36,10 +36,10 @@ class ContainerChanges(StateChanges):
             raise ValueError(f"{state} stands in {state.parent} already; remove it there first")
 
     def _give_free_id(self, state, free=None):
-        taken = {self.state_id, *self._home.child_ids(self)} - {free}
-        if state.state_id in taken:
+        state_id = state.state_id
+        if state_id == self.state_id or (state_id != free and self._home.has_child(self, state_id)):
             logger.info("the id of %s is taken in %s, so it gets a new one", state, self)
-            state.change_state_id(_ids.state_id(taken))
+            state.change_state_id(_ids.state_id({self.state_id, *self._home.child_ids(self)}))
 
     def remove_state(self, state_id, recursive=True, force=False, destroy=True):
         """Takes a state out with everything inside it and its connections; returns it, to be added elsewhere or dropped."""
@@ -119,8 +119,8 @@ class ContainerChanges(StateChanges):
         """
         of_type(from_outcome, int, "from_outcome", or_none=True)
         of_type(to_outcome, int, "to_outcome", or_none=True)
-        known = self._facts["transitions"]
-        transition_id = _ids.transition_id(known) if transition_id is None else transition_id
+        if transition_id is None:
+            transition_id = _ids.transition_id(lambda key: self._home.has_line(self, "transitions", key))
         self._change("transition.add", transition_id, from_state_id, from_outcome, to_state_id, to_outcome)
         return transition_id
 
@@ -133,8 +133,8 @@ class ContainerChanges(StateChanges):
     @lock_state_machine
     def add_data_flow(self, from_state_id, from_data_port_id, to_state_id, to_data_port_id, data_flow_id=None):
         """Adds a data flow between two ports (or scoped variables) and returns its id."""
-        known = self._facts["data_flows"]
-        data_flow_id = _ids.data_flow_id(known) if data_flow_id is None else data_flow_id
+        if data_flow_id is None:
+            data_flow_id = _ids.data_flow_id(lambda key: self._home.has_line(self, "data_flows", key))
         self._change("flow.add", data_flow_id, from_state_id, from_data_port_id, to_state_id, to_data_port_id)
         return data_flow_id
 

@@ -37,7 +37,7 @@ class BarrierConcurrencyState(ConcurrencyState):
 
     def _renumber(self, transitions):
         """Gives transitions that came by themselves the ids that they would have if they had been added."""
-        taken = set(self._facts["transitions"]) - set(transitions)
+        taken = (set(self._facts["transitions"]) - set(transitions)).__contains__
         removals = [("transition.remove", (key,)) for key in transitions]
         self._home.change(self, removals + [("transition.add", (_ids.transition_id(taken), *ends)) for ends in transitions.values()])
 

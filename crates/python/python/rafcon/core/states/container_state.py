@@ -26,7 +26,7 @@ class Children(Mapping):
         return len(self._container._home.child_ids(self._container))
 
     def __contains__(self, state_id):
-        return state_id in self._container._home.child_ids(self._container)
+        return self._container._home.has_child(self._container, state_id)
 
     def __repr__(self):
         return "<states {}>".format(", ".join(self))
