@@ -170,6 +170,7 @@ mod tests {
             | remove a breakpoint | taken | taken | taken | taken | taken | – |
             | note who is connected | taken | taken | taken | taken | taken | taken |
             | change the machine | taken | taken | taken | taken | taken | – |
-        "]].assert_eq(&rows.concat());
+        "]]
+        .assert_eq(&rows.concat());
     }
 }
