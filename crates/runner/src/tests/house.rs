@@ -90,9 +90,14 @@ impl Cast {
                 plain(Returned::Id(0), vec![Some(Value::Int(number + 1))])
             }
             "die" if std::env::var_os(MORTAL).is_some() => std::process::abort(),
+            "say" => {
+                self.print(place, LogLevel::Info, "hello".to_owned());
+                self.print(place, LogLevel::Error, "help".to_owned());
+                plain(Returned::Id(0), Vec::new())
+            }
             "shout" => {
                 let line = "x".repeat(1 << 20);
-                (0..20).for_each(|_| self.print(place, line.clone()));
+                (0..20).for_each(|_| self.print(place, LogLevel::Info, line.clone()));
                 plain(Returned::Id(0), Vec::new())
             }
             "safe" => {
@@ -108,8 +113,8 @@ impl Cast {
         }
     }
 
-    fn print(&self, place: &Place, line: String) {
-        self.driver().log(Some(place.path), LogLevel::Info, Stream::Stdout, line);
+    fn print(&self, place: &Place, level: LogLevel, line: String) {
+        self.driver().log(Some(place.path), level, Stream::Logger, line);
     }
 
     fn ask(&self, place: &Arc<Place>) -> ScriptResult<Value> {
@@ -324,6 +329,7 @@ impl House {
 
     /// Begins a run, with the viewer that launches it.
     pub(super) fn begin(&self, launch: Launch) -> (Viewer, JoinHandle<()>) {
+        std::fs::create_dir_all(self.run_folder()).unwrap();
         let (ours, theirs) = UnixStream::pair().unwrap();
         let runner = std::thread::Builder::new().name("runner".to_owned());
         let runner = runner.spawn(move || serve(theirs, Actors).unwrap()).unwrap();
@@ -343,7 +349,6 @@ impl House {
 
 fn launch(home: &Path) -> Launch {
     let run_folder = home.join("run");
-    std::fs::create_dir_all(&run_folder).unwrap();
     Launch {
         machine: home.join("machine"),
         run_folder: Some(run_folder),

@@ -129,6 +129,24 @@ fn a_state_can_give_up_its_values() {
 }
 
 #[test]
+fn what_a_state_prints_is_left_out_if_it_asks_for_that() {
+    let machine = r#"
+execution ROOT "say"
+  semantic {"journal": "off"}
+  outcome done
+"#;
+    check(
+        machine,
+        |launch| launch,
+        &expect![[r#"
+        {"type":"entered","path":"ROOT","inputs":{}}
+        {"type":"log","path":"ROOT","level":"error","stream":"logger","message":"help"}
+        {"type":"left","path":"ROOT","outcome":{"id":0,"name":"done"},"outputs":{}}
+    "#]],
+    );
+}
+
+#[test]
 fn a_run_that_is_not_kept_leaves_no_journal() {
     let house = House::new(&counting("", "go"));
     let (mut viewer, runner) = house.begin(Launch { keeping: Keeping::Off, ..house.launch() });
