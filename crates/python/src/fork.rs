@@ -5,30 +5,21 @@ use crate::handle::Handle;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rafcon_engine::{Returned, ScriptResult};
-use std::os::fd::RawFd;
-use std::sync::atomic::{AtomicI32, Ordering};
 
-/// The socket to the viewer.
-static CONTROL: AtomicI32 = AtomicI32::new(-1);
-
-/// Lets every forked copy know what it is, and that the socket `control` is not its own.
-pub(crate) fn register(module: &Bound<'_, PyModule>, control: RawFd) -> PyResult<()> {
-    CONTROL.store(control, Ordering::Relaxed);
+/// Lets every forked copy know what it is.
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let options = PyDict::new(module.py());
     options.set_item("after_in_child", module.getattr("after_fork_in_child")?)?;
     module.py().import("os")?.getattr("register_at_fork")?.call((), Some(&options))?;
     Ok(())
 }
 
-/// This process is a copy from now on. It lets go of the socket: a viewer sees the end of the run by the socket's end.
+/// This process is a copy from now on. It lets go of the sockets: viewers see the end of the run by their ends.
 #[pyfunction]
 pub(crate) fn after_fork_in_child(py: Python<'_>) -> PyResult<()> {
     current::fork_happened();
-    let control = CONTROL.swap(-1, Ordering::Relaxed);
-    if control >= 0 {
-        py.import("os")?.call_method1("close", (control,))?;
-    }
-    Ok(())
+    let close = py.import("os")?.getattr("close")?;
+    rafcon_runner::sockets().into_iter().try_for_each(|socket| close.call1((socket,)).map(drop))
 }
 
 /// Ends a copy whose script has returned: the state machine lives elsewhere. As Python does it for a child of

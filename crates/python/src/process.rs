@@ -62,7 +62,7 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     let stream = adopt(py, fd)?;
     package::install(py)?;
     let module = py.import("rafcon._native")?;
-    fork::register(&module, fd)?;
+    fork::register(&module)?;
     let runtime = Runtime::get(py)?;
     default_signals(py)?;
     runtime.install_capture.call0(py)?;

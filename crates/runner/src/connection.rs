@@ -3,8 +3,10 @@
 use parking_lot::Mutex;
 use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode};
 use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
 use std::io::{self, BufRead as _, BufReader, Read, Write as _};
 use std::net::Shutdown;
+use std::os::fd::{AsRawFd, RawFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,20 +35,46 @@ pub enum TalkError {
     NoJoin,
 }
 
+/// The descriptors of all sockets of this process.
+static OPEN: Mutex<BTreeSet<RawFd>> = Mutex::new(BTreeSet::new());
+
+/// The descriptors of all sockets of this process. A forked copy closes them first of all: who listens at the other end is to
+/// see the end of the runner, and not that of its copies. Never waits.
+pub fn sockets() -> Vec<RawFd> {
+    OPEN.try_lock().map(|open| open.iter().copied().collect()).unwrap_or_default()
+}
+
+/// A descriptor that a forked copy lets go of.
+#[derive(Debug)]
+pub(crate) struct Ours<T: AsRawFd>(pub(crate) T);
+
+impl<T: AsRawFd> Ours<T> {
+    pub(crate) fn new(socket: T) -> Self {
+        OPEN.lock().insert(socket.as_raw_fd());
+        Self(socket)
+    }
+}
+
+impl<T: AsRawFd> Drop for Ours<T> {
+    fn drop(&mut self) {
+        OPEN.lock().remove(&self.0.as_raw_fd());
+    }
+}
+
 /// The socket. There is one descriptor of it and no copy, so that a forked process can let go of it.
 #[derive(Debug, Clone)]
-pub(crate) struct Socket(Arc<UnixStream>);
+pub(crate) struct Socket(Arc<Ours<UnixStream>>);
 
 impl Read for Socket {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        (&*self.0).read(buffer)
+        (&self.0.0).read(buffer)
     }
 }
 
 impl Socket {
     /// A connection that nothing was said on.
     pub(crate) fn new(stream: UnixStream) -> Self {
-        Self(Arc::new(stream))
+        Self(Arc::new(Ours::new(stream)))
     }
 
     /// Whether both are the same connection.
@@ -56,13 +84,13 @@ impl Socket {
 
     /// How long a read waits.
     pub(crate) fn wait_at_most(&self, time: Option<Duration>) -> io::Result<()> {
-        self.0.set_read_timeout(time)
+        self.0.0.set_read_timeout(time)
     }
 
     /// Closes the talk, so that a blocked write or read ends.
     pub(crate) fn shut(&self) {
         // A socket that is closed already is as closed as it should be.
-        drop(self.0.shutdown(Shutdown::Both));
+        drop(self.0.0.shutdown(Shutdown::Both));
     }
 }
 
@@ -132,7 +160,7 @@ impl Sender {
     }
 
     fn write(&self, lines: &[u8]) -> io::Result<()> {
-        (&*self.socket.lock().0).write_all(lines)
+        (&self.socket.lock().0.0).write_all(lines)
     }
 }
 

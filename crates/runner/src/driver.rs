@@ -21,6 +21,15 @@ use rafcon_storage::journal::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// How a run of a process ends.
+#[derive(Debug)]
+pub(crate) enum End<D> {
+    /// The run is over.
+    Finished(Finish<D>),
+    /// A script does not end: the process has to.
+    CutOff,
+}
+
 /// A run in progress.
 #[derive(Debug)]
 pub struct Driver<S: Scripts> {
@@ -36,7 +45,7 @@ pub struct Driver<S: Scripts> {
     /// Whether there are stand-ins among the values, for which scripts must be looked through.
     any_lost: AtomicBool,
     roots: Roots,
-    end: Mutex<Option<Finish<S::Value>>>,
+    end: Mutex<Option<End<S::Value>>>,
     ended: Condvar,
 }
 
@@ -145,16 +154,16 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// Waits for the end of the run.
-    pub(crate) fn wait(&self) -> Option<Finish<S::Value>> {
-        let mut finish = None;
+    pub(crate) fn wait(&self) -> Option<End<S::Value>> {
+        let mut found = None;
         self.scripts.park(&mut || {
             let mut end = self.end.lock();
             while end.is_none() {
                 self.ended.wait(&mut end);
             }
-            finish = end.take();
+            found = end.take();
         });
-        finish
+        found
     }
 
     /// Ends all threads of the run, which has to be over.
@@ -405,7 +414,12 @@ impl<S: Scripts> Driver<S> {
     fn finish(&self, finish: Finish<S::Value>) {
         self.questions.end();
         self.timers.close();
-        *self.end.lock() = Some(finish);
+        self.end_with(End::Finished(finish));
+    }
+
+    /// This is the end, unless there is one already.
+    pub(crate) fn end_with(&self, end: End<S::Value>) {
+        self.end.lock().get_or_insert(end);
         self.ended.notify_all();
     }
 }

@@ -2,6 +2,7 @@
 //! period ends with the process. Knows the consequences; must never know when they are due.
 
 use crate::core::Core;
+use crate::driver::End;
 use crate::timers::{Due, What};
 use crate::{Driver, Scripts, tell};
 use rafcon_engine::{Input, Refusal};
@@ -47,14 +48,13 @@ impl<S: Scripts> Driver<S> {
         self.recorder().push(self.clock().now_ns(), [record]);
     }
 
-    /// Ends the process: nothing else ends a script that does not want to.
+    /// Lets the process end: nothing else ends a script that does not want to.
     fn cut_off(&self, due: &Due) {
         if !due.is_active() {
             return;
         }
         let path = due.place.text.to_string();
         self.tell(Event::CutOff { path, grace_ms: due.ms });
-        self.recorder().close();
-        signal_hook::low_level::exit(CUT_OFF)
+        self.end_with(End::CutOff);
     }
 }

@@ -4,7 +4,7 @@ use crate::active::Active;
 use crate::company::Company;
 use crate::connection::{self, Line, Socket, TalkError};
 use crate::document::Document;
-use crate::driver::Driver;
+use crate::driver::{Driver, End};
 use crate::join::{Closer, Door};
 use crate::prepare::{Prepared, prepare, reason};
 use crate::recorder::Recorder;
@@ -16,6 +16,7 @@ use rafcon_protocol::{Event, Join, Launch, Outcome, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::VALUES_FOLDER;
 use signal_hook::iterator::{Handle, Signals};
 use std::io;
+use std::ops::ControlFlow;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::sync::Arc;
@@ -147,9 +148,12 @@ impl<S: Scripts> Begun<S> {
             if let Some(door) = door {
                 named("door").spawn_scoped(scope, || door.serve(scope, &company))?;
             }
-            conclude(&driver);
+            let end = conclude(&driver);
             drop(closer);
             company.part();
+            if end.is_break() {
+                cut_off();
+            }
             handle.close();
             driver.scripts().released();
             Ok(())
@@ -181,16 +185,28 @@ fn set_out<S: Scripts>(
     }
 }
 
-/// Waits for the end of the run, and notes it down.
-fn conclude<S: Scripts>(driver: &Driver<S>) {
-    if let Some(finish) = driver.wait() {
-        driver.close();
-        driver.scripts().ended(&finish);
-        driver.scripts().finished();
-        driver.close_roots();
-        driver.tell(finished(driver.scripts(), finish));
-    }
+/// Waits for the end of the run, and notes it down; breaks off if a script does not end. Then the interpreter is not entered
+/// any more: that script may never leave it.
+fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<()> {
+    let end = driver.wait();
+    let flow = match end {
+        Some(End::Finished(finish)) => {
+            driver.close();
+            driver.scripts().ended(&finish);
+            driver.scripts().finished();
+            driver.close_roots();
+            driver.tell(finished(driver.scripts(), finish));
+            ControlFlow::Continue(())
+        }
+        Some(End::CutOff) | None => ControlFlow::Break(()),
+    };
     driver.recorder().close();
+    flow
+}
+
+/// Ends the process with all its threads.
+fn cut_off() -> ! {
+    signal_hook::low_level::exit(due::CUT_OFF)
 }
 
 fn finished<S: Scripts>(scripts: &S, finish: Finish<S::Value>) -> Event {

@@ -2,7 +2,7 @@
 
 use crate::Scripts;
 use crate::company::Company;
-use crate::connection::{self, Socket, TalkError};
+use crate::connection::{self, Ours, Socket, TalkError};
 use rafcon_protocol::ToRunner;
 use rafcon_storage::journal::folder::SOCKET_FILE;
 use rustix::event::{PollFd, PollFlags, poll};
@@ -21,7 +21,7 @@ const HELLO_AT_MOST: Duration = Duration::from_secs(10);
 /// The open door of a run.
 #[derive(Debug)]
 pub(crate) struct Door {
-    listener: UnixListener,
+    listener: Ours<UnixListener>,
     path: PathBuf,
     /// Closed when nobody is to come in any more.
     open: UnixStream,
@@ -41,7 +41,7 @@ impl Door {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             Ok(()) | Err(_) => {}
         }
-        let listener = bind(folder, &path)?;
+        let listener = Ours::new(bind(folder, &path)?);
         fs::set_permissions(&path, Permissions::from_mode(0o600))?;
         let (open, closer) = UnixStream::pair()?;
         Ok((Self { listener, path, open }, Closer { _open: closer }))
@@ -54,7 +54,7 @@ impl Door {
         company: &'scope Company<S>,
     ) {
         while self.is_knocked_at() {
-            let Ok((stream, _)) = self.listener.accept() else { continue };
+            let Ok((stream, _)) = self.listener.0.accept() else { continue };
             let socket = Socket::new(stream);
             if !company.arrive(&socket) {
                 continue;
@@ -74,7 +74,7 @@ impl Door {
     /// Waits for the next one; false when the door is closed.
     fn is_knocked_at(&self) -> bool {
         let mut both = [
-            PollFd::new(&self.listener, PollFlags::IN),
+            PollFd::new(&self.listener.0, PollFlags::IN),
             PollFd::new(&self.open, PollFlags::IN | PollFlags::HUP),
         ];
         // Interrupted by a signal, the wait begins anew.

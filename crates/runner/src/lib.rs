@@ -53,7 +53,7 @@ mod words;
 mod written;
 
 pub use clock::Clock;
-pub use connection::TalkError;
+pub use connection::{TalkError, sockets};
 pub use document::Edited;
 pub use driver::Driver;
 pub use files::StateFiles;

@@ -6,10 +6,14 @@ use rafcon_engine::{Input, Interrupted, Start, Stride, Then};
 use rafcon_model::{OutcomeId, StatePath};
 use rafcon_protocol::{Answer, Command, Envelope, Event, Given, OnCrash};
 use smol_str::SmolStr;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
+use std::thread;
+use std::time::Duration;
 
 /// The exit status of a runner that was killed by a command, as a shell knows it.
 const KILLED: i32 = 137;
+/// How long it may take to note down that the run is killed.
+const LAST_LINE: Duration = Duration::from_millis(200);
 
 impl<S: Scripts> Driver<S> {
     /// Carries a command out and notes it down with its answer. Called on any thread, outside the interpreter.
@@ -28,7 +32,7 @@ impl<S: Scripts> Driver<S> {
 
     fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<(), String> {
         match &envelope.command {
-            Command::Kill => kill(),
+            Command::Kill => self.kill(envelope),
             Command::SetBreakpoint { breakpoint } => self.set_breakpoint(breakpoint),
             Command::RemoveBreakpoint { id } => self.remove_breakpoint(*id),
             Command::AnswerQuestion { question, value } => {
@@ -92,6 +96,21 @@ impl<S: Scripts> Driver<S> {
         Ok((StatePath::parse(&given.path), given.name.as_str().into(), value))
     }
 
+    /// Ends the process, whatever its scripts do. Viewers see the connection end.
+    fn kill(self: &Arc<Self>, envelope: &Envelope) -> ! {
+        let (driver, envelope) = (Arc::clone(self), Box::new(envelope.clone()));
+        let (told, wait) = mpsc::sync_channel::<()>(1);
+        let tell = move || {
+            driver.tell(Event::Commanded { envelope, answer: Answer::Applied });
+            drop(told);
+        };
+        // A disk that refuses must not keep anybody from killing a run.
+        if thread::Builder::new().name("kill".to_owned()).spawn(tell).is_ok() {
+            let _told = wait.recv_timeout(LAST_LINE);
+        }
+        signal_hook::low_level::exit(KILLED)
+    }
+
     pub(crate) fn input(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), String> {
         self.command(input).map_err(|refusal| refusal.to_string())
     }
@@ -109,9 +128,4 @@ fn recovery(policy: OnCrash) -> Result<Interrupted, String> {
             Err("to ask decides nothing; choose to abort the states or to restart them".to_owned())
         }
     }
-}
-
-/// Ends the process, whatever its scripts do. Viewers see the connection end.
-fn kill() -> ! {
-    signal_hook::low_level::exit(KILLED)
 }
