@@ -55,7 +55,8 @@ class Conditions(Debugging):
 
     def hits(self, condition, when="before"):
         """For a state that runs with n = 0, 1, 2 and gives m = 10 * n: for which n the breakpoint held."""
-        count = execute('outputs["m"] = 10 * inputs["n"]\ngvm.set_variable("g", inputs["n"])\nreturn 0', id="A", **self.ports)
+        count = 'outputs["m"] = 10 * inputs["n"]\ngvm.set_variable("g", inputs["n"])\nreturn 0'
+        count = execute(count, id="A", **self.ports)
         after = execute('outputs["n"] = inputs["n"] + 1\nreturn 0 if inputs["n"] < 2 else 1', id="B",
                         inputs=[("n", "int", 0)], outputs=[("n", "int", 0)], outcomes=("again", "end"))  # fmt: skip
         flows = [(None, "s", "A", "n"), (None, "s", "B", "n"), ("B", "n", None, "s")]
@@ -89,7 +90,8 @@ class Conditions(Debugging):
         self.assertIn("AttributeError", lines[0])
 
     def test_what_cannot_be_evaluated_holds_and_says_why(self):
-        for condition, why in (("1 +", "SyntaxError"), ('inputs["x"]', "KeyError: 'x'"), ("1 / 0", "ZeroDivisionError")):
+        faults = {"1 +": "SyntaxError", 'inputs["x"]': "KeyError: 'x'", "1 / 0": "ZeroDivisionError"}
+        for condition, why in faults.items():
             found, lines = self.hits(condition)
             self.assertEqual(found, [0, 1, 2])
             self.assertIn(why, lines[0])
@@ -157,12 +159,12 @@ def backward_execute(self, inputs, outputs, gvm):
         self.assertEqual(result.outcome, "success")
 
 
+ENGINE = "from rafcon.core.singleton import state_machine_execution_engine as engine\n"
+
+
 class Scripts(Debugging):
     def test_a_script_may_step_its_machine(self):
-        root = sequence(
-            execute("from rafcon.core.singleton import state_machine_execution_engine as engine\nengine.step_mode()\nreturn 0", id="A"),
-            *steps("B"),
-        )
+        root = sequence(execute(ENGINE + "engine.step_mode()\nreturn 0", id="A"), *steps("B"))
         runner = self.start(root)
         self.assertEqual(self.held(runner), ("R/B", "step"))
         self.command(runner, "resume")
@@ -171,9 +173,7 @@ class Scripts(Debugging):
         self.assertEqual([one["author"] for one in told][:1], ["script of R/A"])
 
     def test_a_command_that_cannot_be_carried_out_is_an_error_with_the_reason(self):
-        root = sequence(
-            execute("from rafcon.core.singleton import state_machine_execution_engine as engine\nengine.step_over()\nreturn 0", id="A")
-        )
+        root = sequence(execute(ENGINE + "engine.step_over()\nreturn 0", id="A"))
         result = self.start(root).finish()
         self.assertEqual(result.finished["outputs"]["error"]["__exc__"], "RuntimeError")
 

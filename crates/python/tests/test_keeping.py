@@ -1,11 +1,12 @@
 """What a run keeps of values: a runner dies in the middle of its run, and another one takes it up."""
 
+import json
 import pathlib
 import tempfile
 import textwrap
 import unittest
 
-from support import Runner, run, save, script, sequence
+from support import run, save, script, sequence
 
 #: Dies the first time that it runs.
 ONCE = """
@@ -175,19 +176,19 @@ class Values(Lives):
         self.check_placeholder("Bad()", "v", head=head)
 
     def test_a_state_may_keep_its_values_to_itself(self):
-        first = execute("outputs['v'] = [1]\noutputs['n'] = 5\nreturn 0", id="A", outputs=[("v", "list", None), ("n", "int", 0)])
-        first["semantic_data"] = {"journal": "status"}
         ports = [("v", "list", None), ("n", "int", 0)]
+        first = execute("outputs['v'] = [1]\noutputs['n'] = 5\nreturn 0", id="A", outputs=ports)
+        first["semantic_data"] = {"journal": "status"}
         second = execute("print('never')\nreturn 0", ONCE, id="B", inputs=ports)
         flows = [("A", "v", "B", "v"), ("A", "n", "B", "n")]
         self.check_lost(self.live_twice(sequence(first, second, flows=flows)), '"v"', "keeps no values")
 
     def test_an_exception_comes_back_or_is_stood_in_for(self):
         head = "class Own(Exception): pass\n"
-        for raised, shown in (("KeyError('k')", "KeyError KeyError('k')"), ("Own('o')", "RuntimeError RuntimeError('Own: o')")):
+        for raised, shown in (("KeyError('k')", "KeyError('k')"), ("Own('o')", "RuntimeError('Own: o')")):
             with self.subTest(raised):
                 self.setUp()
-                handler = execute("error = inputs['error']\nprint(type(error).__name__, repr(error))\nreturn 0", ONCE, id="B")
+                handler = execute("print(repr(inputs['error']))\nreturn 0", ONCE, id="B")
                 root = sequence(execute("raise " + raised, head, id="A"), handler)
                 root["transitions"].append(("A", -1, "B"))
                 self.assertEqual(self.live_twice(root).logged("stdout"), [shown])
@@ -241,11 +242,55 @@ class Variables(Lives):
         self.assertEqual(self.live_twice(again).logged("stdout"), ["2"])
 
 
+class Views(unittest.TestCase):
+    def check(self, value, *views, head=""):
+        """What people see of a value: a script looks back at another's outputs, which are on disk by then."""
+        make = execute("outputs['v'] = %s\nreturn 0" % value, head, id="A", outputs=[("v", "object", None)])
+        look = """
+            import json
+            (left,) = [item for item in self.execution_history if item.path == "R/A" and item.outcome]
+            print(json.dumps(left.input_output_data["v"]))
+            return 0
+            """
+        with tempfile.TemporaryDirectory() as folder:
+            root = sequence(make, execute(look, id="B"))
+            result = run(save(pathlib.Path(folder) / "machine", root), strict=True)
+        (line,) = result.logged("stdout") or [None]
+        shown = json.loads(line)
+        for view in views:
+            self.assertEqual(view, {key: shown[key] for key in view} if isinstance(view, dict) else shown)
+        self.assertLess(len(line), 10_000)
+
+    def test_plain_values(self):
+        self.check("{'a': [1, (2, None)], 'b': 0.5}", {"a": [1, {"__tuple__": [2, None]}], "b": 0.5})
+        self.check("{1: 2, (3,): 4}", {"1": 2, "(3,)": 4})
+        self.check("2**64", {"__repr__": "18446744073709551616", "__class__": "int"})
+        self.check("[float('inf')]", [{"__repr__": "inf", "__class__": "float"}])
+
+    def test_large_ones_are_cut(self):
+        first = [0] * 255
+        self.check("[0] * 1000", {"__class__": "list", "__len__": 1000, "__repr__": "list of 1000", "__first__": first})
+        self.check("{'%03d' % n: n for n in range(300)}", {"__class__": "dict", "__len__": 300})
+        self.check("'x' * 5000", {"__repr__": "x" * 200, "__class__": "str", "__len__": 5000})
+        self.check("bytes(10**6)", {"__class__": "bytes"})
+        self.check("set(range(10**5))", {"__repr__": "set of many", "__class__": "set"})
+        self.check("[[[0] * 200, [0] * 200]] * 5")
+
+    def test_others_show_what_they_say_of_themselves(self):
+        self.check("ValueError('no')", {"__exc__": "ValueError", "msg": "no"})
+        self.check("int", {"__type__": "int"})
+        bad = "class Bad:\n    def __repr__(self):\n        raise ValueError\n"
+        self.check("Bad()", {"__repr__": "<Bad that cannot be shown>", "__class__": "Bad"}, head=bad)
+        array = "class Array:\n    shape, dtype = (2, 3), 'float32'\n"
+        self.check("Array()", {"__class__": "Array", "__shape__": [2, 3], "__dtype__": "float32"}, head=array)
+
+
 class Journal(unittest.TestCase):
     def test_without_a_journal_nothing_is_pickled(self):
         head = "class Bad:\n    def __reduce__(self):\n        print('pickled')\n        return (Bad, ())\n"
         with tempfile.TemporaryDirectory() as folder:
-            state = execute("outputs['v'] = Bad()\ngvm.set_variable('v', 1)\nreturn 0", head, outputs=[("v", "object", None)])
+            body = "outputs['v'] = Bad()\ngvm.set_variable('v', 1)\nreturn 0"
+            state = execute(body, head, outputs=[("v", "object", None)])
             result = run(save(pathlib.Path(folder) / "machine", sequence(state)), keeping="off")
         self.assertEqual((result.outcome, result.logged("stdout")), ("success", []))
 
