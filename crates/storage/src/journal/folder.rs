@@ -28,7 +28,9 @@ pub fn make_folder(folder: &Path) -> Result<(), JournalError> {
         fs::create_dir_all(parent).map_err(failed)?;
     }
     match mkdir(folder, Mode::RWXU) {
-        Ok(()) | Err(Errno::EXIST) => Ok(()),
+        // The folder's own name is to survive a power cut as well.
+        Ok(()) => folder.parent().filter(|parent| parent.is_dir()).map_or(Ok(()), sync_folder),
+        Err(Errno::EXIST) => Ok(()),
         Err(error) => Err(failed(error.into())),
     }
 }

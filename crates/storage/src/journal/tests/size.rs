@@ -120,3 +120,27 @@ fn a_journal_stays_near_its_size_however_long_the_run() {
     assert_eq!(reader.moment(u64::MAX).unwrap().sequence(), reader.last_sequence().unwrap());
     assert!(first > 1 && size < 6 << 20, "{first} {size}");
 }
+
+#[test]
+fn a_state_without_data_takes_few_bytes_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
+    let mut batch = Batch::new(0);
+    let states = 20_000_u32;
+    for state in 1..=states {
+        let (t_ns, place) = (u64::from(state) * 5000, PlaceNumber(state % 3000));
+        batch.entered(t_ns, place, std::iter::empty::<Kept>(), None);
+        let outputs = std::iter::empty::<Kept>();
+        batch.left(t_ns + 1900, Left { place, outcome: 0, outputs, error: None, undoes: None });
+        journal.append(&batch).unwrap();
+        batch.clear();
+        if state % 100 == 0 {
+            journal.commit().unwrap();
+        }
+    }
+    journal.close().unwrap();
+    let size = |name: &str| fs::metadata(folder.path().join(name)).map_or(0, |file| file.len());
+    let bytes =
+        (size("journal.db") + size("journal.db-wal") + size("recorder")) / u64::from(states);
+    assert!(bytes <= 32, "{bytes}");
+}
