@@ -1,6 +1,6 @@
 //! Random commands, most of them sensible at the moment.
 
-use crate::edits::paths;
+use crate::places::paths;
 use crate::random::Random;
 use rafcon_engine::{
     Activity, Breakpoint, Engine, Input, Interrupted, Scope, Start, Status, Stride, Then,

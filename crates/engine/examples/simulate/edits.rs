@@ -1,34 +1,16 @@
 //! Random edits of a machine, most of them legal.
 
 use crate::machine::{INPUT, OUTCOMES, OUTPUT};
+use crate::places::{paths, state_at_mut};
 use crate::random::Random;
 use rafcon_model::edit::{ChildrenEdit, DataFlowEdit, Edit, OutcomeEdit, PortEdit, StateEdit};
 use rafcon_model::edit::{TransitionEdit, apply};
 use rafcon_model::{
-    BuiltinTypes, Container, DataFlowId, DataType, Kind, KindName, LibraryContent, Machine, Origin,
-    Outcome, OutcomeId, Port, PortId, PortKind, Script, State, StateId, StatePath, Target,
-    TransitionId, Value,
+    BuiltinTypes, Container, DataFlowId, DataType, Kind, KindName, Library, LibraryContent,
+    Machine, Origin, Outcome, OutcomeId, Port, PortId, PortKind, Script, State, StateId, StatePath,
+    Target, TransitionId, Value,
 };
 use std::sync::Arc;
-
-/// All states of a machine, those of libraries too.
-pub(crate) fn paths(machine: &Machine) -> Vec<StatePath> {
-    let mut found = vec![(StatePath::root(machine.root.id.clone()), &machine.root)];
-    let mut next = 0;
-    while let Some((path, state)) = found.get(next).cloned() {
-        if let Some(container) = state.container() {
-            let children = container.states.iter();
-            found.extend(children.map(|(id, state)| (path.child(id.clone()), state)));
-        }
-        if let Kind::Library(library) = &state.kind
-            && let LibraryContent::Found(root) = &library.content
-        {
-            found.push((path.child(root.id.clone()), root));
-        }
-        next += 1;
-    }
-    found.into_iter().map(|(path, _)| path).collect()
-}
 
 /// The machine after one or a few random edits; nothing, if none of them was legal.
 pub(crate) fn edited(machine: &Machine, random: &mut Random, fresh: &mut u32) -> Option<Machine> {
@@ -40,6 +22,39 @@ pub(crate) fn edited(machine: &Machine, random: &mut Random, fresh: &mut u32) ->
         }
     }
     changed.then_some(edited)
+}
+
+/// The machine after another version of a library was loaded, or a library was lost, or taken for another.
+pub(crate) fn reloaded(machine: &Machine, random: &mut Random, fresh: &mut u32) -> Option<Machine> {
+    let mut libraries = paths(machine);
+    libraries.retain(|path| library_at(machine, path).is_some());
+    let (path, other) = (random.pick(&libraries)?, random.pick(&libraries)?);
+    let found = |path| match &library_at(machine, path)?.content {
+        LibraryContent::Found(root) => Some(root.clone()),
+        LibraryContent::Missing { .. } => None,
+    };
+    let content = match random.below(6) {
+        0 => LibraryContent::Missing { reason: "it is gone".into() },
+        1 | 2 if !path.0.starts_with(&other.0) && !other.0.starts_with(&path.0) => {
+            LibraryContent::Found(found(&other)?)
+        }
+        _ => {
+            let own = Machine { root: found(&path)?, ..machine.clone() };
+            LibraryContent::Found(edited(&own, random, fresh)?.root)
+        }
+    };
+    let mut reloaded = machine.clone();
+    if let Kind::Library(library) = &mut state_at_mut(&mut reloaded, &path)?.kind {
+        library.content = content;
+    }
+    Some(reloaded)
+}
+
+fn library_at<'m>(machine: &'m Machine, path: &StatePath) -> Option<&'m Library> {
+    match &machine.state(path)?.kind {
+        Kind::Library(library) => Some(library),
+        _ => None,
+    }
 }
 
 fn edit(machine: &Machine, random: &mut Random, fresh: &mut u32) -> Option<Edit> {

@@ -8,6 +8,7 @@ mod commands;
 mod counts;
 mod edits;
 mod machine;
+mod places;
 mod random;
 mod twin;
 mod watch;

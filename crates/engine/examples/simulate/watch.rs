@@ -4,7 +4,7 @@ use crate::counts::Counts;
 use rafcon_engine::{
     Active, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status, WaitReason,
 };
-use rafcon_model::{KindName, LibraryContent, Machine, State, StatePath, Value};
+use rafcon_model::{KindName, Machine, StatePath, Value};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
@@ -102,7 +102,7 @@ impl Watch {
             self.event(event, &mut named, engine)?;
         }
         for effect in out.effects {
-            self.effect(effect, &named)?;
+            self.effect(effect, &named, engine)?;
         }
         Ok(())
     }
@@ -172,7 +172,12 @@ impl Watch {
         promise(self.active.remove(&path), otherwise)
     }
 
-    fn effect(&mut self, effect: Effect<Value>, named: &BTreeSet<PathId>) -> Checked {
+    fn effect(
+        &mut self,
+        effect: Effect<Value>,
+        named: &BTreeSet<PathId>,
+        engine: &Engine<Value>,
+    ) -> Checked {
         match effect {
             Effect::Fork { branch } => {
                 promise(self.branches.insert(branch.0), "a branch began twice")
@@ -185,6 +190,11 @@ impl Watch {
             Effect::Run(job) => {
                 let there = self.branches.contains(&job.branch.0);
                 promise(there, "a job for a branch that is not there")?;
+                let node = engine.program().node(job.node);
+                promise(node.is_script(), "a job for a state without a script")?;
+                let given = (job.inputs.len(), job.outputs.len());
+                let ports = (node.inputs().len(), node.outputs().len());
+                promise(given == ports, "a job with other values than its state has ports")?;
                 let idle = self.running.iter().all(|other| other.branch != job.branch);
                 promise(idle, "a job for a branch that already runs one")?;
                 self.counts.backward_scripts += u64::from(job.backward);
@@ -254,7 +264,7 @@ impl Watch {
     ) -> Checked {
         for active in snapshot {
             let text = engine.path_text(active.path);
-            let state = state_at(machine, &text);
+            let state = machine.state(&text);
             promise(state.is_some(), "a state is active that the machine does not have")?;
             let node = engine.program().node(active.node);
             let same = state.is_some_and(|state| Arc::ptr_eq(state, node.state()));
@@ -286,17 +296,4 @@ impl Watch {
 fn kind(engine: &Engine<Value>, path: PathId) -> Option<KindName> {
     let node = engine.path_node(path)?;
     Some(engine.program().node(node).state().kind.name())
-}
-
-/// The state at this place, also in libraries.
-fn state_at<'m>(machine: &'m Machine, path: &StatePath) -> Option<&'m Arc<State>> {
-    let (first, rest) = path.0.split_first()?;
-    let root = Some(&machine.root).filter(|root| root.id == *first)?;
-    rest.iter().try_fold(root, |state, id| match &state.kind {
-        rafcon_model::Kind::Library(library) => match &library.content {
-            LibraryContent::Found(root) => Some(root).filter(|root| root.id == *id),
-            LibraryContent::Missing { .. } => None,
-        },
-        _ => state.container()?.states.get(id),
-    })
 }

@@ -2,7 +2,7 @@
 
 use crate::commands::{self, Like, Moment, Mood};
 use crate::counts::Counts;
-use crate::edits::edited;
+use crate::edits::{edited, reloaded};
 use crate::machine::machine;
 use crate::random::Random;
 use crate::twin::twins;
@@ -273,9 +273,11 @@ impl World {
     }
 
     fn change(&mut self) -> Checked {
-        let Some(machine) = edited(&self.latest.0, &mut self.random, &mut self.fresh) else {
-            return Ok(());
-        };
+        let (latest, random, fresh) = (&self.latest.0, &mut self.random, &mut self.fresh);
+        let reloads = random.percent(20);
+        let machine =
+            if reloads { reloaded(latest, random, fresh) } else { edited(latest, random, fresh) };
+        let Some(machine) = machine else { return Ok(()) };
         let program = Arc::new(self.latest.1.change(&machine, &mut ModelLiterals));
         let wait = self.mood.likes(Like::WaitingChanges) && self.random.percent(70);
         let earlier = std::mem::replace(&mut self.latest, (machine, Arc::clone(&program)));

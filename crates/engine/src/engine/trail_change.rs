@@ -92,7 +92,13 @@ impl<D: Datum> Both<'_, D> {
         };
         let mut past = trace.past;
         past.outcome = outcome;
-        if !self.stays(trace.child) && matches!(past.kept, Kept::Inner(_)) {
+        let is_script = self.is.child(child as usize).map(|is| self.after.node(is).is_script());
+        let can = match past.kept {
+            Kept::Inner(_) => self.stays(trace.child),
+            Kept::Nothing => past.entry == 0 || is_script == Some(true),
+            Kept::Lost => false,
+        };
+        if !can {
             past.kept = Kept::Lost;
         }
         Some(Trace { child, past, last, ..trace })

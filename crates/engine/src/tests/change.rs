@@ -103,9 +103,7 @@ hierarchy ROOT
     );
 }
 
-#[test]
-fn values_stay_where_their_names_do() {
-    let after = "
+const WITH_MORE_DATA: &str = "
 hierarchy ROOT
   outcome done
   var v: int = 1
@@ -123,9 +121,12 @@ hierarchy ROOT
     outcome done
     in x: int = 0
 ";
+
+#[test]
+fn values_stay_where_their_names_do() {
     check_change(
         BEFORE,
-        after,
+        WITH_MORE_DATA,
         "start; A done y=3; change; B done; C done",
         &expect![[r"
         > start
@@ -151,9 +152,13 @@ hierarchy ROOT
           end of run: done (0) variables: v=1 u=5, 4 states
     "]],
     );
+}
+
+#[test]
+fn values_stay_also_while_their_hierarchy_is_held() {
     check_change(
         BEFORE,
-        after,
+        WITH_MORE_DATA,
         "start; pause; A done y=3; change; resume; B done",
         &expect![[r"
         > start

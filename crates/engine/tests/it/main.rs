@@ -8,6 +8,8 @@ mod counts;
 mod edits;
 #[path = "../../examples/simulate/machine.rs"]
 mod machine;
+#[path = "../../examples/simulate/places.rs"]
+mod places;
 #[path = "../../examples/simulate/random.rs"]
 mod random;
 #[path = "../../examples/simulate/twin.rs"]
