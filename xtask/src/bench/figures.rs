@@ -31,7 +31,7 @@ const fn most(name: &'static str, unit: &'static str, bar: f64, meaning: &'stati
 }
 
 /// All of them.
-pub(crate) const ALL: [Figure; 17] = [
+pub(crate) const ALL: [Figure; 19] = [
     least(
         "python_flat_states_per_s",
         "states/s",
@@ -78,6 +78,8 @@ pub(crate) const ALL: [Figure; 17] = [
         64.0,
         "size of a run's folder for each executed state, without data",
     ),
+    most("open_1m_page_ms", "ms", 100.0, "open a run of 1,000,000 events and read its first page"),
+    most("open_1m_moment_ms", "ms", 200.0, "open it and see how it stood at any of them"),
     most("command_ms", "ms", 2.0, "a command from the socket to the script that it preempts"),
 ];
 

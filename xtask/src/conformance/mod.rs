@@ -9,6 +9,7 @@ mod expectations;
 mod observed;
 mod ours;
 mod recorded;
+mod stepping;
 mod table;
 
 use anyhow::{Result, bail};
@@ -57,7 +58,8 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     } else {
         Product::build(Profile::Debug)?
     };
-    let rows = cases.map(|case| row(&reference, &product, case)).collect::<Vec<_>>();
+    let mut rows = cases.map(|case| row(&reference, &product, case)).collect::<Vec<_>>();
+    rows.extend(stepping::rows(&reference, &product, options.machine.as_deref()));
     println!("{}", table::render(&rows));
     let unexplained = rows.iter().filter(|row| row.is_failure()).count();
     if unexplained > 0 {

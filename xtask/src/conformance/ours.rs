@@ -5,9 +5,9 @@ use serde_json::Value;
 
 use super::case::Case;
 use super::observed::{self, Observed};
-use crate::process;
 use crate::product::Product;
 use crate::reference::Reference;
+use crate::{process, workspace};
 
 /// The exit code of a run that was ended by `--timeout`.
 const TIMED_OUT: i32 = 6;
@@ -21,6 +21,7 @@ pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Resu
         .args(["--output", "json"])
         .arg("--python")
         .arg(&reference.python);
+    command.env("RAFCON_RUNS", workspace::target()?.join("conformance/runs"));
     // Nobody is there to answer; the reference has no desktop either.
     command.env("RAFCON_DIALOGS", "missing");
     command.args(["--timeout", &case.expected.timeout_s.to_string()]);

@@ -44,6 +44,20 @@ impl Row {
         Self { machine: machine.to_owned(), verdict, notes }
     }
 
+    /// A machine that both engines stepped, and what each command made its scripts do.
+    pub(crate) fn stepped(machine: &str, theirs: &[String], ours: &[String]) -> Self {
+        let differs = |(theirs, ours): &(&String, &String)| theirs != ours;
+        let note = match theirs.iter().zip(ours).find(differs) {
+            Some((theirs, ours)) => Some(format!("reference {theirs}; here {ours}")),
+            None if theirs.len() == ours.len() => None,
+            None => {
+                Some(format!("{} commands in the reference, {} here", theirs.len(), ours.len()))
+            }
+        };
+        let verdict = if note.is_some() { DIFFERS } else { SAME };
+        Self { machine: machine.to_owned(), verdict, notes: note.into_iter().collect() }
+    }
+
     /// Whether this row fails the run.
     pub(crate) fn is_failure(&self) -> bool {
         self.verdict == DIFFERS

@@ -1,0 +1,236 @@
+//! Stepping, forwards and back: the same commands given to both engines while they run, and what each command made
+//! scripts do.
+//!
+//! The machines are copies of those that the reference ships for it. Each script in the copy writes down when its
+//! functions are called, so that neither engine is asked what it thinks it did.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result, bail};
+
+use super::table::Row;
+use crate::product::Product;
+use crate::reference::Reference;
+use crate::{process, workspace};
+
+/// A command has done its work when nothing was written for so long.
+const QUIET: Duration = Duration::from_millis(500);
+/// How often it is looked whether something was written.
+const LOOK_EVERY: Duration = Duration::from_millis(10);
+/// How long a run may take to begin.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Appended to every script of a copy.
+const TRACER: &str = r#"
+
+import os as _os
+
+
+def _traced(mark, function):
+    def traced(self, inputs, outputs, gvm):
+        with open(_os.environ["RAFCON_TRACE"], "a", encoding="utf-8") as file:
+            file.write(mark + " " + self.get_path() + "\n")
+        return function(self, inputs, outputs, gvm)
+
+    return traced
+
+
+execute = _traced("+", execute)
+if "backward_execute" in globals():
+    backward_execute = _traced("~", backward_execute)
+"#;
+
+/// Machines and commands on which the reference does not crash.
+const CASES: [(&str, &str); 9] = [
+    ("hierarchy", "into into into into into into into into"),
+    ("hierarchy", "over over over over back back"),
+    ("hierarchy", "into into into into out over back back"),
+    ("barrier", "into into into into into into"),
+    ("barrier", "over over back back back"),
+    ("barrier", "into into into into into back back back back"),
+    ("preemption", "into into into into into"),
+    ("preemption", "over over back back back"),
+    ("preemption", "into into into into into back back back back"),
+];
+
+/// Steps every machine in both engines.
+pub(crate) fn rows(reference: &Reference, product: &Product, part: Option<&str>) -> Vec<Row> {
+    let wanted = |(machine, commands): &(&str, &str)| {
+        part.is_none_or(|part| name(machine, commands).contains(part))
+    };
+    CASES.into_iter().filter(wanted).map(|case| row(reference, product, case)).collect()
+}
+
+fn name(machine: &str, commands: &str) -> String {
+    format!("stepping {machine}: {commands}")
+}
+
+fn row(reference: &Reference, product: &Product, (machine, commands): (&str, &str)) -> Row {
+    let name = name(machine, commands);
+    let both = copy(reference, machine).and_then(|copy| {
+        Ok((theirs(reference, &copy, commands)?, ours(reference, product, &copy, commands)?))
+    });
+    match both {
+        Ok((theirs, ours)) => Row::stepped(&name, &theirs, &ours),
+        Err(reason) => Row::failed(&name, &reason),
+    }
+}
+
+/// A copy with short sleeps, in which scripts write down when they are called.
+fn copy(reference: &Reference, machine: &str) -> Result<PathBuf> {
+    let shipped = reference.share.join("examples/functionality_examples");
+    let folder = workspace::target()?.join("conformance/stepping").join(machine);
+    super::case::remove(&folder)?;
+    super::case::copy(&shipped.join(format!("backward_step_{machine}")), &folder)?;
+    trace_scripts(&folder)?;
+    Ok(folder)
+}
+
+fn trace_scripts(folder: &Path) -> Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            trace_scripts(&path)?;
+        } else if path.ends_with("script.py") {
+            let text = fs::read_to_string(&path)?;
+            let text =
+                text.replace("sleep(0.2)", "sleep(0.01)").replace("sleep(1.0)", "sleep(0.01)");
+            fs::write(&path, text + TRACER)?;
+        }
+    }
+    Ok(())
+}
+
+/// An empty file for what scripts write.
+fn trace(machine: &Path, engine: &str) -> Result<PathBuf> {
+    let trace = machine.with_extension(engine);
+    fs::write(&trace, "")?;
+    Ok(trace)
+}
+
+fn theirs(reference: &Reference, machine: &Path, commands: &str) -> Result<Vec<String>> {
+    let trace = trace(machine, "theirs")?;
+    let mut command = process::command(&reference.python);
+    command.arg(workspace::path("tests/conformance/reference_stepper.py")).arg(machine);
+    command.args(commands.split(' ')).env("RAFCON_TRACE", &trace);
+    process::quiet(&mut command)?;
+    read(&trace)
+}
+
+fn ours(
+    reference: &Reference,
+    product: &Product,
+    machine: &Path,
+    commands: &str,
+) -> Result<Vec<String>> {
+    let trace = trace(machine, "ours")?;
+    let runs = machine.with_extension("runs");
+    super::case::remove(&runs)?;
+    let rafcon = || {
+        let mut command = process::command(&product.binary);
+        command.env("RAFCON_RUNS", &runs).env("RAFCON_TRACE", &trace);
+        command
+    };
+    let mut run = rafcon();
+    run.arg("run").arg(machine).args(["--hold", "--output", "json", "--python"]);
+    let mut run = Running::start(run.arg(&reference.python))?;
+    run.wait_for_socket(&runs)?;
+    for word in commands.split(' ') {
+        append(&trace, &format!("= {word}"))?;
+        tell(&mut rafcon(), &format!("step_{word}"))?;
+        wait_until_quiet(&trace)?;
+    }
+    let stands = run.is_alive()?;
+    append(&trace, if stands { "= stands" } else { "= ended" })?;
+    if stands {
+        tell(&mut rafcon(), "stop")?;
+    }
+    run.end()?;
+    read(&trace)
+}
+
+fn tell(rafcon: &mut Command, command: &str) -> Result<()> {
+    process::quiet(rafcon.args(["tell", "last", command])).map(drop)
+}
+
+/// A run in the background, which does not outlive this.
+struct Running(Child);
+
+impl Running {
+    fn start(command: &mut Command) -> Result<Self> {
+        let command = command.stdout(Stdio::null()).stdin(Stdio::null());
+        Ok(Self(command.spawn().context("cannot start `rafcon run`")?))
+    }
+
+    fn is_alive(&mut self) -> Result<bool> {
+        Ok(self.0.try_wait()?.is_none())
+    }
+
+    fn wait_for_socket(&mut self, runs: &Path) -> Result<()> {
+        let begun = Instant::now();
+        while !has_socket(runs) {
+            if begun.elapsed() > PATIENCE || !self.is_alive()? {
+                bail!("the run did not begin to listen");
+            }
+            thread::sleep(LOOK_EVERY);
+        }
+        Ok(())
+    }
+
+    fn end(mut self) -> Result<()> {
+        self.0.wait()?;
+        Ok(())
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // One that has ended cannot be killed, and need not be.
+        drop(self.0.kill());
+        drop(self.0.wait());
+    }
+}
+
+fn has_socket(runs: &Path) -> bool {
+    let Ok(mut entries) = fs::read_dir(runs) else { return false };
+    entries.any(|entry| entry.is_ok_and(|entry| entry.path().join("socket").exists()))
+}
+
+fn wait_until_quiet(trace: &Path) -> Result<()> {
+    let (mut size, mut since) = (fs::metadata(trace)?.len(), Instant::now());
+    while since.elapsed() < QUIET {
+        thread::sleep(LOOK_EVERY);
+        let now = fs::metadata(trace)?.len();
+        if now != size {
+            (size, since) = (now, Instant::now());
+        }
+    }
+    Ok(())
+}
+
+fn append(trace: &Path, line: &str) -> Result<()> {
+    let text = fs::read_to_string(trace)?;
+    Ok(fs::write(trace, format!("{text}{line}\n"))?)
+}
+
+/// One line for each command: what it made scripts do. What branches do side by side has no order.
+fn read(trace: &Path) -> Result<Vec<String>> {
+    let text = fs::read_to_string(trace)?;
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for line in text.lines() {
+        match (line.strip_prefix("= "), groups.last_mut()) {
+            (Some(command), _) => groups.push((command.to_owned(), Vec::new())),
+            (None, Some((_, calls))) => calls.push(line.to_owned()),
+            (None, None) => bail!("{}: a script ran before the first command", trace.display()),
+        }
+    }
+    let shown = groups.into_iter().map(|(command, mut calls)| {
+        calls.sort();
+        format!("{command}: {}", calls.join(", "))
+    });
+    Ok(shown.collect())
+}
