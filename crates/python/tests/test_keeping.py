@@ -48,7 +48,7 @@ class Lives(unittest.TestCase):
         return self.resume()
 
     def live_on_with(self, *expressions, before="", head="", outcome="success"):
-        """One state makes values, the next dies, runs again and compares what it gets with the same values made anew."""
+        """One state makes values, the next dies, runs again and compares what it gets with values made anew."""
         ports = [("v%d" % index, "object", None) for index in range(len(expressions))]
         make = "\n".join('outputs["v%d"] = %s' % pair for pair in enumerate(expressions))
         look = "\n".join(

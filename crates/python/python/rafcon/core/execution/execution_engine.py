@@ -117,7 +117,7 @@ class ExecutionEngine:
         native.command("run_only_selected", path)
 
     def replay_from_history(self, call_item, state_machine=None):
-        """Begins again at an entry of ``state.execution_history``, with the data of then. The machine has to be held."""
+        """Begins again at an entry of ``state.execution_history`` with its data. The machine has to be held."""
         native.command("start_from_history", None, call_item.sequence)
 
     def set_execution_mode(self, execution_mode, notify=True):
