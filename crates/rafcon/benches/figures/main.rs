@@ -8,6 +8,7 @@ mod build;
 mod clock;
 mod disk;
 mod flat;
+mod journal;
 mod machines;
 mod memory;
 
@@ -21,11 +22,12 @@ const RUNS: usize = 5;
 type Measure = fn(&Path) -> anyhow::Result<()>;
 
 /// Words on the command line choose among these; without a word all are measured.
-const PARTS: [(&str, Measure); 4] = [
+const PARTS: [(&str, Measure); 5] = [
     ("flat", |_| flat::measure()),
     ("build", |_| build::measure()),
     ("disk", disk::measure),
     ("memory", memory::measure),
+    ("journal", journal::measure),
 ];
 
 fn main() -> anyhow::Result<ExitCode> {

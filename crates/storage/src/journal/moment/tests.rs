@@ -2,9 +2,14 @@
 
 use super::{Moment, Standing};
 use crate::journal::notation;
-use crate::journal::record::{Item, Kept};
+use crate::journal::places::Places;
+use crate::journal::record::{Definition, Item, Kept, PlaceNumber, Record};
 use expect_test::{Expect, expect};
+use proptest::prelude::*;
+use smol_str::SmolStr;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use std::num::NonZeroU64;
 
 const PLACES: &str = r#"
     place R "Root" scoped n outcome done
@@ -275,4 +280,116 @@ fn what_is_held_is_held_until_it_goes_on() {
           A #3
     "]],
     );
+}
+
+/// A machine of all kinds: `C` has branches, `D` is nested twice.
+const RICH: &str = r#"
+    place R "R" scoped n outcome ok
+    place R/A "R/A" script in a out b outcome ok,no
+    place R/C "R/C" outcome ok
+    place R/C/P "R/C/P" script out p outcome ok
+    place R/C/Q "R/C/Q" scoped q outcome ok
+    place R/C/Q/Z "R/C/Q/Z" script in z outcome ok
+    place R/D "R/D" scoped d outcome ok
+    place R/D/E "R/D/E" library outcome ok
+    place R/D/E/F "R/D/E/F" script in f out g outcome ok
+"#;
+
+/// Records that could happen one after the other: each choice is a place and what is to happen there, if it can.
+fn possible(choices: &[(u32, u8, i64)]) -> Vec<Record> {
+    let mut places = Places::default();
+    for item in notation::parse(RICH).unwrap() {
+        let Item::Definition(Definition::Place(number, place)) = item else { unreachable!() };
+        places.define(number, place);
+    }
+    let mut active: BTreeSet<PlaceNumber> = BTreeSet::new();
+    let mut records = Vec::new();
+    for (place, what, value) in choices {
+        let place = PlaceNumber(*place);
+        let value = Kept::Int(*value);
+        let parent = places.parent(place);
+        let is_inside = parent.is_none_or(|parent| active.contains(&parent));
+        let has_children = active.iter().any(|child| places.parent(*child) == Some(place));
+        let ports = |ports: &[(u64, SmolStr)]| vec![value.clone(); ports.len()];
+        let known = places.get(place).unwrap();
+        let undoes = NonZeroU64::new(u64::from(*what == 3));
+        records.extend(match what {
+            0 | 3 if is_inside && active.insert(place) => {
+                Some(Record::Entered { place, inputs: ports(&known.inputs), undoes })
+            }
+            1 | 4 if !has_children && active.remove(&place) => {
+                let outputs = ports(&known.outputs);
+                let undoes = NonZeroU64::new(u64::from(*what == 4));
+                Some(Record::Left { place, outcome: 0, outputs, error: None, undoes })
+            }
+            2 if active.contains(&place) => {
+                known.scoped.first().map(|(port, _)| Record::Scoped { place, port: *port, value })
+            }
+            _ => None,
+        });
+    }
+    records
+}
+
+proptest! {
+    #[test]
+    fn a_moment_is_the_same_whatever_it_begins_from(
+        choices in prop::collection::vec((0_u32..9, 0_u8..5, 0_i64..3), 0..200),
+        cut in any::<prop::sample::Index>(),
+    ) {
+        let records = possible(&choices);
+        let mut whole = Moment::default();
+        for item in notation::parse(RICH).unwrap() {
+            let Item::Definition(definition) = item else { unreachable!() };
+            whole.define(&definition);
+        }
+        let cut = cut.index(records.len() + 1);
+        let mut resumed = None;
+        for (sequence, record) in (1_u64..).zip(&records) {
+            if sequence == cut as u64 + 1 {
+                let bytes = whole.to_bytes();
+                resumed = Some(Moment::from_bytes(&bytes, whole.places().clone()).unwrap());
+            }
+            for moment in [Some(&mut whole), resumed.as_mut()].into_iter().flatten() {
+                moment.apply(sequence, sequence * 7, record);
+            }
+        }
+        if let Some(resumed) = resumed {
+            prop_assert_eq!(resumed.active(), whole.active());
+            prop_assert_eq!(resumed.states_run(), whole.states_run());
+            prop_assert_eq!(resumed.entries(), whole.entries());
+        }
+    }
+
+    #[test]
+    fn any_bytes_are_a_moment_or_not(bytes in prop::collection::vec(any::<u8>(), 0..64)) {
+        let mut framed = vec![1, 2, 0, 0, 0, b'{', b'}'];
+        framed.extend(&bytes);
+        drop(Moment::from_bytes(&bytes, Places::default()));
+        drop(Moment::from_bytes(&framed, Places::default()));
+    }
+}
+
+#[test]
+fn a_long_loop_keeps_few_steps_and_says_when_they_do_not_reach() {
+    let mut moment = after("enter R");
+    let places = moment.places().clone();
+    let place = places.number("R/A").unwrap();
+    let entered = |undoes| Record::Entered { place, inputs: vec![], undoes };
+    let left = |undoes| Record::Left { place, outcome: 0, outputs: vec![], error: None, undoes };
+    for sequence in 1..30_000 {
+        moment.apply(sequence * 2, 0, &entered(None));
+        moment.apply(sequence * 2 + 1, 0, &left(None));
+    }
+    let bytes = moment.to_bytes();
+    assert!(bytes.len() < 20_000, "{}", bytes.len());
+    let mut short = Moment::from_bytes(&bytes, places).unwrap();
+    assert_eq!(short.active(), moment.active());
+    for _ in 0..5000 {
+        for moment in [&mut moment, &mut short] {
+            moment.apply(60_000, 0, &entered(NonZeroU64::new(1)));
+            moment.apply(60_001, 0, &left(NonZeroU64::new(1)));
+        }
+    }
+    assert!(short.lacks_steps() && !moment.lacks_steps());
 }
