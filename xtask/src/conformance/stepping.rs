@@ -6,23 +6,13 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 
 use super::table::Row;
 use crate::product::Product;
 use crate::reference::Reference;
 use crate::{process, workspace};
-
-/// A command has done its work when nothing was written for so long.
-const QUIET: Duration = Duration::from_millis(500);
-/// How often it is looked whether something was written.
-const LOOK_EVERY: Duration = Duration::from_millis(10);
-/// How long a run may take to begin.
-const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Appended to every script of a copy.
 const TRACER: &str = r#"
@@ -128,93 +118,11 @@ fn ours(
     commands: &str,
 ) -> Result<Vec<String>> {
     let trace = trace(machine, "ours")?;
-    let runs = machine.with_extension("runs");
-    super::case::remove(&runs)?;
-    let rafcon = || {
-        let mut command = process::command(&product.binary);
-        command.env("RAFCON_RUNS", &runs).env("RAFCON_TRACE", &trace);
-        command
-    };
-    let mut run = rafcon();
-    run.arg("run").arg(machine).args(["--hold", "--output", "json", "--python"]);
-    let mut run = Running::start(run.arg(&reference.python))?;
-    run.wait_for_socket(&runs)?;
-    for word in commands.split(' ') {
-        append(&trace, &format!("= {word}"))?;
-        tell(&mut rafcon(), &format!("step_{word}"))?;
-        wait_until_quiet(&trace)?;
-    }
-    let stands = run.is_alive()?;
-    append(&trace, if stands { "= stands" } else { "= ended" })?;
-    if stands {
-        tell(&mut rafcon(), "stop")?;
-    }
-    run.end()?;
+    let mut command = process::command(&reference.python);
+    command.arg(workspace::path("tests/conformance/our_stepper.py")).arg(&product.binary);
+    command.arg(machine).args(commands.split(' ')).env("RAFCON_TRACE", &trace);
+    process::quiet(&mut command)?;
     read(&trace)
-}
-
-fn tell(rafcon: &mut Command, command: &str) -> Result<()> {
-    process::quiet(rafcon.args(["tell", "last", command])).map(drop)
-}
-
-/// A run in the background, which does not outlive this.
-struct Running(Child);
-
-impl Running {
-    fn start(command: &mut Command) -> Result<Self> {
-        let command = command.stdout(Stdio::null()).stdin(Stdio::null());
-        Ok(Self(command.spawn().context("cannot start `rafcon run`")?))
-    }
-
-    fn is_alive(&mut self) -> Result<bool> {
-        Ok(self.0.try_wait()?.is_none())
-    }
-
-    fn wait_for_socket(&mut self, runs: &Path) -> Result<()> {
-        let begun = Instant::now();
-        while !has_socket(runs) {
-            if begun.elapsed() > PATIENCE || !self.is_alive()? {
-                bail!("the run did not begin to listen");
-            }
-            thread::sleep(LOOK_EVERY);
-        }
-        Ok(())
-    }
-
-    fn end(mut self) -> Result<()> {
-        self.0.wait()?;
-        Ok(())
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        // One that has ended cannot be killed, and need not be.
-        drop(self.0.kill());
-        drop(self.0.wait());
-    }
-}
-
-fn has_socket(runs: &Path) -> bool {
-    let Ok(mut entries) = fs::read_dir(runs) else { return false };
-    entries.any(|entry| entry.is_ok_and(|entry| entry.path().join("socket").exists()))
-}
-
-fn wait_until_quiet(trace: &Path) -> Result<()> {
-    let (mut size, mut since) = (fs::metadata(trace)?.len(), Instant::now());
-    while since.elapsed() < QUIET {
-        thread::sleep(LOOK_EVERY);
-        let now = fs::metadata(trace)?.len();
-        if now != size {
-            (size, since) = (now, Instant::now());
-        }
-    }
-    Ok(())
-}
-
-fn append(trace: &Path, line: &str) -> Result<()> {
-    let text = fs::read_to_string(trace)?;
-    Ok(fs::write(trace, format!("{text}{line}\n"))?)
 }
 
 /// One line for each command: what it made scripts do. What branches do side by side has no order.
