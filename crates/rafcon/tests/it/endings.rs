@@ -62,12 +62,15 @@ fn timed_out_is_6() {
 fn a_dead_runner_is_7() {
     check(
         "import os; os._exit(9)",
-        &expect![[r"
-        7 died
-        error: the Python process that ran the machine died: exit status 9
-          what was running:
-            Lonely (LONELY)
-    "]],
+        &expect![[r#"
+            7 died
+            error: the Python process that ran the machine died: exit status 9
+              what was running:
+                Lonely (LONELY)
+              everything up to there is kept; to go on:
+                rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
+                rafcon resume RUN                  (nothing moves until you decide)
+        "#]],
     );
 }
 
@@ -114,7 +117,7 @@ fn what_is_printed_is_what_happened() {
                   return "success"
         "#,
     );
-    let answer = place.run("--input name=\"Ada\"");
+    let answer = place.run("--keep off --input name=\"Ada\"");
     assert_eq!(answer.code, Some(0));
     expect![[r#"
         {"type":"entered","path":"ROOT"}

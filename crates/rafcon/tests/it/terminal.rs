@@ -75,7 +75,7 @@ fn waiting() -> (Place, Terminal, Child, String) {
     rustix::fs::mkfifoat(rustix::fs::CWD, &go, rustix::fs::Mode::RWXU).unwrap();
     let mut terminal = Terminal::new(40, 10);
     let child = terminal.run(&place, "run MACHINE");
-    let seen = terminal.read_until("   \u{2514}\u{2500} \x1b[0mWait");
+    let seen = terminal.read_until("\x1b[32m> \x1b[0m\x1b[1mWait");
     (place, terminal, child, seen)
 }
 

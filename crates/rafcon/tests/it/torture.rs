@@ -28,10 +28,10 @@ hierarchy ROOT "Torture"
   COUNTX.aborted -> RECOVR
   FORKED.success -> COUNTX ; FORKED.aborted -> RECOVR
   RECOVR.success -> COUNTX ; RECOVR.aborted -> RECOVR
-  flow .n -> COUNTX.n ; flow .bag -> COUNTX.bag
-  flow COUNTX.n -> .n ; flow COUNTX.bag -> .bag
-  flow .n -> FORKED.n ; flow FORKED.sides -> .sides
-  flow .n -> .total ; flow .sides -> .sides
+  flow .n -> COUNTX.n ; .bag -> COUNTX.bag
+  flow COUNTX.n -> .n ; COUNTX.bag -> .bag
+  flow .n -> FORKED.n ; FORKED.sides -> .sides
+  flow .n -> .total ; .sides -> .sides
   execution COUNTX "Count"
     outcome more
     outcome done
