@@ -7,7 +7,10 @@ use parking_lot::{Mutex, RwLock};
 use rafcon_engine::{
     Check, Globals, Job, Literals, ModelLiterals, NoGlobals, Program, Returned, ScriptResult,
 };
-use rafcon_model::{Machine, Value, notation};
+use rafcon_model::edit::{ChildrenEdit, Edit, TransitionEdit};
+use rafcon_model::{
+    Machine, Origin, OutcomeId, StateId, StatePath, Target, TransitionId, Value, notation,
+};
 use rafcon_protocol::{
     Answer, Command, Crash, Envelope, Event, Form, Hello, Join, Launch, LogLevel, OnCrash, Resume,
     Stream, ToRunner, ToViewer, decode, encode,
@@ -105,6 +108,7 @@ impl Cast {
                 let is_safe = recorder.safety().state().0 == recorder.last();
                 plain(Returned::Id(if is_safe { 0 } else { -1 }), Vec::new())
             }
+            "grow" => self.grow(place),
             "show" => {
                 let error = job.error.clone().unwrap_or_else(|| Value::str("no error"));
                 plain(Returned::Id(0), vec![Some(error)])
@@ -115,6 +119,31 @@ impl Cast {
 
     fn print(&self, place: &Place, level: LogLevel, line: String) {
         self.driver().log(Some(place.path), level, Stream::Logger, line);
+    }
+
+    /// Adds a state to ROOT/C, after all that are there.
+    fn grow(&self, place: &Arc<Place>) -> ScriptResult<Value> {
+        let (driver, container) = (self.driver(), StatePath::parse("ROOT/C"));
+        let id = format!("GROWN_{}", place.text.rsplit('/').next().unwrap_or_default());
+        let source = format!("execution {id}\n  outcome ok\n");
+        let state = notation::parse(&source).unwrap().root;
+        let add = Edit::Children(container.clone(), ChildrenEdit::Add(state));
+        driver.edit(&[add], "it grows", false).unwrap();
+        let grown = container.child(StateId::new(id.as_str()));
+        assert!(driver.machine().state(&grown).is_some());
+        driver.log(Some(place.path), LogLevel::Info, Stream::Logger, format!("grew {grown}"));
+        if place.text.ends_with("/D") {
+            let from = Origin::Outcome(StateId::new("D"), OutcomeId(0));
+            let transition = |from, to| TransitionEdit::Add { from, to };
+            let last = Origin::Outcome(StateId::new(id.as_str()), OutcomeId(0));
+            let there = transition(from, Target::State(StateId::new(id.as_str())));
+            let back = transition(last, Target::Outcome(OutcomeId(0)));
+            let edits = [(71, there), (72, back)].map(|(number, edit)| {
+                Edit::Transition(container.clone(), TransitionId(number), edit)
+            });
+            driver.edit(&edits, "it is connected", false).unwrap();
+        }
+        ScriptResult { returned: Returned::Id(0), outputs: Vec::new(), error: None }
     }
 
     fn ask(&self, place: &Arc<Place>) -> ScriptResult<Value> {

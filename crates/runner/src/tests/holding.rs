@@ -1,0 +1,153 @@
+//! Runs that hold: from the start, by steps, by breakpoints with conditions, with and without anybody who looks.
+
+use super::house::House;
+use expect_test::{Expect, expect};
+use rafcon_protocol::{Breakpoint, Command, Launch, Scope, Unattended, When};
+
+const THREE: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  A.ok -> B
+  B.ok -> C
+  C.ok -> .done
+  execution A
+    outcome ok
+  execution B
+    outcome ok
+  execution C
+    outcome ok
+";
+
+fn breakpoint(path: &str, condition: Option<&str>) -> Breakpoint {
+    Breakpoint {
+        id: 1,
+        path: path.to_owned(),
+        when: When::Before,
+        condition: condition.map(str::to_owned),
+        hit_count: 0,
+        scope: Scope::Branch,
+        unattended: Unattended::Hold,
+        enabled: true,
+    }
+}
+
+/// A run that is begun so, with these commands, each after an event.
+fn check(ask: impl FnOnce(&mut Launch), commands: &[(&str, Command)], expect: &Expect) {
+    let house = House::new(THREE);
+    let mut launch = house.launch();
+    ask(&mut launch);
+    let (mut viewer, runner) = house.begin(launch);
+    for (number, (after, command)) in commands.iter().enumerate() {
+        viewer.until_text(after);
+        assert_eq!(viewer.command(&number.to_string(), command.clone()), "applied");
+    }
+    let text = viewer.into_end();
+    let lines = text.split_inclusive('\n').filter(|line| !line.contains(" by test: "));
+    expect.assert_eq(&lines.collect::<String>());
+    runner.join().unwrap();
+}
+
+fn resume() -> Command {
+    Command::Resume { branch: None }
+}
+
+#[test]
+fn a_run_is_held_before_its_first_state_and_stepped() {
+    check(
+        |launch| launch.hold = true,
+        &[
+            ("ROOT is held before ROOT/A by Start", Command::StepInto { branch: None }),
+            ("ROOT is held before ROOT/B by Step", Command::RunTo { path: "ROOT/C".to_owned() }),
+            ("ROOT is held before ROOT/C by RunTo", resume()),
+        ],
+        &expect![[r"
+            +ROOT
+            ROOT is held before ROOT/A by Start
+            +ROOT/A
+            -ROOT/A=ok
+            ROOT is held before ROOT/B by Step
+            +ROOT/B
+            -ROOT/B=ok
+            ROOT is held before ROOT/C by RunTo
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done
+        "]],
+    );
+}
+
+#[test]
+fn a_breakpoint_holds_if_its_condition_is_true() {
+    let held = "ROOT is held before ROOT/B by Breakpoint { id: 1 }";
+    check(
+        |launch| launch.breakpoints = vec![breakpoint("ROOT/B", Some("true"))],
+        &[(held, resume())],
+        &expect![[r#"
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("true"), hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            +ROOT
+            +ROOT/A
+            -ROOT/A=ok
+            Hit { breakpoint: 1, path: "ROOT/B", hits: 1, held: true }
+            ROOT is held before ROOT/B by Breakpoint { id: 1 }
+            +ROOT/B
+            -ROOT/B=ok
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done
+        "#]],
+    );
+    check(
+        |launch| launch.breakpoints = vec![breakpoint("ROOT/B", Some("false"))],
+        &[],
+        &expect![[r#"
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("false"), hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            +ROOT
+            +ROOT/A
+            -ROOT/A=ok
+            +ROOT/B
+            -ROOT/B=ok
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done
+        "#]],
+    );
+}
+
+#[test]
+fn a_condition_that_cannot_be_told_holds_and_says_why() {
+    let held = "ROOT is held before ROOT/B by Breakpoint { id: 1 }";
+    check(
+        |launch| launch.breakpoints = vec![breakpoint("ROOT/B", Some("1 +"))],
+        &[(held, resume())],
+        &expect![[r#"
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("1 +"), hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            +ROOT
+            +ROOT/A
+            -ROOT/A=ok
+            log ROOT/B: the condition of breakpoint 1 cannot be evaluated (cannot read 1 +); it holds as if the condition were true
+            Hit { breakpoint: 1, path: "ROOT/B", hits: 1, held: true }
+            ROOT is held before ROOT/B by Breakpoint { id: 1 }
+            +ROOT/B
+            -ROOT/B=ok
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done
+        "#]],
+    );
+}
+
+#[test]
+fn a_breakpoint_lets_go_on_when_nobody_looks_any_more_if_it_says_so() {
+    let house = House::new(THREE);
+    let breakpoint = Breakpoint { unattended: Unattended::Continue, ..breakpoint("ROOT/B", None) };
+    let launch = Launch { breakpoints: vec![breakpoint], ..house.launch() };
+    let (mut viewer, runner) = house.begin(launch);
+    viewer.until_text("ROOT is held before ROOT/B by Breakpoint { id: 1 }");
+    drop(viewer);
+    runner.join().unwrap();
+}
