@@ -31,7 +31,7 @@ impl Mood {
     pub(crate) fn new(random: &mut Random) -> Self {
         let chances = [
             (Like::Steps, 60),
-            (Like::Breakpoints, 40),
+            (Like::Breakpoints, 50),
             (Like::Changes, 50),
             (Like::WaitingChanges, 70),
             (Like::Force, 50),
@@ -79,6 +79,17 @@ impl Moment<'_> {
             _ => None,
         };
         chosen.unwrap_or_else(|| StatePath::root(StateId::new("NOWHERE")))
+    }
+
+    /// A state in one that is active.
+    fn near(&self, random: &mut Random) -> StatePath {
+        let active = self.active();
+        let mut all = paths(self.machine);
+        all.retain(|path| path.parent().is_some_and(|parent| active.contains(&parent)));
+        match random.pick(&all).filter(|_| random.percent(80)) {
+            Some(path) => path,
+            None => self.path(random),
+        }
     }
 
     fn active(&self) -> Vec<StatePath> {
@@ -138,7 +149,8 @@ pub(crate) fn command(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> 
 
 fn while_held(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Value> {
     match random.below(10) {
-        0..=6 if mood.likes(Like::Steps) => step(moment, random),
+        0..=5 if mood.likes(Like::Steps) => step(moment, random),
+        6 if mood.likes(Like::Breakpoints) => breakpoints(moment, random),
         7 if mood.likes(Like::Force) => force(moment, random),
         8 if mood.likes(Like::BeginningAgain) => Input::Start(start(moment, random)),
         _ => Input::Resume(moment.branch(random)),
@@ -147,9 +159,9 @@ fn while_held(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Va
 
 fn while_free(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Value> {
     match random.below(10) {
-        0..=3 if mood.likes(Like::Steps) => Input::StepMode,
-        4 | 5 if mood.likes(Like::Steps) => Input::RunTo(moment.path(random)),
-        6 | 7 if mood.likes(Like::Breakpoints) => breakpoints(moment, random),
+        0..=2 if mood.likes(Like::Steps) => Input::StepMode,
+        3 | 4 if mood.likes(Like::Steps) => Input::RunTo(moment.path(random)),
+        5..=7 if mood.likes(Like::Breakpoints) => breakpoints(moment, random),
         8 if mood.likes(Like::Force) => Input::Preempt(moment.path(random)),
         _ => Input::Pause,
     }
@@ -202,9 +214,9 @@ fn breakpoints(moment: &Moment<'_>, random: &mut Random) -> Input<Value> {
     let alone = [Unattended::Hold, Unattended::Continue, Unattended::Stop];
     Input::Break(Breakpoint {
         id,
-        path: moment.path(random),
+        path: moment.near(random),
         when: if random.percent(60) { When::Before } else { When::After },
-        condition: random.percent(30).then(|| "x > 1".into()),
+        condition: random.percent(50).then(|| "x > 1".into()),
         hit_count: u32::try_from(random.small(4)).unwrap_or_default(),
         scope: if random.percent(70) { Scope::Branch } else { Scope::Run },
         unattended: random.pick(&alone).unwrap_or(Unattended::Hold),

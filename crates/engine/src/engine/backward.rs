@@ -204,7 +204,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// The defaults of a state's outputs, as they were when it began.
-    fn outputs_anew(&self, slot: u32) -> Arc<[D]> {
+    pub(super) fn outputs_anew(&self, slot: u32) -> Arc<[D]> {
         let frame = self.run.frames.get(slot);
         let node = self.program.node(frame.node);
         if frame.parent != NONE

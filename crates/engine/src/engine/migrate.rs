@@ -109,6 +109,7 @@ impl<'s, D: Datum> Step<'s, D> {
         frame.node = is;
         frame.pass = pass;
         frame.start_depth = frame.start_depth.filter(|&depth| (depth as usize) < steps);
+        self.renew_outputs(slot);
         self.migrate_trail(slot, before, was);
         match (&was.body, self.body(slot)) {
             (Body::Hierarchy(old), Body::Hierarchy(new)) => {
@@ -119,6 +120,14 @@ impl<'s, D: Datum> Step<'s, D> {
                 self.migrate_slots(slot, (before, was, old), new);
             }
             _ => {}
+        }
+    }
+
+    /// Defaults of the outputs of a container count when it ends.
+    fn renew_outputs(&mut self, slot: u32) {
+        if self.run.frames.get(slot).outputs.is_some() {
+            let outputs = self.outputs_anew(slot);
+            self.run.frames.get_mut(slot).outputs = Some(outputs);
         }
     }
 
