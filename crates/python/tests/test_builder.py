@@ -317,11 +317,17 @@ class Building(unittest.TestCase):
 
 
 class Guide(unittest.TestCase):
-    def test_the_guide_works(self):
+    def setUp(self):
         guide = (ROOT / "docs/guide/building.md").read_text(encoding="utf-8")
-        program = guide.partition("```python\n")[2].partition("```")[0]
-        shown = guide.partition("$ python3 counting.py\n")[2].partition("$")[0]
-        self.assertEqual(call(program), shown)
+        self.program = guide.partition("```python\n")[2].partition("```")[0]
+        self.shown = guide.partition("$ python3 counting.py\n")[2].partition("$")[0]
+
+    def test_the_guide_works(self):
+        self.assertEqual(call(self.program), self.shown)
+
+    @unittest.skipIf(REFERENCE is None, "RAFCON_REFERENCE_PYTHON is not set")
+    def test_the_guide_works_in_the_reference(self):
+        self.assertEqual(building.shown(call(self.program, REFERENCE, "")), self.shown)
 
 
 class Libraries(unittest.TestCase):

@@ -134,6 +134,27 @@ class Embedding(unittest.TestCase):
             """,
         )
 
+    def test_it_can_be_stepped(self):
+        self.check(
+            """
+            machine = one("print('one'); return 0")
+            engine.step_mode(machine.state_machine_id)
+            print(engine.join(0.01), engine.state_machine_running)
+            engine.step_into()
+            engine.start()
+            print(engine.join(), machine.root_state.final_outcome.name)
+            engine.run_only_selected_state("ROOTID/ONEXXX", machine.state_machine_id)
+            print(engine.join())
+            """,
+            """
+            False True
+            one
+            True success
+            one
+            True
+            """,
+        )
+
     def test_a_machine_that_cannot_start_says_why(self):
         self.check(
             """

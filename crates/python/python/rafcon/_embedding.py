@@ -27,7 +27,7 @@ _LEVELS = {
 class Run:
     """One run; it begins when the object is made."""
 
-    def __init__(self, machine, start_state_path=None):
+    def __init__(self, machine, start_state_path=None, hold=False):
         self._machine = machine
         self._error = None
         self._ending = None
@@ -36,7 +36,7 @@ class Run:
         _objects.forget_machine()
         self._copy = None if _is_saved(machine) else tempfile.TemporaryDirectory(prefix="rafcon-")
         ours, theirs = socket.socketpair()
-        self._send(ours, start_state_path)
+        self._send(ours, {"start_from": start_state_path, "hold": hold})
         self._host = threading.Thread(target=self._serve, args=(theirs.detach(),), name="rafcon run")
         self._reader = threading.Thread(target=self._read, args=(ours,), name="rafcon run's log")
         self._host.start()
@@ -46,7 +46,7 @@ class Run:
             self.join()
             raise RuntimeError(f"the state machine cannot be run: {self._error}")
 
-    def _send(self, ours, start_state_path):
+    def _send(self, ours, begin):
         if self._copy is not None:
             native.save_document(self._machine._document, self._copy.name, (True, None), True)
         from rafcon.core.singleton import library_manager
@@ -54,9 +54,9 @@ class Run:
         launch = {
             "message": "launch",
             "machine": self._machine.file_system_path if self._copy is None else self._copy.name,
-            "start_from": start_state_path,
             "libraries": list(library_manager.library_root_paths.items()),
             "config": global_config._path,
+            **begin,
         }
         for message in ({"protocol": native.PROTOCOL, "program": "python"}, launch):
             ours.sendall(json.dumps(message).encode() + b"\n")

@@ -5,6 +5,7 @@ from rafcon._bridge import native
 from rafcon.core.custom_exceptions import CommandNotSupported
 from rafcon.core.execution.execution_status import ExecutionStatus, StateMachineExecutionStatus
 
+
 class ExecutionEngine:
     """Runs the state machine. A command takes effect at once and returns at once.
 
@@ -33,22 +34,24 @@ class ExecutionEngine:
 
         ``start_state_path`` names the state to begin at. Scripts can only resume the machine that they are part of.
         """
-        if _objects.is_host() or self._is_running():
+        if not self._begin(state_machine_id, start_state_path):
             native.command("resume")
-            return
+
+    def _begin(self, state_machine_id, start_state_path=None, hold=False):
+        """Starts a machine of this program, perhaps held before its first state; False if one runs already."""
+        if _objects.is_host() or self._is_running():
+            return False
         manager = self.state_machine_manager
         if state_machine_id is not None:
             manager.active_state_machine_id = state_machine_id
         machine = manager.get_active_state_machine()
         if machine is None:
             raise AttributeError("there is no active state machine; give the id of one that was added to the manager")
-        self._begin(machine, start_state_path)
-
-    def _begin(self, machine, start_state_path):
         if self._run is not None:
             self._run.retire()
-        self._run = _embedding.Run(machine, start_state_path)
+        self._run = _embedding.Run(machine, start_state_path, hold)
         machine.root_state._home.run = self._run
+        return True
 
     def _is_running(self):
         return self._run is not None and not self._run.is_over()
@@ -85,8 +88,9 @@ class ExecutionEngine:
     # ---- step by step
 
     def step_mode(self, state_machine_id=None):
-        """Holds wherever a next state would begin, from now on."""
-        native.command("step_mode")
+        """Holds wherever a next state would begin, from now on; a machine of this program is started for it."""
+        if not self._begin(state_machine_id, hold=True):
+            native.command("step_mode")
 
     def step_into(self):
         """One state further on every branch that is held, entering it."""
@@ -106,14 +110,17 @@ class ExecutionEngine:
 
     def run_to_selected_state(self, path, state_machine_id=None):
         """Runs until before the state at a path, and holds there."""
+        self._begin(state_machine_id, hold=True)
         native.command("run_to", path)
 
     def run_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and holds. The machine has to be held."""
+        self._begin(state_machine_id, hold=True)
         native.command("run_selected", path)
 
     def run_only_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and stops. The machine has to be held."""
+        self._begin(state_machine_id, hold=True)
         native.command("run_only_selected", path)
 
     def replay_from_history(self, call_item, state_machine=None):
