@@ -4,8 +4,9 @@ In a running state machine this package is what scripts see: ``self`` is a state
 :mod:`rafcon.core.states`, ``gvm`` the manager of :mod:`rafcon.core.global_variable_manager`, and the running
 objects are in :mod:`rafcon.core.singleton`.
 
-In a plain interpreter it can be imported too; type checkers, editors and tests of script code then find every name.
-There is no machine behind it there: start one with ``rafcon run PATH``.
+In a plain interpreter the same classes build machines, load and save them (:mod:`rafcon.core.storage.storage`), and
+run them where they were built (``state_machine_execution_engine`` of :mod:`rafcon.core.singleton`). Without the
+compiled module, type checkers, editors and tests of script code still find every name.
 """
 
 __version__ = "0.1.0"

@@ -16,8 +16,8 @@ class _Absent:
 
     def __getattr__(self, name):
         raise NoRunningMachine(
-            f"there is no running state machine in this interpreter, so `rafcon` cannot answer `{name}`; "
-            "start the machine with `rafcon run PATH`"
+            f"there is no running state machine and no compiled module in this interpreter, so `rafcon` cannot answer "
+            f"`{name}`; start the machine with `rafcon run PATH`, or install the wheel to build machines"
         )
 
     def current_path(self):
