@@ -108,3 +108,53 @@ fn run(mut bytes: &[u8], life: u32) -> Vec<Frame<'_>> {
     }
     frames
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Leftovers;
+    use crate::journal::batch::Batch;
+    use crate::journal::frame::{self, Head};
+    use crate::journal::recorder::{HEADER, MAGIC, SEGMENTS};
+    use proptest::prelude::*;
+
+    const SEGMENT: usize = 4096;
+
+    /// A recorder of life 3 whose segments hold these frames, each by number, first event and count.
+    fn recorder(segments: &[Vec<(u64, u64, u32)>]) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        for number in [3, SEGMENT as u64, SEGMENTS as u64] {
+            bytes.extend_from_slice(&number.to_le_bytes());
+        }
+        bytes.resize(HEADER + SEGMENTS * SEGMENT, 0);
+        for (frames, segment) in segments.iter().zip(bytes[HEADER..].chunks_mut(SEGMENT)) {
+            let length = frame::length(&Batch::new(0));
+            for ((number, first, count), into) in frames.iter().zip(segment.chunks_mut(length)) {
+                let (number, first, count) = (*number, *first, *count);
+                let head = Head { number, first, count, t_before: 0, t_last: 0, spilled: false };
+                frame::write(into, 3, head, &Batch::new(0));
+            }
+        }
+        bytes
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_lies_there_the_frames_follow_on_one_another(
+            segments in prop::collection::vec(
+                prop::collection::vec((1_u64..12, 0_u64..12, 0_u32..3), 0..5), SEGMENTS),
+            committed in 0_u64..6,
+            cut in 0..HEADER + SEGMENTS * SEGMENT,
+        ) {
+            let mut bytes = recorder(&segments);
+            bytes.truncate(bytes.len() - cut);
+            let leftovers = Leftovers::new(bytes);
+            let mut next = committed + 1;
+            let mut last = None;
+            for frame in leftovers.frames(committed) {
+                prop_assert_eq!(frame.head.first, next);
+                prop_assert!(last.is_none_or(|last| frame.head.number == last + 1));
+                (next, last) = (frame.head.next(), Some(frame.head.number));
+            }
+        }
+    }
+}
