@@ -21,7 +21,8 @@ pub enum Event<D> {
         /// It is entered backwards: the entry that is undone, counted from 1 over all entries of the run.
         undoes: Option<NonZeroU64>,
     },
-    /// A state ended. A state that is left backwards has the outcome that is undone.
+    /// A state ended. A state that is left backwards has the outcome that is undone, *preempted* if it had none yet, and
+    /// gives nothing.
     Left {
         /// Where it stands.
         path: PathId,
@@ -56,7 +57,8 @@ pub enum Event<D> {
     },
     /// A branch is held until somebody lets it go on.
     Held {
-        /// The container that is held.
+        /// The container that is held: a concurrency state, where one of its branches is; the root, where that has not
+        /// begun or has ended.
         path: PathId,
         /// The state before which it is held, if there is one.
         next: Option<PathId>,
