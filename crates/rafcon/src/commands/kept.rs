@@ -3,11 +3,12 @@
 use crate::cli;
 use crate::environment::Environment;
 use crate::runs::Runs;
-use crate::view::Paint;
+use crate::view::{Paint, time};
 use anyhow::{Context as _, Result};
 use rafcon_storage::journal::Reader;
 use std::io::{self, BufWriter, IsTerminal as _, StdoutLock};
 use std::path::Path;
+use std::time::Duration;
 
 /// Opens the run that the user means.
 pub(super) fn open(raw: &cli::KeptRun, environment: &Environment) -> Result<Reader> {
@@ -28,4 +29,25 @@ pub(super) fn out() -> BufWriter<StdoutLock<'static>> {
 pub(super) fn paint(environment: &Environment) -> Paint {
     let colour = io::stdout().is_terminal() && !environment.no_color;
     Paint { colour, unicode: environment.unicode }
+}
+
+/// A length of time as people say it: `2.4 ms`, `340 ms`, and from a second on as everywhere.
+pub(super) fn span(length: Duration) -> String {
+    match length.as_secs_f64() * 1e3 {
+        ms if ms < 9.95 => format!("{ms:.1} ms"),
+        ms if ms < 999.5 => format!("{ms:.0} ms"),
+        _ => time(length),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::span;
+    use std::time::Duration;
+
+    #[test]
+    fn short_times_are_told_in_milliseconds() {
+        let spans = [0, 2_400, 12_300, 999_400, 1_000_000].map(Duration::from_micros).map(span);
+        assert_eq!(spans, ["0.0 ms", "2.4 ms", "12 ms", "999 ms", "1.0 s"]);
+    }
 }

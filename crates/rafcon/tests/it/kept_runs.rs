@@ -95,7 +95,8 @@ fn a_history_reads_line_by_line() {
                   2     0.000  Mission  entered
                   3     0.000  Mission  n = 0
                   4     0.001  Mission/Scan  entered
-                  5     0.002  Mission/Scan  scanning\nthe kitchen
+                  5     0.002  Mission/Scan  scanning
+                               the kitchen
                   6     0.003  global map = {"rooms": [1, 2]}
                   7     1.003  Mission/Scan  ended by ok after 1.0 s
                   8     1.003  Mission  n = 2
@@ -120,11 +121,12 @@ fn a_history_is_filtered() {
     check(
         "history last --state scan --values",
         &expect![[r#"
-        0
-              4     0.001  Mission/Scan  entered: where = "kitchen"
-              5     0.002  Mission/Scan  scanning\nthe kitchen
-              7     1.003  Mission/Scan  ended by ok after 1.0 s: rooms = [1, 2]
-    "#]],
+            0
+                  4     0.001  Mission/Scan  entered: where = "kitchen"
+                  5     0.002  Mission/Scan  scanning
+                               the kitchen
+                  7     1.003  Mission/Scan  ended by ok after 1.0 s: rooms = [1, 2]
+        "#]],
     );
     check(
         "history last --outcome aborted --values",
@@ -136,9 +138,10 @@ fn a_history_is_filtered() {
     check(
         "history last --text KITCHEN --kind log",
         &expect![[r"
-        0
-              5     0.002  Mission/Scan  scanning\nthe kitchen
-    "]],
+            0
+                  5     0.002  Mission/Scan  scanning
+                               the kitchen
+        "]],
     );
     check(
         "history last --from 1.003 --to 1.0045",
@@ -219,16 +222,16 @@ fn a_run_is_replayed_at_any_event() {
     check(
         "replay 20261121-194001 --time 1.0045",
         &expect![[r#"
-        0
-        Mission at event 10 of 20, 1.0 s after the start, 4 states run: running
-        Mission  for 1.0 s (event 2)
-          input speed = 1.5
-          scoped n = 2
-          Scan ended by ok (event 7): rooms = [1, 2]
-          Both  for 0.0 s (event 9)
-            Left  for 0.0 s (event 10)
-        global map = {"rooms": [1, 2]}
-    "#]],
+            0
+            Mission at event 10 of 20, 1.0 s after the start, 4 states run: running
+            Mission  for 1.0 s (event 2)
+              input speed = 1.5
+              scoped n = 2
+              Scan ended by ok (event 7): rooms = [1, 2]
+              Both  for 0.5 ms (event 9)
+                Left  for 0.0 ms (event 10)
+            global map = {"rooms": [1, 2]}
+        "#]],
     );
     check(
         "replay 20261121-194001 --at 21",

@@ -25,16 +25,22 @@ pub fn tell(record: Record, glossary: &impl Glossary, values: bool) -> Result<Ev
 /// A value as a reader sees it.
 pub(super) fn view(kept: &Kept, glossary: &impl Glossary) -> Result<Value, JournalError> {
     Ok(match kept {
-        Kept::Absent | Kept::None => Value::Null,
+        Kept::None => Value::Null,
         Kept::Bool(value) => (*value).into(),
         Kept::Int(value) => (*value).into(),
         Kept::Float(value) => float(*value),
         Kept::Text(text) => text.as_str().into(),
         Kept::Value(number) => match glossary.value(*number)? {
             Some(stored) => stored.view,
-            None => json!({ "__repr__": "<no longer kept>", "__class__": "" }),
+            None => gone(),
         },
+        Kept::Absent => gone(),
     })
+}
+
+/// Stands for a value that was given up to keep the journal small.
+fn gone() -> Value {
+    json!({ "__repr__": "<no longer kept>", "__class__": "" })
 }
 
 struct Telling<'g, G> {

@@ -1,10 +1,10 @@
 //! `rafcon compare`: where two runs part, which data differed before, and where they took their time.
 
-use super::kept::{open_folder, out, paint};
+use super::kept::{open_folder, out, paint, span};
 use crate::cli;
 use crate::environment::Environment;
 use crate::runs::Runs;
-use crate::view::{Line, Style, counted, harmless, outcome_style, shown, time};
+use crate::view::{Line, Style, counted, harmless, outcome_style, shown};
 use anyhow::Result;
 use rafcon_storage::journal::{self, Change, Comparison, Happened, Reader, Time, Timing};
 use serde_json::Value;
@@ -77,7 +77,7 @@ fn happened(run: &str, step: Option<&Happened>) -> Line {
             .and(Style::Plain, format!(" ended{backwards} by "))
             .and(outcome_style(outcome), harmless(&outcome.name)),
     };
-    let at = time(Duration::from_nanos(step.t_ns));
+    let at = span(Duration::from_nanos(step.t_ns));
     line.and(Style::Dim, format!(" (event {}, after {at})", step.sequence))
 }
 

@@ -28,7 +28,10 @@ pub(super) fn history(raw: &cli::History, environment: &Environment) -> Result<E
         to_ns: raw.to.map(nanos),
     };
     let paint = paint(environment);
-    let text = |found: &Found| vec![words::line(found, raw.values).render(paint)];
+    let text = |found: &Found| {
+        let lines = words::lines(found, raw.values);
+        lines.iter().map(|line| line.render(paint)).collect()
+    };
     let json = |found: &Found| found.json(raw.values);
     let mut reader = open(&raw.run, environment)?;
     print(&mut reader, &filter, raw.last, if raw.json { &json } else { &text })

@@ -1,19 +1,28 @@
 //! Events in words: one line each. Knows what people call things; must never know where events come from.
 
 use super::Found;
-use crate::view::{Line, Style, harmless, outcome_style, shown, time};
+use crate::commands::kept::span;
+use crate::view::{Line, Style, harmless, outcome_style, shown};
 use rafcon_protocol::{
     Answer, Breakpoint, Closing, Command, Event, HeldBy, LogLevel, OnCrash, Outcome, Values, When,
 };
 use serde_json::Value;
 
-/// The line of an event: its number, its time, the state, and what happened.
-pub(super) fn line(found: &Found, values: bool) -> Line {
+/// The lines of an event: its number, its time, the state, and what happened.
+pub(super) fn lines(found: &Found, values: bool) -> Vec<Line> {
     let head = format!("{:>7} {:9.3}  ", found.sequence, found.time().as_secs_f64());
+    let below = " ".repeat(head.len());
     let gap = if found.names.is_empty() { "" } else { "  " };
-    Line::of(Style::Dim, head)
-        .and(Style::Strong, format!("{}{gap}", harmless(&found.names)))
-        .followed_by(what(found, values))
+    let head =
+        Line::of(Style::Dim, head).and(Style::Strong, format!("{}{gap}", harmless(&found.names)));
+    let Event::Log { level, message, .. } = &found.event else {
+        return vec![head.followed_by(what(found, values))];
+    };
+    let style = level_style(*level);
+    let mut text = message.lines();
+    let first = head.and(style, harmless(text.next().unwrap_or_default()));
+    let rest = text.map(|text| Line::of(style, format!("{below}{}", harmless(text))));
+    std::iter::once(first).chain(rest).collect()
 }
 
 fn what(found: &Found, values: bool) -> Line {
@@ -26,7 +35,7 @@ fn what(found: &Found, values: bool) -> Line {
             let text = if undoes.is_some() { "left backwards" } else { "ended by " };
             let line = Line::of(Style::Dim, text);
             let line = if undoes.is_some() { line } else { line.followed_by(named(outcome)) };
-            let after = found.lasted.map(|lasted| format!(" after {}", time(lasted)));
+            let after = found.lasted.map(|lasted| format!(" after {}", span(lasted)));
             let line = line.and(Style::Dim, after.unwrap_or_default());
             let line = line.followed_by(with(outputs.as_ref().filter(|_| values)));
             match error.as_ref().filter(|_| values) {
@@ -44,7 +53,6 @@ fn what(found: &Found, values: bool) -> Line {
         Event::Persistent { value: v, .. } => {
             Line::of(Style::Plain, format!("remembers {}", value(v)))
         }
-        Event::Log { level, message, .. } => Line::of(level_style(*level), harmless(message)),
         Event::Finished { outcome, outputs, .. } => Line::of(Style::Plain, "the run ended by ")
             .followed_by(named(outcome))
             .followed_by(with(Some(outputs).filter(|_| values))),

@@ -1,5 +1,6 @@
 //! A moment as lines: the active states as a tree, each with its data. Knows pictures of moments, not journals.
 
+use crate::commands::kept::span;
 use crate::view::{Line, Style, counted, harmless, outcome_style, shown, time};
 use rafcon_protocol::{RunStatus, Values};
 use rafcon_storage::journal::{Picture, PicturedEnd, PicturedState};
@@ -49,7 +50,7 @@ fn of_state(state: &PicturedState, picture: &Picture) -> Vec<Line> {
     let indent = "  ".repeat(state.depth);
     let name = state.names.rsplit('/').next().unwrap_or_default();
     let since = Duration::from_nanos(picture.t_ns.saturating_sub(state.since_ns));
-    let facts = format!("  for {} (event {})", time(since), state.entered);
+    let facts = format!("  for {} (event {})", span(since), state.entered);
     let mut head = Line::of(Style::Plain, indent.clone())
         .and(Style::Strong, harmless(name))
         .and(Style::Dim, facts);
