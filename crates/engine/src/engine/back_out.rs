@@ -89,7 +89,7 @@ impl<D: Datum> Step<'_, D> {
         match popped {
             Some((trace, values)) => {
                 frame.last = trace.last;
-                frame.last_error = trace.error;
+                frame.last_error = trace.error.map(|error| *error);
                 self.put_back(slot, values);
             }
             None => frame.last_error = frame.gave.take(),

@@ -8,10 +8,11 @@ use crate::program::Body;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Steps that are kept in a run, unless it is told otherwise.
-pub(super) const STEPS_MAX: usize = 10_000;
+/// Steps that are kept in a run, unless it is told otherwise: more than anybody goes back by hand, and few enough that the
+/// values that they hold on to, and the memory that is written for each state, do not matter.
+pub(super) const STEPS_MAX: usize = 2_000;
 /// Steps that are kept beyond the limit before the oldest are given up, all at once.
-const SLACK: usize = 2_500;
+const SLACK: usize = 500;
 /// How deep containers that ended are kept; what is deeper is given up, so that no stack depends on the depth of a machine.
 const DEPTH_MAX: u32 = 200;
 
@@ -42,7 +43,7 @@ pub(super) struct Trace<D> {
     pub(super) past: Past<D>,
     pub(super) last: Option<(u32, u32)>,
     /// The error that was handed to the child.
-    pub(super) error: Option<D>,
+    pub(super) error: Option<Box<D>>,
     /// How many values it replaced.
     pub(super) replaced: usize,
 }
@@ -250,7 +251,7 @@ impl<D: Datum> Step<'_, D> {
         if std::mem::take(&mut frame.trail.undoing) {
             return frame.trail.renew(past, replaced);
         }
-        let (last, error) = (frame.last, frame.gave.take());
+        let (last, error) = (frame.last, frame.gave.take().map(Box::new));
         frame.trail.push(Trace { child, past, last, error, replaced });
         self.run.steps_kept += 1;
         if self.run.steps_kept > self.run.steps_max + SLACK {

@@ -893,7 +893,7 @@ hierarchy ROOT
 
 #[test]
 fn the_oldest_steps_are_given_up() {
-    let many = "A ok y=7; ".repeat(2_503);
+    let many = "A ok y=7; ".repeat(503);
     let script = format!(
         "trail 2; start; {many}step mode; A ok y=9; step back; A ok; step back; A ok; step back; A ok; step back"
     );
@@ -906,24 +906,24 @@ fn the_oldest_steps_are_given_up() {
         set ROOT.n = 9
         hold ROOT before ROOT/A (Step)
         > step back
-        enter back 2505 ROOT/A x=9
+        enter back 505 ROOT/A x=9
           undo ROOT/A x=9
         > A ok
-        leave back 2505 ROOT/A ok y=None
+        leave back 505 ROOT/A ok y=None
         set ROOT.n = 7
         hold ROOT before ROOT/A (Step)
         > step back
-        enter back 2504 ROOT/A x=7
+        enter back 504 ROOT/A x=7
           undo ROOT/A x=7
         > A ok
-        leave back 2504 ROOT/A ok y=None
+        leave back 504 ROOT/A ok y=None
         set ROOT.n = 7
         hold ROOT before ROOT/A (Step)
         > step back
-        enter back 2503 ROOT/A x=7
+        enter back 503 ROOT/A x=7
           undo ROOT/A x=7
         > A ok
-        leave back 2503 ROOT/A ok y=None
+        leave back 503 ROOT/A ok y=None
         set ROOT.n = 7
         hold ROOT before ROOT/A (Step)
         > step back
