@@ -3,7 +3,7 @@
 
 use crate::handle::Handle;
 use crate::process::{PythonHost, adopt};
-use crate::{current, runtime::Runtime};
+use crate::{current, fork, runtime::Runtime};
 use parking_lot::Mutex;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -63,8 +63,10 @@ fn named<'py>(py: Python<'py>, values: &[(SmolStr, Handle)]) -> PyResult<Bound<'
 /// stay those of the program.
 #[pyfunction]
 pub(crate) fn host(py: Python<'_>, fd: RawFd) -> PyResult<()> {
-    current::embed();
     let stream = adopt(py, fd)?;
+    if current::embed() {
+        fork::register(&py.import("rafcon._native")?)?;
+    }
     Runtime::get(py)?;
     match py.detach(|| serve(stream, PythonHost::default())) {
         Ok(()) | Err(ServeError::Load(_)) => Ok(()),

@@ -24,9 +24,9 @@ pub(crate) fn set(driver: &Run) {
     drop(earlier);
 }
 
-/// Runs are hosted by a program that has other things to do, too.
-pub(crate) fn embed() {
-    EMBEDDED.store(true, Ordering::Relaxed);
+/// Runs are hosted by a program that has other things to do, too. True if that is news.
+pub(crate) fn embed() -> bool {
+    !EMBEDDED.swap(true, Ordering::Relaxed)
 }
 
 /// Whether the process belongs to a program that has other things to do.

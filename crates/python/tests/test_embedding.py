@@ -134,6 +134,44 @@ class Embedding(unittest.TestCase):
             """,
         )
 
+    def test_a_script_may_fork(self):
+        self.check(
+            """
+            text = "child = os.fork(); outputs['code'] = os.waitpid(child, 0)[1] if child else None; return 0"
+            machine = one(text)
+            state = machine.root_state.states["ONEXXX"]
+            state.script_text = "import os\\n" + state.script_text
+            state.add_output_data_port("code", object)
+            for _ in range(2):
+                machine.start()
+                print(engine.join(), state.output_data)
+            """,
+            """
+            True {'code': 0}
+            True {'code': 0}
+            """,
+        )
+
+    def test_ctrl_c_ends_the_wait_and_the_machine(self):
+        self.check(
+            """
+            machine = one("os.kill(os.getpid(), signal.SIGINT); self.preemptive_wait(); return 0")
+            state = machine.root_state.states["ONEXXX"]
+            state.script_text = "import os, signal\\n" + state.script_text
+            try:
+                machine.start()
+                engine.join()
+                engine.join(30)
+            except KeyboardInterrupt:
+                print("interrupted")
+            print(engine.join(), machine.root_state.final_outcome.name)
+            """,
+            """
+            interrupted
+            True preempted
+            """,
+        )
+
     def test_it_can_be_stepped(self):
         self.check(
             """

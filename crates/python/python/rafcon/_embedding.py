@@ -25,7 +25,7 @@ _LEVELS = {
 
 
 class Run:
-    """One run; it begins when the object is made."""
+    """One run. Making it sends it off; :meth:`begin` waits until it has begun."""
 
     def __init__(self, machine, start_state_path=None, hold=False):
         self._machine = machine
@@ -41,6 +41,9 @@ class Run:
         self._reader = threading.Thread(target=self._read, args=(ours,), name="rafcon run's log")
         self._host.start()
         self._reader.start()
+
+    def begin(self):
+        """Waits until the machine runs; ``RuntimeError`` if it cannot."""
         self._begun.wait()
         if self._error is not None:
             self.join()

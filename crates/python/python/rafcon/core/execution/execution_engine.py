@@ -49,8 +49,12 @@ class ExecutionEngine:
             raise AttributeError("there is no active state machine; give the id of one that was added to the manager")
         if self._run is not None:
             self._run.retire()
-        self._run = _embedding.Run(machine, start_state_path, hold)
-        machine.root_state._home.run = self._run
+        self._run = machine.root_state._home.run = _embedding.Run(machine, start_state_path, hold)
+        try:
+            self._run.begin()
+        except RuntimeError:
+            self._run = machine.root_state._home.run = None
+            raise
         return True
 
     def _is_running(self):
