@@ -410,6 +410,38 @@ fn what_cannot_be_is_refused_with_the_way_out() {
 }
 
 #[test]
+fn a_run_that_never_began_leaves_nothing() {
+    let place = Place::empty();
+    assert_eq!(place.call("run nowhere --runs runs").code, Some(1));
+    let left = std::fs::read_dir(place.path("runs")).into_iter().flatten().count();
+    assert_eq!(left, 0);
+}
+
+#[test]
+fn a_real_run_can_be_read() {
+    let place = Place::with_script(
+        "def execute(self, inputs, outputs, gvm):\n    print('hello')\n    return 'failure'",
+    );
+    assert_eq!(place.run("--runs runs").code, Some(3));
+    let answer = place.call("history last --runs runs --kind entered --kind left --kind finished");
+    let without_times =
+        |line: &str| line[19..].split(" after ").next().unwrap_or_default().to_owned() + "\n";
+    let told: String = answer.stdout.lines().map(without_times).collect();
+    expect![[r"
+        Lonely  entered
+        Lonely  ended by failure
+        the run ended by failure
+    "]]
+    .assert_eq(&told);
+    let log = place.call("log last --runs runs").stdout;
+    assert!(log.ends_with("Lonely  hello\n"), "{log}");
+    let replayed = place.call("replay last --runs runs").stdout;
+    assert!(replayed.ends_with("1 state run: ended by failure (1)\n"), "{replayed}");
+    let alike = place.call("compare last last --runs runs").stdout;
+    assert!(alike.contains("the runs do not part: 2 steps alike"), "{alike}");
+}
+
+#[test]
 fn old_runs_go_but_not_the_newest() {
     let place = Place::empty();
     for number in 1..=13 {

@@ -46,3 +46,13 @@ impl Place {
             .unwrap_or_default()
     }
 }
+
+impl Drop for Place {
+    /// A run that never began leaves no folder.
+    fn drop(&mut self) {
+        if let Self::Kept(folder) = self {
+            // Only an empty one can be removed in this way.
+            std::fs::remove_dir(folder).unwrap_or_default();
+        }
+    }
+}
