@@ -118,8 +118,17 @@ pub struct Restore<D> {
     /// Whether the run is held, in step mode: hierarchies before their next child, and, with [`Interrupted::Again`],
     /// scripts before they run again.
     pub hold: bool,
-    /// How many states had been run in earlier lives of the run; counts only in an engine that has not started.
+    /// What was counted in earlier lives of the run; looked at only in an engine that has not started.
+    pub counted: Counted,
+}
+
+/// What an engine counts from the start of a run on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counted {
+    /// States that were run; library states are not counted.
     pub states_run: u64,
+    /// Entries, those of library states and those that undo others too: the last number that was given to one.
+    pub entries: u64,
 }
 
 /// A program to go on with.

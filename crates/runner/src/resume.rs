@@ -6,7 +6,7 @@ use crate::prepare::{Copied, Prepared, prepare, reason};
 use crate::recorder::Recorder;
 use crate::revive::{Reviver, Surroundings};
 use crate::{Driver, Host, Scripts, tell};
-use rafcon_engine::{Input, Interrupted, Restore, Start};
+use rafcon_engine::{Counted, Input, Interrupted, Restore, Start};
 use rafcon_protocol::{Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active};
 use rafcon_storage::journal::{
     About, Hash, Journal, Kept, Moment, Place, Reader, Record, TakenUp, unpack,
@@ -113,7 +113,7 @@ impl Past {
         driver.tell(Event::Resumed { life, crash, policy });
         whole.breakpoints.values().try_for_each(|point| driver.set_breakpoint(point))?;
         if let Some(from) = &self.from {
-            return driver.go_back(&self.reader, from, self.last.states_run());
+            return driver.go_back(&self.reader, from, counted(&self.last));
         }
         let held = matches!(whole.status, RunStatus::Paused | RunStatus::Stepping);
         let restore = driver.revive(&self.reader, &self.last);
@@ -126,12 +126,17 @@ impl Past {
             OnCrash::Abort => Interrupted::Abort,
             OnCrash::Restart => Interrupted::Again,
         };
-        let states_run = self.last.states_run();
+        let counted = counted(&self.last);
         let hold = hold || held;
-        let restore = Restore { root, interrupted, crash, hold, states_run };
+        let restore = Restore { root, interrupted, crash, hold, counted };
         driver.input(Input::Restore(Box::new(restore)))?;
         if whole.status == RunStatus::Stopping { driver.input(Input::Stop) } else { Ok(()) }
     }
+}
+
+/// What the engine of the life before had counted.
+fn counted(last: &Moment) -> Counted {
+    Counted { states_run: last.states_run(), entries: last.entries() }
 }
 
 impl<S: Scripts> Driver<S> {
@@ -142,14 +147,14 @@ impl<S: Scripts> Driver<S> {
         )?;
         let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
         let from = From::find(&mut reader, sequence)?;
-        self.go_back(&reader, &from, 0)
+        self.go_back(&reader, &from, Counted::default())
     }
 
     fn go_back(
         self: &Arc<Self>,
         reader: &Reader,
         from: &From,
-        states_run: u64,
+        counted: Counted,
     ) -> Result<(), String> {
         let input = match self.revive(reader, &from.before) {
             Some(root) => Input::Restore(Box::new(Restore {
@@ -157,7 +162,7 @@ impl<S: Scripts> Driver<S> {
                 interrupted: Interrupted::Again,
                 crash: None,
                 hold: true,
-                states_run,
+                counted,
             })),
             None => self.begin_again(reader, from),
         };

@@ -25,10 +25,10 @@ struct Side {
 pub(crate) fn twins(world: &mut World) -> Checked {
     let Some(root) = world.engine.configuration() else { return Ok(()) };
     let program = Arc::clone(world.engine.program());
-    let states_run = world.engine.states_run();
+    let counted = world.engine.counted();
     let mut cut = Side { engine: Engine::new(Arc::clone(&program)), jobs: BTreeMap::new() };
     let interrupted = Interrupted::Again;
-    let restore = Restore { root, interrupted, crash: None, hold: false, states_run };
+    let restore = Restore { root, interrupted, crash: None, hold: false, counted };
     cut.feed(Input::Restore(Box::new(restore)))?;
     let engine = std::mem::replace(&mut world.engine, Engine::new(program));
     let running = std::mem::take(&mut world.watch.running);

@@ -8,8 +8,8 @@ use crate::random::Random;
 use crate::twin::twins;
 use crate::watch::{Checked, Watch, promise};
 use rafcon_engine::{
-    Change, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox, Program, Refusal,
-    Restore, Restored, Returned, ScriptResult, Start, Status, Stride,
+    Change, Counted, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox, Program,
+    Refusal, Restore, Restored, Returned, ScriptResult, Start, Status, Stride,
 };
 use rafcon_model::{Machine, Value, notation};
 use std::sync::Arc;
@@ -298,21 +298,21 @@ impl World {
     /// The process dies; another engine takes the run up as it was.
     fn lose_engine(&mut self) -> Checked {
         let Some(root) = self.engine.configuration() else { return Ok(()) };
-        let states_run = self.engine.states_run();
+        let counted = self.engine.counted();
         let program = Arc::clone(self.engine.program());
         self.latest = (self.machine.clone(), Arc::clone(&program));
         self.engine = Engine::new(program);
         self.stale = None;
         self.watch.begin_anew();
-        let restore = self.restoring(root, states_run);
+        let restore = self.restoring(root, counted);
         self.watch.counts.taken_up += 1;
         self.feed(Input::Restore(Box::new(restore)))
     }
 
-    fn restoring(&mut self, root: Restored<Value>, states_run: u64) -> Restore<Value> {
+    fn restoring(&mut self, root: Restored<Value>, counted: Counted) -> Restore<Value> {
         let interrupted = commands::interrupted(&mut self.random);
         let crash = Some(Value::str("crash"));
-        Restore { root, interrupted, crash, hold: self.random.percent(50), states_run }
+        Restore { root, interrupted, crash, hold: self.random.percent(50), counted }
     }
 
     /// Keeps the moment, or goes back to an earlier one.
@@ -322,7 +322,7 @@ impl World {
             return Ok(());
         }
         let Some(root) = self.random.pick(&self.moments) else { return Ok(()) };
-        let restore = self.restoring(root, 0);
+        let restore = self.restoring(root, Counted::default());
         if self.try_out(Input::Restore(Box::new(restore)))? {
             self.watch.counts.moments_restored += 1;
         }

@@ -1,7 +1,7 @@
 //! A machine that changes while it runs: whether a change touches what is active, and when it is taken.
 
 use super::step::Work;
-use super::{Command, Engine, Refusal};
+use super::{Command, Engine, Refusal, Status};
 use crate::program::{Body, Node};
 use crate::{Change, Datum, Event, Globals, NodeId, Outbox, PathId, Program};
 use rafcon_model::{OutcomeId, Port};
@@ -104,6 +104,11 @@ impl<D: Datum> Engine<D> {
 
     /// The state that a change would pull the ground from under, if there is one.
     fn touched(&self, after: &Program<D>) -> Result<(), (PathId, Touch)> {
+        // Also while the root is held before its beginning or after its end.
+        let (was, is) = (self.program.node(Program::<D>::ROOT), after.node(Program::<D>::ROOT));
+        if self.run.status != Status::Idle && was.id() != is.id() {
+            return Err((PathId(0), Touch::Removed));
+        }
         let frames = self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default();
         let mut stands: BTreeMap<u32, NodeId> = BTreeMap::new();
         for slot in frames {
@@ -113,7 +118,6 @@ impl<D: Datum> Engine<D> {
                 Some(&around) => after.child_of(after.node(around), node.id()).map(|found| found.1),
                 None => Some(Program::<D>::ROOT),
             };
-            let there = there.filter(|&there| after.node(there).id() == node.id());
             let there = there.ok_or((frame.path, Touch::Removed))?;
             stands.insert(slot, there);
             if let Some(touch) = touch(node, after.node(there)) {

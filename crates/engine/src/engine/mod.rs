@@ -43,7 +43,7 @@ pub use inspect::Inspection;
 pub use refusal::{Command, Refusal, Status};
 pub use snapshot::{Active, Activity, Hold};
 
-use crate::{Breakpoint, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program};
+use crate::{Breakpoint, Counted, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program};
 use branches::Branches;
 use frames::Frames;
 use holds::Control;
@@ -161,6 +161,11 @@ impl<D: Datum> Engine<D> {
     /// The breakpoints by rising id, and how often each was passed.
     pub fn breakpoints(&self) -> impl Iterator<Item = (&Breakpoint, u32)> {
         self.run.control.breakpoints.iter()
+    }
+
+    /// What was counted so far, for whoever takes the run up later.
+    pub fn counted(&self) -> Counted {
+        Counted { states_run: self.run.entered, entries: self.run.entries }
     }
 
     /// How many states were entered; library states themselves are not counted, the roots of their content are.

@@ -18,7 +18,8 @@ impl<'s, D: Datum> Step<'s, D> {
         self.nothing_runs(Command::Restore)?;
         super::fitting::fits(self.program, &restore.root)?;
         if self.run.status == Status::Idle {
-            self.run.entered = restore.states_run;
+            self.run.entered = restore.counted.states_run;
+            self.run.entries = restore.counted.entries;
         }
         self.drop_all();
         self.run.crash = restore.crash;

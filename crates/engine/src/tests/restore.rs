@@ -1,6 +1,6 @@
 //! Taking a run up again, by another engine.
 
-use super::check;
+use super::{check, check_change};
 use expect_test::expect;
 
 const LINE: &str = "
@@ -425,28 +425,86 @@ hierarchy ROOT
 }
 
 #[test]
-fn a_run_is_taken_up_only_while_no_script_runs() {
+fn a_run_goes_back_only_while_no_script_runs() {
     check(
         LINE,
-        "start; pause; cut wait; active",
+        "start; keep; return; pause; A done y=4; return; resume; A done",
         &expect![[r"
         > start
         enter ROOT x=7
         set ROOT.v = 1
         enter ROOT/A
           run ROOT/A
+        > keep
+        > return
+        refused: cannot take the run up elsewhere: the script of 'ROOT/A' runs; hold the run and wait for its end, or preempt it
         > pause
         paused
           paused true
-        > cut wait
+        > A done y=4
+        leave ROOT/A done y=4
+        set ROOT.v = 4
+        hold ROOT before ROOT/B (Pause)
+        > return
+        drop ROOT
+        goes on
         enter ROOT x=7
         set ROOT.v = 1
         enter ROOT/A
-        wait ROOT/A: interrupted
-        > active
-        ROOT Inside
-        ROOT/A Waiting(Interrupted)
-        Stepping, 2 states run
+        hold ROOT/A (Start)
+          paused false
+        > resume
+          run ROOT/A
+        > A done
+        leave ROOT/A done y=0
+        set ROOT.v = 0
+        enter ROOT/B x=7 y=0 z=0
+          run ROOT/B
+    "]],
+    );
+}
+
+#[test]
+fn what_the_machine_has_no_more_is_refused() {
+    let gone = LINE.replace('B', "D");
+    check_change(
+        LINE,
+        &gone,
+        "start; A done; cut again elsewhere",
+        &expect![[r"
+        > start
+        enter ROOT x=7
+        set ROOT.v = 1
+        enter ROOT/A
+          run ROOT/A
+        > A done
+        leave ROOT/A done y=0
+        set ROOT.v = 0
+        enter ROOT/B x=7 y=0 z=0
+          run ROOT/B
+        > cut again elsewhere
+        refused: cannot take the run up there: 'ROOT/B' does not exist in the machine as it is now; choose another moment, or take the change of the machine back
+    "]],
+    );
+    let other_port = LINE.replace("flow .x -> B.x ; ", "flow ");
+    let other_port = other_port.replace("    in x: int = 0\n", "");
+    check_change(
+        LINE,
+        &other_port,
+        "start; A done; cut again elsewhere",
+        &expect![[r"
+        > start
+        enter ROOT x=7
+        set ROOT.v = 1
+        enter ROOT/A
+          run ROOT/A
+        > A done
+        leave ROOT/A done y=0
+        set ROOT.v = 0
+        enter ROOT/B x=7 y=0 z=0
+          run ROOT/B
+        > cut again elsewhere
+        refused: cannot take the run up there: 'ROOT/B' has no input 2 in the machine as it is now; choose another moment, or take the change of the machine back
     "]],
     );
 }

@@ -2,9 +2,9 @@
 
 use super::commands::{self, assignments};
 use crate::{
-    Change, Check, Effect, Engine, Event, Finish, FrameId, Globals, Input, Interrupted, Job,
-    ModelLiterals, Note, Outbox, PathId, Program, Restore, Returned, ScriptResult, Verdict,
-    WaitReason,
+    Change, Check, Counted, Effect, Engine, Event, Finish, FrameId, Globals, Input, Interrupted,
+    Job, ModelLiterals, Note, Outbox, PathId, Program, Restore, Restored, Returned, ScriptResult,
+    Verdict, WaitReason,
 };
 use rafcon_model::{Machine, OutcomeId, Port, StatePath, Value, literal, notation};
 use smol_str::SmolStr;
@@ -27,6 +27,8 @@ pub(super) struct World {
     program: Arc<Program<Value>>,
     /// What the machine is changed to.
     next: Option<Machine>,
+    /// A moment of the past.
+    moment: Option<Restored<Value>>,
     running: Vec<Job<Value>>,
     checks: Vec<u64>,
     globals: Variables,
@@ -41,6 +43,7 @@ impl World {
             engine: Engine::new(Arc::clone(&program)),
             program,
             next: None,
+            moment: None,
             running: Vec::new(),
             checks: Vec::new(),
             globals: Variables::default(),
@@ -74,6 +77,11 @@ impl World {
             "trail" => return self.keep_trail(rest),
             "active" => return self.show_active(),
             "cut" => return self.cut(rest),
+            "keep" => {
+                self.moment = self.engine.configuration();
+                return;
+            }
+            "return" => return self.go_back(),
             "change" => self.change(rest == "or wait"),
             "recover" => recovery(rest),
             "check" => self.checked(rest),
@@ -105,13 +113,35 @@ impl World {
     /// The run is lost, and taken up by another engine.
     fn cut(&mut self, how: &str) {
         let root = self.engine.configuration().expect("something is active");
-        let states_run = self.engine.states_run();
+        let counted = self.engine.counted();
+        let (how, elsewhere) = match how.strip_suffix(" elsewhere") {
+            Some(how) => (how, self.next.as_ref()),
+            None => (how, None),
+        };
+        if let Some(machine) = elsewhere {
+            self.program = Arc::new(Program::compile(machine, &mut ModelLiterals));
+        }
         self.engine = Engine::new(Arc::clone(&self.program));
         self.running.clear();
         let (how, hold) = how.strip_suffix(" held").map_or((how, false), |how| (how, true));
+        self.restore(root, interrupted(how), hold, counted);
+    }
+
+    /// The run goes back to the moment that was kept.
+    fn go_back(&mut self) {
+        let root = self.moment.clone().expect("a moment that was kept");
+        self.restore(root, Interrupted::Again, true, Counted::default());
+    }
+
+    fn restore(
+        &mut self,
+        root: Restored<Value>,
+        interrupted: Interrupted,
+        hold: bool,
+        counted: Counted,
+    ) {
         let crash = Some(Value::str("crash"));
-        let interrupted = interrupted(how);
-        let restore = Restore { root, interrupted, crash, hold, states_run };
+        let restore = Restore { root, interrupted, crash, hold, counted };
         self.feed(Input::Restore(Box::new(restore)));
     }
 
