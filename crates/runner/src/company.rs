@@ -27,6 +27,8 @@ pub(crate) struct Company<S: Scripts> {
     /// What each is told first.
     loaded: ToViewer,
     present: Mutex<Present>,
+    /// Held while the engine is told whether anybody is there.
+    noting: Mutex<()>,
     /// A viewer was told everything, or has gone.
     changed: Condvar,
 }
@@ -55,7 +57,8 @@ impl<S: Scripts> Company<S> {
     /// A run that nobody watches.
     pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer) -> Self {
         let desk = Desk::new(Arc::clone(&driver));
-        Self { driver, desk, loaded, present: Mutex::default(), changed: Condvar::new() }
+        let (present, noting) = (Mutex::default(), Mutex::new(()));
+        Self { driver, desk, loaded, present, noting, changed: Condvar::new() }
     }
 
     /// Somebody has connected; false if nobody is let in any more.
@@ -133,15 +136,17 @@ impl<S: Scripts> Company<S> {
         self.changed.notify_all();
     }
 
-    /// Lets the engine know whether anybody is there.
+    /// Lets the engine know whether anybody is there. One after the other: what it is told last is what is true.
     fn attended(&self) {
+        let _turn = self.noting.lock();
         let anybody = !self.present.lock().guests.is_empty();
         // Refused when the run is over or has not begun, and then it makes no difference.
         drop(self.driver.command(Input::Attended(anybody)));
     }
 
-    /// Waits until everybody was told everything and has its answers, for a while; then all connections end.
-    pub(crate) fn part(&self) {
+    /// Waits until everybody was told everything, for a while; then all connections end, after `told`: what a viewer does who
+    /// sees its connection end comes later.
+    pub(crate) fn part(&self, told: impl FnOnce()) {
         let deadline = Clock::moment(LAST_WORDS);
         let mut present = self.present.lock();
         present.closed = true;
@@ -156,6 +161,7 @@ impl<S: Scripts> Company<S> {
         let guests = present.guests.clone();
         present.arriving.iter().for_each(Socket::shut);
         drop(present);
+        told();
         for guest in guests {
             // A command that ended the run is answered like any other.
             drop(deadline.and_then(|deadline| guest.answering.try_lock_until(deadline)));

@@ -150,7 +150,16 @@ impl<S: Scripts> Driver<S> {
     pub(crate) fn reload(self: &Arc<Self>, wait: bool) -> Result<(), String> {
         let source = self.document().source.as_ref();
         let source = source.ok_or("the machine of this run was not read from a folder")?;
-        self.change("its folder was read again", wait, |_| source.read()).map(drop)
+        let mut saved = None;
+        self.change("its folder was read again", wait, |_| {
+            let loaded = source.read()?;
+            saved = Some(loaded.saved);
+            Ok(loaded.machine)
+        })?;
+        if let Some(saved) = saved {
+            source.went_by(saved);
+        }
+        Ok(())
     }
 
     /// Goes by what `make` makes of the newest root.

@@ -1,5 +1,6 @@
 //! Where the script of a state lies on disk, for tracebacks and for scripts that ask. Knows folders, reads none.
 
+use parking_lot::RwLock;
 use rafcon_model::StatePath;
 use rafcon_storage::{Libraries, Saved};
 use std::path::{Path, PathBuf};
@@ -11,30 +12,36 @@ const SCRIPT: &str = "script.py";
 /// The folders of a machine and of its libraries.
 #[derive(Debug, Clone)]
 pub struct StateFiles {
-    /// Where the machine lay when it was begun, if it was read from a copy.
-    origin: Option<PathBuf>,
-    saved: Arc<Saved>,
+    machine: PathBuf,
+    /// As it was read last.
+    saved: Arc<RwLock<Arc<Saved>>>,
     libraries: Arc<Libraries>,
 }
 
 impl StateFiles {
     pub(crate) fn new(saved: Saved, libraries: Arc<Libraries>) -> Self {
-        Self { origin: None, saved: Arc::new(saved), libraries }
+        let machine = saved.dir().to_owned();
+        Self { machine, saved: Arc::new(RwLock::new(Arc::new(saved))), libraries }
     }
 
     /// The same for a copy of the machine that lay in `origin`.
     pub(crate) fn copied_from(self, origin: PathBuf) -> Self {
-        Self { origin: Some(origin), ..self }
+        Self { machine: origin, ..self }
     }
 
     /// The folder of the machine.
     pub fn machine(&self) -> &Path {
-        self.origin.as_deref().unwrap_or_else(|| self.saved.dir())
+        &self.machine
     }
 
     /// The machine as it was read.
-    pub(crate) fn saved(&self) -> &Saved {
-        &self.saved
+    pub(crate) fn saved(&self) -> Arc<Saved> {
+        Arc::clone(&self.saved.read())
+    }
+
+    /// The machine was read again.
+    pub(crate) fn read_again(&self, saved: Saved) {
+        *self.saved.write() = Arc::new(saved);
     }
 
     /// Where libraries are looked up.
@@ -44,7 +51,7 @@ impl StateFiles {
 
     /// The folder of the state at `path` (ids joined by `/`), if it is known.
     pub fn folder(&self, path: &str) -> Option<PathBuf> {
-        self.saved.folder(&StatePath::parse(path), &self.libraries)
+        self.saved().folder(&StatePath::parse(path), &self.libraries)
     }
 
     /// The file name of the state's script, for tracebacks.

@@ -4,7 +4,7 @@ use crate::{Host, StateFiles, limits};
 use rafcon_engine::Start;
 use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
 use rafcon_protocol::Launch;
-use rafcon_storage::{Config, Libraries, Root, config, load, roots};
+use rafcon_storage::{Config, Libraries, Loaded, Root, Saved, config, load, roots};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -22,18 +22,24 @@ pub(crate) struct Prepared<D> {
 }
 
 /// Where a machine and its libraries lie.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Source {
     folder: PathBuf,
     libraries: Arc<Libraries>,
+    /// What hosts know of it.
+    files: StateFiles,
 }
 
 impl Source {
     /// Reads the machine as it is there now; the error is for people.
-    pub(crate) fn read(&self) -> Result<Machine, String> {
+    pub(crate) fn read(&self) -> Result<Loaded, String> {
         self.libraries.refresh();
-        let loaded = load(&self.folder, &self.libraries).map_err(|error| reason(&error))?;
-        Ok(loaded.machine)
+        load(&self.folder, &self.libraries).map_err(|error| reason(&error))
+    }
+
+    /// This is the machine that is run from now on, or as soon as it can be.
+    pub(crate) fn went_by(&self, saved: Saved) {
+        self.files.read_again(saved);
     }
 }
 
@@ -55,10 +61,10 @@ pub(crate) fn prepare<H: Host>(
         config::find(launch.config.as_deref(), &environment).map_err(|error| reason(&error))?;
     let (roots, notes) = roots(&config, &environment, &launch.libraries);
     let folder = std::path::absolute(&launch.machine).map_err(|error| reason(&error))?;
-    let source = Source { folder, libraries: Arc::new(Libraries::new(roots)) };
+    let own = Arc::new(Libraries::new(roots));
     let (machine, libraries) = match copied {
         Some(copied) => (&copied.machine, Arc::new(Libraries::new(copied.libraries.clone()))),
-        None => (&launch.machine, Arc::clone(&source.libraries)),
+        None => (&launch.machine, Arc::clone(&own)),
     };
     let loaded = load(machine, &libraries).map_err(|error| reason(&error))?;
     let problems = lines(&config.notes)
@@ -75,8 +81,9 @@ pub(crate) fn prepare<H: Host>(
     };
     let mut files = StateFiles::new(loaded.saved, libraries);
     if copied.is_some() {
-        files = files.copied_from(source.folder.clone());
+        files = files.copied_from(folder.clone());
     }
+    let source = Source { folder, libraries: own, files: files.clone() };
     Ok(Prepared { machine: loaded.machine, files, problems, start, config, source })
 }
 

@@ -67,7 +67,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn pack(&self, machine: &Machine, files: &StateFiles) -> Pack {
-        self.roots().packer.lock().pack(machine, Some(files.saved()), files.libraries())
+        self.roots().packer.lock().pack(machine, Some(&files.saved()), files.libraries())
     }
 
     fn tell_root(&self, hash: Hash, change: String) {

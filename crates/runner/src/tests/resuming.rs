@@ -176,6 +176,55 @@ fn a_run_begins_again_at_an_entry_of_its_history() {
     );
 }
 
+/// Two branches of which one dies; the decider's way out depends on neither.
+const FORKS: &str = "
+barrier ROOT
+  outcome done
+  unique_decider_state_id.ok -> .done
+  execution A \"wait\"
+    outcome ok
+  hierarchy C
+    outcome ok
+    start -> D
+    D.ok -> E
+    E.aborted -> F
+    F.ok -> .ok
+    execution D
+      outcome ok
+    execution E \"die\"
+      outcome ok
+    execution F
+      outcome ok
+  decider unique_decider_state_id
+    outcome ok
+";
+
+#[test]
+fn all_branches_are_taken_up_where_they_were() {
+    let house = died(FORKS, "all_branches_are_taken_up_where_they_were");
+    let (viewer, runner) = house.begin(house.resume(OnCrash::Abort, None));
+    let text = viewer.into_end();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.sort_unstable();
+    expect![[r"
+        +ROOT
+        +ROOT/A
+        +ROOT/C
+        +ROOT/C/E
+        +ROOT/C/F
+        +ROOT/unique_decider_state_id
+        -ROOT/A=aborted
+        -ROOT/C/E=aborted
+        -ROOT/C/F=ok
+        -ROOT/C=ok
+        -ROOT/unique_decider_state_id=ok
+        -ROOT=done
+        finished done
+        life 2 after a crash of ROOT/B: Abort"]]
+    .assert_eq(&lines.join("\n"));
+    runner.join().unwrap();
+}
+
 /// The number that is lost is needed by one state only.
 const LOSES: &str = "
 hierarchy ROOT
