@@ -150,12 +150,15 @@ impl<S: Scripts> Begun<S> {
             }
             let end = conclude(&driver);
             drop(closer);
-            company.part();
+            company.part(|| {
+                if end.is_continue() {
+                    handle.close();
+                    driver.scripts().released();
+                }
+            });
             if end.is_break() {
                 cut_off();
             }
-            handle.close();
-            driver.scripts().released();
             Ok(())
         })
     }
