@@ -15,8 +15,8 @@ use std::time::Instant;
 
 /// Encoded records in memory at most, in bytes, if they are nowhere else.
 const MEMORY_BYTES: usize = 64 << 20;
-/// The same with a journal, in which readers find what is older.
-const MEMORY_BYTES_WITH_JOURNAL: usize = 16 << 20;
+/// The same with a journal, in which readers find what is older. Tests have little, to see how that is.
+const MEMORY_BYTES_WITH_JOURNAL: usize = if cfg!(test) { 1 << 20 } else { 16 << 20 };
 
 /// What a reader gets.
 #[derive(Debug, Default, PartialEq, Eq)]

@@ -99,7 +99,7 @@ impl Cast {
                 plain(Returned::Id(0), Vec::new())
             }
             "shout" => {
-                let line = "x".repeat(1 << 20);
+                let line = "x".repeat(100_000);
                 (0..20).for_each(|_| self.print(place, LogLevel::Info, line.clone()));
                 plain(Returned::Id(0), Vec::new())
             }
