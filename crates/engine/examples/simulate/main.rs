@@ -7,6 +7,7 @@
 mod commands;
 mod counts;
 mod edits;
+mod history;
 mod machine;
 mod places;
 mod random;

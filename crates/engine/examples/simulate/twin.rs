@@ -23,7 +23,13 @@ struct Side {
 
 /// Cuts the run of this world, and drives both until they end.
 pub(crate) fn twins(world: &mut World) -> Checked {
-    let Some(root) = world.engine.configuration() else { return Ok(()) };
+    let told = !world.has_changed && world.random.percent(50);
+    let root = if told {
+        world.watch.history.configuration(&world.engine)
+    } else {
+        world.engine.configuration()
+    };
+    let Some(root) = root else { return Ok(()) };
     let program = Arc::clone(world.engine.program());
     let counted = world.engine.counted();
     let mut cut = Side { engine: Engine::new(Arc::clone(&program)), jobs: BTreeMap::new() };

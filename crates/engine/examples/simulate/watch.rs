@@ -1,6 +1,7 @@
 //! Watches what an engine says and does, and that no promise is broken.
 
 use crate::counts::Counts;
+use crate::history::History;
 use rafcon_engine::{
     Active, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status, WaitReason,
 };
@@ -23,6 +24,7 @@ pub(crate) fn promise(kept: bool, what: &str) -> Checked {
 pub(crate) struct Watch {
     pub(crate) running: Vec<Job<Value>>,
     pub(crate) checks: Vec<u64>,
+    pub(crate) history: History,
     pub(crate) counts: Counts,
     /// Everything that happened, as one number.
     pub(crate) fingerprint: u64,
@@ -48,6 +50,7 @@ impl Watch {
         Self {
             running: Vec::new(),
             checks: Vec::new(),
+            history: History::default(),
             counts: Counts::default(),
             fingerprint: 0,
             started: 0,
@@ -67,6 +70,7 @@ impl Watch {
     pub(crate) fn begin_anew(&mut self) {
         self.running.clear();
         self.checks.clear();
+        self.history = History::default();
         self.branches = BTreeSet::from([0]);
         self.active.clear();
         self.paused = false;
@@ -99,6 +103,7 @@ impl Watch {
         self.changed = false;
         for event in &out.events {
             self.line(format!("  {event:?}"));
+            self.history.event(event, engine);
             self.event(event, &mut named, engine)?;
         }
         for effect in out.effects {

@@ -50,6 +50,8 @@ pub(crate) struct World {
     pub(crate) random: Random,
     pub(crate) watch: Watch,
     out: Outbox<Value>,
+    /// Whether it goes by another machine than at its start.
+    pub(crate) has_changed: bool,
     mood: Mood,
     /// The machine that runs.
     machine: Machine,
@@ -73,6 +75,7 @@ impl World {
             random,
             watch: Watch::new(plain),
             out: Outbox::default(),
+            has_changed: false,
             mood,
             machine: machine.clone(),
             latest: (machine, program),
@@ -361,6 +364,7 @@ impl World {
         if self.watch.changed {
             self.watch.counts.changes_after_waiting += 1;
             self.machine = self.latest.0.clone();
+            self.has_changed = true;
             let same = Arc::ptr_eq(self.engine.program(), &self.latest.1);
             promise(same, "another program runs than was given last")?;
         }

@@ -6,6 +6,8 @@ mod commands;
 mod counts;
 #[path = "../../examples/simulate/edits.rs"]
 mod edits;
+#[path = "../../examples/simulate/history.rs"]
+mod history;
 #[path = "../../examples/simulate/machine.rs"]
 mod machine;
 #[path = "../../examples/simulate/places.rs"]

@@ -1,0 +1,124 @@
+//! How a run stands, told from its events alone, as a journal tells it.
+
+use rafcon_engine::{Engine, Event, NodeId, PathId, Restored, RestoredEnd, RestoredVariable};
+use rafcon_model::{KindName, OutcomeId, PortId, Value};
+use std::collections::BTreeMap;
+
+/// What events have said so far. Knows steps forward only.
+#[derive(Debug, Default)]
+pub(crate) struct History {
+    active: BTreeMap<PathId, Restored<Value>>,
+    events: u64,
+}
+
+impl History {
+    pub(crate) fn event(&mut self, event: &Event<Value>, engine: &Engine<Value>) {
+        self.events += 1;
+        match event {
+            Event::Entered { path, node, inputs, .. } => {
+                let entered = self.entered(engine, (*path, *node), inputs);
+                self.active.insert(*path, entered);
+            }
+            Event::Left { path, node, outcome, outputs, absent, error, .. } => {
+                let absent = absent.as_deref().unwrap_or_default();
+                let end = RestoredEnd {
+                    outputs: given(engine, *node, outputs, absent),
+                    error: error.as_deref().cloned(),
+                    ..self.ended(engine, *node, *outcome)
+                };
+                self.left(*path, end, engine);
+            }
+            Event::Scoped { path, port, value } => {
+                let Some(around) = self.active.get_mut(path) else { return };
+                around.scoped.retain(|variable| variable.port != *port);
+                let (port, value, order) = (*port, value.clone(), self.events);
+                around.scoped.push(RestoredVariable { port, value, order });
+            }
+            Event::Dropped { path } => {
+                self.active.remove(path);
+            }
+            _ => {}
+        }
+    }
+
+    fn entered(
+        &self,
+        engine: &Engine<Value>,
+        (path, node): (PathId, NodeId),
+        inputs: &[Value],
+    ) -> Restored<Value> {
+        let about = engine.program().node(node);
+        let ports = about.inputs().iter().map(|port| port.id);
+        Restored {
+            state: about.id().clone(),
+            inputs: ports.zip(inputs.iter().cloned()).collect(),
+            order: self.events,
+            error: self.handed_on(engine, path),
+            preempted: false,
+            scoped: Vec::new(),
+            ended: Vec::new(),
+            last: None,
+            children: Vec::new(),
+        }
+    }
+
+    /// The error of the state before, or of the library state around a root.
+    fn handed_on(&self, engine: &Engine<Value>, path: PathId) -> Option<Value> {
+        let parent = engine.path_parent(path)?;
+        let node = engine.program().node(engine.path_node(parent)?);
+        let around = self.active.get(&parent)?;
+        let last = around.ended.iter().find(|end| Some(&end.state) == around.last.as_ref());
+        match last {
+            Some(end) if end.outcome == OutcomeId::ABORTED => end.error.clone(),
+            Some(_) => None,
+            None if node.state().kind.name() == KindName::Library => around.error.clone(),
+            None => None,
+        }
+    }
+
+    fn ended(
+        &self,
+        engine: &Engine<Value>,
+        node: NodeId,
+        outcome: OutcomeId,
+    ) -> RestoredEnd<Value> {
+        let state = engine.program().node(node).id().clone();
+        RestoredEnd { state, outcome, outputs: Vec::new(), error: None, order: self.events }
+    }
+
+    fn left(&mut self, path: PathId, end: RestoredEnd<Value>, engine: &Engine<Value>) {
+        self.active.remove(&path);
+        let around = engine.path_parent(path).and_then(|around| self.active.get_mut(&around));
+        if let Some(around) = around {
+            around.last = Some(end.state.clone());
+            around.ended.retain(|other| other.state != end.state);
+            around.ended.push(end);
+        }
+    }
+
+    /// What is active, with all its data.
+    pub(crate) fn configuration(&self, engine: &Engine<Value>) -> Option<Restored<Value>> {
+        let mut made: BTreeMap<PathId, Vec<Restored<Value>>> = BTreeMap::new();
+        // A place has a higher number than the place around it.
+        for (path, active) in self.active.iter().rev() {
+            let mut restored = active.clone();
+            restored.children = made.remove(path).unwrap_or_default();
+            match engine.path_parent(*path) {
+                Some(around) => made.entry(around).or_default().push(restored),
+                None => return Some(restored),
+            }
+        }
+        None
+    }
+}
+
+fn given(
+    engine: &Engine<Value>,
+    node: NodeId,
+    outputs: &[Value],
+    absent: &[u32],
+) -> Vec<(PortId, Value)> {
+    let ports = (0..).zip(engine.program().node(node).outputs()).zip(outputs);
+    let there = ports.filter(|((index, _), _)| !absent.contains(index));
+    there.map(|((_, port), value)| (port.id, value.clone())).collect()
+}
