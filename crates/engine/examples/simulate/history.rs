@@ -70,9 +70,8 @@ impl History {
         let last = around.ended.iter().find(|end| Some(&end.state) == around.last.as_ref());
         match last {
             Some(end) if end.outcome == OutcomeId::ABORTED => end.error.clone(),
-            Some(_) => None,
             None if node.state().kind.name() == KindName::Library => around.error.clone(),
-            None => None,
+            Some(_) | None => None,
         }
     }
 

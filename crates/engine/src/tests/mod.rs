@@ -27,11 +27,13 @@ use world::World;
 /// Runs `script`, one input a line or after `;`, against the machine, and compares everything that the engine did.
 ///
 /// Inputs: `start`, `start x=1`, `start hold at ROOT/A then stop ROOT/A.x=1`, `pause`, `resume`, `stop`, and the others in
-/// `commands.rs`; for a script that runs (named by the end of
-/// its path) `A done` (an outcome's name), `A 3` (an id), `A other "text"`, `A raises "boom"`, with outputs behind it:
-/// `A done y=2 -z error="boom"` (`-z` leaves an output out); `global x=5`; `cut again` (`wait`, `abort`), also `cut again
-/// held`: the run is taken up by another engine (`elsewhere`: with the machine of
-/// [`check_change`]); `keep`, `return`: a moment is kept, and the run goes back to it, held; `recover again`, `recover abort at ROOT/A`.
+/// `commands.rs`; for a script that runs (named by the end of its path) `A done` (an outcome's name), `A 3` (an id),
+/// `A other "text"`, `A raises "boom"`, with outputs behind it: `A done y=2 -z error="boom"` (`-z` leaves an output out);
+/// `global x=5`.
+///
+/// `cut again` (`wait`, `abort`), also `cut again held`: the run is taken up by another engine (`elsewhere`: with the
+/// machine of [`check_change`]); `keep`, `return`: a moment is kept, and the run goes back to it, held; `recover again`,
+/// `recover abort at ROOT/A`.
 fn check(machine: &str, script: &str, expect: &Expect) {
     expect.assert_eq(&World::new(machine).play(script));
 }
