@@ -17,6 +17,8 @@ pub(crate) struct Found {
     pub(crate) event: Event,
     /// The names of the state that it is about; empty if it is about none.
     pub(crate) names: String,
+    /// The name of the state before which it is held, if it is.
+    pub(crate) next: Option<String>,
     /// How long a state was active that was left.
     pub(crate) lasted: Option<Duration>,
 }
@@ -103,7 +105,18 @@ fn found(reader: &Reader, entry: &Entry, lasted: Option<Duration>) -> Result<Fou
     let place = place_of(&entry.record).or_else(|| places.number(path_of(&event)));
     let names = place.and_then(|place| places.get(place)).map(|place| place.names.clone());
     let names = names.unwrap_or_else(|| path_of(&event).to_owned());
-    Ok(Found { sequence: entry.sequence, t_ns: entry.t_ns, event, names, lasted })
+    let next = match &event {
+        Event::Held { next: Some(next), .. } => Some(name_of(reader, next)),
+        _ => None,
+    };
+    Ok(Found { sequence: entry.sequence, t_ns: entry.t_ns, event, names, next, lasted })
+}
+
+/// The name of a state; its id if it was never entered.
+fn name_of(reader: &Reader, path: &str) -> String {
+    let places = reader.known_places();
+    let names = places.number(path).and_then(|place| places.get(place)).map(|place| &*place.names);
+    names.unwrap_or(path).rsplit('/').next().unwrap_or_default().to_owned()
 }
 
 /// When active states were entered.

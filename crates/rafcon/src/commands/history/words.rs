@@ -56,6 +56,11 @@ fn what(found: &Found, values: bool) -> Line {
         Event::Finished { outcome, outputs, .. } => Line::of(Style::Plain, "the run ended by ")
             .followed_by(named(outcome))
             .followed_by(with(Some(outputs).filter(|_| values))),
+        Event::Held { by, .. } => {
+            let before = found.next.as_ref().map(|next| format!(" before {}", harmless(next)));
+            let text = format!("held{} by {}", before.unwrap_or_default(), holder(*by));
+            Line::of(Style::Warning, text)
+        }
         other => rest(other),
     }
 }
@@ -63,10 +68,6 @@ fn what(found: &Found, values: bool) -> Line {
 /// What is not frequent.
 fn rest(event: &Event) -> Line {
     let (style, text) = match event {
-        Event::Held { next, by, .. } => {
-            let before = next.as_ref().map(|next| format!(" before {next}")).unwrap_or_default();
-            (Style::Warning, format!("held{before} by {}", holder(*by)))
-        }
         Event::Hit { breakpoint, hits, held, .. } => {
             let held = if *held { "" } else { ", holding nothing" };
             (Style::Warning, format!("breakpoint {breakpoint} passed, {hits} times by now{held}"))
