@@ -79,7 +79,7 @@ impl Inside {
         self.steps.is_empty() && self.scoped.is_empty() && self.ended.is_empty()
     }
 
-    /// A child begins.
+    /// Something begins or ends: what is said about variables from here on is new.
     pub(super) fn begin(&mut self) {
         self.undone = false;
     }

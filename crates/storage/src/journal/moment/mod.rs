@@ -140,12 +140,13 @@ impl Moment {
 
     fn leave(&mut self, mut end: End, backwards: bool) {
         self.whole.left(self.places.path(end.place));
-        let Some(active) = self.active.remove(&end.place) else { return };
+        let Some(mut active) = self.active.remove(&end.place) else { return };
         let parent = self.places.parent(end.place);
         let Some(around) = parent.and_then(|parent| self.active.get_mut(&parent)) else { return };
         if backwards {
             return around.inside.undo(end.place, |place| self.places.is_decider(place));
         }
+        active.inside.begin();
         (end.entered, end.inputs) = (active.order, active.inputs);
         end.inside = (!active.inside.is_empty()).then(|| Box::new(active.inside));
         around.inside.end(end);
@@ -177,11 +178,14 @@ impl Moment {
         }
     }
 
-    /// What is active becomes what was active at the moment that the run was taken back to.
+    /// What is active becomes what was active at the moment that the run was taken back to; global variables and what states
+    /// remember are put back, and those that were not there yet stay.
     fn begin_restored(&mut self) {
         let Some(bytes) = self.restored.take() else { return };
         if let Ok(earlier) = Self::from_bytes(&bytes, self.places.clone()) {
             self.active = earlier.active;
+            self.globals.extend(earlier.globals);
+            self.persistent.extend(earlier.persistent);
         }
     }
 

@@ -261,6 +261,25 @@ fn a_run_that_is_taken_up_goes_on_with_its_data() {
 }
 
 #[test]
+fn a_run_that_goes_back_goes_on_with_the_data_of_then() {
+    let before = "enter R\nscoped R n=1\nglobal g=1\nenter R/H\nscoped R/H m=2";
+    let then = after(before);
+    let later =
+        "enter R/H/X\nleave R/H/X ok x=1\nscoped R/H m=3\nleave R/H ok\nglobal g=2\nglobal h=5";
+    let mut now = after(&format!("{before}\n{later}"));
+    now.apply(12, 0, &Record::WentBack { sequence: 6, moment: then.to_bytes() });
+    now = Moment::from_bytes(&now.to_bytes(), now.places().clone()).unwrap();
+    for path in ["R", "R/H"] {
+        let place = now.places().number(path).unwrap();
+        now.apply(13, 0, &Record::Entered { place, inputs: vec![], undoes: None });
+    }
+    assert_eq!(now.active(), then.active());
+    let globals: Vec<_> =
+        now.globals().iter().map(|(name, value)| (&**name, plain(value))).collect();
+    assert_eq!(globals, [("g", "1".to_owned()), ("h", "5".to_owned())]);
+}
+
+#[test]
 fn what_is_held_is_held_until_it_goes_on() {
     let held = r#"enter R
          told {"type": "held", "path": "R", "next": "R/A", "by": {"type": "step"}}"#;
