@@ -45,6 +45,8 @@ pub struct Driver<S: Scripts> {
     /// Whether there are stand-ins among the values, for which scripts must be looked through.
     any_lost: AtomicBool,
     roots: Roots,
+    /// Whether the run's last event was told. Held by whoever tells something that may come later.
+    over: Mutex<bool>,
     end: Mutex<Option<End<S::Value>>>,
     ended: Condvar,
 }
@@ -75,6 +77,7 @@ impl<S: Scripts> Driver<S> {
             timers,
             any_lost: AtomicBool::new(false),
             roots: Roots::default(),
+            over: Mutex::new(false),
             end: Mutex::new(None),
             ended: Condvar::new(),
         })
@@ -105,6 +108,10 @@ impl<S: Scripts> Driver<S> {
 
     pub(crate) fn timers(&self) -> &Timers {
         &self.timers
+    }
+
+    pub(crate) fn over(&self) -> &Mutex<bool> {
+        &self.over
     }
 
     pub(crate) fn points(&self) -> &Points {

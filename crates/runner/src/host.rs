@@ -198,7 +198,10 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<()> {
             driver.scripts().ended(&finish);
             driver.scripts().finished();
             driver.close_roots();
-            driver.tell(finished(driver.scripts(), finish));
+            let event = finished(driver.scripts(), finish);
+            let mut over = driver.over().lock();
+            *over = true;
+            driver.tell(event);
             ControlFlow::Continue(())
         }
         Some(End::CutOff) | None => ControlFlow::Break(()),

@@ -26,7 +26,10 @@ impl<S: Scripts> Driver<S> {
         } else {
             Answer::Applied
         };
-        self.tell(Event::Commanded { envelope: Box::new(envelope), answer: answer.clone() });
+        let over = self.over().lock();
+        if !*over {
+            self.tell(Event::Commanded { envelope: Box::new(envelope), answer: answer.clone() });
+        }
         answer
     }
 
