@@ -41,22 +41,24 @@ pub(crate) fn load_document(
     Ok((Document::of(loaded.machine, Some(loaded.saved), libraries), problems))
 }
 
-/// `rafcon._native.save_document`: writes the machine to a folder; a copy leaves the document where it was.
+/// `rafcon._native.save_document`: writes the machine to a folder. `naming` is whether folders carry names, and how long;
+/// `how` whether it is a copy, which leaves the document where it was, and whether the folder is fresh.
 #[pyfunction]
 pub(crate) fn save_document(
     py: Python<'_>,
     document: &Document,
     folder: &str,
     naming: (bool, Option<usize>),
-    as_copy: bool,
+    how: (bool, bool),
 ) -> PyResult<()> {
-    let (with_name, max_name_length) = naming;
+    let ((with_name, max_name_length), (as_copy, fresh)) = (naming, how);
     let naming = Naming { with_name, max_name_length };
     let (machine, saved) = {
         let content = document.lock(py);
         (content.machine.clone(), content.saved.clone())
     };
-    let written = py.detach(|| save(&machine, Path::new(folder), saved.as_ref(), naming));
+    let known = saved.as_ref().filter(|_| !fresh);
+    let written = py.detach(|| save(&machine, Path::new(folder), known, naming));
     let written = written.map_err(|error| PyOSError::new_err(chain(&error)))?;
     if !as_copy {
         document.lock(py).saved = Some(written);

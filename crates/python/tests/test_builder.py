@@ -233,6 +233,27 @@ class Building(unittest.TestCase):
             """,
         )
 
+    def test_a_folder_may_be_replaced_as_a_whole(self):
+        self.check(
+            """
+            root = HierarchyState("root", "R")
+            root.add_state(ExecutionState("leaf", "L"))
+            machine, folder = StateMachine(root), os.environ["OUT"] + "/m"
+            storage.save_state_machine_to_path(machine, folder)
+            open(folder + "/foreign", "w").close()
+            storage.save_state_machine_to_path(machine, folder)
+            print(os.path.exists(folder + "/foreign"))
+            storage.save_state_machine_to_path(machine, folder, delete_old_state_machine=True)
+            print(os.path.exists(folder + "/foreign"), os.listdir(os.environ["OUT"]))
+            print(list(storage.load_state_machine_from_path(folder).root_state.states))
+            """,
+            """
+            True
+            False ['m']
+            ['L']
+            """,
+        )
+
     def test_copies_stand_alone(self):
         self.check(
             """

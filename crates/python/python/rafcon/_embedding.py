@@ -51,7 +51,7 @@ class Run:
 
     def _send(self, ours, begin):
         if self._copy is not None:
-            native.save_document(self._machine._document, self._copy.name, (True, None), True)
+            native.save_document(self._machine._document, self._copy.name, (True, None), (True, False))
         from rafcon.core.singleton import library_manager
 
         launch = {

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import tempfile
 
 from rafcon._bridge import native
 from rafcon.core.config import global_config
@@ -51,13 +52,29 @@ def save_state_machine_to_path(state_machine, base_path, delete_old_state_machin
     if state_machine._facts is not None:
         raise MachineChangeNotSupported("storage.save_state_machine_to_path(…)")
     document = state_machine._document
-    if delete_old_state_machine and os.path.exists(base_path):
-        shutil.rmtree(base_path)
     with state_machine.modification_lock():
-        native.save_document(document, str(base_path), _naming(), as_copy)
+        if delete_old_state_machine and os.path.exists(base_path):
+            _replace(document, os.path.abspath(base_path), as_copy)
+        else:
+            native.save_document(document, str(base_path), _naming(), (as_copy, False))
     if not as_copy:
         state_machine._marked_dirty = False
         state_machine.root_state._home.revision += 1
+
+
+def _replace(document, folder, as_copy):
+    """Puts the machine in the place of a whole folder, which comes back if that fails."""
+    aside = tempfile.mkdtemp(prefix=".replaced-", dir=os.path.dirname(folder))
+    earlier = os.path.join(aside, "earlier")
+    os.rename(folder, earlier)
+    try:
+        native.save_document(document, folder, _naming(), (as_copy, True))
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        os.rename(earlier, folder)
+        raise
+    finally:
+        shutil.rmtree(aside)
 
 
 def _naming():
