@@ -294,6 +294,8 @@ pub enum Phase {
     Running,
     /// It cannot go on.
     Waiting,
+    /// A crash interrupted its script, and nobody has decided what becomes of it.
+    Interrupted,
     /// Held before the next state.
     Held,
     /// Asked to end.

@@ -5,15 +5,20 @@ use crate::driver::Driver;
 use crate::tell;
 use rafcon_engine::{Active, Activity, PathId, Status, WaitReason};
 use rafcon_protocol::{ActiveState, Hold, Phase, RunStatus, Snapshot};
+use std::collections::BTreeMap;
 
 /// How things stand; the engine is held only while its active states are listed.
 pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     let look = |core: &mut crate::core::Core<S::Value>| {
-        (core.engine.snapshot(), core.engine.status(), core.engine.states_run())
+        let active = core.engine.snapshot();
+        let nexts = active.iter().flat_map(|active| &active.holds).filter_map(|hold| hold.next);
+        let nexts = nexts.map(|next| (next, core.engine.path_text(next).to_string())).collect();
+        (active, nexts, core.engine.status(), core.engine.states_run())
     };
-    let (active, status, states_run) = driver.with_core(look)?;
+    let (active, nexts, status, states_run) = driver.with_core(look)?;
     let elapsed_ms = driver.clock().now_ms();
-    let active = active.iter().filter_map(|active| state(driver, active, elapsed_ms)).collect();
+    let active =
+        active.iter().filter_map(|active| state(driver, (active, &nexts), elapsed_ms)).collect();
     let (disk_safe, problem) = driver.recorder().safety().state();
     Some(Snapshot {
         status: run_status(status),
@@ -28,7 +33,14 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     })
 }
 
-fn state<S: Scripts>(driver: &Driver<S>, active: &Active, now_ms: u64) -> Option<ActiveState> {
+/// The paths of states that were perhaps never entered.
+type Nexts = BTreeMap<PathId, String>;
+
+fn state<S: Scripts>(
+    driver: &Driver<S>,
+    (active, nexts): (&Active, &Nexts),
+    now_ms: u64,
+) -> Option<ActiveState> {
     let name = driver.program().node(active.node).name().to_string();
     driver.places().with(active.path, |place| ActiveState {
         path: place.text.to_string(),
@@ -37,7 +49,7 @@ fn state<S: Scripts>(driver: &Driver<S>, active: &Active, now_ms: u64) -> Option
         since_ms: now_ms.saturating_sub(place.entered_ms()),
         branch: active.top.and_then(|top| text(driver, top)).unwrap_or_default(),
         detail: detail(driver, active),
-        held: held(driver, active),
+        held: held(active, nexts),
     })
 }
 
@@ -54,9 +66,9 @@ fn detail<S: Scripts>(driver: &Driver<S>, active: &Active) -> Option<String> {
     }
 }
 
-fn held<S: Scripts>(driver: &Driver<S>, active: &Active) -> Vec<Hold> {
+fn held(active: &Active, nexts: &Nexts) -> Vec<Hold> {
     let hold = |hold: &rafcon_engine::Hold| Hold {
-        next: hold.next.and_then(|next| text(driver, next)),
+        next: hold.next.and_then(|next| nexts.get(&next).cloned()),
         by: tell::held_by(hold.by),
     };
     active.holds.iter().map(hold).collect()
@@ -76,6 +88,7 @@ fn waiting<S: Scripts>(driver: &Driver<S>, reason: &WaitReason) -> String {
 
 fn phase(active: &Active) -> Phase {
     match active.activity {
+        Activity::Waiting(WaitReason::Interrupted) => Phase::Interrupted,
         Activity::Waiting(_) => Phase::Waiting,
         Activity::Held => Phase::Held,
         Activity::Script | Activity::Inside | Activity::Checking if active.preempted => {

@@ -242,6 +242,9 @@ impl Console {
         if !snapshot.questions.is_empty() {
             keys.push("a answer");
         }
+        if snapshot.active.iter().any(|state| state.phase == Phase::Interrupted) {
+            keys.extend(["A abort", "R run again"]);
+        }
         let is_held = snapshot.active.iter().any(|state| state.phase == Phase::Held);
         let stands = is_held || matches!(snapshot.status, RunStatus::Paused | RunStatus::Stepping);
         if stands {

@@ -127,10 +127,10 @@ fn a_breakpoint_is_written() {
     check(
         None,
         "K x enter",
-        &expect![[r#"
+        &expect![[r"
         | write the number of a breakpoint
         | remove breakpoint: x_   Enter takes it, Escape leaves
-    "#]],
+    "]],
     );
 }
 
@@ -152,10 +152,10 @@ fn buttons_are_chosen_by_number() {
     check(
         Some(form.clone()),
         "a",
-        &expect![[r#"
+        &expect![[r"
         | Is the arm free?
         | 1 Yes   2 No   Escape leaves it open
-    "#]],
+    "]],
     );
     check(
         Some(form),

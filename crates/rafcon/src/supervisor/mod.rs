@@ -77,6 +77,8 @@ pub(crate) struct Supervisor {
     timed_out: bool,
     /// How often the user asked to stop.
     interrupts: u32,
+    /// Who gives commands.
+    author: String,
     /// How often a key asked for something.
     wishes: u32,
     /// When patience ends and the process is killed.
@@ -95,8 +97,13 @@ pub(crate) struct Supervisor {
 }
 
 impl Supervisor {
-    /// A run that is about to begin; `timeout` counts from now on.
-    pub(crate) fn new(launch: Launch, now: Duration, timeout: Option<Duration>) -> Self {
+    /// A run that is about to begin; `timeout` counts from now on, and `author` gives commands.
+    pub(crate) fn new(
+        launch: Launch,
+        now: Duration,
+        timeout: Option<Duration>,
+        author: &str,
+    ) -> Self {
         Self {
             phase: Phase::Starting,
             launch: Some(launch),
@@ -104,6 +111,7 @@ impl Supervisor {
             timed_out: false,
             interrupts: 0,
             wishes: 0,
+            author: author.to_owned(),
             kill_at: None,
             exit: None,
             silent: false,
@@ -237,7 +245,7 @@ impl Supervisor {
         let may_stop = matches!(self.phase, Phase::Loading | Phase::Running);
         if self.interrupts == 1 && may_stop {
             out.push(Action::Note("stopping; press Ctrl-C again to kill".to_owned()));
-            out.push(Action::Send(command("stop", Command::Stop)));
+            out.push(Action::Send(command("stop", &self.author, Command::Stop)));
         } else {
             self.finish(self.killed());
             out.push(Action::Kill);
@@ -249,7 +257,7 @@ impl Supervisor {
         self.wishes += 1;
         let id = format!("key-{}", self.wishes);
         match wish {
-            Wish::Send(asked) => out.push(Action::Send(command(&id, asked))),
+            Wish::Send(asked) => out.push(Action::Send(command(&id, &self.author, asked))),
             Wish::Inspect(path) => out.push(Action::Send(ToRunner::Inspect { id, path })),
             Wish::Say(text) => out.push(Action::Note(text)),
             Wish::Leave => {}
@@ -301,7 +309,7 @@ impl Supervisor {
         }
         self.kill_at = Some(now + GRACE);
         out.push(Action::Note("the time is over; stopping".to_owned()));
-        out.push(Action::Send(command("timeout", Command::Stop)));
+        out.push(Action::Send(command("timeout", &self.author, Command::Stop)));
     }
 
     /// The first reason counts.
@@ -324,10 +332,10 @@ impl Supervisor {
     }
 }
 
-fn command(id: &str, command: Command) -> ToRunner {
+fn command(id: &str, author: &str, command: Command) -> ToRunner {
     ToRunner::Command(Envelope {
         id: id.to_owned(),
-        author: String::new(),
+        author: author.to_owned(),
         decided_on: None,
         expiry: None,
         command,

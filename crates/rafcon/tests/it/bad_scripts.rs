@@ -101,7 +101,7 @@ fn a_keyboard_interrupt() {
 fn an_exit_past_all_handlers() {
     check(
         &body("import os; os._exit(0)"),
-        &expect![[r#"
+        &expect![[r"
             7 died
             error: the Python process that ran the machine died: exit status 0
               what was running:
@@ -109,7 +109,7 @@ fn an_exit_past_all_handlers() {
               everything up to there is kept; to go on:
                 rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
                 rafcon resume RUN                  (nothing moves until you decide)
-        "#]],
+        "]],
     );
 }
 
@@ -117,7 +117,7 @@ fn an_exit_past_all_handlers() {
 fn a_signal() {
     check(
         &body("import os, signal; os.kill(os.getpid(), signal.SIGKILL)"),
-        &expect![[r#"
+        &expect![[r"
             7 died
             error: the Python process that ran the machine died: killed by signal 9 (SIGKILL)
               what was running:
@@ -125,7 +125,7 @@ fn a_signal() {
               everything up to there is kept; to go on:
                 rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
                 rafcon resume RUN                  (nothing moves until you decide)
-        "#]],
+        "]],
     );
 }
 

@@ -62,7 +62,7 @@ fn timed_out_is_6() {
 fn a_dead_runner_is_7() {
     check(
         "import os; os._exit(9)",
-        &expect![[r#"
+        &expect![[r"
             7 died
             error: the Python process that ran the machine died: exit status 9
               what was running:
@@ -70,7 +70,7 @@ fn a_dead_runner_is_7() {
               everything up to there is kept; to go on:
                 rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
                 rafcon resume RUN                  (nothing moves until you decide)
-        "#]],
+        "]],
     );
 }
 

@@ -212,10 +212,10 @@ mod tests {
     fn a_runner_that_dies_is_told_with_the_way_out() {
         check(
             vec![Cause::Hello(Hello::ours()), Cause::Silence],
-            &expect![[r#"
+            &expect![[r"
             Send(Join(Join { from: 0, every_event: false, values: false }))
             Lost, exit code 7
-            error: the runner of RUN is gone; to go on: rafcon resume RUN"#]],
+            error: the runner of RUN is gone; to go on: rafcon resume RUN"]],
         );
     }
 

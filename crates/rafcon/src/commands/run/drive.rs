@@ -27,13 +27,15 @@ pub(super) struct Outside<'a> {
     /// Whether there is a keyboard.
     pub(super) has_keys: bool,
     pub(super) clock: Clock,
+    /// Who gives commands.
+    pub(super) author: &'a str,
     /// When the machine is stopped.
     pub(super) timeout: Option<Duration>,
 }
 
 /// Runs the machine to its end, by as many runners as that takes and its policy allows.
 pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Result<End> {
-    let Outside { start, mut view, has_keys, clock, timeout } = outside;
+    let Outside { start, mut view, has_keys, clock, author, timeout } = outside;
     let mut wires = Wires::new(wires::signals()?, has_keys)?;
     let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
     let (mut lives, mut launch) = (Lives::default(), launch);
@@ -42,7 +44,7 @@ pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Res
         let (control, group) = (process.control.try_clone()?, process.group());
         wires.connect(process)?;
         let left = deadline.map(|deadline| deadline.saturating_sub(clock.now()));
-        let supervisor = Supervisor::new(launch.clone(), clock.now(), left);
+        let supervisor = Supervisor::new(launch.clone(), clock.now(), left, author);
         let mut drive = Drive { supervisor, view, control, group, clock };
         drive.send(&Hello::ours());
         let mut end = drive.until_the_end(&wires);

@@ -74,9 +74,9 @@ mod tests {
             OnCrash::Ask,
             false,
             &[1],
-            &expect![[r#"
+            &expect![[r"
             1 s: nothing moves until you decide
-        "#]],
+        "]],
         );
         check(
             OnCrash::Restart,

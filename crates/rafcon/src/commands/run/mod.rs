@@ -99,8 +99,14 @@ impl Whole<'_> {
         let console = has_keys.then(|| Console::new(false));
         let view = view(self.output, self.environment, names(), console);
         let launch = Launch { every_event: view.every_event(), ..launch };
-        let outside =
-            Outside { start: &start, view, has_keys, clock: self.clock, timeout: self.timeout };
+        let outside = Outside {
+            start: &start,
+            view,
+            has_keys,
+            clock: self.clock,
+            author: &self.environment.user,
+            timeout: self.timeout,
+        };
         let end = drive::follow(launch, place, outside)?;
         report::end(&end, place.id(), names);
         Ok(ExitCode::from(end.code()))

@@ -123,6 +123,7 @@ fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> Line {
         Phase::Running => (Style::Plain, String::new()),
         Phase::Waiting => (Style::Warning, "waiting  ".to_owned()),
         Phase::Held => (Style::Warning, format!("{}  ", held_text(row.state, picture.names))),
+        Phase::Interrupted => (Style::Bad, "interrupted by a crash  ".to_owned()),
         Phase::Preempted => (Style::Warning, "preempted  ".to_owned()),
     };
     let since = Duration::from_millis(row.state.since_ms) + picture.age;
