@@ -58,22 +58,20 @@ fn key(word: &str) -> Vec<Key> {
 fn check(form: Option<Form>, keys: &str, expect: &Expect) {
     let (snapshot, mut console) = (snapshot(form), Console::new(true));
     let order = ["R/A", "R/B"];
-    let mut text = String::new();
+    let mut said = Vec::new();
     for key in keys.split(' ').flat_map(key) {
         match console.key(key, &snapshot, &order) {
             None => {}
             Some(Wish::Send(command)) => {
-                text += &serde_json::to_string(&command).unwrap();
-                text += "\n";
+                said.push(serde_json::to_string(&command).unwrap());
             }
-            Some(wish) => text += &format!("{wish:?}\n"),
+            Some(wish) => said.push(format!("{wish:?}")),
         }
     }
     let paint = Paint { colour: false, unicode: true };
-    for line in console.lines(&snapshot) {
-        text += &format!("| {}\n", line.render(paint));
-    }
-    expect.assert_eq(&text);
+    let lines = console.lines(&snapshot);
+    said.extend(lines.iter().map(|line| format!("| {}", line.render(paint))));
+    expect.assert_eq(&(said.join("\n") + "\n"));
 }
 
 #[test]

@@ -178,13 +178,13 @@ mod tests {
         for cause in causes {
             visit.handle(cause, &mut acts);
         }
-        let mut text: String = acts.iter().map(|act| format!("{act:?}\n")).collect();
+        let mut lines: Vec<String> = acts.iter().map(|act| format!("{act:?}")).collect();
         if let Some(end) = visit.end() {
-            text += &format!("{end:?}, exit code {}\n", end.code());
-            text += &end.text("RUN").unwrap_or_default();
+            lines.push(format!("{end:?}, exit code {}", end.code()));
+            lines.extend(end.text("RUN"));
         }
         let id = format!("attach-{}-", std::process::id());
-        expect.assert_eq(&text.replace(&id, "attach-"));
+        expect.assert_eq(&lines.join("\n").replace(&id, "attach-"));
     }
 
     #[test]
