@@ -1,3 +1,5 @@
+//! Keys in, wishes and lines out.
+
 use super::{Console, Key, Wish};
 use crate::view::Paint;
 use expect_test::{Expect, expect};

@@ -42,10 +42,10 @@ fn a_program_that_is_killed() {
 fn a_runner_of_another_version() {
     check(
         "#!/bin/sh\necho '{\"protocol\":99,\"program\":\"9.9\"}' >&$RAFCON_CONTROL_FD\nexec cat >/dev/null <&$RAFCON_CONTROL_FD\n",
-        &expect![[r#"
+        &expect![[r"
             1 not_started
             error: the Python interpreter did not become a runner: the other side (version 9.9) speaks protocol 99, this one speaks 2: install the rafcon binary and its extension from the same build
-        "#]],
+        "]],
     );
 }
 
