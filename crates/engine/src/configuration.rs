@@ -19,7 +19,8 @@ pub struct Restored<D> {
     pub preempted: bool,
     /// The scoped variables of a container.
     pub scoped: Vec<RestoredVariable<D>>,
-    /// How children of a container ended last, each at most once.
+    /// How children of a container ended, by rising order. Of several ends of one child the last counts; earlier ones are
+    /// there only for outputs that later ones left out.
     pub ended: Vec<RestoredEnd<D>>,
     /// The child of a container that ended last: it says what is next, unless a child is active.
     pub last: Option<StateId>,

@@ -67,7 +67,7 @@ impl History {
         let parent = engine.path_parent(path)?;
         let node = engine.program().node(engine.path_node(parent)?);
         let around = self.active.get(&parent)?;
-        let last = around.ended.iter().find(|end| Some(&end.state) == around.last.as_ref());
+        let last = around.ended.iter().rfind(|end| Some(&end.state) == around.last.as_ref());
         match last {
             Some(end) if end.outcome == OutcomeId::ABORTED => end.error.clone(),
             None if node.state().kind.name() == KindName::Library => around.error.clone(),
@@ -90,7 +90,11 @@ impl History {
         let around = engine.path_parent(path).and_then(|around| self.active.get_mut(&around));
         if let Some(around) = around {
             around.last = Some(end.state.clone());
-            around.ended.retain(|other| other.state != end.state);
+            // What a state gave earlier stays where it has left the output out now.
+            for other in around.ended.iter_mut().filter(|other| other.state == end.state) {
+                other.outputs.retain(|(id, _)| !end.outputs.iter().any(|(given, _)| given == id));
+            }
+            around.ended.retain(|other| other.state != end.state || !other.outputs.is_empty());
             around.ended.push(end);
         }
     }

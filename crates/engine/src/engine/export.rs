@@ -1,7 +1,7 @@
 //! What is active, by names: the counterpart of taking a run up.
 
 use super::Engine;
-use super::frames::{Ended, Frame, NONE, Slot};
+use super::frames::{Ended, Frame, NONE};
 use crate::program::{Body, Concurrency, Inside, Node};
 use crate::{Datum, Restored, RestoredEnd, RestoredVariable};
 use rafcon_model::{OutcomeId, PortId};
@@ -56,22 +56,24 @@ impl<D: Datum> Engine<D> {
         self.program.node(inside.child(child)).id().clone()
     }
 
-    /// The outputs that flow on, with the outcome of the child that ended last.
+    /// The outputs that flow on, each by itself, and how the child ended that ended last.
     fn ends(&self, frame: &Frame<D>, node: &Node<D>, inside: &Inside<D>) -> Vec<RestoredEnd<D>> {
-        let mut ends: BTreeMap<u32, RestoredEnd<D>> = BTreeMap::new();
-        if let Some((child, outcome)) = frame.last {
-            let end = ends.entry(child).or_insert_with(|| self.end(inside, child));
-            end.outcome = self.program.node(inside.child(child)).outcome_id(outcome);
-            end.error.clone_from(&frame.last_error);
-        }
         let slots = frame.slots.iter().skip(node.inputs().len() + inside.scoped.len());
-        for (&(child, port), Slot { sequence, value }) in inside.sources.iter().zip(slots) {
-            let Some(value) = value else { continue };
-            let end = ends.entry(child).or_insert_with(|| self.end(inside, child));
-            end.order = if end.order == 0 { *sequence } else { end.order.min(*sequence) };
-            end.outputs.extend(self.output(inside, child, port).map(|id| (id, value.clone())));
-        }
-        ends.into_values().collect()
+        let given = inside.sources.iter().zip(slots).filter_map(|(&(child, port), slot)| {
+            let output = self.output(inside, child, port).zip(slot.value.clone());
+            let outputs = output.into_iter().collect();
+            let end = RestoredEnd { outputs, order: slot.sequence, ..self.end(inside, child) };
+            (!end.outputs.is_empty()).then_some(end)
+        });
+        let mut ends: Vec<_> = given.collect();
+        ends.sort_by_key(|end| end.order);
+        ends.extend(frame.last.map(|(child, outcome)| RestoredEnd {
+            outcome: self.program.node(inside.child(child)).outcome_id(outcome),
+            error: frame.last_error.clone(),
+            order: self.run.sequence,
+            ..self.end(inside, child)
+        }));
+        ends
     }
 
     fn end(&self, inside: &Inside<D>, child: u32) -> RestoredEnd<D> {

@@ -77,7 +77,7 @@ fn problem<D>(program: &Program<D>, node: &Node<D>, restored: &Restored<D>) -> O
 /// The child whose transition is next must be known, with its outcome.
 fn last<D>(program: &Program<D>, node: &Node<D>, restored: &Restored<D>) -> Option<SmolStr> {
     let last = restored.last.as_ref()?;
-    let Some(end) = restored.ended.iter().find(|end| end.state == *last) else {
+    let Some(end) = restored.ended.iter().rfind(|end| end.state == *last) else {
         return Some(format_smolstr!("ended its child '{last}' in a way that is not known"));
     };
     let child = program.child_of(node, last).map(|(_, child)| program.node(child));

@@ -209,7 +209,7 @@ impl<'s, D: Datum> Step<'s, D> {
     fn restore_last(&mut self, slot: u32, inside: &Inside<D>, restored: &Restored<D>) {
         let Some(last) = &restored.last else { return };
         let position = inside.children.iter().position(|&c| self.program.node(c).id() == last);
-        let end = restored.ended.iter().find(|end| end.state == *last);
+        let end = restored.ended.iter().rfind(|end| end.state == *last);
         let Some((child, end)) = position.zip(end) else { return };
         let outcome = self.program.node(inside.children[child]).outcome_index(end.outcome.0);
         let Some(outcome) = outcome else { return };
@@ -229,7 +229,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let runs = |id: &StateId| restored.children.iter().any(|child| child.state == *id);
         let ends = inside.children.iter().map(|&child| {
             let id = self.program.node(child).id();
-            let end = restored.ended.iter().find(|end| end.state == *id && !runs(id))?;
+            let end = restored.ended.iter().rfind(|end| end.state == *id && !runs(id))?;
             Some((end.order, self.end_of_child(child, end)?))
         });
         let ends: Vec<_> = ends.collect();
