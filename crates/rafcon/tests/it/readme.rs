@@ -31,6 +31,7 @@ fn type_in(command: &str, place: &Place) -> String {
     let path = format!("{programs}:{}", path.to_string_lossy());
     let mut shell = Command::new("sh");
     shell.args(["-c", command]).current_dir(place.path("")).env("PATH", path);
+    shell.env("HOME", place.path("")).env_remove("RAFCON_RUNS").env_remove("XDG_STATE_HOME");
     let answer = place.answer(&shell.output().unwrap());
     answer.stdout + &answer.stderr
 }
