@@ -23,7 +23,9 @@ struct Side {
 
 /// Cuts the run of this world, and drives both until they end.
 pub(crate) fn twins(world: &mut World) -> Checked {
-    let told = !world.has_changed && world.random.percent(50);
+    // Events do not tell which states were asked to end.
+    let asked = world.engine.snapshot().iter().any(|active| active.preempted);
+    let told = !world.has_changed && !asked && world.random.percent(50);
     let root = if told {
         world.watch.history.configuration(&world.engine)
     } else {
