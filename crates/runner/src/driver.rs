@@ -418,7 +418,7 @@ impl<S: Scripts> Driver<S> {
         self.with_core(seek).flatten()
     }
 
-    fn finish(&self, finish: Finish<S::Value>) {
+    pub(crate) fn finish(&self, finish: Finish<S::Value>) {
         self.questions.end();
         self.timers.close();
         self.end_with(End::Finished(finish));

@@ -6,15 +6,19 @@ use crate::prepare::{Copied, Prepared, prepare, reason};
 use crate::recorder::Recorder;
 use crate::revive::{Reviver, Surroundings};
 use crate::{Driver, Host, Scripts, tell};
-use rafcon_engine::{Counted, Input, Interrupted, Restore, Start};
+use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start};
+use rafcon_model::OutcomeId;
 use rafcon_protocol::{Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active};
 use rafcon_storage::journal::{
     About, Hash, Journal, Kept, Moment, Place, Reader, Record, TakenUp, unpack,
 };
+use smol_str::SmolStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// After its root was left a run does not say more than this.
+const LAST_EVENTS: u64 = 10_000;
 /// Where the machine of a run lies while it is run again, in the run's folder.
 const MACHINE_FOLDER: &str = "taken-up";
 
@@ -102,7 +106,7 @@ pub(crate) struct Past {
 impl Past {
     /// Puts everything back and lets the run go on; the error is for people.
     pub(crate) fn go_on<S: Scripts>(
-        self,
+        mut self,
         driver: &Arc<Driver<S>>,
         hold: bool,
     ) -> Result<(), String> {
@@ -114,6 +118,10 @@ impl Past {
         whole.breakpoints.values().try_for_each(|point| driver.set_breakpoint(point))?;
         if let Some(from) = &self.from {
             return driver.go_back(&self.reader, from, counted(&self.last));
+        }
+        if let Some(finish) = driver.ending(&mut self.reader, &self.last) {
+            driver.finish(finish);
+            return Ok(());
         }
         let held = matches!(whole.status, RunStatus::Paused | RunStatus::Stepping);
         let restore = driver.revive(&self.reader, &self.last);
@@ -150,6 +158,36 @@ impl<S: Scripts> Driver<S> {
         self.go_back(&reader, &from, Counted::default())
     }
 
+    /// How a run ended whose runner died before it could say so: nothing is active any more, and its root was left.
+    fn ending(&self, reader: &mut Reader, last: &Moment) -> Option<Finish<S::Value>> {
+        if last.entries() == 0 || !last.active().is_empty() {
+            return None;
+        }
+        let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
+        let entries = reader.page(first, usize::try_from(LAST_EVENTS).ok()? + 1).ok()?;
+        let root = |record: &Record| {
+            let Record::Left { place, .. } = record else { return None };
+            let place = last.places().get(*place)?;
+            (!place.path.contains('/')).then(|| Arc::clone(place))
+        };
+        let mut left = entries.iter().rev().map(|entry| &entry.record);
+        let (record, place) = left.find_map(|record| Some((record, root(record)?)))?;
+        let Record::Left { outcome, outputs, error, .. } = record else { return None };
+        let machine = self.machine();
+        let mut reviver = Reviver::new(self.scripts(), reader, &machine);
+        let mut outputs = reviver.named(&place, &place.outputs, outputs);
+        let port = [(0, SmolStr::new("error"))];
+        outputs.extend(reviver.named(&place, &port, error.as_slice()));
+        let name = place.outcomes.iter().find(|(id, _)| id == outcome);
+        Some(Finish {
+            outcome: OutcomeId(*outcome),
+            outcome_name: name.map(|(_, name)| name.clone()).unwrap_or_default(),
+            outputs,
+            scoped_variables: Vec::new(),
+            states_run: last.states_run(),
+        })
+    }
+
     fn go_back(
         self: &Arc<Self>,
         reader: &Reader,
@@ -175,7 +213,7 @@ impl<S: Scripts> Driver<S> {
         let machine = self.machine();
         let mut reviver = Reviver::new(self.scripts(), reader, &machine);
         let root = from.root.as_ref();
-        let inputs = root.map(|(place, inputs)| reviver.root_inputs(place, inputs));
+        let inputs = root.map(|(place, inputs)| reviver.named(place, &place.inputs, inputs));
         self.has_lost(reviver.has_lost());
         Input::Start(Start { inputs: inputs.unwrap_or_default(), hold: true, ..Start::default() })
     }

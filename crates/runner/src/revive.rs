@@ -83,13 +83,14 @@ impl<'r, S: Scripts> Reviver<'r, S> {
         Surroundings { globals, persistent, problems }
     }
 
-    /// The inputs that the root was entered with, by name.
-    pub(crate) fn root_inputs(
+    /// Values of a state by the names of its ports.
+    pub(crate) fn named(
         &mut self,
         place: &Place,
-        inputs: &[Kept],
+        ports: &[(u64, SmolStr)],
+        kept: &[Kept],
     ) -> Vec<(SmolStr, S::Value)> {
-        let ports = place.inputs.iter().zip(inputs);
+        let ports = ports.iter().zip(kept);
         let ports = ports.filter(|(_, kept)| **kept != Kept::Absent);
         ports.map(|((_, name), kept)| (name.clone(), self.value(kept, name, place))).collect()
     }

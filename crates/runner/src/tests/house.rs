@@ -190,7 +190,14 @@ impl Scripts for Cast {
         &NoGlobals
     }
 
-    fn finished(&self) {}
+    /// A run with this name dies after its root was left, before it says so.
+    fn finished(&self) {
+        let program = Arc::clone(&self.program.read());
+        let is_brief = program.node(Program::<Value>::ROOT).name() == "brief";
+        if is_brief && std::env::var_os(MORTAL).is_some() {
+            std::process::abort();
+        }
+    }
 
     fn released(&self) {}
 

@@ -176,6 +176,32 @@ fn a_run_begins_again_at_an_entry_of_its_history() {
     );
 }
 
+#[test]
+fn a_run_whose_root_was_left_ends_as_it_did() {
+    let machine = "
+hierarchy ROOT \"brief\"
+  outcome done
+  out sum: int
+  start -> A
+  A.ok -> .done
+  flow A.number -> .sum
+  execution A \"add\"
+    outcome ok
+    in number: int = 1
+    out number: int
+";
+    let house = died(machine, "a_run_whose_root_was_left_ends_as_it_did");
+    check(
+        &house,
+        (OnCrash::Abort, None),
+        &[],
+        &expect![[r#"
+            life 2 after a crash of ROOT/B: Abort
+            finished done {"sum":2}
+        "#]],
+    );
+}
+
 /// Two branches of which one dies; the decider's way out depends on neither.
 const FORKS: &str = "
 barrier ROOT
