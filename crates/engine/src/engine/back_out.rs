@@ -6,8 +6,8 @@ use super::holds::{Hold, Spot};
 use super::phase::{Cause, Phase};
 use super::step::Step;
 use super::trail::Replaced;
-use crate::program::{Body, Inside};
-use crate::{BranchId, Datum, Effect, Event, HeldBy};
+use crate::program::{Body, Concurrency, Inside};
+use crate::{BranchId, Datum, Effect, Event, HeldBy, WaitReason};
 use std::collections::BTreeSet;
 use std::num::NonZeroU64;
 
@@ -49,7 +49,21 @@ impl<D: Datum> Step<'_, D> {
                 self.hold(Spot::before(slot, child), branch, HeldBy::Start);
             }
             Body::Library(_) => self.hold(Spot::before(slot, 0), branch, HeldBy::Start),
-            Body::Concurrency(..) | Body::Script => {}
+            Body::Concurrency(kind, _) => self.stand_without_branches(slot, *kind),
+            Body::Script => {}
+        }
+    }
+
+    /// Branches are held by themselves; where there are none, the state is.
+    fn stand_without_branches(&mut self, slot: u32, kind: Concurrency) {
+        let frame = self.run.frames.get(slot);
+        match kind {
+            _ if frame.open > 0 => {}
+            Concurrency::Preemptive => self.wait(slot, WaitReason::NoChildren),
+            Concurrency::Barrier(decider) => {
+                let spot = Spot::before(slot, decider.unwrap_or(NONE));
+                self.hold(spot, frame.branch, HeldBy::Start);
+            }
         }
     }
 

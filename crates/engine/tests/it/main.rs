@@ -35,6 +35,16 @@ fn every_run_ends_and_keeps_its_promises() {
     assert_eq!(counts.rare(300), Vec::<&str>::new(), "\n{counts}");
 }
 
+/// Each of these has broken a promise once.
+const BROKEN_ONCE: [u64; 4] = [11_386, 15_733, 35_552, 52_743];
+
+#[test]
+fn seeds_that_failed_once_pass() {
+    for seed in BROKEN_ONCE {
+        simulate(seed).unwrap_or_else(|broken| panic!("{broken}"));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
