@@ -63,8 +63,7 @@ impl<S: Scripts> Desk<S> {
 
     fn complain(&self, what: &str) {
         let message = format!("a viewer sent {what}; it was ignored");
-        let record = tell::log(String::new(), LogLevel::Warning, message);
-        self.driver.recorder().push(self.driver.clock().now_ns(), [record]);
+        self.driver.tell_in_time(tell::log(String::new(), LogLevel::Warning, message));
     }
 
     /// The answer of a command that was sent before, from whomever; else it is carried out.

@@ -8,8 +8,9 @@ use crate::safety::{Turn, Work};
 use crate::{Scripts, roots, tell};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Event, LogLevel};
-use rafcon_storage::journal::Journal;
+use rafcon_storage::journal::{Journal, JournalError};
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::{self, Scope};
 
@@ -34,7 +35,7 @@ fn serve(recorder: &Recorder) {
     loop {
         let work = safety.next_work();
         let bytes = safety.backlog();
-        match journal.commit() {
+        match attempt(|| journal.commit()) {
             Ok(committed) => {
                 safety.committed(committed.sequence, bytes);
                 recorder.safe_until(committed.sequence);
@@ -42,18 +43,28 @@ fn serve(recorder: &Recorder) {
                     safety.thinned(before);
                 }
             }
-            Err(error) => safety.failed(&reason(&error)),
+            Err(problem) => safety.failed(&problem),
         }
         if work == Work::Last {
             break;
         }
     }
+    safety.over();
     recorder.leave_journal();
-    if let Some(Err(error)) = Arc::into_inner(journal).map(Journal::close) {
-        let message = format!("the journal could not be finished: {}", reason(&error));
+    let close = |journal| attempt(|| Journal::close(journal));
+    if let Some(Err(problem)) = Arc::into_inner(journal).map(close) {
+        let message = format!("the journal could not be finished: {problem}");
         recorder.push(0, [tell::log(String::new(), LogLevel::Warning, message)]);
     }
     recorder.closed();
+}
+
+/// Does something with the journal. A defect of ours is a problem like any other: the run must not wait for ever.
+fn attempt<T>(act: impl FnOnce() -> Result<T, JournalError>) -> Result<T, String> {
+    match catch_unwind(AssertUnwindSafe(act)) {
+        Ok(done) => done.map_err(|error| reason(&error)),
+        Err(_panic) => Err("a defect of RAFCON, please report it".to_owned()),
+    }
 }
 
 /// Pauses the run while nothing can be made safe, until the record is closed.
@@ -70,7 +81,7 @@ pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
                 was = false;
                 attendant.works_again();
             }
-            Turn::Thinned(before) => driver.tell(Event::Thinned { before }),
+            Turn::Thinned(before) => driver.tell_in_time(tell::told(Event::Thinned { before })),
         }
     }
 }
@@ -104,7 +115,18 @@ impl<S: Scripts> Attendant<'_, S> {
     }
 
     fn say(&self, level: LogLevel, message: String) {
-        let record = tell::log(String::new(), level, message);
-        self.driver.recorder().push(self.driver.clock().now_ns(), [record]);
+        self.driver.tell_in_time(tell::log(String::new(), level, message));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::attempt;
+    use rafcon_storage::journal::JournalError;
+
+    #[test]
+    fn a_panic_in_the_journal_is_a_problem_that_is_named() {
+        let problem = attempt(|| -> Result<(), JournalError> { panic!("as the test wants it") });
+        assert_eq!(problem, Err("a defect of RAFCON, please report it".to_owned()));
     }
 }

@@ -132,6 +132,10 @@ impl<S: Scripts> Driver<S> {
 
     /// Gives the engine an input from outside its branches.
     pub fn command(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), Refusal> {
+        if matches!(input, Input::Stop) {
+            // Whoever holds the engine may wait for a disk that refuses.
+            self.recorder.safety().end();
+        }
         self.submit(input, None).map(drop)
     }
 

@@ -44,8 +44,7 @@ impl<S: Scripts> Driver<S> {
 
     fn say(&self, due: &Due, message: String) {
         let path = due.place.text.to_string();
-        let record = tell::log(path, rafcon_protocol::LogLevel::Warning, message);
-        self.recorder().push(self.clock().now_ns(), [record]);
+        self.tell_in_time(tell::log(path, rafcon_protocol::LogLevel::Warning, message));
     }
 
     /// Lets the process end: nothing else ends a script that does not want to.

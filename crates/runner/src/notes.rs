@@ -30,6 +30,14 @@ impl<S: Scripts> Driver<S> {
         self.recorder().push(self.clock().now_ns(), [tell::told(event)]);
     }
 
+    /// Notes down what may come after the run's last event, and then is nothing any more.
+    pub(crate) fn tell_in_time(&self, record: Record) {
+        let over = self.over().lock();
+        if !*over {
+            self.recorder().push(self.clock().now_ns(), [record]);
+        }
+    }
+
     /// Notes down that a global variable got a value, or was deleted.
     pub fn global(&self, name: &str, value: Option<&S::Value>) {
         let mut pen = self.recorder().write();

@@ -1,7 +1,7 @@
 //! What a command comes to: inputs of the engine, answers to questions. Knows the vocabulary of commands; must never know
 //! who sends them.
 
-use crate::{Clock, Driver, Scripts};
+use crate::{Clock, Driver, Scripts, tell};
 use rafcon_engine::{Input, Interrupted, Start, Stride, Then};
 use rafcon_model::{OutcomeId, StatePath};
 use rafcon_protocol::{Answer, Command, Envelope, Event, Given, OnCrash};
@@ -26,10 +26,8 @@ impl<S: Scripts> Driver<S> {
         } else {
             Answer::Applied
         };
-        let over = self.over().lock();
-        if !*over {
-            self.tell(Event::Commanded { envelope: Box::new(envelope), answer: answer.clone() });
-        }
+        let envelope = Box::new(envelope);
+        self.tell_in_time(tell::told(Event::Commanded { envelope, answer: answer.clone() }));
         answer
     }
 

@@ -4,6 +4,7 @@
 use crate::blocks::{Blocks, Chunk};
 use crate::names::Names;
 use crate::pen::Pen;
+use crate::prepare::reason;
 use crate::safety::Safety;
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use rafcon_protocol::Keeping;
@@ -168,16 +169,26 @@ impl Recorder {
     fn keep(&self, ink: &mut Ink) {
         let Some(journal) = &ink.journal else { return };
         let batch = ink.pen.batch();
-        loop {
-            match journal.append(batch) {
-                Ok(last) => return self.safety.wrote(last, batch.bytes()),
-                Err(Full::Recorder) => {}
-                Err(Full::Disk(error)) => self.safety.failed(&error.to_string()),
+        let mut was_refused = false;
+        let written = loop {
+            let goes_on = match journal.append(batch) {
+                Ok(last) => break Some(last),
+                Err(Full::Recorder) => self.safety.wait_for_try(),
+                Err(Full::Disk(error)) => {
+                    was_refused = true;
+                    self.safety.refused(&reason(&error))
+                }
+            };
+            if !goes_on {
+                break None;
             }
-            if !self.safety.wait_for_try() {
-                ink.journal = None;
-                return;
-            }
+        };
+        if was_refused {
+            self.safety.taken();
+        }
+        match written {
+            Some(last) => self.safety.wrote(last, batch.bytes()),
+            None => ink.journal = None,
         }
     }
 
@@ -232,7 +243,8 @@ impl Recorder {
     /// Copies records from number `from` on to `into`, as many as lie together; only `rare` ones if so wanted.
     pub(crate) fn read(&self, from: u64, rare: bool, into: &mut Chunk) -> Read {
         let ring = self.ring.lock();
-        let begin = from.max(ring.blocks.first());
+        // What is not safe yet is not missed, even if memory gave it up already: the journal will have it.
+        let begin = from.max(ring.blocks.first().min(ring.tellable()));
         let end = ring.tellable().max(begin);
         let next = ring.blocks.read(begin, end, rare, into).max(begin);
         Read { next, missed: begin - from, closed: ring.closed && next >= end }

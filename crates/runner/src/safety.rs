@@ -38,6 +38,8 @@ struct State {
     safe: u64,
     /// Why nothing becomes safe now.
     problem: Option<Arc<str>>,
+    /// Why a large group cannot even be written now.
+    refused: Option<Arc<str>>,
     /// How many wait for safety or room.
     waiting: u32,
     /// How often it was tried to make something safe.
@@ -46,8 +48,32 @@ struct State {
     ending: bool,
     /// Detail before this record was given up, and nobody was told yet.
     thinned: Option<u64>,
-    closing: bool,
-    closed: bool,
+    stage: Stage,
+}
+
+/// How far the record has come.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    /// It grows.
+    #[default]
+    Open,
+    /// The next try to make it safe is the last.
+    Closing,
+    /// There are no more tries.
+    Over,
+    /// Nothing comes any more.
+    Closed,
+}
+
+impl State {
+    fn problem(&self) -> Option<&Arc<str>> {
+        self.problem.as_ref().or(self.refused.as_ref())
+    }
+
+    /// Whether nobody waits any more.
+    fn gives_up(&self) -> bool {
+        self.stage >= Stage::Over || self.ending && self.problem().is_some()
+    }
 }
 
 /// What concerns the run.
@@ -80,7 +106,7 @@ impl Safety {
     /// The last record that is safe, and why nothing becomes safe now.
     pub(crate) fn state(&self) -> (u64, Option<Arc<str>>) {
         let state = self.state.lock();
-        (state.safe, state.problem.clone())
+        (state.safe, state.problem().cloned())
     }
 
     /// Records up to `last` were written.
@@ -114,19 +140,32 @@ impl Safety {
         self.wait_until(|state| state.safe >= wanted && !self.is_full());
     }
 
-    /// Waits until the next try to make something safe; false if the run ends and the disk refuses.
+    /// Waits until the next try to make something safe; false if the run ends and the disk refuses, or there are no more tries.
     pub(crate) fn wait_for_try(&self) -> bool {
         let before = self.state.lock().tries;
         self.wait_until(|state| state.tries > before);
         let state = self.state.lock();
-        !(state.problem.is_some() && state.ending)
+        state.problem().is_none() && state.tries > before || !state.gives_up()
+    }
+
+    /// A large group cannot be written: waits a while before it is tried again; false if the run ends.
+    pub(crate) fn refused(&self, problem: &str) -> bool {
+        let mut state = self.state.lock();
+        self.change(&mut state, |state| state.refused = Some(problem.into()));
+        self.safer.wait_while_for(&mut state, |state| !state.gives_up(), RETRY);
+        !state.gives_up()
+    }
+
+    /// It was written after all.
+    pub(crate) fn taken(&self) {
+        self.change(&mut self.state.lock(), |state| state.refused = None);
     }
 
     fn wait_until(&self, done: impl Fn(&State) -> bool) {
         let mut state = self.state.lock();
         state.waiting += 1;
         self.work.notify_one();
-        while !(done(&state) || state.problem.is_some() && state.ending) {
+        while !(done(&state) || state.gives_up()) {
             self.safer.wait(&mut state);
         }
         state.waiting -= 1;
@@ -146,7 +185,7 @@ impl Safety {
     /// Makes the committer commit for the last time.
     pub(crate) fn close(&self) {
         let mut state = self.state.lock();
-        (state.ending, state.closing) = (true, true);
+        (state.ending, state.stage) = (true, state.stage.max(Stage::Closing));
         self.work.notify_one();
         self.safer.notify_all();
     }
@@ -154,21 +193,21 @@ impl Safety {
     /// Waits until there is something to do; called by the committer alone.
     pub(crate) fn next_work(&self) -> Work {
         let mut state = self.state.lock();
-        if state.problem.is_some() && !state.closing {
+        if state.problem.is_some() && state.stage == Stage::Open {
             self.work.wait_for(&mut state, RETRY);
         } else {
             self.wait_for_records(&mut state);
         }
-        if state.closing { Work::Last } else { Work::Commit }
+        if state.stage > Stage::Open { Work::Last } else { Work::Commit }
     }
 
     fn wait_for_records(&self, state: &mut MutexGuard<'_, State>) {
         self.idle.store(true, Ordering::SeqCst);
-        while !state.closing && state.waiting == 0 && self.is_all_safe(state) {
+        while state.stage == Stage::Open && state.waiting == 0 && self.is_all_safe(state) {
             self.work.wait(state);
         }
         self.idle.store(false, Ordering::SeqCst);
-        if !state.closing && state.waiting == 0 {
+        if state.stage == Stage::Open && state.waiting == 0 {
             self.work.wait_for(state, GROUP);
         }
     }
@@ -196,18 +235,28 @@ impl Safety {
     }
 
     fn tried(&self, state: &mut State, problem: Option<Arc<str>>) {
-        let turned = state.problem.is_some() != problem.is_some();
-        state.problem = problem;
+        self.change(state, |state| state.problem = problem);
         state.tries += 1;
         self.safer.notify_all();
-        if turned {
+    }
+
+    fn change(&self, state: &mut State, change: impl FnOnce(&mut State)) {
+        let was = state.problem().is_some();
+        change(state);
+        if state.problem().is_some() != was {
             self.turned.notify_all();
         }
     }
 
+    /// It was tried for the last time.
+    pub(crate) fn over(&self) {
+        self.state.lock().stage = Stage::Over;
+        self.safer.notify_all();
+    }
+
     /// Nothing more is made safe.
     pub(crate) fn closed(&self) {
-        self.state.lock().closed = true;
+        self.state.lock().stage = Stage::Closed;
         self.turned.notify_all();
     }
 
@@ -224,12 +273,35 @@ impl Safety {
             if let Some(before) = state.thinned.take() {
                 return Some(Turn::Thinned(before));
             }
-            match &state.problem {
+            match state.problem() {
                 Some(problem) if !was => return Some(Turn::Fails(Arc::clone(problem))),
                 None if was => return Some(Turn::Works),
-                _ if state.closed => return None,
+                _ if state.stage == Stage::Closed => return None,
                 _ => self.turned.wait(&mut state),
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Safety;
+
+    #[test]
+    fn a_large_group_that_cannot_be_written_stays_a_problem_until_it_is() {
+        let safety = Safety::new(0, false);
+        safety.end();
+        assert!(!safety.refused("there is no room"));
+        safety.committed(0, 0);
+        assert_eq!(safety.state().1.as_deref(), Some("there is no room"));
+        safety.taken();
+        assert_eq!(safety.state().1, None);
+    }
+
+    #[test]
+    fn nobody_waits_for_a_try_after_the_last() {
+        let safety = Safety::new(0, false);
+        safety.over();
+        assert!(!safety.wait_for_try());
     }
 }

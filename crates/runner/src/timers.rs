@@ -42,7 +42,7 @@ pub(crate) struct Timers {
 
 #[derive(Debug, Default)]
 struct Queue {
-    /// One entry for each alarm; it may be early, as the alarm may have been set anew since.
+    /// An entry no later than each alarm; it may be early, as the alarm may have been set anew since.
     times: BinaryHeap<Reverse<(u64, PathId, What)>>,
     alarms: BTreeMap<(PathId, What), (u64, Due)>,
     closed: bool,
@@ -82,7 +82,8 @@ impl Timers {
         let at_ns = now_ns.saturating_add(ms.saturating_mul(1_000_000));
         let due = Due { what, place: Arc::clone(place), run: place.runs(), ms };
         let mut queue = self.queue.lock();
-        if queue.alarms.insert((place.path, what), (at_ns, due)).is_none() {
+        let before = queue.alarms.insert((place.path, what), (at_ns, due));
+        if before.is_none_or(|(before_ns, _)| at_ns < before_ns) {
             queue.times.push(Reverse((at_ns, place.path, what)));
             self.changed.notify_all();
         }
@@ -192,5 +193,18 @@ mod tests {
         check(&mut queue, 10, &expect![""]);
         check(&mut queue, 18, &expect!["S1 Deadline 10"]);
         check(&mut queue, 99, &expect![""]);
+    }
+
+    #[test]
+    fn a_deadline_that_was_made_shorter_counts_from_the_next_entry_on() {
+        let timers = Timers::default();
+        let place = place(1);
+        timers.set(What::Deadline, &place, 1000, 0);
+        place.leave(OutcomeId(0), None);
+        place.enter(5 * MS, None);
+        timers.set(What::Deadline, &place, 10, 5 * MS);
+        let mut queue = timers.queue.lock();
+        check(&mut queue, 15, &expect!["S1 Deadline 10"]);
+        check(&mut queue, 2000, &expect![""]);
     }
 }

@@ -4,12 +4,14 @@ use super::house::{House, Viewer};
 use super::players::Run;
 use crate::blocks::Chunk;
 use crate::committer;
-use crate::recorder::Recorder;
+use crate::recorder::{Read, Recorder};
 use expect_test::{Expect, expect};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Command, Event, Join, Keeping, Launch, LogLevel, Stream, ToViewer};
+use rafcon_storage::journal::folder::SPILL_FOLDER;
 use rafcon_storage::journal::{About, Journal, Options, Reader, Record};
 use std::fmt::Write as _;
+use std::fs;
 use std::path::Path;
 use std::thread;
 
@@ -250,4 +252,40 @@ hierarchy ROOT
     });
     run.driver.command(Input::Stop).unwrap();
     assert_eq!(run.end().finish.outcome_name, "preempted");
+}
+
+/// A line that is too large for the recorder; a file lies where it would be written instead.
+fn refused_line(folder: &Path) -> Record {
+    fs::write(folder.join(SPILL_FOLDER), "").unwrap();
+    line(&"x".repeat(2 << 20))
+}
+
+#[test]
+fn a_run_ends_though_its_record_waits_for_a_disk_that_refuses() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("run");
+    let machine = "execution ROOT \"wait\"\n  outcome done\n";
+    let run = Run::recorded(machine, (1, 0), recorder(&folder));
+    run.start();
+    let recorder = run.driver.recorder();
+    thread::scope(|scope| {
+        scope.spawn(|| recorder.push(0, [refused_line(&folder)]));
+        while recorder.safety().state().1.is_none() {
+            thread::yield_now();
+        }
+        run.driver.command(Input::Stop).unwrap();
+    });
+    assert_eq!(run.end().finish.outcome_name, "preempted");
+}
+
+#[test]
+fn what_memory_gave_up_before_it_was_safe_is_not_missed() {
+    let home = tempfile::tempdir().unwrap();
+    let recorder = recorder(&home.path().join("run"));
+    (0..3).for_each(|_| recorder.push(0, [line(&"x".repeat(1 << 20))]));
+    let read = |from| recorder.read(from, false, &mut Chunk::default());
+    assert_eq!(read(1), Read { next: 1, missed: 0, closed: false });
+    let committed = recorder.journal().unwrap().commit().unwrap();
+    recorder.safe_until(committed.sequence);
+    assert!(read(1).missed > 0);
 }
