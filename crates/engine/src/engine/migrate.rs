@@ -23,11 +23,14 @@ impl<'s, D: Datum> Step<'s, D> {
         self.migrate_start(before);
         self.run.places.change(self.program);
         let frames = self.active();
-        self.migrate_holds(before);
+        let loose = self.migrate_holds(before);
         for &slot in &frames {
             self.migrate_frame(slot, before);
         }
         self.renew_holds();
+        for slot in loose.into_iter().rev() {
+            self.advance_later(slot);
+        }
         for slot in frames.into_iter().rev() {
             if self.finds_a_way(slot) {
                 self.advance_later(slot);
@@ -51,15 +54,24 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// The children before or after which something is held, by their names. Frames have not been carried over yet.
-    fn migrate_holds(&mut self, before: &Program<D>) {
-        let mut holds = std::mem::take(&mut self.run.control.holds);
-        for hold in &mut holds {
+    ///
+    /// A condition about a child that is gone needs no answer: its frame, which is given back, looks again what is next.
+    fn migrate_holds(&mut self, before: &Program<D>) -> Vec<u32> {
+        let mut loose = Vec::new();
+        for mut hold in std::mem::take(&mut self.run.control.holds) {
+            let Spot { parent, child, .. } = hold.spot;
             hold.spot.child = self.same_child(before, hold.spot);
+            let is_gone = parent != NONE && child != NONE && hold.spot.child == NONE;
             if let Why::Checking { inquiry, .. } = &mut hold.why {
                 inquiry.spot = hold.spot;
+                if is_gone {
+                    loose.push(parent);
+                    continue;
+                }
             }
+            self.run.control.holds.push(hold);
         }
-        self.run.control.holds = holds;
+        loose
     }
 
     /// The index that a child has now; none, if it is gone.
