@@ -223,13 +223,14 @@ impl<S: Scripts> Driver<S> {
         answer
     }
 
-    /// Gives the engine an input from outside its branches; if it is taken, its events come after this record.
+    /// Gives the engine an input from outside its branches; if it is taken, `then` is done before anything follows from it. The
+    /// events of the input come after the answer, and are kept with it or not at all.
     pub(crate) fn input_after(
         self: &Arc<Self>,
         input: Input<S::Value>,
-        record: Record,
+        then: impl FnOnce() -> Record + Send,
     ) -> Result<(), String> {
-        let take = |core: &mut Core<S::Value>| self.drive_after(core, input, None, Some(record));
+        let take = |core: &mut Core<S::Value>| self.drive_after(core, input, None, || Some(then()));
         let taken = self.with_core(take);
         self.scripts.settle();
         match taken {
@@ -250,7 +251,7 @@ impl<S: Scripts> Driver<S> {
         input: Input<S::Value>,
         own: Option<BranchId>,
     ) -> Result<Next<S::Value>, Refusal> {
-        self.drive_after(core, input, own, None)
+        self.drive_after(core, input, own, || None)
     }
 
     fn drive_after(
@@ -258,14 +259,11 @@ impl<S: Scripts> Driver<S> {
         core: &mut Core<S::Value>,
         input: Input<S::Value>,
         own: Option<BranchId>,
-        record: Option<Record>,
+        then: impl FnOnce() -> Option<Record>,
     ) -> Result<Next<S::Value>, Refusal> {
         let mut turn = Turning::of(own);
         core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
-        if let Some(record) = record {
-            self.recorder.push(self.clock.now_ns(), [record]);
-        }
-        self.carry_out(core, &mut turn);
+        self.carry_out(core, &mut turn, then());
         self.answer_pending(core, &mut turn)?;
         let next = core.settle(turn);
         self.staff(core);
@@ -292,14 +290,19 @@ impl<S: Scripts> Driver<S> {
     ) -> Result<(), Refusal> {
         while let Some(input) = core.pending.pop_front() {
             core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
-            self.carry_out(core, turn);
+            self.carry_out(core, turn, None);
         }
         Ok(())
     }
 
-    fn carry_out(&self, core: &mut Core<S::Value>, turn: &mut Turning<S::Value>) {
+    fn carry_out(
+        &self,
+        core: &mut Core<S::Value>,
+        turn: &mut Turning<S::Value>,
+        first: Option<Record>,
+    ) {
         let entered = self.look_ahead(core);
-        written::record(core, &self.scripts, self.clock, &self.recorder);
+        written::record(core, &self.scripts, self.clock, (&self.recorder, first));
         self.set_alarms(core, &entered);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {

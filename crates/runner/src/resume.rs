@@ -124,8 +124,9 @@ impl Past {
             return Ok(());
         }
         let held = matches!(whole.status, RunStatus::Paused | RunStatus::Stepping);
-        let restore = driver.revive(&self.reader, &self.last);
-        let Some(root) = restore else {
+        let (root, around) = driver.revive(&self.reader, &self.last);
+        driver.put_back(around);
+        let Some(root) = root else {
             return driver.input(Input::Start(Start { hold, ..Start::default() }));
         };
         let crash = driver.scripts().failure(&crash_text(&self.crash)).error;
@@ -170,7 +171,8 @@ impl<S: Scripts> Driver<S> {
             let place = last.places().get(*place)?;
             (!place.path.contains('/')).then(|| Arc::clone(place))
         };
-        let mut left = entries.iter().rev().map(|entry| &entry.record);
+        let is_later = |record: &&Record| !matches!(record, Record::WentBack { .. });
+        let mut left = entries.iter().rev().map(|entry| &entry.record).take_while(is_later);
         let (record, place) = left.find_map(|record| Some((record, root(record)?)))?;
         let Record::Left { outcome, outputs, error, .. } = record else { return None };
         let machine = self.machine();
@@ -194,7 +196,8 @@ impl<S: Scripts> Driver<S> {
         from: &From,
         counted: Counted,
     ) -> Result<(), String> {
-        let input = match self.revive(reader, &from.before) {
+        let (root, around) = self.revive(reader, &from.before);
+        let input = match root {
             Some(root) => Input::Restore(Box::new(Restore {
                 root,
                 interrupted: Interrupted::Again,
@@ -206,7 +209,11 @@ impl<S: Scripts> Driver<S> {
         };
         let moment = from.before.to_bytes();
         let record = Record::WentBack { sequence: from.sequence, moment };
-        self.input_after(input, record)
+        // A command that is refused must not touch what a script may be using.
+        self.input_after(input, || {
+            self.put_back(around);
+            record
+        })
     }
 
     fn begin_again(&self, reader: &Reader, from: &From) -> Input<S::Value> {
@@ -218,17 +225,23 @@ impl<S: Scripts> Driver<S> {
         Input::Start(Start { inputs: inputs.unwrap_or_default(), hold: true, ..Start::default() })
     }
 
-    /// What was active at a moment; global variables and what states keep are put back on the way.
+    /// What was active at a moment, and what was around it.
     fn revive(
         &self,
         reader: &Reader,
         moment: &Moment,
-    ) -> Option<rafcon_engine::Restored<S::Value>> {
+    ) -> (Option<rafcon_engine::Restored<S::Value>>, Surroundings<S::Value>) {
         let machine = self.machine();
         let mut reviver = Reviver::new(self.scripts(), reader, &machine);
         let root = reviver.root(moment);
-        let Surroundings { globals, persistent, mut problems } = reviver.surroundings(moment);
+        let around = reviver.surroundings(moment);
         self.has_lost(reviver.has_lost());
+        (root, around)
+    }
+
+    /// Puts global variables and what states keep back.
+    fn put_back(&self, around: Surroundings<S::Value>) {
+        let Surroundings { globals, persistent, mut problems } = around;
         let globals = globals.into_iter().map(|(name, value)| {
             let put = self.scripts().restore_global(&name, value);
             put.map_err(|why| format!("the global variable \"{name}\" cannot be put back: {why}"))
@@ -243,7 +256,6 @@ impl<S: Scripts> Driver<S> {
         let lines =
             problems.into_iter().map(|line| tell::log(String::new(), LogLevel::Warning, line));
         self.recorder().push(now, lines);
-        root
     }
 }
 

@@ -10,7 +10,7 @@ use crate::{Clock, Scripts, tell};
 use rafcon_engine::{Event, NodeId, PathId};
 use rafcon_model::OutcomeId;
 use rafcon_protocol::Keeping;
-use rafcon_storage::journal::{Kept, PlaceNumber};
+use rafcon_storage::journal::{Kept, PlaceNumber, Record};
 use std::sync::Arc;
 
 /// One group of events on its way into the record.
@@ -21,19 +21,22 @@ struct Page<'p, S: Scripts> {
     now: u64,
 }
 
-/// Writes the events of the outbox down, and makes the places that they are the first to name.
+/// Writes the events of the outbox down after `first`, and makes the places that they are the first to name.
 pub(crate) fn record<S: Scripts>(
     core: &mut Core<S::Value>,
     scripts: &S,
     clock: Clock,
-    recorder: &Recorder,
+    (recorder, first): (&Recorder, Option<Record>),
 ) {
-    if core.outbox.events.is_empty() {
+    if core.outbox.events.is_empty() && first.is_none() {
         return;
     }
     let mut events = std::mem::take(&mut core.outbox.events);
     let pen = recorder.write();
     let mut page = Page { core, scripts, pen, now: clock.now_ns() };
+    if let Some(first) = first {
+        page.pen.note(page.now, &first);
+    }
     for event in &events {
         page.write(event);
     }

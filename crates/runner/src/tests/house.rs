@@ -109,12 +109,26 @@ impl Cast {
                 plain(Returned::Id(if is_safe { 0 } else { -1 }), Vec::new())
             }
             "grow" => self.grow(place),
+            "count" => self.count(),
             "show" => {
                 let error = job.error.clone().unwrap_or_else(|| Value::str("no error"));
                 plain(Returned::Id(0), vec![Some(error)])
             }
             _ => plain(Returned::Id(0), Vec::new()),
         }
+    }
+
+    /// Counts in a global variable.
+    fn count(&self) -> ScriptResult<Value> {
+        let mut globals = self.globals.lock();
+        let count = match globals.last() {
+            Some((_, Value::Int(count))) => Value::Int(count + 1),
+            _ => Value::Int(1),
+        };
+        globals.push(("count".to_owned(), count.clone()));
+        drop(globals);
+        self.driver().global("count", Some(&count));
+        ScriptResult { returned: Returned::Id(0), outputs: Vec::new(), error: None }
     }
 
     fn print(&self, place: &Place, level: LogLevel, line: String) {

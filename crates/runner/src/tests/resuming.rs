@@ -350,6 +350,27 @@ fn a_run_that_stands_still_goes_back_to_an_entry_of_its_history() {
 }
 
 #[test]
+fn a_refused_way_back_leaves_global_variables_as_they_are() {
+    let counts = THREE.replace("execution A", "execution A \"count\"");
+    let house = House::new(&counts.replace("execution B", "execution B \"count\""));
+    let (mut viewer, runner) = house.begin(house.launch());
+    viewer.until_text("+ROOT/C");
+    let back = Command::StartFromHistory { sequence: entry(&house, "ROOT/B") };
+    assert!(viewer.command("back", back).starts_with("refused: "));
+    assert_eq!(viewer.command("stop", Command::Stop), "applied");
+    let count = viewer.until(|message| match message {
+        ToViewer::Event { event: Event::Finished { globals, .. }, .. } => {
+            globals.get("count").cloned()
+        }
+        _ => None,
+    });
+    // A is what follows on a preemption of C.
+    assert_eq!(count, serde_json::json!(3));
+    drop(viewer);
+    runner.join().unwrap();
+}
+
+#[test]
 fn a_run_that_is_over_or_goes_on_is_not_taken_up() {
     let house = House::new(THREE);
     let (mut viewer, runner) = house.begin(house.launch());
