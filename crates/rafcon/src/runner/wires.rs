@@ -162,9 +162,15 @@ struct Queue {
 
 /// The keys of the terminal, while this program is the one that it listens to.
 fn keys(queue: &Queue) -> Flow {
-    while let Ok(is_there) = crossterm::event::poll(KEYS_EVERY) {
-        if !is_there || !in_front() {
+    while let Some(in_front) = in_front() {
+        if !in_front {
+            thread::park_timeout(KEYS_EVERY);
             continue;
+        }
+        match crossterm::event::poll(KEYS_EVERY) {
+            Ok(true) => {}
+            Ok(false) => continue,
+            Err(_gone) => break,
         }
         let Ok(event) = crossterm::event::read() else { break };
         if let Some(key) = Key::of(&event) {
@@ -174,10 +180,11 @@ fn keys(queue: &Queue) -> Flow {
     Ok(())
 }
 
-/// Whether the terminal's input is ours: a program in the background that reads it would be stopped.
-fn in_front() -> bool {
-    let group = rustix::termios::tcgetpgrp(std::io::stdin());
-    group.is_ok_and(|group| group == rustix::process::getpgrp())
+/// Whether the terminal's input is ours: a program in the background that reads it would be stopped. Nothing if the
+/// terminal is gone.
+fn in_front() -> Option<bool> {
+    let group = rustix::termios::tcgetpgrp(std::io::stdin()).ok()?;
+    Some(group == rustix::process::getpgrp())
 }
 
 /// The other end went away: nobody wants to know any more.

@@ -172,8 +172,15 @@ impl Run {
     }
 
     /// The number of the program's process.
-    pub(crate) fn id(&self) -> u32 {
+    fn id(&self) -> u32 {
         self.child.id()
+    }
+
+    /// The process of the runner, if it is there.
+    pub(crate) fn runner(&self) -> Option<Pid> {
+        let own = self.id();
+        let children = std::fs::read_to_string(format!("/proc/{own}/task/{own}/children")).ok()?;
+        Pid::from_raw(children.split_whitespace().next()?.parse().ok()?)
     }
 
     pub(crate) fn signal(&self, signal: Signal) {

@@ -2,7 +2,7 @@
 //! comes to an end that its machine allows, with the data it had.
 
 use crate::harness::{Answer, Place, Run};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Signal, kill_process};
 use serde_json::Value;
 use std::env;
 use std::io::Write as _;
@@ -196,13 +196,4 @@ fn key(event: &Value) -> (String, String, String) {
     let event = event.get("event").unwrap_or(event);
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     (text(&event["type"]), text(&event["path"]), text(&event["outcome"]["name"]))
-}
-
-impl Run {
-    /// The process of the runner, if it is there.
-    fn runner(&self) -> Option<Pid> {
-        let own = self.id();
-        let children = std::fs::read_to_string(format!("/proc/{own}/task/{own}/children")).ok()?;
-        Pid::from_raw(children.split_whitespace().next()?.parse().ok()?)
-    }
 }
