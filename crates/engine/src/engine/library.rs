@@ -40,6 +40,9 @@ impl<'s, D: Datum> Step<'s, D> {
                 slot,
                 Ended { outcome: PREEMPTED, outputs, absent: Vec::new(), error: None },
             );
+        } else if content.root().is_none() {
+            // Its library was lost while it was held.
+            self.begin_library(slot, content);
         } else {
             frame.phase = Phase::Child;
             self.enter_library_root(slot, content);
