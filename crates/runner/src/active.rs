@@ -6,6 +6,7 @@ use memmap2::MmapMut;
 use rafcon_protocol::active::{PATHS_FILE, SLOTS, SLOTS_FILE};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -76,7 +77,8 @@ impl Files {
 }
 
 fn create(path: &Path) -> io::Result<File> {
-    OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path)
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(true).mode(0o600).open(path)
 }
 
 #[expect(unsafe_code, reason = "memory that is also a file has no safe door")]

@@ -1,7 +1,7 @@
 //! The tables of a journal, and what is put into them. Knows `SQLite`; must never know where rows come from.
 
-use super::error::JournalError;
-use super::folder::DATABASE_FILE;
+use super::error::{Doing, JournalError};
+use super::folder::{DATABASE_FILE, create_file};
 use super::group::{Block, Group};
 use super::record::{Content, Item, Items, Place, PlaceNumber, ValueNumber};
 use super::tracker::Keyframe;
@@ -45,8 +45,10 @@ pub(super) struct Database {
 impl Database {
     /// Makes the tables of a new run.
     pub(super) fn create(folder: &Path) -> Result<Self, JournalError> {
-        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
-        let mut database = Self::open_with(folder, flags)?;
+        let path = folder.join(DATABASE_FILE);
+        // What lies beside it gets the same permissions.
+        create_file(&path).map_err(|source| JournalError::io(&path, Doing::Write, source))?;
+        let mut database = Self::open_with(folder, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         let text = format!("BEGIN IMMEDIATE; {TABLES} PRAGMA user_version = {VERSION}; COMMIT;");
         database.run(|connection| connection.execute_batch(&text))?;
         Ok(database)

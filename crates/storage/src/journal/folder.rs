@@ -3,7 +3,9 @@
 use super::error::{Doing, JournalError};
 use rustix::fs::{Mode, mkdir};
 use rustix::io::Errno;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 
 /// What the run is: [`super::About`] as JSON.
@@ -79,13 +81,18 @@ pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), JournalError
     use std::io::Write as _;
     let fresh = fresh_name(path);
     let write = || {
-        let mut file = File::create(&fresh)?;
+        let mut file = create_file(&fresh)?;
         file.write_all(bytes)?;
         file.sync_all()?;
         fs::rename(&fresh, path)
     };
     write().map_err(|source| JournalError::io(path, Doing::Write, source))?;
     path.parent().map_or(Ok(()), sync_folder)
+}
+
+/// Makes a file for its owner only, or empties the one that is there.
+pub(super) fn create_file(path: &Path) -> io::Result<File> {
+    OpenOptions::new().read(true).write(true).create(true).truncate(true).mode(0o600).open(path)
 }
 
 /// The name under which a file is prepared.

@@ -6,7 +6,7 @@ use super::batch::Batch;
 use super::committer::Committer;
 use super::database::Database;
 use super::error::{Doing, Full, JournalError};
-use super::folder::{DATABASE_FILE, RECORDER_FILE, make_folder, sync_folder};
+use super::folder::{DATABASE_FILE, RECORDER_FILE, SPILL_FOLDER, make_folder, sync_folder};
 use super::leftovers::Leftovers;
 use super::lock::RunLock;
 use super::pack::{Hash, Pack, Roots};
@@ -163,6 +163,8 @@ impl Journal {
     pub fn close(self) -> Result<Committed, JournalError> {
         let committed = self.commit()?;
         self.committer.lock().database.checkpoint()?;
+        // Empty, unless nobody was there to commit what is in it.
+        drop(fs::remove_dir(self.folder.join(SPILL_FOLDER)));
         let path = self.folder.join(RECORDER_FILE);
         fs::remove_file(&path).map_err(|source| JournalError::io(&path, Doing::Write, source))?;
         Ok(committed)

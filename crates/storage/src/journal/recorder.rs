@@ -5,14 +5,13 @@
 
 use super::batch::Batch;
 use super::error::{Doing, Full, JournalError};
-use super::folder::{RECORDER_FILE, SPILL_FOLDER, fresh_name, sync_folder};
+use super::folder::{RECORDER_FILE, SPILL_FOLDER, create_file, fresh_name, sync_folder};
 use super::frame::{self, Head};
 use memmap2::MmapMut;
 use rustix::fs::{FallocateFlags, fallocate};
 use rustix::io::Errno;
-use std::fs::{self, File, OpenOptions};
-use std::io;
-use std::os::unix::fs::OpenOptionsExt as _;
+use std::fs::{self, File};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Bytes before the first segment.
@@ -144,7 +143,7 @@ impl Recorder {
         let path = spill_file(&self.folder, life, head.number);
         let write = || {
             fs::create_dir_all(self.folder.join(SPILL_FOLDER))?;
-            fs::write(&path, &bytes)
+            create_file(&path)?.write_all(&bytes)
         };
         write().map_err(|source| Full::Disk(JournalError::io(&path, Doing::Write, source)))?;
         frame::write_spilled(self.room(short).ok_or(Full::Recorder)?, life, head);
@@ -194,8 +193,7 @@ fn header(life: u32, segment_bytes: usize) -> Vec<u8> {
 
 /// Makes a file that has all its space on disk already: a full disk must not strike when memory is written.
 fn make(path: &Path, bytes: usize) -> io::Result<File> {
-    let mut options = OpenOptions::new();
-    let file = options.read(true).write(true).create(true).truncate(true).mode(0o600).open(path)?;
+    let file = create_file(path)?;
     match fallocate(&file, FallocateFlags::empty(), 0, bytes as u64) {
         Ok(()) => Ok(file),
         Err(Errno::OPNOTSUPP | Errno::NOSYS) => fill(file, bytes),
@@ -205,7 +203,6 @@ fn make(path: &Path, bytes: usize) -> io::Result<File> {
 
 /// The same where the file system cannot promise space.
 fn fill(mut file: File, bytes: usize) -> io::Result<File> {
-    use std::io::Write as _;
     let zeros = vec![0; 1 << 16];
     for start in (0..bytes).step_by(zeros.len()) {
         file.write_all(&zeros[..zeros.len().min(bytes - start)])?;
