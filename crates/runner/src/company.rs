@@ -90,10 +90,26 @@ impl<S: Scripts> Company<S> {
             guest.sender.send(&ToViewer::LoadFailed { reason });
             return Ok(());
         }
+        let seated = self.seat(scope, &guest, receiver, join);
+        if seated.is_err() {
+            guest.socket.shut();
+            self.leave(&guest);
+        }
+        seated
+    }
+
+    /// Gives a viewer its threads.
+    fn seat<'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        guest: &Arc<Guest>,
+        receiver: Receiver,
+        join: Join,
+    ) -> io::Result<()> {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
-        let listening = Arc::clone(&guest);
+        let (listening, told) = (Arc::clone(guest), Arc::clone(guest));
         named("commands").spawn_scoped(scope, move || self.listen(&listening, receiver))?;
-        named("viewer").spawn_scoped(scope, move || self.tell(&guest, &join))?;
+        named("viewer").spawn_scoped(scope, move || self.tell(&told, &join))?;
         Ok(())
     }
 
@@ -118,6 +134,11 @@ impl<S: Scripts> Company<S> {
     fn listen(&self, guest: &Arc<Guest>, receiver: Receiver) {
         self.desk.serve(receiver, &guest.sender, &guest.answering);
         guest.sender.lose();
+        self.leave(guest);
+    }
+
+    /// A viewer is not there any more.
+    fn leave(&self, guest: &Arc<Guest>) {
         let mut present = self.present.lock();
         present.guests.retain(|other| !Arc::ptr_eq(other, guest));
         let last = present.guests.is_empty() && !present.closed;

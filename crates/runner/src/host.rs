@@ -9,10 +9,10 @@ use crate::join::{Closer, Door};
 use crate::prepare::{Prepared, prepare, reason};
 use crate::recorder::Recorder;
 use crate::resume::{Past, Resumed};
-use crate::{Clock, Host, Scripts, committer, due, journal, stop};
+use crate::{Clock, Host, Scripts, committer, due, journal, stop, tell};
 use rafcon_engine::{Finish, Input, Program, Start};
 use rafcon_model::Machine;
-use rafcon_protocol::{Event, Join, Launch, Outcome, ToRunner, ToViewer};
+use rafcon_protocol::{Event, Join, Launch, LogLevel, Outcome, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::VALUES_FOLDER;
 use signal_hook::iterator::{Handle, Signals};
 use std::io;
@@ -139,16 +139,24 @@ impl<S: Scripts> Begun<S> {
     fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
         let Self { driver, loaded, from, signals: (signals, handle), door, closer } = self;
         let company = Company::new(Arc::clone(&driver), loaded);
+        let (driver, company) = (&driver, &company);
         thread::scope(|scope| {
             let named = |name: &str| thread::Builder::new().name(name.to_owned());
-            committer::start(scope, &driver)?;
-            company.welcome(scope, line, first(launch, from))?;
-            named("signals").spawn_scoped(scope, || stop::serve(&driver, signals))?;
-            named("timers").spawn_scoped(scope, || due::serve(&driver))?;
-            if let Some(door) = door {
-                named("door").spawn_scoped(scope, || door.serve(scope, &company))?;
-            }
-            let end = conclude(&driver);
+            let start = || -> io::Result<()> {
+                committer::start(scope, driver)?;
+                company.welcome(scope, line, first(launch, from))?;
+                named("signals").spawn_scoped(scope, || stop::serve(driver, signals))?;
+                named("timers").spawn_scoped(scope, || due::serve(driver))?;
+                if let Some(door) = door {
+                    named("door").spawn_scoped(scope, move || door.serve(scope, company))?;
+                }
+                Ok(())
+            };
+            let started = start();
+            let end = match &started {
+                Ok(()) => conclude(driver),
+                Err(error) => abandon(driver, error),
+            };
             drop(closer);
             company.part(|| {
                 if end.is_continue() {
@@ -159,7 +167,7 @@ impl<S: Scripts> Begun<S> {
             if end.is_break() {
                 cut_off();
             }
-            Ok(())
+            started.map_err(ServeError::System)
         })
     }
 }
@@ -208,6 +216,18 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<()> {
     };
     driver.recorder().close();
     flow
+}
+
+/// Lets the threads end that a run has, as it cannot have all that it needs; its scripts are asked to end.
+pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) -> ControlFlow<()> {
+    let message = format!("the system gave no thread to look after this run, which ends: {error}");
+    driver.tell_in_time(tell::log(String::new(), LogLevel::Error, message));
+    driver.dismiss_roots();
+    driver.timers().close();
+    driver.recorder().abandon();
+    // Refused if the run has come to its end meanwhile.
+    drop(driver.command(Input::Stop));
+    ControlFlow::Continue(())
 }
 
 /// Ends the process with all its threads.

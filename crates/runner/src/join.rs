@@ -5,7 +5,7 @@ use crate::company::Company;
 use crate::connection::{self, Ours, Socket, TalkError};
 use rafcon_protocol::ToRunner;
 use rafcon_storage::journal::folder::SOCKET_FILE;
-use rustix::event::{PollFd, PollFlags, poll};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::fs::{self, File, Permissions};
 use std::io;
 use std::os::fd::AsRawFd as _;
@@ -17,6 +17,9 @@ use std::time::Duration;
 
 /// How long somebody who connects may take to say who they are and what they want.
 const HELLO_AT_MOST: Duration = Duration::from_secs(10);
+
+/// How long nobody is let in who could not be.
+const REST: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 
 /// The open door of a run.
 #[derive(Debug)]
@@ -54,7 +57,10 @@ impl Door {
         company: &'scope Company<S>,
     ) {
         while self.is_knocked_at() {
-            let Ok((stream, _)) = self.listener.0.accept() else { continue };
+            let Ok((stream, _)) = self.listener.0.accept() else {
+                self.rest();
+                continue;
+            };
             let socket = Socket::new(stream);
             if !company.arrive(&socket) {
                 continue;
@@ -67,8 +73,13 @@ impl Door {
             // Whoever finds no thread to talk to is shut out: the connection ends.
             drop(thread::Builder::new().name("joining".to_owned()).spawn_scoped(scope, talk));
         }
-        // The folder may be gone, and the socket with it.
-        drop(fs::remove_file(&self.path));
+    }
+
+    /// Waits a while, or until the door is closed: the system has no room for a connection, and somebody still knocks.
+    fn rest(&self) {
+        let mut open = [PollFd::new(&self.open, PollFlags::IN | PollFlags::HUP)];
+        // Interrupted by a signal, the wait is over.
+        let _woken = poll(&mut open, Some(&REST));
     }
 
     /// Waits for the next one; false when the door is closed.
@@ -80,6 +91,13 @@ impl Door {
         // Interrupted by a signal, the wait begins anew.
         while poll(&mut both, None).is_err() {}
         both[1].revents().is_empty()
+    }
+}
+
+impl Drop for Door {
+    fn drop(&mut self) {
+        // The folder may be gone, and the socket with it.
+        drop(fs::remove_file(&self.path));
     }
 }
 
@@ -106,4 +124,19 @@ fn welcome<'scope, S: Scripts>(
     socket.wait_at_most(None)?;
     company.welcome(scope, line, join)?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Door;
+    use rafcon_storage::journal::folder::SOCKET_FILE;
+
+    #[test]
+    fn a_door_that_nobody_serves_leaves_no_socket() {
+        let home = tempfile::tempdir().unwrap();
+        let (door, _closer) = Door::open(home.path()).unwrap();
+        assert!(home.path().join(SOCKET_FILE).exists());
+        drop(door);
+        assert!(!home.path().join(SOCKET_FILE).exists());
+    }
 }

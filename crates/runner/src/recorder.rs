@@ -207,6 +207,12 @@ impl Recorder {
         }
     }
 
+    /// The same without a committer: perhaps there is none. What was written is in the journal's own recorder.
+    pub(crate) fn abandon(&self) {
+        self.safety.close();
+        self.closed();
+    }
+
     /// Nothing more goes into the journal.
     pub(crate) fn leave_journal(&self) {
         self.ink.lock().journal = None;

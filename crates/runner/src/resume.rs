@@ -50,13 +50,16 @@ impl Resumed {
         let crash = launch.crash.clone().unwrap_or_else(|| crash(folder));
         let (journal, taken_up) =
             Journal::take_up(folder, &options(launch.size_max)).map_err(|error| reason(&error))?;
-        let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
-        let last = reader.moment(taken_up.sequence).map_err(|error| reason(&error))?;
-        let from = resume.from.map(|sequence| From::find(&mut reader, sequence)).transpose()?;
-        if from.is_none() && last.whole().status == RunStatus::Finished {
-            return Err("the run has come to its end; begin a new one, or choose an entry of its history to begin from".to_owned());
+        match look(folder, taken_up.sequence, resume.from) {
+            Ok((reader, last, from)) => {
+                Ok(Self { taken_up, journal, reader, last, from, crash, policy: resume.policy })
+            }
+            Err(why) => {
+                // What cannot be closed is as it was found: a run without a runner.
+                drop(journal.close());
+                Err(why)
+            }
         }
-        Ok(Self { taken_up, journal, reader, last, from, crash, policy: resume.policy })
     }
 
     /// Loads the machine as the run kept it.
@@ -91,6 +94,21 @@ impl Resumed {
         let recorder = Recorder::with_journal(journal, Some(&taken_up), (keeping, strict));
         (recorder, Past { reader, last, from, crash, policy, taken_up })
     }
+}
+
+/// How the run stood after its last event, and where it is to go back to; the error is for people.
+fn look(
+    folder: &Path,
+    last: u64,
+    from: Option<u64>,
+) -> Result<(Reader, Moment, Option<From>), String> {
+    let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
+    let last = reader.moment(last).map_err(|error| reason(&error))?;
+    let from = from.map(|sequence| From::find(&mut reader, sequence)).transpose()?;
+    if from.is_none() && last.whole().status == RunStatus::Finished {
+        return Err("the run has come to its end; begin a new one, or choose an entry of its history to begin from".to_owned());
+    }
+    Ok((reader, last, from))
 }
 
 /// What a run that is taken up has behind it.

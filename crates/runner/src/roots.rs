@@ -61,9 +61,14 @@ impl<S: Scripts> Driver<S> {
     pub(crate) fn close_roots(&self) {
         if self.recorder().has_journal() {
             self.recorder().safety().end();
-            self.roots().wanted.post(Wanted::End);
+            self.dismiss_roots();
             self.roots().done.wait();
         }
+    }
+
+    /// No more machines are kept after those that wait.
+    pub(crate) fn dismiss_roots(&self) {
+        self.roots().wanted.post(Wanted::End);
     }
 
     fn pack(&self, machine: &Machine, files: &StateFiles) -> Pack {

@@ -250,13 +250,15 @@ impl Safety {
 
     /// It was tried for the last time.
     pub(crate) fn over(&self) {
-        self.state.lock().stage = Stage::Over;
+        let mut state = self.state.lock();
+        state.stage = state.stage.max(Stage::Over);
         self.safer.notify_all();
     }
 
     /// Nothing more is made safe.
     pub(crate) fn closed(&self) {
         self.state.lock().stage = Stage::Closed;
+        self.safer.notify_all();
         self.turned.notify_all();
     }
 

@@ -3,17 +3,18 @@
 use super::house::{House, Viewer};
 use super::players::Run;
 use crate::blocks::Chunk;
-use crate::committer;
+use crate::host::abandon;
 use crate::recorder::{Read, Recorder};
+use crate::{committer, due};
 use expect_test::{Expect, expect};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Command, Event, Join, Keeping, Launch, LogLevel, Stream, ToViewer};
 use rafcon_storage::journal::folder::SPILL_FOLDER;
 use rafcon_storage::journal::{About, Journal, Options, Reader, Record};
 use std::fmt::Write as _;
-use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
-use std::thread;
+use std::{fs, io, thread};
 
 /// A hierarchy in which a number is counted up three times, then something else happens.
 fn counting(semantic: &str, last: &str) -> String {
@@ -288,4 +289,31 @@ fn what_memory_gave_up_before_it_was_safe_is_not_missed() {
     let committed = recorder.journal().unwrap().commit().unwrap();
     recorder.safe_until(committed.sequence);
     assert!(read(1).missed > 0);
+}
+
+#[test]
+fn a_run_that_lacks_a_thread_ends_with_those_it_has() {
+    let home = tempfile::tempdir().unwrap();
+    let machine = "execution ROOT \"wait\"\n  outcome done\n";
+    let run = Run::recorded(machine, (1, 0), recorder(&home.path().join("run")));
+    run.start();
+    thread::scope(|scope| {
+        committer::start(scope, &run.driver).unwrap();
+        scope.spawn(|| due::serve(&run.driver));
+        let _flow = abandon(&run.driver, &io::Error::other("none is left"));
+    });
+    assert_eq!(run.end().finish.outcome_name, "preempted");
+}
+
+#[test]
+fn what_a_run_leaves_is_for_its_owner_only() {
+    let house = House::new(&counting("", "shout"));
+    let (viewer, runner) = house.begin(house.launch());
+    viewer.into_end();
+    runner.join().unwrap();
+    for file in fs::read_dir(house.run_folder()).unwrap().map(Result::unwrap) {
+        let metadata = file.metadata().unwrap();
+        let others = metadata.permissions().mode() & 0o077;
+        assert!(metadata.is_dir() || others == 0, "{:?}: {others:o}", file.file_name());
+    }
 }

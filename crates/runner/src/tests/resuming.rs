@@ -4,6 +4,7 @@ use super::house::{Actors, House, Viewer};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Command, Event, OnCrash, ToRunner, ToViewer};
 use rafcon_storage::journal::Reader;
+use rafcon_storage::journal::folder::RECORDER_FILE;
 use std::os::unix::net::UnixStream;
 
 /// Adds twice to a number; between that a script dies with its runner, in the first life.
@@ -382,6 +383,7 @@ fn a_run_that_is_over_or_goes_on_is_not_taken_up() {
     runner.join().unwrap();
     expect!["the run has come to its end; begin a new one, or choose an entry of its history to begin from"]
         .assert_eq(&refusal(&house));
+    assert!(!house.run_folder().join(RECORDER_FILE).exists());
 }
 
 /// Why the run is not taken up.
