@@ -112,8 +112,7 @@ impl Tracker {
     /// How the run stands, if it is time to keep it.
     pub(super) fn keyframe(&mut self) -> Option<Keyframe> {
         let is_far = self.records >= RECORDS || self.weight >= self.weight_max;
-        let is_due =
-            is_far && self.bytes >= PART * self.keyframe_bytes && !self.moment.is_between();
+        let is_due = is_far && self.bytes >= PART * self.keyframe_bytes;
         is_due.then(|| {
             let data = self.moment.to_bytes();
             (self.records, self.bytes, self.weight) = (0, 0, 0);
@@ -126,48 +125,5 @@ impl Tracker {
                 named: std::mem::take(&mut self.named).into_iter().collect(),
             }
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Tracker;
-    use crate::journal::batch::Batch;
-    use crate::journal::frame::{self, Head};
-    use crate::journal::moment::Moment;
-    use crate::journal::record::{Place, PlaceNumber, Record, ValueNumber};
-
-    /// Whether a keyframe would come after these records.
-    fn has_keyframe(tracker: &mut Tracker, first: u64, write: impl FnOnce(&mut Batch)) -> bool {
-        let mut batch = Batch::new(0);
-        write(&mut batch);
-        let count = batch.count();
-        let head = Head { number: first, first, count, t_before: 0, t_last: 0, spilled: false };
-        let mut bytes = vec![0; frame::length(&batch)];
-        frame::write(&mut bytes, 1, head, &batch);
-        tracker.follow(&frame::read(&bytes, 1).unwrap().0).unwrap();
-        tracker.keyframe().is_some()
-    }
-
-    #[test]
-    fn a_run_that_went_back_has_no_keyframe_before_it_goes_on() {
-        let mut tracker = Tracker::new(Moment::default(), ValueNumber(1), 0);
-        let moment = Moment::default().to_bytes();
-        let back = Record::WentBack { sequence: 1, moment };
-        assert!(!has_keyframe(&mut tracker, 1, |batch| batch.record(0, &back)));
-        let root = Place {
-            path: "ROOT".to_owned(),
-            names: "ROOT".to_owned(),
-            is_library: false,
-            is_script: true,
-            inputs: Vec::new(),
-            outputs: Vec::new(),
-            scoped: Vec::new(),
-            outcomes: Vec::new(),
-        };
-        assert!(has_keyframe(&mut tracker, 2, |batch| {
-            batch.define_place(PlaceNumber(0), &root);
-            batch.entered(0, PlaceNumber(0), [] as [crate::journal::Kept; 0], None);
-        }));
     }
 }

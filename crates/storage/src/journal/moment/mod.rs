@@ -189,11 +189,6 @@ impl Moment {
         }
     }
 
-    /// Whether the run was taken back to an earlier moment and has not gone on from there: bytes do not say that.
-    pub(super) fn is_between(&self) -> bool {
-        self.restored.is_some()
-    }
-
     /// Whether a step back went further than the steps that are known here: to be exact, one must begin earlier.
     pub fn lacks_steps(&self) -> bool {
         self.lacks_steps
