@@ -57,11 +57,11 @@ fn check(machine: &str, words: &str, commands: &[(&str, &str)], expect: &Expect)
         }
         let command = command.replace("QUESTION", &question);
         let told = place.call(&format!("tell last {command} --runs runs"));
-        text += &format!("> {command}: {}{}", told.stdout, told.stderr);
+        text.extend(["> ", &*command, ": ", &told.stdout, &told.stderr]);
     }
     let (code, rest, said) = run.end();
     text += &rest.iter().filter_map(|line| shown(line)).collect::<String>();
-    text += &format!("{}\n{said}", code.unwrap_or(-1));
+    text.extend([&*code.unwrap_or(-1).to_string(), "\n", &said]);
     expect.assert_eq(&text);
 }
 
@@ -253,7 +253,7 @@ fn resumed(policy: &str, then: &[(&str, &str)], expect: &Expect) {
     for (until, command) in then {
         up_to(&mut run, until, &mut text);
         let told = place.call(&format!("tell last {command} --runs runs"));
-        text += &format!("> {command}: {}{}", told.stdout, told.stderr);
+        text.extend(["> ", command, ": ", &told.stdout, &told.stderr]);
     }
     let (code, rest, said) = run.end();
     text += &rest.iter().filter_map(|line| shown(line)).collect::<String>();
