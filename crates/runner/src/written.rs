@@ -87,6 +87,8 @@ impl<S: Scripts> Page<'_, S> {
                 self.pen.run_ends();
             }
             Event::Changed => self.core.generation += 1,
+            // It may never have been entered, and ends now.
+            Event::Forced { path, .. } => drop(self.place_at(*path)),
             _ => {}
         }
         let record = match event {

@@ -2,7 +2,8 @@
 
 use super::house::House;
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Breakpoint, Command, Launch, Scope, Unattended, When};
+use rafcon_protocol::{Breakpoint, Command, Join, Launch, Scope, Unattended, When};
+use rafcon_storage::journal::Reader;
 
 const THREE: &str = "
 hierarchy ROOT
@@ -148,6 +149,36 @@ fn a_breakpoint_lets_go_on_when_nobody_looks_any_more_if_it_says_so() {
     let launch = Launch { breakpoints: vec![breakpoint], ..house.launch() };
     let (mut viewer, runner) = house.begin(launch);
     viewer.until_text("ROOT is held before ROOT/B by Breakpoint { id: 1 }");
+    drop(viewer);
+    runner.join().unwrap();
+}
+
+#[test]
+fn the_journal_knows_a_skipped_branch_as_ended() {
+    let machine = "
+barrier ROOT
+  outcome done
+  unique_decider_state_id.ok -> .done
+  execution A \"wait\"
+    outcome ok
+  execution B
+    outcome ok
+  decider unique_decider_state_id
+    outcome ok
+";
+    let house = House::new(machine);
+    let breakpoints = vec![breakpoint("ROOT/B", None)];
+    let (mut viewer, runner) = house.begin(Launch { breakpoints, ..house.launch() });
+    viewer.until_text("ROOT is held before ROOT/B by Breakpoint { id: 1 }");
+    let force = Command::ForceOutcome { path: "ROOT/B".to_owned(), outcome: 0 };
+    assert_eq!(viewer.command("force", force), "applied");
+    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    second.until_text("force_outcome by test: Applied");
+    let mut reader = Reader::open(&house.run_folder()).unwrap();
+    let active = reader.moment(u64::MAX).unwrap().active();
+    let ended: Vec<_> = active[0].ended.iter().map(|end| (end.state(), end.outcome)).collect();
+    assert_eq!(ended, [("B", 0)]);
+    assert_eq!(viewer.command("stop", Command::Stop), "applied");
     drop(viewer);
     runner.join().unwrap();
 }

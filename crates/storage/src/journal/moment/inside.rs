@@ -42,6 +42,7 @@ pub(super) struct Variable {
 #[derive(Debug, Clone)]
 pub(super) struct End {
     pub(super) place: PlaceNumber,
+    /// The record that it was entered by; that by which it ended if it was skipped.
     pub(super) entered: u64,
     pub(super) inputs: Vec<Kept>,
     pub(super) outcome: i64,
@@ -55,6 +56,11 @@ pub(super) struct End {
 }
 
 impl End {
+    /// Whether it ended without having begun.
+    fn is_skipped(&self) -> bool {
+        self.entered == self.order
+    }
+
     fn weight(&self) -> usize {
         1 + self.inside.as_ref().map_or(0, |inside| inside.weight)
     }
@@ -136,6 +142,21 @@ impl Inside {
             self.steps.split_off(index)
         };
         self.weight -= gone.iter().map(weight).sum::<usize>();
+    }
+
+    /// The child is as if it had not been skipped, if that is how it ended last.
+    pub(super) fn forget_skipped(&mut self, place: PlaceNumber) {
+        let is_end = |step: &Step| matches!(step, Step::End(end) if end.place == place);
+        let Some(index) = self.steps.iter().rposition(is_end) else {
+            if self.ended.get(&place).is_some_and(End::is_skipped) {
+                self.ended.remove(&place);
+            }
+            return;
+        };
+        if matches!(&self.steps[index], Step::End(end) if end.is_skipped()) {
+            let gone = self.steps.remove(index);
+            self.weight -= gone.iter().map(weight).sum::<usize>();
+        }
     }
 
     /// How many ends can be undone, with those in containers that ended here.

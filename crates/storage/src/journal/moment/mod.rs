@@ -194,6 +194,43 @@ impl Moment {
         self.lacks_steps
     }
 
+    /// A state ends without having begun: what stood before it goes on.
+    fn skip(&mut self, path: &str, outcome: i64) {
+        let Some(place) = self.places.number(path).filter(|place| !self.active.contains_key(place))
+        else {
+            return;
+        };
+        let outputs = self.places.get(place).map_or(0, |place| place.outputs.len());
+        let sequence = self.sequence;
+        let Some(around) = self.around(place) else { return };
+        around.inside.begin();
+        around.inside.end(End {
+            place,
+            entered: sequence,
+            inputs: Vec::new(),
+            outcome,
+            outputs: vec![Kept::Absent; outputs],
+            error: None,
+            order: sequence,
+            inside: None,
+            is_open: false,
+        });
+    }
+
+    /// Something stands before a state. If that was skipped, this was taken back, or it comes again: it gave nothing anyway.
+    fn stands_before(&mut self, path: &str) {
+        if let Some(place) = self.places.number(path)
+            && let Some(around) = self.around(place)
+        {
+            around.inside.forget_skipped(place);
+        }
+    }
+
+    /// The active state around this place.
+    fn around(&mut self, place: PlaceNumber) -> Option<&mut Active> {
+        self.active.get_mut(&self.places.parent(place)?)
+    }
+
     fn drop_state(&mut self, path: &str) {
         self.whole.left(path);
         if let Some(place) = self.places.number(path) {

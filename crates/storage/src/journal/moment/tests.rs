@@ -89,6 +89,35 @@ fn check(text: &str, expect: &Expect) {
 }
 
 #[test]
+fn a_skipped_state_has_ended_until_something_stands_before_it_again() {
+    let skipped = r#"enter R
+        enter R/H
+        leave R/H ok
+        told {"type": "held", "path": "R", "next": "R/A", "by": {"type": "step"}}
+        told {"type": "forced", "path": "R/A", "outcome": {"id": 0, "name": "ok"}}"#;
+    let before = |next: &str| {
+        let held = r#"told {"type": "held", "path": "R", "by": {"type": "step"}, "next": "#;
+        format!("{skipped}\n{held}\"{next}\"}}")
+    };
+    check(
+        &before("R/B"),
+        &expect![[r"
+            #6 Stepping, 2 run
+            R #1 | H 0#3 | A 0#5 | last A
+            held R before R/B
+        "]],
+    );
+    check(
+        &before("R/A"),
+        &expect![[r"
+            #6 Stepping, 2 run
+            R #1 | H 0#3 | last H
+            held R before R/A
+        "]],
+    );
+}
+
+#[test]
 fn what_is_active_has_its_data() {
     check(
         "enter R

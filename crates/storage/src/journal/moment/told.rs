@@ -115,13 +115,19 @@ impl Moment {
         match event {
             Event::Held { path, next, by } => {
                 whole.is_held(Holding { path: path.clone(), next: next.clone(), by: *by });
+                if let Some(next) = next {
+                    self.stands_before(next);
+                }
             }
             Event::Hit { breakpoint, hits, .. } => drop(whole.hits.insert(*breakpoint, *hits)),
             Event::BreakpointSet { breakpoint } => {
                 whole.breakpoints.insert(breakpoint.id, breakpoint.clone());
             }
             Event::BreakpointRemoved { id } => drop(whole.breakpoints.remove(id)),
-            Event::Forced { path, .. } => whole.lets_go(path),
+            Event::Forced { path, outcome } => {
+                whole.lets_go(path);
+                self.skip(path, outcome.id);
+            }
             Event::Dropped { path } => self.drop_state(path),
             Event::Root { hash, .. } => whole.root = Some(hash.clone()),
             Event::Commanded { envelope, answer: Answer::Applied } => {
