@@ -39,13 +39,13 @@ pub(crate) fn utc_at(ms: u64) -> String {
     format!("{}.{:03}Z", date(ms / 1000).replace(' ', "T"), ms % 1000)
 }
 
-/// Four hexadecimal digits that are not likely to be the same for two programs that begin in the same second.
-pub(crate) fn four_digits(attempt: u32) -> String {
+/// A number that is not likely to be the same for two programs that begin in the same second.
+pub(crate) fn salt(attempt: u16) -> u16 {
     #[expect(clippy::disallowed_methods, reason = "this is the program's one clock")]
     let now = SystemTime::now();
     let nanos = now.duration_since(UNIX_EPOCH).unwrap_or_default().subsec_nanos();
-    let mixed = (nanos / 1000).wrapping_add(std::process::id()).wrapping_add(attempt);
-    format!("{:04x}", mixed.wrapping_mul(0x9e37_79b1) >> 16)
+    let mixed = (nanos / 1000).wrapping_add(std::process::id()).wrapping_mul(0x9e37_79b1) >> 16;
+    u16::try_from(mixed).unwrap_or_default().wrapping_add(attempt)
 }
 
 /// Seconds since 1970 as a date of the Gregorian calendar.

@@ -5,7 +5,7 @@ use crate::clock;
 use crate::environment::Environment;
 use crate::failure::{Usage, complain};
 use anyhow::{Context as _, Result, bail};
-use rafcon_storage::journal::Retention;
+use rafcon_storage::journal::{Retention, run_id};
 use std::fs;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// A folder is a run if it holds this file.
 const ABOUT: &str = "run.json";
 /// How many names are tried for a new folder.
-const TRIES: u32 = 100;
+const TRIES: u16 = 100;
 
 /// The folder with one folder for each run.
 #[derive(Debug, Clone)]
@@ -41,10 +41,10 @@ impl Runs {
                 self.0.display()
             )
         })?;
-        let stem = format!("{}-{}", compact(&clock::utc()), slug(machine));
+        let started_ms = clock::since_1970_ms();
         let mut tried = 0;
         loop {
-            let folder = self.0.join(format!("{stem}-{}", clock::four_digits(tried)));
+            let folder = self.0.join(run_id(started_ms, machine, clock::salt(tried)));
             match fs::DirBuilder::new().mode(0o700).create(&folder) {
                 Ok(()) => return Ok(folder),
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
@@ -126,22 +126,9 @@ fn matching<'i>(ids: &'i [String], text: &str) -> Vec<&'i String> {
     ids.iter().filter(|id| !text.is_empty() && id.starts_with(text)).collect()
 }
 
-/// `2026-01-31 12:00:00` as `20260131-120000`.
-fn compact(date: &str) -> String {
-    date.replace(['-', ':'], "").replace(' ', "-")
-}
-
-/// A name as part of a file's name.
-fn slug(name: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-    let slug: String = name.chars().map(plain).take(40).collect();
-    let slug = slug.trim_matches('-');
-    if slug.is_empty() { "run".to_owned() } else { slug.to_owned() }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Runs, slug};
+    use super::Runs;
     use expect_test::{Expect, expect};
 
     fn check(text: &str, expect: &Expect) {
@@ -172,11 +159,5 @@ mod tests {
             ],
         );
         check("2025", &expect!["there is no run `2025` in RUNS: `rafcon runs` lists them"]);
-    }
-
-    #[test]
-    fn names_become_parts_of_file_names() {
-        assert_eq!(slug("My Machine (2)"), "my-machine--2");
-        assert_eq!(slug("äöü"), "run");
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     };
     control.write_all(&encode(&Hello::ours())?)?;
     decode::<Hello>(&next()?)?.check()?;
-    let id = format!("tell-{}-{}", std::process::id(), crate::clock::four_digits(0));
+    let id = format!("tell-{}-{}", std::process::id(), crate::clock::salt(0));
     control.write_all(&encode(&ToRunner::Join(Join::default()))?)?;
     control.write_all(&encode(&ToRunner::Command(envelope(
         id.clone(),
