@@ -20,7 +20,7 @@ use std::ops::ControlFlow;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::sync::Arc;
-use std::thread;
+use std::thread::{self, Scope};
 
 /// Why there was no run.
 #[derive(Debug, thiserror::Error)]
@@ -141,18 +141,8 @@ impl<S: Scripts> Begun<S> {
         let company = Company::new(Arc::clone(&driver), loaded);
         let (driver, company) = (&driver, &company);
         thread::scope(|scope| {
-            let named = |name: &str| thread::Builder::new().name(name.to_owned());
-            let start = || -> io::Result<()> {
-                committer::start(scope, driver)?;
-                company.welcome(scope, line, first(launch, from))?;
-                named("signals").spawn_scoped(scope, || stop::serve(driver, signals))?;
-                named("timers").spawn_scoped(scope, || due::serve(driver))?;
-                if let Some(door) = door {
-                    named("door").spawn_scoped(scope, move || door.serve(scope, company))?;
-                }
-                Ok(())
-            };
-            let started = start();
+            let watch = Watch { line, join: first(launch, from), signals, door };
+            let started = watch.begin(scope, driver, company);
             let end = match &started {
                 Ok(()) => conclude(driver),
                 Err(error) => abandon(driver, error),
@@ -169,6 +159,35 @@ impl<S: Scripts> Begun<S> {
             }
             started.map_err(ServeError::System)
         })
+    }
+}
+
+/// Where a run hears from the world.
+struct Watch {
+    line: Line,
+    join: Join,
+    signals: Signals,
+    door: Option<Door>,
+}
+
+impl Watch {
+    /// Starts the threads that look after a run.
+    fn begin<'scope, S: Scripts>(
+        self,
+        scope: &'scope Scope<'scope, '_>,
+        driver: &'scope Arc<Driver<S>>,
+        company: &'scope Company<S>,
+    ) -> io::Result<()> {
+        let Self { line, join, signals, door } = self;
+        let named = |name: &str| thread::Builder::new().name(name.to_owned());
+        committer::start(scope, driver)?;
+        company.welcome(scope, line, join)?;
+        named("signals").spawn_scoped(scope, || stop::serve(driver, signals))?;
+        named("timers").spawn_scoped(scope, || due::serve(driver))?;
+        if let Some(door) = door {
+            named("door").spawn_scoped(scope, || door.serve(scope, company))?;
+        }
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ use rafcon_storage::journal::folder::SOCKET_FILE;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::fs::{self, File, Permissions};
 use std::io;
+use std::net::Shutdown;
 use std::os::fd::AsRawFd as _;
 use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -33,7 +34,14 @@ pub(crate) struct Door {
 /// Closes the door when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Closer {
-    _open: UnixStream,
+    open: UnixStream,
+}
+
+impl Drop for Closer {
+    fn drop(&mut self) {
+        // Not only closed: a process that a script forked may have a copy. One that is shut already is as shut as it should be.
+        drop(self.open.shutdown(Shutdown::Both));
+    }
 }
 
 impl Door {
@@ -47,7 +55,7 @@ impl Door {
         let listener = Ours::new(bind(folder, &path)?);
         fs::set_permissions(&path, Permissions::from_mode(0o600))?;
         let (open, closer) = UnixStream::pair()?;
-        Ok((Self { listener, path, open }, Closer { _open: closer }))
+        Ok((Self { listener, path, open }, Closer { open: closer }))
     }
 
     /// Lets viewers in until the door is closed.
@@ -130,6 +138,15 @@ fn welcome<'scope, S: Scripts>(
 mod tests {
     use super::Door;
     use rafcon_storage::journal::folder::SOCKET_FILE;
+
+    #[test]
+    fn the_door_closes_though_a_forked_copy_of_its_closer_lives_on() {
+        let home = tempfile::tempdir().unwrap();
+        let (door, closer) = Door::open(home.path()).unwrap();
+        let _copy = closer.open.try_clone().unwrap();
+        drop(closer);
+        assert!(!door.is_knocked_at());
+    }
 
     #[test]
     fn a_door_that_nobody_serves_leaves_no_socket() {
