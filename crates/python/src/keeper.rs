@@ -9,9 +9,9 @@ use pyo3::types::{PyBytes, PyType};
 use rafcon_storage::journal::Stored;
 use rafcon_storage::journal::record::Content;
 use smol_str::SmolStr;
-use std::fs::{self, DirBuilder};
+use std::fs::{self, DirBuilder, OpenOptions};
 use std::io::{self, Write as _};
-use std::os::unix::fs::DirBuilderExt as _;
+use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -129,7 +129,12 @@ fn write(folder: &Path, hash: &str, pickle: &[u8]) -> io::Result<()> {
     }
     DirBuilder::new().recursive(true).mode(0o700).create(folder)?;
     let staged = folder.join(format!(".{hash}.{}", COUNT.fetch_add(1, Ordering::Relaxed)));
-    let written = fs::File::create(&staged)
+    let written = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(true)
+        .mode(0o600)
+        .open(&staged)
         .and_then(|mut staged| staged.write_all(pickle))
         .and_then(|()| fs::rename(&staged, &file));
     if written.is_err() {
