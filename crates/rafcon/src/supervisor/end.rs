@@ -62,6 +62,17 @@ impl End {
         }
     }
 
+    /// The same, to look at.
+    pub(crate) fn active(&self) -> Option<&[String]> {
+        match self {
+            Self::Killed { active, .. } | Self::Died(Death { active, .. }) => Some(active),
+            Self::Finished { .. }
+            | Self::LoadFailed { .. }
+            | Self::NotStarted { .. }
+            | Self::Left => None,
+        }
+    }
+
     /// The program's exit code, as `rafcon run --help` lists them.
     pub(crate) fn code(&self) -> u8 {
         match self {

@@ -85,6 +85,24 @@ fn a_machine_that_is_not_there_is_1() {
 }
 
 #[test]
+fn a_dead_runner_leaves_its_last_words() {
+    check(
+        "self.logger.info('nearly there'); import os; os._exit(9)",
+        &expect![[r"
+            7 died
+            error: the Python process that ran the machine died: exit status 9
+              what was running:
+                Lonely (LONELY)
+              what was logged there last:
+                Lonely: nearly there
+              everything up to there is kept; to go on:
+                rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
+                rafcon resume RUN                  (nothing moves until you decide)
+        "]],
+    );
+}
+
+#[test]
 fn wrong_words_are_2() {
     let place = Place::empty();
     for words in ["run", "run MACHINE --input x", "run MACHINE --timeout soon", "walk"] {

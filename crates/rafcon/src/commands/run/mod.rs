@@ -2,6 +2,7 @@
 
 mod drive;
 mod lives;
+mod logged;
 mod place;
 mod report;
 mod request;
@@ -108,7 +109,7 @@ impl Whole<'_> {
             timeout: self.timeout,
         };
         let end = drive::follow(launch, place, outside)?;
-        report::end(&end, place.id(), names);
+        report::end(&end, place, names);
         Ok(ExitCode::from(end.code()))
     }
 }

@@ -1,17 +1,29 @@
 //! What is said on the error output about a run that did not come to its end.
 
+use super::logged;
+use super::place::Place;
 use crate::failure::complain;
 use crate::supervisor::{Death, End};
 use crate::view::Names;
+use std::collections::BTreeMap;
 
 /// Tells the user; a run that finished has been shown already.
-pub(super) fn end(end: &End, run: Option<&str>, names: impl FnOnce() -> Names) {
+pub(super) fn end(end: &End, place: &Place, names: impl FnOnce() -> Names) {
     if !matches!(end, End::Finished { timed_out: false, .. }) {
-        complain(&text(end, &mut names()));
-        if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, run) {
+        let mut names = names();
+        let logged = end.active().map(|active| logged::last(place.folder(), active));
+        complain(&(text(end, &mut names) + &said(&logged.unwrap_or_default(), &mut names)));
+        if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, place.id()) {
             complain(&way_out(run));
         }
     }
+}
+
+fn said(logged: &BTreeMap<String, String>, names: &mut Names) -> String {
+    let line = |(path, message): (&String, &String)| {
+        format!("{}: {}", names.path(path), message.lines().last().unwrap_or_default())
+    };
+    block("what was logged there last:", &logged.iter().map(line).collect::<Vec<_>>())
 }
 
 fn way_out(run: &str) -> String {
