@@ -1,6 +1,7 @@
 //! The loop of a run: causes from the wires to the supervisor, its actions to runner and view; and from one runner to the
 //! next. Decides nothing itself.
 
+use super::kept_end;
 use super::lives::{Lives, Next};
 use super::place::Place;
 use crate::clock::Clock;
@@ -49,6 +50,7 @@ pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Res
         drive.send(&Hello::ours());
         let mut end = drive.until_the_end(&wires);
         add_running(&mut end, place.folder());
+        drive.end_as_kept(&mut end, place);
         let End::Died(death) = &end else {
             drive.show(|view| view.end(&end));
             return Ok(end);
@@ -125,6 +127,18 @@ impl Drive {
             Action::Snapshot(snapshot) => self.show(|view| view.snapshot(now, snapshot)),
             Action::Inspected { path, data } => self.show(|view| view.inspected(&path, data)),
             Action::Note(text) => self.show(|view| view.note(&text)),
+        }
+    }
+
+    /// A runner that died after the run had ended took nothing along but its last word.
+    fn end_as_kept(&mut self, end: &mut End, place: &Place) {
+        if !matches!(end, End::Died(_)) || !place.is_kept() {
+            return;
+        }
+        let Some((time, event)) = kept_end::find(place.folder()) else { return };
+        if let Some(kept) = kept_end::as_end(&event) {
+            self.show(|view| view.event(time, event));
+            *end = kept;
         }
     }
 

@@ -1,6 +1,7 @@
 //! `rafcon run` and `rafcon resume`: from the words of the command line to the exit code.
 
 mod drive;
+mod kept_end;
 mod lives;
 mod logged;
 mod place;
