@@ -6,6 +6,8 @@ use super::Process;
 use crate::console::{Key, Wish};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Hello, Stream, ToViewer, decode};
+use rustix::event::{PollFd, PollFlags, Timespec};
+use rustix::io::Errno;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGTSTP};
 use signal_hook::iterator::Signals;
 use std::fmt;
@@ -167,17 +169,36 @@ fn keys(queue: &Queue) -> Flow {
             thread::park_timeout(KEYS_EVERY);
             continue;
         }
-        match crossterm::event::poll(KEYS_EVERY) {
-            Ok(true) => {}
-            Ok(false) => continue,
-            Err(_gone) => break,
+        match has_input() {
+            Some(false) => continue,
+            Some(true) => {}
+            None => break,
         }
-        let Ok(event) = crossterm::event::read() else { break };
-        if let Some(key) = Key::of(&event) {
-            send(queue, Cause::Key(key))?;
+        while let Ok(event) = crossterm::event::read() {
+            if let Some(key) = Key::of(&event) {
+                send(queue, Cause::Key(key))?;
+            }
+            if !crossterm::event::poll(Duration::ZERO).unwrap_or(false) {
+                break;
+            }
         }
     }
     Ok(())
+}
+
+/// Whether something was typed, after some waiting. Nothing if the terminal hung up: its input is at the end for ever, and
+/// reading it would never rest.
+fn has_input() -> Option<bool> {
+    let stdin = std::io::stdin();
+    let mut wanted = [PollFd::new(&stdin, PollFlags::IN)];
+    let wait = Timespec::try_from(KEYS_EVERY).ok()?;
+    match rustix::event::poll(&mut wanted, Some(&wait)) {
+        Ok(_) | Err(Errno::INTR) => {}
+        Err(_gone) => return None,
+    }
+    let seen = wanted[0].revents();
+    let is_gone = seen.intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL);
+    (!is_gone).then(|| seen.contains(PollFlags::IN))
 }
 
 /// Whether the terminal's input is ours: a program in the background that reads it would be stopped. Nothing if the
