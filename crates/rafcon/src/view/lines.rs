@@ -1,7 +1,7 @@
 //! A run as plain lines: for pipes, files and terminals that can do nothing else.
 
 use super::text::{Line, Paint, Style, counted, harmless};
-use super::{Names, View, summary};
+use super::{Names, View, notable, summary};
 use crate::supervisor::End;
 use rafcon_protocol::{Event, LogLevel, Snapshot};
 use std::io::{self, BufWriter, Write};
@@ -65,18 +65,15 @@ impl<W: Write> View for Lines<W> {
             Event::Log { path, level: l, message, .. } => {
                 self.moment(time, &path, &format!("{}{message}", level(l)))
             }
-            Event::Waiting { path, reason } => {
-                self.moment(time, &path, &format!("waiting: {reason}"))
-            }
-            Event::Paused { paused } => {
-                self.moment(time, "", if paused { "paused" } else { "goes on" })
-            }
-            Event::Stopping => self.moment(time, "", "stopping"),
+            Event::Held { next: Some(next), .. } => self.moment(time, &next, "held before it"),
             Event::Finished { .. } => {
                 self.finished = Some((time, event));
                 Ok(())
             }
-            _ => Ok(()),
+            event => match notable::words(&event) {
+                Some((path, _, words)) => self.moment(time, path, &words),
+                None => Ok(()),
+            },
         }
     }
 

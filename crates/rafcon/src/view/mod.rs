@@ -6,6 +6,7 @@ mod json;
 mod lines;
 mod live;
 mod names;
+mod notable;
 mod summary;
 mod text;
 mod value;

@@ -5,10 +5,10 @@ mod terminal;
 
 use super::lines::log_lines;
 use super::text::{Line, Paint, Style, counted, harmless};
-use super::{Names, View, summary};
+use super::{Names, View, notable, summary};
 use crate::console::{Console, Key, Wish};
 use crate::supervisor::End;
-use rafcon_protocol::{Command, Event, HeldBy, LogLevel, Snapshot, StateData};
+use rafcon_protocol::{Command, Event, LogLevel, Snapshot, StateData};
 use std::collections::BTreeMap;
 use std::io;
 use std::time::Duration;
@@ -129,44 +129,14 @@ impl View for Live {
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()> {
         match event {
             Event::Log { path, level, message, .. } => self.say(time, &path, level, &message),
-            Event::Waiting { path, reason } => {
-                self.say(time, &path, LogLevel::Warning, &format!("waiting: {reason}"))
-            }
-            Event::Paused { paused } => {
-                self.say(time, "", LogLevel::Info, if paused { "paused" } else { "goes on" })
-            }
-            Event::Stopping => self.say(time, "", LogLevel::Info, "stopping"),
-            Event::Hit { breakpoint, path, held: true, .. } => {
-                self.say(time, &path, LogLevel::Warning, &format!("breakpoint {breakpoint}"))
-            }
-            Event::Held { path, by: HeldBy::RunTo, .. } => {
-                self.say(time, &path, LogLevel::Info, "run to here")
-            }
-            Event::Forced { path, outcome } => {
-                let text = format!("ended by hand: {}", outcome.name);
-                self.say(time, &path, LogLevel::Warning, &text)
-            }
-            Event::DeadlinePassed { path, deadline_ms } => {
-                let text = format!("its deadline of {deadline_ms} ms is over; it is preempted");
-                self.say(time, &path, LogLevel::Warning, &text)
-            }
-            Event::CutOff { path, grace_ms } => {
-                let text = format!("did not end within {grace_ms} ms; its runner is ended");
-                self.say(time, &path, LogLevel::Error, &text)
-            }
-            Event::Asked { question } => {
-                let text = format!("asks: {}", question.message);
-                self.say(time, &question.path, LogLevel::Warning, &text)
-            }
-            Event::Resumed { life, crash, .. } => {
-                let text = format!("taken up by runner {life} after a crash: {}", crash.reason);
-                self.say(time, "", LogLevel::Warning, &text)
-            }
             Event::Finished { .. } => {
                 self.finished = Some((time, event));
                 Ok(())
             }
-            _ => Ok(()),
+            event => match notable::words(&event) {
+                Some((path, level, words)) => self.say(time, path, level, &words),
+                None => Ok(()),
+            },
         }
     }
 
