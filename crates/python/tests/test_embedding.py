@@ -179,6 +179,8 @@ class Embedding(unittest.TestCase):
             engine.step_mode(machine.state_machine_id)
             print(engine.join(0.01), engine.state_machine_running)
             engine.step_into()
+            print(engine.join(), machine.root_state.final_outcome.name)
+            engine.step_mode(machine.state_machine_id)
             engine.start()
             print(engine.join(), machine.root_state.final_outcome.name)
             engine.run_only_selected_state("ROOTID/ONEXXX", machine.state_machine_id)
@@ -186,6 +188,8 @@ class Embedding(unittest.TestCase):
             """,
             """
             False True
+            one
+            True success
             one
             True success
             one
