@@ -39,8 +39,8 @@ class Run:
         self._send(ours, {"start_from": start_state_path, "hold": hold})
         self._host = threading.Thread(target=self._serve, args=(theirs.detach(),), name="rafcon run")
         self._reader = threading.Thread(target=self._read, args=(ours,), name="rafcon run's log")
-        self._host.start()
         self._reader.start()
+        self._host.start()
 
     def begin(self):
         """Waits until the machine runs; ``RuntimeError`` if it cannot."""
@@ -71,15 +71,16 @@ class Run:
         except Exception as error:
             self._error = self._error or str(error)
         finally:
+            # What it said last is heard before it counts as begun or failed.
+            self._reader.join()
+            if self._copy is not None:
+                self._copy.cleanup()
             self._begun.set()
 
     def _read(self, ours):
         with ours, ours.makefile("rb") as lines:
             for line in lines:
                 self._hear(json.loads(line))
-        if self._copy is not None:
-            self._host.join()
-            self._copy.cleanup()
 
     def _hear(self, message):
         kind = message.get("message")
