@@ -1,6 +1,7 @@
 //! Answering a question of a state by keys.
 
-use super::Key;
+use super::prompt::Step;
+use super::{Key, Wish};
 use crate::view::{Line, Style, harmless};
 use rafcon_protocol::{Command, Form, Question};
 use serde_json::{Value, json};
@@ -14,14 +15,6 @@ pub(super) struct Answering {
     /// The text is written; a button is still to be chosen.
     is_written: bool,
     complaint: Option<String>,
-}
-
-/// What a key came to.
-#[derive(Debug)]
-pub(super) enum Step {
-    More,
-    Given(Command),
-    Left,
 }
 
 impl Answering {
@@ -95,7 +88,10 @@ impl Answering {
             return Step::More;
         }
         match self.value(button) {
-            Ok(value) => Step::Given(Command::AnswerQuestion { question: self.question.id, value }),
+            Ok(value) => {
+                let question = self.question.id;
+                Step::Given(Wish::Send(Command::AnswerQuestion { question, value }))
+            }
             Err(complaint) => {
                 self.complaint = Some(complaint);
                 self.is_written = false;

@@ -14,7 +14,7 @@ use crate::view::{Line, Style};
 use answering::Answering;
 pub(crate) use key::Key;
 pub(crate) use prompt::breakpoint;
-use prompt::{Prompt, Purpose};
+use prompt::{Prompt, Purpose, Step};
 use rafcon_protocol::{ActiveState, Command, OnCrash, Phase, RunStatus, Snapshot, StateData};
 
 /// What a key leads to.
@@ -90,29 +90,26 @@ impl Console {
                     None
                 }
             },
-            Mode::Write(prompt) => match prompt.key(key) {
-                prompt::Step::More => None,
-                prompt::Step::Given(wish) => {
-                    self.mode = Mode::Watch;
-                    Some(wish)
-                }
-                prompt::Step::Left => {
-                    self.mode = Mode::Watch;
-                    None
-                }
-            },
-            Mode::Answer(answering) => match answering.key(key) {
-                answering::Step::More => None,
-                answering::Step::Given(command) => {
-                    self.mode = Mode::Watch;
-                    Some(Wish::Send(command))
-                }
-                answering::Step::Left => {
-                    self.mode = Mode::Watch;
-                    None
-                }
-            },
+            Mode::Write(prompt) => {
+                let step = prompt.key(key);
+                self.written(step)
+            }
+            Mode::Answer(answering) => {
+                let step = answering.key(key);
+                self.written(step)
+            }
         }
+    }
+
+    /// What was written is complete, left, or goes on.
+    fn written(&mut self, step: Step) -> Option<Wish> {
+        let wish = match step {
+            Step::More => return None,
+            Step::Given(wish) => Some(wish),
+            Step::Left => None,
+        };
+        self.mode = Mode::Watch;
+        wish
     }
 
     fn watch(&mut self, key: Key, snapshot: &Snapshot, order: &[&str]) -> Option<Wish> {
