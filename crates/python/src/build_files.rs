@@ -3,9 +3,9 @@
 use crate::build::Document;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
+use rafcon_runner::reason;
 use rafcon_storage::{Libraries, Naming, Root, load, save};
 use smol_str::SmolStr;
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ pub(crate) fn load_document(
 ) -> PyResult<(Document, Vec<String>)> {
     let libraries = Arc::clone(&roots.libraries);
     let loaded = py.detach(|| load(Path::new(path), &libraries)).map_err(|error| {
-        PyValueError::new_err(format!("this is no state machine: {}", chain(&error)))
+        PyValueError::new_err(format!("this is no state machine: {}", reason(&error)))
     })?;
     let problems = loaded.problems.iter().map(ToString::to_string).collect();
     Ok((Document::of(loaded.machine, Some(loaded.saved), libraries), problems))
@@ -59,20 +59,9 @@ pub(crate) fn save_document(
     };
     let known = saved.as_ref().filter(|_| !fresh);
     let written = py.detach(|| save(&machine, Path::new(folder), known, naming));
-    let written = written.map_err(|error| PyOSError::new_err(chain(&error)))?;
+    let written = written.map_err(|error| PyOSError::new_err(reason(&error)))?;
     if !as_copy {
         document.lock(py).saved = Some(written);
     }
     Ok(())
-}
-
-/// An error with its causes, on one line.
-fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(source) = cause {
-        text = format!("{text}: {source}");
-        cause = source.source();
-    }
-    text
 }

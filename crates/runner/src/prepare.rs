@@ -109,7 +109,7 @@ fn inputs<H: Host>(host: &mut H, launch: &Launch) -> Result<Inputs<H>, String> {
 }
 
 /// An error with its causes, on one line.
-pub(crate) fn reason(error: &dyn std::error::Error) -> String {
+pub fn reason(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(source) = cause {
