@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A breakpoint. It belongs to the run and outlives every viewer.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Breakpoint {
     /// Chosen by whoever sets it; the same id replaces the earlier one.
     pub id: u64,
@@ -36,6 +37,7 @@ fn yes() -> bool {
 
 /// On which side of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum When {
     /// Before it is entered.
@@ -47,6 +49,7 @@ pub enum When {
 
 /// What a breakpoint holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {
     /// The branch that came to it.
@@ -58,6 +61,7 @@ pub enum Scope {
 
 /// What a breakpoint does while nobody is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Unattended {
     /// Holds all the same.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A command with what law 7 asks for: an id, the moment it was decided on, and an expiry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Envelope {
     /// Chosen by the sender; the same id is carried out once.
     pub id: String,
@@ -23,10 +24,12 @@ pub struct Envelope {
 
 /// The moment after which a command must not be carried out, in ms since 1970 UTC by the runner's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Expiry(pub u64);
 
 /// Everything that can be asked of a run. Paths are state ids joined by `/`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Command {
     /// Begin; in a run in which everything is held or waits: begin again, elsewhere or with other data.
@@ -156,6 +159,7 @@ pub enum Command {
 
 /// A value for an input port or scoped variable of one state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Given {
     /// The state: the one that is begun at, or one around it.
     pub path: String,
@@ -167,6 +171,7 @@ pub struct Given {
 
 /// What became of a command.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "answer", rename_all = "snake_case")]
 pub enum Answer {
     /// It was carried out.

@@ -8,6 +8,7 @@ pub type Values = serde_json::Map<String, serde_json::Value>;
 
 /// What holds a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum HeldBy {
     /// A pause.
@@ -27,6 +28,7 @@ pub enum HeldBy {
 
 /// The outcome of a state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Outcome {
     /// Its id in the state.
     pub id: i64,
@@ -36,6 +38,7 @@ pub struct Outcome {
 
 /// How much a log line matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum LogLevel {
     /// Below debug.
@@ -52,6 +55,7 @@ pub enum LogLevel {
 
 /// Where script output came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Stream {
     /// `sys.stdout`
@@ -66,6 +70,7 @@ pub enum Stream {
 
 /// One event of a run. Paths are state ids joined by `/`; values are encoded as `docs/protocol.md` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Event {
     /// A state began.
@@ -74,6 +79,7 @@ pub enum Event {
         path: String,
         /// Its inputs by port name, if they are kept and were asked for.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(feature = "schema", schema(value_type = Option<Object>), ts(type = "Record<string, unknown> | null"))]
         inputs: Option<Values>,
         /// It is entered backwards, to undo the entry with this number (counted from 1 over all entries of the run).
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -87,6 +93,7 @@ pub enum Event {
         outcome: Outcome,
         /// Its outputs by port name, if they are kept and were asked for. Ports that its script left out are missing.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(feature = "schema", schema(value_type = Option<Object>), ts(type = "Record<string, unknown> | null"))]
         outputs: Option<Values>,
         /// Its error, if it left one.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -272,6 +279,7 @@ pub enum Event {
 
 /// What a run is doing as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum RunStatus {
     /// Scripts run.
@@ -288,6 +296,7 @@ pub enum RunStatus {
 
 /// What one active state is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
     /// Its script or its children run.
@@ -304,6 +313,7 @@ pub enum Phase {
 
 /// One active state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ActiveState {
     /// Ids joined by `/`.
     pub path: String,
@@ -326,6 +336,7 @@ pub struct ActiveState {
 
 /// One place where an active state is held.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Hold {
     /// The state before which it is held, if there is one.
     pub next: Option<String>,
@@ -335,6 +346,7 @@ pub struct Hold {
 
 /// The latest truth about a run: coalesced, at most every 100 ms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Snapshot {
     /// The run as a whole.
     pub status: RunStatus,

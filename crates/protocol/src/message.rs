@@ -89,11 +89,15 @@ pub enum ToViewer {
 
 /// The data of one active state, by port name.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StateData {
     /// Its inputs.
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub inputs: Values,
     /// The defaults of its outputs.
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub outputs: Values,
     /// Its scoped variables, if it is a container.
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub scoped_variables: Values,
 }

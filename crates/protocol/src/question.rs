@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A question of a state. It stays open until it is answered, its time is over, or its state is preempted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Question {
     /// Unique in the run.
     pub id: u64,
@@ -23,6 +24,7 @@ pub struct Question {
 
 /// How a question is answered.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Form {
     /// One of some buttons; the answer is `{"button": index}`.
@@ -69,6 +71,7 @@ pub enum Form {
 
 /// How a question came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Closing {
     /// Somebody answered.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// How much of a run is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Keeping {
     /// Nothing: the run cannot be replayed or resumed.
@@ -17,6 +18,7 @@ pub enum Keeping {
 
 /// What becomes of the states whose scripts were interrupted by a crash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum OnCrash {
     /// Nothing moves until somebody decides with [`crate::Command::Recover`].
@@ -30,6 +32,7 @@ pub enum OnCrash {
 
 /// How a run is taken up again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Resume {
     /// What becomes of interrupted scripts.
     #[serde(default)]
@@ -41,6 +44,7 @@ pub struct Resume {
 
 /// What a runner was doing when it ended without an end of its run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Crash {
     /// The signal or exit status, in words.
     pub reason: String,
