@@ -6,6 +6,7 @@
 //! [`VERSION`] ends the talk with a reason. The vocabulary is in `docs/protocol.md`.
 
 pub mod active;
+pub mod api;
 pub mod breakpoint;
 pub mod command;
 pub mod event;
@@ -16,6 +17,7 @@ pub mod launch;
 pub mod message;
 pub mod question;
 pub mod run;
+pub mod socket;
 
 pub use breakpoint::{Breakpoint, Scope, Unattended, When};
 pub use command::{Answer, Command, Envelope, Expiry, Given};

@@ -1,0 +1,171 @@
+//! Open machines: what several people edit at the same time.
+
+use super::MachineFile;
+use serde::{Deserialize, Serialize};
+
+/// An open machine in one line.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct MachineSummary {
+    /// Names it in requests while it is open, and again when the same folder is opened again.
+    pub id: String,
+    /// Where it lies; none if it was never saved.
+    pub file: Option<MachineFile>,
+    /// The root state's name.
+    pub name: String,
+    /// Counts every edit, undo and redo, from 0 when it was opened.
+    pub revision: u64,
+    /// The revision that lies on disk.
+    pub saved_revision: u64,
+    /// Whether it has edits that do not lie on disk.
+    pub is_changed: bool,
+    /// What another program did to its files.
+    pub disk: DiskState,
+    /// Whether edits were recovered that a server that died had taken.
+    pub is_recovered: bool,
+}
+
+/// What another program did to the files of an open machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum DiskState {
+    /// Nothing.
+    #[default]
+    Same,
+    /// They hold another machine now: reload it, or save over it.
+    Changed,
+    /// They are gone.
+    Missing,
+}
+
+/// Opens the machine in a folder.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct MachineAt {
+    /// The folder.
+    pub file: MachineFile,
+}
+
+/// Makes a new machine and opens it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct NewMachine {
+    /// Its folder, which must not exist.
+    pub file: MachineFile,
+    /// The root state's name.
+    pub name: String,
+}
+
+/// Saves an open machine.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct SaveMachine {
+    /// Save it in this folder from now on; none: where it lies.
+    #[serde(default)]
+    pub file: Option<MachineFile>,
+    /// Save over files that another program changed.
+    #[serde(default)]
+    pub overwrite: bool,
+}
+
+/// Closes an open machine.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct CloseMachine {
+    /// Give up edits that do not lie on disk.
+    #[serde(default)]
+    pub discard: bool,
+}
+
+/// One edit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct EditMachine {
+    /// Chosen by the sender; the same id is carried out once.
+    pub id: String,
+    /// The revision that the sender had seen; for the record.
+    #[serde(default)]
+    pub base: Option<u64>,
+    /// What the step is called in the history: "Rename state".
+    pub name: String,
+    /// The edit (`docs/edits.md`).
+    pub edit: serde_json::Value,
+}
+
+/// Takes back, or makes again, one's own last step.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Undo {
+    /// Chosen by the sender; the same id is carried out once.
+    pub id: String,
+}
+
+/// A step in the life of an open machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Revision {
+    /// Its number.
+    pub revision: u64,
+    /// The id of the edit, undo or redo.
+    pub id: String,
+    /// Who made it.
+    pub author: String,
+    /// What it is called; an undo has the name of what it takes back.
+    pub name: String,
+    /// When: ms since 1970, UTC.
+    pub at_ms: u64,
+    /// What is different now.
+    pub changes: Vec<serde_json::Value>,
+}
+
+/// The latest truth about an open machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct MachineStatus {
+    /// In one line.
+    pub summary: MachineSummary,
+    /// Who else looks at it.
+    pub people: Vec<Presence>,
+}
+
+/// Somebody who looks at an open machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Presence {
+    /// The connection, by a number of the server's.
+    pub connection: u64,
+    /// The user.
+    pub user: String,
+    /// Paths of the selected states.
+    pub selection: Vec<String>,
+}
+
+/// A fault of a machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct MachineProblem {
+    /// The state: ids joined by `/`.
+    pub path: String,
+    /// Which part of it, in words.
+    pub part: String,
+    /// The rule, for programs.
+    pub rule: String,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What, where, and the way out.
+    pub message: String,
+}
+
+/// How bad a problem is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// The machine does not do what it says.
+    Error,
+    /// It may not.
+    Warning,
+    /// Worth knowing.
+    Note,
+}

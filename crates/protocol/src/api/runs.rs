@@ -1,0 +1,237 @@
+//! Runs: how they begin, how they stand, who commands them, what they leave.
+
+use super::MachineFile;
+use crate::{Answer, Breakpoint, Event, Keeping, OnCrash, Outcome, Snapshot};
+use serde::{Deserialize, Serialize};
+
+/// Starts a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct StartRun {
+    /// Chosen by the sender; the same id starts one run.
+    pub id: String,
+    /// The machine, as it lies on disk.
+    pub machine: MachineFile,
+    /// Values for input ports of the root, by name.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
+    pub inputs: crate::Values,
+    /// State path to begin at.
+    #[serde(default)]
+    pub start_from: Option<String>,
+    /// How much is kept: `full` or `status`.
+    #[serde(default)]
+    pub keeping: Keeping,
+    /// Whether an event is on disk before the script that follows it runs.
+    #[serde(default)]
+    pub strict: bool,
+    /// Whether the run is held before its first state.
+    #[serde(default)]
+    pub hold: bool,
+    /// Breakpoints that are there from the start.
+    #[serde(default)]
+    pub breakpoints: Vec<Breakpoint>,
+    /// What becomes of interrupted scripts if the runner dies; none: what the machine says, else *ask*.
+    #[serde(default)]
+    pub on_crash: Option<OnCrash>,
+    /// The journal's size, in bytes, beyond which old detail is given up.
+    #[serde(default)]
+    pub size_max: Option<u64>,
+}
+
+/// Takes a run up again whose runner died.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct ResumeRun {
+    /// Chosen by the sender; the same id is carried out once.
+    pub id: String,
+    /// What becomes of interrupted scripts.
+    #[serde(default)]
+    pub policy: OnCrash,
+    /// Begin at this event of the history instead of where the run ended: an `entered`.
+    #[serde(default)]
+    pub from: Option<u64>,
+}
+
+/// What has become of a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(tag = "phase", rename_all = "snake_case")]
+pub enum RunPhase {
+    /// Its runner was started and has not begun yet.
+    Starting,
+    /// It goes on.
+    Live,
+    /// It came to its end.
+    Finished {
+        /// By this outcome.
+        outcome: Outcome,
+        /// States that it ran.
+        states_run: u64,
+    },
+    /// Its runner ended before it did: it can be taken up again.
+    Crashed,
+    /// It never began.
+    NotStarted {
+        /// Why.
+        reason: String,
+    },
+    /// Its folder cannot be read.
+    Unreadable {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// One run in one line.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct RunSummary {
+    /// The name of its folder.
+    pub id: String,
+    /// The root state's name.
+    pub name: String,
+    /// Its machine, if it lies in a project.
+    pub machine: Option<MachineFile>,
+    /// Who asked for it; none if it was started without the server.
+    pub author: Option<String>,
+    /// When it began: ms since 1970, UTC.
+    pub started_ms: u64,
+    /// What has become of it.
+    #[serde(flatten)]
+    pub phase: RunPhase,
+    /// Its length, in ms; so far, while it goes on.
+    pub length_ms: u64,
+    /// How many events it has.
+    pub events: u64,
+    /// What it takes on disk, in bytes.
+    pub bytes: u64,
+    /// How much of it is kept.
+    pub keeping: Keeping,
+}
+
+/// The latest truth about one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct RunNow {
+    /// In one line.
+    pub run: RunSummary,
+    /// Between server and runner.
+    pub link: LinkState,
+    /// What the runner said last; none if it never did.
+    pub snapshot: Option<Snapshot>,
+    /// When the runner said it: ms since 1970, UTC, by the server's clock.
+    pub snapshot_ms: Option<u64>,
+    /// When this was put together: ms since 1970, UTC, by the server's clock.
+    pub now_ms: u64,
+    /// Who commands.
+    pub control: Control,
+}
+
+/// The connection between server and runner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum LinkState {
+    /// It stands.
+    Up,
+    /// It is gone, or being made.
+    Down,
+    /// The run is over: there is nothing to connect to.
+    #[default]
+    Over,
+}
+
+/// Who holds control of a run.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Control {
+    /// The user; none: the first who commands takes it.
+    pub holder: Option<String>,
+    /// Since when: ms since 1970, UTC.
+    pub since_ms: u64,
+    /// When the holder was heard last: ms since 1970, UTC.
+    pub heard_ms: u64,
+    /// After how many ms of the holder's silence anybody with the right may take over.
+    pub silence_ms: u64,
+    /// Who asks for it, the first first.
+    pub requests: Vec<String>,
+}
+
+/// What somebody wants about control.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(tag = "move", rename_all = "snake_case")]
+pub enum ControlMove {
+    /// Ask for it; given at once if nobody holds it.
+    Request,
+    /// Not ask any more.
+    Withdraw,
+    /// Give it to somebody.
+    HandOver {
+        /// To this user.
+        to: String,
+    },
+    /// Hold it no more.
+    Release,
+    /// Take it from a holder who is silent.
+    TakeOver,
+}
+
+/// What became of a command.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct CommandAnswer {
+    /// The command's id.
+    pub id: String,
+    /// The answer.
+    #[serde(flatten)]
+    pub answer: Answer,
+}
+
+/// One event of a run's history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct HistoryEntry {
+    /// Counts from 1.
+    pub sequence: u64,
+    /// Time since the start of the run, in ns.
+    pub t_ns: u64,
+    /// What happened.
+    pub event: Event,
+}
+
+/// A page of a run's history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct EventPage {
+    /// The events, in order.
+    pub events: Vec<HistoryEntry>,
+    /// Where the next page begins.
+    pub next: u64,
+    /// The last event that there is so far.
+    pub last: u64,
+}
+
+/// Which runs are kept; what is left out has no limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(default)]
+pub struct Retention {
+    /// So many of the newest.
+    pub count: Option<u32>,
+    /// Those of the last so many days.
+    pub days: Option<u32>,
+    /// The newest that take so many bytes together.
+    pub bytes: Option<u64>,
+}
+
+/// A run that was given up.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Pruned {
+    /// Its id.
+    pub id: String,
+    /// What it took on disk, in bytes.
+    pub bytes: u64,
+}

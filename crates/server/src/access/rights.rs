@@ -1,0 +1,107 @@
+//! Which route and which command needs which right: the only table of it. Pure.
+
+use axum::http::Method;
+use rafcon_protocol::Command;
+use rafcon_protocol::api::Right;
+
+/// One route: method, path as the router spells it, and the right that it needs.
+pub type Row = (Method, &'static str, Right);
+
+/// Every route. What does not stand here is denied.
+pub const ROUTES: &[Row] = &[
+    // People.
+    (Method::GET, "/api/v1/health", Right::Anyone),
+    (Method::GET, "/api/v1/openapi.json", Right::Anyone),
+    (Method::POST, "/api/v1/session", Right::Anyone),
+    (Method::GET, "/api/v1/session", Right::Observe),
+    (Method::DELETE, "/api/v1/session", Right::Observe),
+    (Method::PUT, "/api/v1/session/password", Right::Observe),
+    (Method::GET, "/api/v1/tokens", Right::Observe),
+    (Method::POST, "/api/v1/tokens", Right::Observe),
+    (Method::DELETE, "/api/v1/tokens/{token}", Right::Observe),
+    (Method::GET, "/api/v1/users", Right::Administer),
+    (Method::POST, "/api/v1/users", Right::Administer),
+    (Method::PATCH, "/api/v1/users/{user}", Right::Administer),
+    (Method::DELETE, "/api/v1/users/{user}", Right::Administer),
+    // Files.
+    (Method::GET, "/api/v1/projects", Right::Observe),
+    (Method::GET, "/api/v1/projects/{project}/tree", Right::Observe),
+    (Method::GET, "/api/v1/libraries", Right::Observe),
+    (Method::GET, "/api/v1/libraries/{root}/{*path}", Right::Observe),
+    // Open machines.
+    (Method::GET, "/api/v1/machines", Right::Observe),
+    (Method::POST, "/api/v1/machines", Right::Edit),
+    (Method::POST, "/api/v1/machines/open", Right::Observe),
+    (Method::GET, "/api/v1/machines/{machine}", Right::Observe),
+    (Method::GET, "/api/v1/machines/{machine}/document", Right::Observe),
+    (Method::GET, "/api/v1/machines/{machine}/revisions", Right::Observe),
+    (Method::GET, "/api/v1/machines/{machine}/problems", Right::Observe),
+    (Method::POST, "/api/v1/machines/{machine}/copy", Right::Observe),
+    (Method::POST, "/api/v1/machines/{machine}/edits", Right::Edit),
+    (Method::POST, "/api/v1/machines/{machine}/undo", Right::Edit),
+    (Method::POST, "/api/v1/machines/{machine}/redo", Right::Edit),
+    (Method::POST, "/api/v1/machines/{machine}/save", Right::Edit),
+    (Method::POST, "/api/v1/machines/{machine}/reload", Right::Edit),
+    (Method::POST, "/api/v1/machines/{machine}/close", Right::Edit),
+    // Runs: their life.
+    (Method::GET, "/api/v1/runs", Right::Observe),
+    (Method::POST, "/api/v1/runs", Right::Start),
+    (Method::POST, "/api/v1/runs/prune", Right::Administer),
+    (Method::GET, "/api/v1/runs/{run}", Right::Observe),
+    (Method::DELETE, "/api/v1/runs/{run}", Right::Administer),
+    (Method::POST, "/api/v1/runs/{run}/resume", Right::Start),
+    (Method::POST, "/api/v1/runs/{run}/commands", Right::Command),
+    (Method::GET, "/api/v1/runs/{run}/control", Right::Observe),
+    (Method::POST, "/api/v1/runs/{run}/control", Right::Command),
+    (Method::GET, "/api/v1/runs/{run}/state", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/breakpoints", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/questions", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/globals", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/output", Right::Observe),
+    // Runs: what they leave.
+    (Method::GET, "/api/v1/runs/{run}/events", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/log", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/moments/{sequence}", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/values/{value}", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/machine", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/statistics", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/compare/{other}", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/export", Right::Observe),
+    // Everything that goes on.
+    (Method::GET, "/api/v1/status", Right::Observe),
+    (Method::GET, "/api/v1/socket", Right::Observe),
+];
+
+/// The right that a route needs; nothing if it has no row.
+pub fn of_route(method: &Method, path: &str) -> Option<Right> {
+    let is_it = |row: &&Row| row.0 == *method && row.1 == path;
+    ROUTES.iter().find(is_it).map(|row| row.2)
+}
+
+/// The right that a command of a run needs. What brings Python text into a run is an edit.
+pub fn of_command(command: &Command) -> Right {
+    match command {
+        Command::Reload { .. } | Command::EditScript { .. } => Right::Edit,
+        Command::SetBreakpoint { breakpoint } if breakpoint.condition.is_some() => Right::Edit,
+        Command::Start { .. }
+        | Command::Pause
+        | Command::Resume { .. }
+        | Command::Stop
+        | Command::Kill
+        | Command::StepMode
+        | Command::StepInto { .. }
+        | Command::StepOver { .. }
+        | Command::StepOut { .. }
+        | Command::StepBack { .. }
+        | Command::RunTo { .. }
+        | Command::RunSelected { .. }
+        | Command::RunOnlySelected { .. }
+        | Command::StartFromHistory { .. }
+        | Command::ForceOutcome { .. }
+        | Command::Preempt { .. }
+        | Command::SetBreakpoint { .. }
+        | Command::RemoveBreakpoint { .. }
+        | Command::AnswerQuestion { .. }
+        | Command::Recover { .. } => Right::Command,
+    }
+}
