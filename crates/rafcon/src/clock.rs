@@ -1,6 +1,8 @@
-//! The one place of this program that reads a clock; everybody else gets the time as an argument.
+//! The one place of this program that reads a clock; everybody else gets the time as an argument. Dates are as programs and
+//! machines write them.
 
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use rafcon_supervisor::clock::since_1970_ms;
+use std::time::{Duration, Instant};
 
 /// Time since the program began.
 #[derive(Debug, Clone, Copy)]
@@ -21,31 +23,12 @@ impl Clock {
 
 /// The date and time in UTC, as machines keep it: `2026-01-31 12:00:00`.
 pub(crate) fn utc() -> String {
-    #[expect(clippy::disallowed_methods, reason = "this is the program's one clock")]
-    let now = SystemTime::now();
-    date(now.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs())
-}
-
-/// The time in ms since 1970, UTC.
-pub(crate) fn since_1970_ms() -> u64 {
-    #[expect(clippy::disallowed_methods, reason = "this is the program's one clock")]
-    let now = SystemTime::now();
-    let now = now.duration_since(UNIX_EPOCH).unwrap_or_default();
-    u64::try_from(now.as_millis()).unwrap_or(u64::MAX)
+    date(since_1970_ms() / 1000)
 }
 
 /// A time in ms since 1970 as programs read it: `2026-01-31T12:00:00.000Z`.
 pub(crate) fn utc_at(ms: u64) -> String {
     format!("{}.{:03}Z", date(ms / 1000).replace(' ', "T"), ms % 1000)
-}
-
-/// A number that is not likely to be the same for two programs that begin in the same second.
-pub(crate) fn salt(attempt: u16) -> u16 {
-    #[expect(clippy::disallowed_methods, reason = "this is the program's one clock")]
-    let now = SystemTime::now();
-    let nanos = now.duration_since(UNIX_EPOCH).unwrap_or_default().subsec_nanos();
-    let mixed = (nanos / 1000).wrapping_add(std::process::id()).wrapping_mul(0x9e37_79b1) >> 16;
-    u16::try_from(mixed).unwrap_or_default().wrapping_add(attempt)
 }
 
 /// Seconds since 1970 as a date of the Gregorian calendar.

@@ -1,23 +1,16 @@
 //! What the program takes from its environment, read once where it starts and passed on as a value.
 
+use rafcon_supervisor::Surroundings;
 use std::env;
 use std::path::PathBuf;
 
 /// The variables that mean something here, and where this program stands.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Environment {
-    /// `VIRTUAL_ENV`: the active virtual environment.
-    pub(crate) virtual_env: Option<PathBuf>,
-    /// `RAFCON_EXTENSION`: the extension's file, for unusual installations.
-    pub(crate) extension: Option<PathBuf>,
-    /// This program's file, links followed.
-    pub(crate) program: Option<PathBuf>,
+    /// What runners and the folders of runs are found by.
+    pub(crate) surroundings: Surroundings,
     /// `USER`: who gives commands.
     pub(crate) user: String,
-    /// `HOME`: the user's folder.
-    pub(crate) home: Option<PathBuf>,
-    /// `XDG_STATE_HOME`: where programs keep what they remember.
-    pub(crate) state_home: Option<PathBuf>,
     /// `NO_COLOR` is set and not empty.
     pub(crate) no_color: bool,
     /// `TERM` says that the terminal can do nothing but lines.
@@ -36,12 +29,14 @@ impl Environment {
     pub(crate) fn read() -> Self {
         let set = |name: &str| env::var_os(name).filter(|value| !value.is_empty());
         Self {
-            virtual_env: set("VIRTUAL_ENV").map(PathBuf::from),
-            extension: set("RAFCON_EXTENSION").map(PathBuf::from),
-            program: env::current_exe().ok().map(|file| file.canonicalize().unwrap_or(file)),
+            surroundings: Surroundings {
+                virtual_env: set("VIRTUAL_ENV").map(PathBuf::from),
+                extension: set("RAFCON_EXTENSION").map(PathBuf::from),
+                program: env::current_exe().ok().map(|file| file.canonicalize().unwrap_or(file)),
+                home: set("HOME").map(PathBuf::from),
+                state_home: set("XDG_STATE_HOME").map(PathBuf::from),
+            },
             user: variable("USER").unwrap_or_default(),
-            home: set("HOME").map(PathBuf::from),
-            state_home: set("XDG_STATE_HOME").map(PathBuf::from),
             no_color: set("NO_COLOR").is_some(),
             dumb_terminal: set("TERM").is_none_or(|term| term == "dumb"),
             unicode: ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).is_some_and(

@@ -7,11 +7,11 @@ mod console;
 mod environment;
 mod failure;
 mod machine;
-mod runner;
 mod runs;
 mod supervisor;
 mod templates;
 mod view;
+mod wires;
 
 use clap::Parser as _;
 use std::process::ExitCode;

@@ -2,7 +2,7 @@
 
 use crate::cli;
 use crate::environment::Environment;
-use crate::runs::Runs;
+use crate::runs;
 use crate::view::{Paint, time};
 use anyhow::{Context as _, Result};
 use rafcon_storage::journal::Reader;
@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// Opens the run that the user means.
 pub(super) fn open(raw: &cli::KeptRun, environment: &Environment) -> Result<Reader> {
-    open_folder(&Runs::new(&raw.runs, environment)?.find(&raw.run)?)
+    open_folder(&runs::find(&raw.runs, environment, &raw.run)?)
 }
 
 /// Opens the run in a folder.

@@ -4,10 +4,10 @@ use crate::cli;
 use crate::commands::attach::envelope;
 use crate::environment::Environment;
 use crate::failure::{Usage, complain};
-use crate::runner::socket;
-use crate::runs::Runs;
+use crate::runs;
 use anyhow::{Context as _, Result, bail};
 use rafcon_protocol::{Answer, Command, Hello, Join, ToRunner, ToViewer, decode, encode};
+use rafcon_supervisor::{clock, socket};
 use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::process::ExitCode;
@@ -15,7 +15,7 @@ use std::process::ExitCode;
 /// Says it, and waits for the answer.
 pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCode> {
     let command = command(&raw.command, &raw.fields)?;
-    let folder = Runs::new(&raw.runs, environment)?.find(&raw.run)?;
+    let folder = runs::find(&raw.runs, environment, &raw.run)?;
     let mut control = socket::connect(&folder)?;
     let mut lines = BufReader::new(control.try_clone()?).lines();
     let mut next = || {
@@ -26,7 +26,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     };
     control.write_all(&encode(&Hello::ours())?)?;
     decode::<Hello>(&next()?)?.check()?;
-    let id = format!("tell-{}-{}", std::process::id(), crate::clock::salt(0));
+    let id = format!("tell-{}-{}", std::process::id(), clock::salt(0));
     control.write_all(&encode(&ToRunner::Join(Join::default()))?)?;
     control.write_all(&encode(&ToRunner::Command(envelope(
         id.clone(),

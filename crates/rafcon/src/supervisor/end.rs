@@ -1,6 +1,7 @@
 //! How a run can end, and what the program's exit code says about it.
 
-use rafcon_protocol::{Answer, Outcome};
+use rafcon_protocol::{Answer, Event, Outcome};
+use rafcon_supervisor::Death;
 
 /// Why there is nothing more to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,20 +38,13 @@ pub(crate) enum End {
     Left,
 }
 
-/// What is known about a runner that ended in the middle of a run.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Death {
-    /// Signal or exit status.
-    pub(crate) reason: String,
-    /// Paths of the states that were active, as far as it told.
-    pub(crate) active: Vec<String>,
-    /// Its last lines on the error output.
-    pub(crate) said: Vec<String>,
-    /// The runner ended itself, because a script did not end in its grace period.
-    pub(crate) is_cut_off: bool,
-}
-
 impl End {
+    /// The end that this event is, if it is one: that of a run whose runner kept it and could not tell it any more.
+    pub(crate) fn kept(event: &Event) -> Option<Self> {
+        let Event::Finished { outcome, .. } = event else { return None };
+        Some(Self::Finished { outcome: outcome.clone(), timed_out: false })
+    }
+
     /// The states that were active when the run was cut off.
     pub(crate) fn active_mut(&mut self) -> Option<&mut Vec<String>> {
         match self {

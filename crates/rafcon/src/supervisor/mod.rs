@@ -6,12 +6,13 @@
 mod end;
 
 use crate::console::Wish;
-use crate::runner::{Cause, Exit};
-pub(crate) use end::{Death, End};
+use crate::wires::Cause;
+pub(crate) use end::End;
 use rafcon_protocol::{
     Command, Envelope, Event, Hello, Launch, LogLevel, Snapshot, StateData, Stream, ToRunner,
     ToViewer,
 };
+use rafcon_supervisor::{Death, Exit};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -21,8 +22,6 @@ const GRACE: Duration = Duration::from_secs(3);
 const SETTLE: Duration = Duration::from_secs(2);
 /// How long the last words of a dead process are waited for.
 const LAST_WORDS: Duration = Duration::from_millis(500);
-/// Exit status of a runner that ended itself because a script ignored its grace period.
-const CUT_OFF: i32 = 86;
 /// How many lines of a dead process's error output are shown.
 const TAIL: usize = 12;
 
@@ -327,7 +326,7 @@ impl Supervisor {
         if self.phase == Phase::Starting {
             return End::NotStarted { reason, said };
         }
-        let is_cut_off = self.exit.is_some_and(|exit| exit.0.code() == Some(CUT_OFF));
+        let is_cut_off = self.exit.is_some_and(Exit::is_cut_off);
         End::Died(Death { reason, active: self.active.clone(), said, is_cut_off })
     }
 }

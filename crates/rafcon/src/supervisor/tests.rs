@@ -1,9 +1,10 @@
 //! The life of a run as text: causes in, actions and exit code out.
 
 use super::{Action, Supervisor};
-use crate::runner::{Cause, Exit};
+use crate::wires::Cause;
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Event, Hello, Launch, Outcome, Stream, ToRunner, ToViewer};
+use rafcon_supervisor::Exit;
 use std::fmt::Write as _;
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::ExitStatus;

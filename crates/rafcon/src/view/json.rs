@@ -1,8 +1,9 @@
 //! A run as JSON, one object a line, `finished` last (`docs/protocol.md`).
 
 use super::View;
-use crate::supervisor::{Death, End};
+use crate::supervisor::End;
 use rafcon_protocol::{Event, Snapshot};
+use rafcon_supervisor::Death;
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -97,9 +98,10 @@ impl<W: Write> View for Json<W> {
 #[cfg(test)]
 mod tests {
     use super::{Json, View as _};
-    use crate::supervisor::{Death, End};
+    use crate::supervisor::End;
     use expect_test::{Expect, expect};
     use rafcon_protocol::{Event, LogLevel, Outcome, Stream};
+    use rafcon_supervisor::Death;
     use std::time::Duration;
 
     fn check(events: Vec<Event>, end: &End, expect: &Expect) {

@@ -4,16 +4,16 @@ mod visit;
 
 use crate::cli;
 use crate::clock::Clock;
-use crate::commands::run::{machine_of, names_of_run, view};
+use crate::commands::run::{names_of_run, view};
 use crate::console::{Console, Wish};
 use crate::environment::Environment;
 use crate::failure::complain;
-use crate::runner::wires::{self, Wires};
-use crate::runner::{Cause, socket};
-use crate::runs::Runs;
+use crate::runs;
 use crate::view::View;
+use crate::wires::{self, Cause, Wires};
 use anyhow::Result;
 use rafcon_protocol::{Hello, Join, ToViewer, encode};
+use rafcon_supervisor::{machine_of, socket};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
@@ -26,7 +26,7 @@ pub(super) fn attach(
     environment: &Environment,
     clock: Clock,
 ) -> Result<ExitCode> {
-    let folder = Runs::new(&raw.runs, environment)?.find(&raw.run)?;
+    let folder = runs::find(&raw.runs, environment, &raw.run)?;
     let control = socket::connect(&folder)?;
     let has_keys = raw.output == cli::Output::Text
         && io::stdout().is_terminal()
@@ -39,8 +39,7 @@ pub(super) fn attach(
     wires.join(control.try_clone()?)?;
     let visit = Visit::new(join, &environment.user);
     let end = Guest { visit, view, control, clock }.until_the_end(&wires)?;
-    let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    if let Some(text) = end.text(&id) {
+    if let Some(text) = end.text(&runs::id(&folder)) {
         complain(&text);
     }
     Ok(ExitCode::from(end.code()))

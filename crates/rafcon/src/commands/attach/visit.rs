@@ -1,9 +1,10 @@
 //! A visit to a run, from hello to leave: what is said, shown, and how it ends. Knows no socket and no terminal.
 
 use crate::console::Wish;
-use crate::runner::Cause;
-use crate::supervisor::{self, Death};
+use crate::supervisor;
+use crate::wires::Cause;
 use rafcon_protocol::{Answer, Command, Envelope, Event, Join, Outcome, ToRunner, ToViewer};
+use rafcon_supervisor::Death;
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
@@ -169,7 +170,7 @@ pub(in crate::commands) fn envelope(id: String, author: &str, command: Command) 
 mod tests {
     use super::{End, Visit};
     use crate::console::Wish;
-    use crate::runner::Cause;
+    use crate::wires::Cause;
     use expect_test::{Expect, expect};
     use rafcon_protocol::{Answer, Command, Hello, Join, ToViewer};
 

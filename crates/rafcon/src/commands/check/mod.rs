@@ -6,19 +6,19 @@ mod scripts;
 use crate::cli::{self, CheckFormat};
 use crate::environment::Environment;
 use crate::machine::Source;
-use crate::runner::interpreter::Interpreter;
 use crate::view::{counted, harmless};
 use anyhow::Result;
 use finding::{Finding, Level};
 use rafcon_model::{BuiltinTypes, Machine, Rule, problems};
 use rafcon_storage::{Fault, Loaded};
+use rafcon_supervisor::Interpreter;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 /// Lists every problem; the exit code is 1 if one of them is an error.
 pub(super) fn check(raw: &cli::Check, environment: &Environment) -> Result<ExitCode> {
     let source = Source::new(&raw.path, &raw.libraries)?;
-    let interpreter = Interpreter::choose(raw.python.python.as_deref(), environment)?;
+    let interpreter = Interpreter::choose(raw.python.python.as_deref(), &environment.surroundings)?;
     let loaded = source.load()?;
     let mut findings = of_machine(&loaded);
     findings.extend(scripts::findings(&loaded.machine, &interpreter)?);

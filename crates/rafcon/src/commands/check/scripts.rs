@@ -2,9 +2,9 @@
 //! is judged here.
 
 use super::finding::{Complaint, Finding, Level};
-use crate::runner::interpreter::Interpreter;
 use anyhow::{Context as _, Result, bail};
 use rafcon_model::{Kind, LibraryContent, Machine, Outcomes, State, StatePath};
+use rafcon_supervisor::Interpreter;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;

@@ -3,7 +3,7 @@
 use super::kept::{open_folder, out, paint, span};
 use crate::cli;
 use crate::environment::Environment;
-use crate::runs::Runs;
+use crate::runs;
 use crate::view::{Line, Style, counted, harmless, outcome_style, shown};
 use anyhow::Result;
 use rafcon_storage::journal::{self, Change, Comparison, Happened, Reader, Time, Timing};
@@ -17,9 +17,9 @@ const SHOWN: usize = 20;
 
 /// Compares two runs; the exit code is 1 if they part.
 pub(super) fn compare(raw: &cli::Compare, environment: &Environment) -> Result<ExitCode> {
-    let runs = Runs::new(&raw.runs, environment)?;
-    let mut one = open_folder(&runs.find(&raw.one)?)?;
-    let mut other = open_folder(&runs.find(&raw.other)?)?;
+    let runs = runs::folder(&raw.runs, environment)?;
+    let mut one = open_folder(&runs::find_in(&runs, &raw.one)?)?;
+    let mut other = open_folder(&runs::find_in(&runs, &raw.other)?)?;
     let compared = journal::compare(&mut one, &mut other)?;
     let mut out = out();
     if raw.json {

@@ -1,18 +1,15 @@
 //! The loop of a run: causes from the wires to the supervisor, its actions to runner and view; and from one runner to the
 //! next. Decides nothing itself.
 
-use super::kept_end;
-use super::lives::{Lives, Next};
 use super::place::Place;
 use crate::clock::Clock;
 use crate::failure::complain;
-use crate::runner::process::Group;
-use crate::runner::wires::{self, Wires};
-use crate::runner::{Cause, Start};
 use crate::supervisor::{Action, End, Supervisor};
 use crate::view::{Nothing, View};
+use crate::wires::{self, Cause, Wires};
 use anyhow::Result;
-use rafcon_protocol::{Hello, Launch, active, encode};
+use rafcon_protocol::{Hello, Launch, encode};
+use rafcon_supervisor::{Group, Lives, Next, Start, remains};
 use serde::Serialize;
 use std::io::{self, Write as _};
 use std::os::unix::net::UnixStream;
@@ -135,8 +132,8 @@ impl Drive {
         if !matches!(end, End::Died(_)) || !place.is_kept() {
             return;
         }
-        let Some((time, event)) = kept_end::find(place.folder()) else { return };
-        if let Some(kept) = kept_end::as_end(&event) {
+        let Some((time, event)) = remains::kept_end(place.folder()) else { return };
+        if let Some(kept) = End::kept(&event) {
             self.show(|view| view.event(time, event));
             *end = kept;
         }
@@ -164,15 +161,8 @@ impl Drive {
 /// The runner's own marks of what runs are better than its last messages: they were made before each script began.
 fn add_running(end: &mut End, folder: &Path) {
     let Some(known) = end.active_mut() else { return };
-    let running = running(folder);
+    let running = remains::running(folder);
     if !running.is_empty() {
         *known = running;
     }
-}
-
-/// Paths of the states whose scripts ran when the runner of this folder ended.
-pub(super) fn running(folder: &Path) -> Vec<String> {
-    let slots = std::fs::read(folder.join(active::SLOTS_FILE)).unwrap_or_default();
-    let paths = std::fs::read_to_string(folder.join(active::PATHS_FILE)).unwrap_or_default();
-    active::running(&slots, &paths)
 }

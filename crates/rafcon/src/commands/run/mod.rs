@@ -1,9 +1,6 @@
 //! `rafcon run` and `rafcon resume`: from the words of the command line to the exit code.
 
 mod drive;
-mod kept_end;
-mod lives;
-mod logged;
 mod place;
 mod report;
 mod request;
@@ -13,17 +10,16 @@ use crate::clock::Clock;
 use crate::console::Console;
 use crate::environment::Environment;
 use crate::failure::Usage;
-use crate::runner::interpreter::Interpreter;
-use crate::runner::{Start, extension};
-use crate::runs::{self, Runs};
+use crate::runs;
 use crate::view::{Json, Lines, Live, Names, Paint, View};
 use anyhow::Result;
 use drive::Outside;
 use place::Place;
-use rafcon_protocol::{Crash, Launch, Resume};
+use rafcon_protocol::Launch;
+use rafcon_supervisor::{Interpreter, Start, extension, resume_launch};
 use request::Request;
 use std::io::{self, IsTerminal as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Runs a machine until it ends.
@@ -32,9 +28,8 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let place = match raw.keeping.keep {
         cli::Level::Off => Place::passing()?,
         cli::Level::Full | cli::Level::Status => {
-            let runs = Runs::new(&raw.runs, environment)?;
-            runs.give_up_old_ones();
-            Place::Kept(runs.make(&request.machine_name())?)
+            let runs = runs::folder(&raw.runs, environment)?;
+            Place::Kept(runs::make(&runs, &request.machine_name())?)
         }
     };
     let launch = request.launch(&place)?;
@@ -50,30 +45,13 @@ pub(super) fn resume(
     environment: &Environment,
     clock: Clock,
 ) -> Result<ExitCode> {
-    let place = Place::Kept(Runs::new(&raw.runs, environment)?.find(&raw.run)?);
-    let machine = machine_of(place.folder());
-    let launch = Launch {
-        machine: machine.clone(),
-        run_folder: Some(place.folder().to_path_buf()),
-        resume: Some(Resume { policy: request::on_crash(raw.policy), from: raw.from }),
-        crash: Some(Crash {
-            reason: "its runner ended before the run did".to_owned(),
-            active: drive::running(place.folder()),
-        }),
-        listen: true,
-        ..Launch::default()
-    };
+    let place = Place::Kept(runs::find(&raw.runs, environment, &raw.run)?);
+    let launch = resume_launch(place.folder(), request::on_crash(raw.policy), raw.from);
+    let machine = launch.machine.clone();
     let names = move || names_of_run(machine.clone());
     let timeout = raw.timeout.map(request::timeout).transpose()?;
     Whole { raw: &raw.python, output: raw.output, timeout, environment, clock }
         .run(launch, &place, &names)
-}
-
-/// Where the machine of a run was, as the run keeps it.
-pub(super) fn machine_of(folder: &Path) -> PathBuf {
-    let about = runs::about(folder);
-    let machine = about.as_ref().and_then(|about| about.get("machine")?.as_str());
-    machine.map(PathBuf::from).unwrap_or_default()
 }
 
 /// The names of the machine that lies where that of a run was.
@@ -92,8 +70,9 @@ struct Whole<'a> {
 
 impl Whole<'_> {
     fn run(self, launch: Launch, place: &Place, names: &dyn Fn() -> Names) -> Result<ExitCode> {
-        let interpreter = Interpreter::choose(self.raw.python.as_deref(), self.environment)?;
-        let extension = extension::find(self.environment)?;
+        let surroundings = &self.environment.surroundings;
+        let interpreter = Interpreter::choose(self.raw.python.as_deref(), surroundings)?;
+        let extension = extension::find(surroundings)?;
         let start = Start { interpreter: &interpreter, extension: &extension };
         let has_keys = self.output == cli::Output::Text
             && is_terminal(self.environment)

@@ -1,8 +1,8 @@
 //! The folder of a run: kept among the runs, or only for as long as the run lasts.
 
-use crate::runs;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::OnCrash;
+use rafcon_supervisor::policy_of;
 use std::path::{Path, PathBuf};
 
 /// Where a run keeps its files.
@@ -41,9 +41,7 @@ impl Place {
 
     /// What becomes of scripts that a crash has interrupted, as the run keeps it.
     pub(super) fn on_crash(&self) -> OnCrash {
-        runs::about(self.folder())
-            .and_then(|about| serde_json::from_value(about.get("on_crash")?.clone()).ok())
-            .unwrap_or_default()
+        policy_of(self.folder())
     }
 }
 

@@ -1,17 +1,17 @@
 //! What is said on the error output about a run that did not come to its end.
 
-use super::logged;
 use super::place::Place;
 use crate::failure::complain;
-use crate::supervisor::{Death, End};
+use crate::supervisor::End;
 use crate::view::Names;
+use rafcon_supervisor::{Death, remains};
 use std::collections::BTreeMap;
 
 /// Tells the user; a run that finished has been shown already.
 pub(super) fn end(end: &End, place: &Place, names: impl FnOnce() -> Names) {
     if !matches!(end, End::Finished { timed_out: false, .. }) {
         let mut names = names();
-        let logged = end.active().map(|active| logged::last(place.folder(), active));
+        let logged = end.active().map(|active| remains::last_logged(place.folder(), active));
         complain(&(text(end, &mut names) + &said(&logged.unwrap_or_default(), &mut names)));
         if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, place.id()) {
             complain(&way_out(run));
@@ -77,10 +77,11 @@ fn block(head: &str, lines: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::text;
-    use crate::supervisor::{Death, End};
+    use crate::supervisor::End;
     use crate::view::Names;
     use expect_test::{Expect, expect};
     use rafcon_model::notation;
+    use rafcon_supervisor::Death;
 
     fn check(end: &End, expect: &Expect) {
         let machine = "hierarchy ROOT \"Mission\"\n  execution SCANID \"Scan\"\n";

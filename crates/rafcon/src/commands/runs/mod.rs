@@ -2,23 +2,23 @@
 
 use super::kept::{out, paint};
 use crate::cli;
-use crate::clock;
 use crate::environment::Environment;
-use crate::runs::Runs;
+use crate::runs;
 use crate::view::{Line, Style, counted, harmless, outcome_style, time};
 use anyhow::{Context as _, Result};
 use rafcon_storage::journal::{self, Retention, RunState, Summary};
+use rafcon_supervisor::{Runs, clock};
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
 
 /// Lists the runs, or deletes old ones.
 pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<ExitCode> {
-    let runs = Runs::new(&raw.runs, environment)?;
+    let runs = runs::folder(&raw.runs, environment)?;
     if raw.prune {
         return prune(raw, &runs);
     }
-    let found = journal::runs(&runs.0).context("cannot list the runs")?;
+    let found = journal::runs(runs.folder()).context("cannot list the runs")?;
     let mut out = out();
     if raw.json {
         for run in &found {
@@ -27,7 +27,7 @@ pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<Exi
         return Ok(ExitCode::SUCCESS);
     }
     if found.is_empty() {
-        writeln!(out, "no runs in {}", runs.0.display())?;
+        writeln!(out, "no runs in {}", runs.folder().display())?;
     }
     let width = found.iter().map(|run| run.id.chars().count()).max().unwrap_or(0);
     for run in &found {
@@ -45,7 +45,8 @@ fn prune(raw: &cli::ListRuns, runs: &Runs) -> Result<ExitCode> {
         bytes: raw.max_size.unwrap_or(usual.bytes),
         ..usual
     };
-    let pruned = wanted.prune(&runs.0, clock::since_1970_ms()).context("cannot delete old runs")?;
+    let pruned =
+        wanted.prune(runs.folder(), clock::since_1970_ms()).context("cannot delete old runs")?;
     let mut out = out();
     for run in &pruned {
         writeln!(out, "deleted {}", run.id)?;

@@ -4,11 +4,10 @@
 //! inherits one end of a socket pair and nothing else of ours. Its standard input is ours if that is a file or a pipe; a
 //! terminal stays with us, for a background group that reads from it would be stopped by the kernel.
 
-use super::interpreter::Interpreter;
-use anyhow::{Context as _, Result};
+use crate::Interpreter;
 use rustix::io::FdFlags;
 use rustix::process::{Pid, Signal};
-use std::io::IsTerminal as _;
+use std::io::{self, IsTerminal as _};
 use std::os::fd::AsRawFd as _;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt as _;
@@ -18,48 +17,64 @@ use std::process::{Child, Command, Stdio};
 const BOOTSTRAP: &str = include_str!("bootstrap.py");
 
 /// What is needed to start a runner.
-#[derive(Debug)]
-pub(crate) struct Start<'a> {
+#[derive(Debug, Clone, Copy)]
+pub struct Start<'a> {
     /// Which Python.
-    pub(crate) interpreter: &'a Interpreter,
+    pub interpreter: &'a Interpreter,
     /// The extension's file.
-    pub(crate) extension: &'a Path,
+    pub extension: &'a Path,
 }
 
 /// A runner that was started.
 #[derive(Debug)]
-pub(crate) struct Process {
+pub struct Process {
     /// The process; its standard output and error are pipes.
-    pub(crate) child: Child,
+    pub child: Child,
     /// Our end of the control socket.
-    pub(crate) control: UnixStream,
+    pub control: UnixStream,
 }
 
 /// The process group of a runner.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Group(Pid);
+pub struct Group(Pid);
+
+/// Why a runner was not started.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// There is no control socket.
+    #[error("cannot make a pair of sockets")]
+    Sockets(#[source] io::Error),
+    /// The control socket stays with us.
+    #[error("cannot let the runner inherit its socket")]
+    Inherit(#[source] io::Error),
+    /// The interpreter cannot be started.
+    #[error("cannot start the Python interpreter `{interpreter}`: {}", interpreter.way_out())]
+    Interpreter {
+        /// Which one.
+        interpreter: Interpreter,
+        /// Why not.
+        source: io::Error,
+    },
+}
 
 impl Start<'_> {
     /// Starts it.
-    pub(crate) fn spawn(&self) -> Result<Process> {
-        let (control, theirs) = UnixStream::pair().context("cannot make a pair of sockets")?;
+    pub fn spawn(&self) -> Result<Process, StartError> {
+        let (control, theirs) = UnixStream::pair().map_err(StartError::Sockets)?;
         let mut command = Command::new(&self.interpreter.program);
         command
             .args(["-c", BOOTSTRAP])
             .env("RAFCON_EXTENSION_FILE", self.extension)
             .env("RAFCON_CONTROL_FD", theirs.as_raw_fd().to_string())
-            .stdin(if std::io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() })
+            .stdin(if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() })
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .process_group(0);
         rustix::io::fcntl_setfd(&theirs, FdFlags::empty())
-            .context("cannot let the runner inherit its socket")?;
-        let child = command.spawn().with_context(|| {
-            format!(
-                "cannot start the Python interpreter `{}`: {}",
-                self.interpreter,
-                self.interpreter.way_out()
-            )
+            .map_err(|error| StartError::Inherit(error.into()))?;
+        let child = command.spawn().map_err(|source| StartError::Interpreter {
+            interpreter: self.interpreter.clone(),
+            source,
         })?;
         Ok(Process { child, control })
     }
@@ -67,14 +82,14 @@ impl Start<'_> {
 
 impl Process {
     /// The group that [`Group::kill`] ends.
-    pub(crate) fn group(&self) -> Group {
+    pub fn group(&self) -> Group {
         Group(Pid::from_child(&self.child))
     }
 }
 
 impl Group {
     /// Ends every process of the group at once. A group that is gone is what was wanted.
-    pub(crate) fn kill(self) {
+    pub fn kill(self) {
         rustix::process::kill_process_group(self.0, Signal::KILL).unwrap_or_default();
     }
 }

@@ -1,6 +1,5 @@
 //! Whether a run whose runner died goes on by itself, and how. Pure.
 
-use crate::supervisor::Death;
 use rafcon_protocol::{Crash, OnCrash, Resume};
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -10,15 +9,28 @@ const DEATHS_MAX: usize = 5;
 /// The time in which deaths are counted.
 const WINDOW: Duration = Duration::from_mins(1);
 
+/// What is known about a runner that ended in the middle of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Death {
+    /// Signal or exit status.
+    pub reason: String,
+    /// Paths of the states that were active, as far as it told.
+    pub active: Vec<String>,
+    /// Its last lines on the error output.
+    pub said: Vec<String>,
+    /// The runner ended itself, because a script did not end in its grace period.
+    pub is_cut_off: bool,
+}
+
 /// The deaths of a run's runners.
 #[derive(Debug, Default)]
-pub(super) struct Lives {
+pub struct Lives {
     deaths: VecDeque<Duration>,
 }
 
 /// What follows a death.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Next {
+pub enum Next {
     /// Another runner takes the run up.
     Again(Resume, Crash),
     /// The user decides; why.
@@ -27,7 +39,7 @@ pub(super) enum Next {
 
 impl Lives {
     /// A runner died at `now`; `policy` is what the run keeps about crashes.
-    pub(super) fn next(&mut self, now: Duration, death: &Death, policy: OnCrash) -> Next {
+    pub fn next(&mut self, now: Duration, death: &Death, policy: OnCrash) -> Next {
         self.deaths.push_back(now);
         while self.deaths.front().is_some_and(|first| *first + WINDOW < now) {
             self.deaths.pop_front();
@@ -47,8 +59,7 @@ impl Lives {
 
 #[cfg(test)]
 mod tests {
-    use super::{Lives, Next};
-    use crate::supervisor::Death;
+    use super::{Death, Lives, Next};
     use expect_test::{Expect, expect};
     use rafcon_protocol::OnCrash;
     use std::time::Duration;

@@ -2,19 +2,17 @@
 //!
 //! One thread a source; the queue has a bound, so that a slow terminal holds the sources back and not this memory.
 
-use super::Process;
 use crate::console::{Key, Wish};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Hello, Stream, ToViewer, decode};
+use rafcon_supervisor::{Exit, Process};
 use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::io::Errno;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGTSTP};
 use signal_hook::iterator::Signals;
-use std::fmt;
 use std::io::{BufRead as _, BufReader, Read};
 use std::os::unix::net::UnixStream;
-use std::os::unix::process::ExitStatusExt as _;
-use std::process::{Child, ExitStatus};
+use std::process::Child;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
@@ -57,23 +55,6 @@ pub(crate) enum Cause {
     Suspend,
     /// Nothing, for a while.
     Tick,
-}
-
-/// How a process ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Exit(pub(crate) ExitStatus);
-
-impl fmt::Display for Exit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.0.signal(), self.0.code()) {
-            (Some(signal), _) => {
-                let name = signal_hook::low_level::signal_name(signal).unwrap_or("unknown signal");
-                write!(f, "killed by signal {signal} ({name})")
-            }
-            (None, Some(code)) => write!(f, "exit status {code}"),
-            (None, None) => f.write_str("ended"),
-        }
-    }
 }
 
 /// Listens to signals from now on; to be called before a runner is started, so that none is left alone by Ctrl-C.

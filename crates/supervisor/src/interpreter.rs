@@ -1,16 +1,26 @@
 //! Which Python runs the scripts: the one that was named, else the active virtual environment's, else `python3`.
 
-use crate::environment::Environment;
-use anyhow::{Result, bail};
+use crate::Surroundings;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// A chosen interpreter and the reason of the choice, for messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Interpreter {
+pub struct Interpreter {
     /// A file, or a name that is looked for on the PATH.
-    pub(crate) program: PathBuf,
+    pub program: PathBuf,
     reason: Reason,
+}
+
+/// The active virtual environment holds none.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the active virtual environment {} has no bin/python3: leave it (`deactivate`), make it again, or name an \
+     interpreter with --python",
+    folder.display()
+)]
+pub struct NoInterpreter {
+    folder: PathBuf,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,26 +32,25 @@ enum Reason {
 
 impl Interpreter {
     /// Chooses. `named` is `--python` or `RAFCON_PYTHON`.
-    pub(crate) fn choose(named: Option<&Path>, environment: &Environment) -> Result<Self> {
+    pub fn choose(
+        named: Option<&Path>,
+        surroundings: &Surroundings,
+    ) -> Result<Self, NoInterpreter> {
         if let Some(program) = named {
             return Ok(Self { program: program.to_path_buf(), reason: Reason::Named });
         }
-        let Some(folder) = &environment.virtual_env else {
+        let Some(folder) = &surroundings.virtual_env else {
             return Ok(Self { program: "python3".into(), reason: Reason::Default });
         };
         let candidates = ["bin/python3", "bin/python"].map(|name| folder.join(name));
         match candidates.into_iter().find(|program| program.exists()) {
             Some(program) => Ok(Self { program, reason: Reason::VirtualEnvironment }),
-            None => bail!(
-                "the active virtual environment {} has no bin/python3: leave it (`deactivate`), make it \
-                 again, or name an interpreter with --python",
-                folder.display()
-            ),
+            None => Err(NoInterpreter { folder: folder.clone() }),
         }
     }
 
     /// What to do if it cannot be started.
-    pub(crate) fn way_out(&self) -> &'static str {
+    pub fn way_out(&self) -> &'static str {
         match self.reason {
             Reason::Named => "--python or RAFCON_PYTHON must name a Python 3.9 or newer",
             Reason::VirtualEnvironment => "VIRTUAL_ENV is set: leave or repair that environment",
@@ -59,14 +68,14 @@ impl fmt::Display for Interpreter {
 #[cfg(test)]
 mod tests {
     use super::Interpreter;
-    use crate::environment::Environment;
+    use crate::Surroundings;
     use expect_test::{Expect, expect};
     use std::path::Path;
 
     fn check(named: Option<&str>, virtual_env: Option<&Path>, expect: &Expect) {
-        let environment =
-            Environment { virtual_env: virtual_env.map(Into::into), ..Environment::default() };
-        let chosen = Interpreter::choose(named.map(Path::new), &environment);
+        let surroundings =
+            Surroundings { virtual_env: virtual_env.map(Into::into), ..Surroundings::default() };
+        let chosen = Interpreter::choose(named.map(Path::new), &surroundings);
         expect.assert_eq(&match chosen {
             Ok(interpreter) => format!("{interpreter}; {}", interpreter.way_out()),
             Err(error) => error.to_string(),
@@ -87,11 +96,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("bin")).unwrap();
         std::fs::write(folder.path().join("bin/python"), "").unwrap();
-        let environment = Environment {
+        let surroundings = Surroundings {
             virtual_env: Some(folder.path().to_path_buf()),
-            ..Environment::default()
+            ..Surroundings::default()
         };
-        let chosen = Interpreter::choose(None, &environment).unwrap();
+        let chosen = Interpreter::choose(None, &surroundings).unwrap();
         assert_eq!(chosen.program, folder.path().join("bin/python"));
     }
 
