@@ -8,8 +8,17 @@ use serde_json::Value;
 use crate::process;
 
 /// The folders of the library and binary crates below `crates/`, in dependency order.
-pub(crate) const CRATES: [&str; 7] =
-    ["model", "storage", "engine", "protocol", "runner", "python", "rafcon"];
+pub(crate) const CRATES: [&str; 9] = [
+    "model",
+    "storage",
+    "engine",
+    "protocol",
+    "runner",
+    "python",
+    "supervisor",
+    "server",
+    "rafcon",
+];
 
 /// The repository's root folder.
 pub(crate) fn root() -> &'static Path {

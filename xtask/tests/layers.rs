@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 9] = [
+const LAYERS: [(&str, &[&str]); 10] = [
     ("rafcon-model", &[]),
     // The journal keeps the events of the protocol, so storage speaks it.
     ("rafcon-storage", &["rafcon-protocol", "rafcon-model"]),
@@ -18,10 +18,22 @@ const LAYERS: [(&str, &[&str]); 9] = [
         "rafcon-python",
         &["rafcon-runner", "rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"],
     ),
+    // What starts runners and follows them, for the two programs that do.
+    ("rafcon-supervisor", &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
     // Starts runners as processes: never the extension, the runner or the engine.
     ("rafcon-server", &["rafcon-supervisor", "rafcon-storage", "rafcon-protocol", "rafcon-model"]),
     // Never the extension and never the runner: it starts them as a process and speaks the protocol.
-    ("rafcon", &["rafcon-server", "rafcon-engine", "rafcon-storage", "rafcon-protocol", "rafcon-model"]),
+    (
+        "rafcon",
+        &[
+            "rafcon-server",
+            "rafcon-supervisor",
+            "rafcon-engine",
+            "rafcon-storage",
+            "rafcon-protocol",
+            "rafcon-model",
+        ],
+    ),
     ("xtask", &[]),
 ];
 
