@@ -49,6 +49,11 @@ impl DataFlows {
         self.by_id.get(&id)
     }
 
+    /// The ids of those that are others in `newer`, or there in only one of both.
+    pub fn differing(&self, newer: &Self) -> Vec<DataFlowId> {
+        self.by_id.differing(&newer.by_id)
+    }
+
     /// Those that end at this port, by rising id.
     pub fn into_port<'s>(
         &'s self,

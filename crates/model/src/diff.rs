@@ -1,6 +1,6 @@
 //! What differs between two machines. Knows that shared parts are equal, and skips them; never what the difference is for.
 
-use crate::{Machine, Sorted, State, StatePath};
+use crate::{Machine, State, StatePath, States};
 use std::sync::Arc;
 
 /// A state that differs.
@@ -81,33 +81,15 @@ impl Pair<'_> {
 /// The children of both states, by rising id.
 fn push_children<'m>(path: &StatePath, old: &'m State, new: &'m State, open: &mut Vec<Pair<'m>>) {
     let states = |state: &'m State| state.container().map(|container| &container.states);
-    if let (Some(old), Some(new)) = (states(old), states(new))
-        && old.ptr_eq(new)
-    {
-        return;
-    }
-    let mut old = states(old).into_iter().flat_map(Sorted::iter).peekable();
-    let mut new = states(new).into_iter().flat_map(Sorted::iter).peekable();
-    loop {
-        let pair = match (old.peek(), new.peek()) {
-            (None, None) => return,
-            (Some((a, _)), Some((b, _))) if a == b => {
-                let (Some((id, a)), Some((_, b))) = (old.next(), new.next()) else { return };
-                if Arc::ptr_eq(a, b) {
-                    continue;
-                }
-                Pair::Both(path.child(id.clone()), a, b)
-            }
-            (Some((a, _)), other) if other.is_none_or(|(b, _)| a < b) => {
-                let Some((id, _)) = old.next() else { return };
-                Pair::One(Difference::Removed(path.child(id.clone())))
-            }
-            _ => {
-                let Some((id, _)) = new.next() else { return };
-                Pair::One(Difference::Added(path.child(id.clone())))
-            }
-        };
-        open.push(pair);
+    let (old, new, none) = (states(old), states(new), States::default());
+    let get = |states: Option<&'m States>, id: &_| states.and_then(|states| states.get(id));
+    for id in old.unwrap_or(&none).differing(new.unwrap_or(&none)) {
+        let child = path.child(id.clone());
+        open.push(match (get(old, &id), get(new, &id)) {
+            (Some(old), Some(new)) => Pair::Both(child, old, new),
+            (None, Some(_)) => Pair::One(Difference::Added(child)),
+            (_, None) => Pair::One(Difference::Removed(child)),
+        });
     }
 }
 

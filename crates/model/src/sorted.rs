@@ -2,6 +2,7 @@
 //! Knows nothing of what it holds.
 
 use imbl::OrdMap;
+use imbl::ordmap::DiffItem;
 use std::fmt;
 use std::sync::Arc;
 
@@ -171,9 +172,35 @@ fn position<K: Ord, V>(entries: &[(K, V)], key: &K) -> Result<usize, usize> {
     entries.binary_search_by(|(known, _)| known.cmp(key))
 }
 
+impl<K: Ord + Clone, V: Clone + PartialEq> Sorted<K, V> {
+    /// The keys with another value in `newer`, or with one in only one of both, rising. Memory that both share is not looked
+    /// at.
+    pub fn differing(&self, newer: &Self) -> Vec<K> {
+        if let (Form::Many(old), Form::Many(new)) = (&self.0, &newer.0) {
+            let key = |item: DiffItem<'_, '_, K, V>| match item {
+                DiffItem::Add(key, _)
+                | DiffItem::Remove(key, _)
+                | DiffItem::Update { new: (key, _), .. } => key.clone(),
+            };
+            return old.diff(new).map(key).collect();
+        }
+        if self.ptr_eq(newer) {
+            return Vec::new();
+        }
+        let gone = self.keys().filter(|key| !newer.contains_key(key));
+        let other = newer.iter().filter(|(key, value)| self.get(key) != Some(*value));
+        let mut keys: Vec<K> = gone.chain(other.map(|(key, _)| key)).cloned().collect();
+        keys.sort();
+        keys
+    }
+}
+
 impl<K: Ord + Clone, V: Clone + PartialEq> PartialEq for Sorted<K, V> {
     fn eq(&self, other: &Self) -> bool {
-        self.ptr_eq(other) || (self.len() == other.len() && self.iter().eq(other.iter()))
+        match (&self.0, &other.0) {
+            (Form::Many(a), Form::Many(b)) => a.len() == b.len() && a.diff(b).next().is_none(),
+            _ => self.ptr_eq(other) || (self.len() == other.len() && self.iter().eq(other.iter())),
+        }
     }
 }
 
@@ -228,6 +255,11 @@ mod tests {
                 prop_assert_eq!(map.get(&key), plain.get(&key));
                 prop_assert_eq!(map.get_mut(&key), plain.get_mut(&key));
                 prop_assert_eq!(&map, &plain.clone().into_iter().collect());
+                let differs = before.get(&key) != map.get(&key);
+                prop_assert_eq!(before.differing(&map), differs.then_some(key).into_iter().collect::<Vec<_>>());
+                prop_assert_eq!(map.differing(&plain.clone().into_iter().collect()), Vec::new());
+                prop_assert_eq!(Sorted::new().differing(&map), map.keys().copied().collect::<Vec<_>>());
+                prop_assert_eq!(before == map, !differs);
             }
         }
     }

@@ -49,6 +49,11 @@ impl Transitions {
         self.by_id.get(&id)
     }
 
+    /// The ids of those that are others in `newer`, or there in only one of both.
+    pub fn differing(&self, newer: &Self) -> Vec<TransitionId> {
+        self.by_id.differing(&newer.by_id)
+    }
+
     /// Those that begin at `origin`: one at most in a valid container.
     pub fn from<'s>(&'s self, origin: &Origin) -> impl Iterator<Item = &'s Transition> + use<'s> {
         let end = match origin {

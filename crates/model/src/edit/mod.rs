@@ -21,6 +21,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(any(test, feature = "testing"))]
+pub mod any;
 mod apply;
 mod children;
 mod connections;

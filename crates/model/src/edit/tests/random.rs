@@ -1,17 +1,10 @@
 //! Any edits on any machine: no rule is broken that was not broken before, and everything can be taken back.
 
-use crate::edit::{
-    ChildrenEdit, DataFlowEdit, Edit, OutcomeEdit, PortEdit, StateEdit, TransitionEdit, apply, copy,
-};
-use crate::ids::Fresh;
-use crate::{
-    BuiltinTypes, DECIDER_ID, DataFlowId, DataType, Kind, KindName, Machine, Origin, OutcomeId,
-    PortId, PortKind, Rule, Script, State, StateId, StatePath, Target, TransitionId, Value,
-    notation, problems,
-};
+use crate::edit::any::{Dice, edit};
+use crate::edit::{Edit, apply};
+use crate::{BuiltinTypes, Machine, Rule, notation, problems};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 const START: &str = "
     hierarchy ROOT
@@ -101,192 +94,6 @@ const FAULTY: &str = "
         missing \"no folder\"
 ";
 
-/// Numbers that choose an edit from what the machine has.
-struct Dice {
-    numbers: std::vec::IntoIter<u16>,
-}
-
-impl Dice {
-    fn roll(&mut self, sides: usize) -> usize {
-        usize::from(self.numbers.next().unwrap_or(0)).checked_rem(sides).unwrap_or(0)
-    }
-
-    fn pick<T: Clone>(&mut self, items: &[T]) -> Option<T> {
-        let index = self.roll(items.len());
-        items.get(index).cloned()
-    }
-
-    fn some<T: Clone>(&mut self, items: &[T]) -> Vec<T> {
-        items.iter().filter(|_| self.roll(2) == 0).cloned().collect()
-    }
-}
-
-fn paths(machine: &Machine) -> Vec<StatePath> {
-    let mut paths = vec![StatePath::root(machine.root.id.clone())];
-    let mut next = 0;
-    while let Some(path) = paths.get(next).cloned() {
-        let state = machine.state(&path).expect("a state");
-        let children = state.container().into_iter().flat_map(|c| c.states.keys());
-        paths.extend(children.map(|id| path.child(id.clone())));
-        next += 1;
-    }
-    paths
-}
-
-/// An edit that may or may not be legal.
-fn edit(machine: &Machine, dice: &mut Dice) -> Edit {
-    let path = dice.pick(&paths(machine)).expect("a root");
-    let state = machine.state(&path).expect("a state");
-    match dice.roll(7) {
-        0 => Edit::State(path, state_edit(dice)),
-        1 => {
-            let id = OutcomeId(i64::try_from(dice.roll(5)).expect("small") - 2);
-            let edits = [
-                OutcomeEdit::Add(name(dice)),
-                OutcomeEdit::Rename(name(dice)),
-                OutcomeEdit::Remove,
-            ];
-            Edit::Outcome(path, id, dice.pick(&edits).expect("one"))
-        }
-        2 => {
-            let kind = dice.pick(&PortKind::ALL).expect("one");
-            let edit = port_edit(dice);
-            Edit::Port(path, kind, PortId(small(dice)), edit)
-        }
-        3 => {
-            let (from, to) = (origin(state, dice), target(state, dice));
-            let edits = [
-                TransitionEdit::Add { from: from.clone(), to: to.clone() },
-                TransitionEdit::Add { from: from.clone(), to: to.clone() },
-                TransitionEdit::SetOrigin(from),
-                TransitionEdit::SetTarget(to),
-                TransitionEdit::Remove,
-            ];
-            Edit::Transition(path, TransitionId(small(dice)), dice.pick(&edits).expect("one"))
-        }
-        4 => {
-            let (from, to) = (flow_end(state, dice), flow_end(state, dice));
-            let edits = [
-                DataFlowEdit::Add { from: from.clone(), to: to.clone() },
-                DataFlowEdit::Add { from: from.clone(), to: to.clone() },
-                DataFlowEdit::SetSource(from),
-                DataFlowEdit::SetTarget(to),
-                DataFlowEdit::Remove,
-            ];
-            Edit::DataFlow(path, DataFlowId(small(dice)), dice.pick(&edits).expect("one"))
-        }
-        _ => Edit::Children(path, children_edit(machine, state, dice)),
-    }
-}
-
-fn small(dice: &mut Dice) -> i64 {
-    i64::try_from(dice.roll(6)).expect("small")
-}
-
-fn name(dice: &mut Dice) -> smol_str::SmolStr {
-    dice.pick(&["success", "x", "y", "", "a/b", "done"]).expect("one").into()
-}
-
-fn state_edit(dice: &mut Dice) -> StateEdit {
-    let kinds = [KindName::Execution, KindName::Hierarchy, KindName::Barrier, KindName::Preemptive];
-    match dice.roll(3) {
-        0 => StateEdit::SetName(name(dice)),
-        1 => StateEdit::SetKind(dice.pick(&kinds).expect("one")),
-        _ => StateEdit::SetId(fresh(dice)),
-    }
-}
-
-fn port_edit(dice: &mut Dice) -> PortEdit {
-    let types = [DataType::Int, DataType::Int, DataType::Str, DataType::Object];
-    let data_type = dice.pick(&types).expect("one");
-    let default = dice.pick(&[Value::None, Value::Int(1), Value::str("2")]).expect("one");
-    match dice.roll(5) {
-        0 => PortEdit::Rename(name(dice)),
-        1 => PortEdit::SetType(data_type),
-        2 => PortEdit::SetDefault(default),
-        3 => PortEdit::Remove,
-        _ => PortEdit::Add { name: name(dice), data_type, default },
-    }
-}
-
-fn child_ids(state: &State) -> Vec<StateId> {
-    state.container().map_or_else(Vec::new, |c| c.states.keys().cloned().collect())
-}
-
-fn origin(state: &State, dice: &mut Dice) -> Origin {
-    match dice.pick(&child_ids(state)).filter(|_| dice.roll(5) > 0) {
-        Some(id) => Origin::Outcome(id, OutcomeId(small(dice) - 2)),
-        None => Origin::Income,
-    }
-}
-
-fn target(state: &State, dice: &mut Dice) -> Target {
-    match dice.pick(&child_ids(state)).filter(|_| dice.roll(3) > 0) {
-        Some(id) => Target::State(id),
-        None => Target::Outcome(OutcomeId(small(dice) - 2)),
-    }
-}
-
-fn flow_end(state: &State, dice: &mut Dice) -> (StateId, PortId) {
-    let mut ids = child_ids(state);
-    ids.push(state.id.clone());
-    (dice.pick(&ids).expect("one"), PortId(small(dice)))
-}
-
-fn fresh(dice: &mut Dice) -> StateId {
-    if dice.roll(4) == 0 {
-        return dice.pick(&["AAAAAA", "ROOT", DECIDER_ID].map(StateId::new)).expect("one");
-    }
-    let seed = u64::try_from(dice.roll(60)).expect("small");
-    Fresh::new(seed).id(|_| false)
-}
-
-fn children_edit(machine: &Machine, state: &State, dice: &mut Dice) -> ChildrenEdit {
-    let ids = child_ids(state);
-    let one = dice.pick(&ids).unwrap_or_else(|| StateId::new("NOPEXX"));
-    let spare: Vec<_> = (0..3).map(|_| fresh(dice)).collect();
-    match dice.roll(8) {
-        0 => ChildrenEdit::Remove(one),
-        1 => ChildrenEdit::SetStart(Some(target(state, dice)).filter(|_| dice.roll(4) > 0)),
-        2 => {
-            let scoped_variables = dice.some(&[PortId(0), PortId(1), PortId(2)]);
-            let variables = state.container().map(|c| c.scoped_variables.clone());
-            let exists = |id: &PortId| variables.as_ref().is_some_and(|v| v.get(*id).is_some());
-            let scoped_variables = scoped_variables.into_iter().filter(exists).collect();
-            let (states, id) = (dice.some(&ids), fresh(dice));
-            ChildrenEdit::Group { states, scoped_variables, id, name: "Group".into() }
-        }
-        3 => ChildrenEdit::Ungroup { state: one, fresh: spare },
-        4 => ChildrenEdit::Substitute { state: one, by: new_state(dice) },
-        5 => {
-            let to = dice.pick(&paths(machine)).expect("a root");
-            ChildrenEdit::Move { states: dice.some(&ids), to, ids: spare }
-        }
-        6 => {
-            let selection = copy(state, &dice.some(&ids), &[PortId(0), PortId(2)]);
-            ChildrenEdit::Paste { selection, ids: spare }
-        }
-        _ => ChildrenEdit::Add(new_state(dice)),
-    }
-}
-
-fn new_state(dice: &mut Dice) -> Arc<State> {
-    let inside = crate::Container::default;
-    let kinds = [
-        Kind::Execution(Script::default()),
-        Kind::Hierarchy(inside()),
-        Kind::Barrier(inside()),
-        Kind::Preemptive(inside()),
-    ];
-    let kind = dice.pick(&kinds).expect("one");
-    let mut state = State::new(fresh(dice), "New", kind);
-    state.outcomes.insert(crate::Outcome::new(OutcomeId(0), "success"));
-    let port = |id, name| crate::Port::new(PortId(id), name, DataType::Int, Value::Int(4));
-    state.inputs.insert(port(0, "x"));
-    state.outputs.insert(port(1, "y"));
-    Arc::new(state)
-}
-
 /// How often each rule is broken.
 fn faults(machine: &Machine) -> BTreeMap<Rule, usize> {
     let mut counts = BTreeMap::new();
@@ -299,9 +106,9 @@ fn faults(machine: &Machine) -> BTreeMap<Rule, usize> {
 /// Makes the edits; holds after each what an edit promises.
 fn edit_and_look(text: &str, numbers: Vec<u16>) {
     let mut machine = notation::parse(text).expect("a machine");
-    let mut dice = Dice { numbers: numbers.into_iter() };
+    let mut dice = Dice::new(numbers);
     let mut backs = Vec::new();
-    while dice.numbers.len() > 0 {
+    while !dice.is_empty() {
         let before = machine.clone();
         let edit = edit(&machine, &mut dice);
         let shown = format!("{edit:?}");
