@@ -16,6 +16,7 @@
 //! }
 //! ```
 
+mod begin;
 pub mod clock;
 mod exit;
 pub mod extension;
@@ -28,11 +29,12 @@ mod runs;
 pub mod socket;
 mod surroundings;
 
+pub use begin::{BeginError, begin};
 pub use exit::Exit;
 pub use extension::NoExtension;
 pub use interpreter::{Interpreter, NoInterpreter};
 pub use lives::{Death, Lives, Next};
-pub use process::{Group, Process, Start, StartError};
+pub use process::{Group, Process, Start, StartError, is_alive};
 pub use resume::{machine_of, policy_of, resume_launch};
 pub use runs::{FindError, MakeError, Runs};
 pub use socket::JoinError;

@@ -1,20 +1,30 @@
 //! Starting a runner and ending it by force.
 //!
 //! The runner leads a process group of its own, so that neither Ctrl-C nor a terminal that hangs up reaches it. It
-//! inherits one end of a socket pair and nothing else of ours. Its standard input is ours if that is a file or a pipe; a
-//! terminal stays with us, for a background group that reads from it would be stopped by the kernel.
+//! inherits one end of a socket pair and nothing else of ours.
+//!
+//! Beside a terminal its standard input is ours if that is a file or a pipe; a terminal stays with us, for a background group
+//! that reads from it would be stopped by the kernel. What it writes comes to us by pipes. A *detached* runner has nothing
+//! that ends with us: no input, and a file for what it writes, which is locked for as long as somebody may write to it.
 
 use crate::Interpreter;
+use parking_lot::Mutex;
 use rustix::io::FdFlags;
 use rustix::process::{Pid, Signal};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, IsTerminal as _};
 use std::os::fd::AsRawFd as _;
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 const BOOTSTRAP: &str = include_str!("bootstrap.py");
+
+/// Held while a socket can be inherited: another runner that starts at that moment would keep it open, and its owner's end
+/// would not be heard.
+static INHERITING: Mutex<()> = Mutex::new(());
 
 /// What is needed to start a runner.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +38,7 @@ pub struct Start<'a> {
 /// A runner that was started.
 #[derive(Debug)]
 pub struct Process {
-    /// The process; its standard output and error are pipes.
+    /// The process; its standard output and error are pipes, unless it was started detached.
     pub child: Child,
     /// Our end of the control socket.
     pub control: UnixStream,
@@ -47,6 +57,14 @@ pub enum StartError {
     /// The control socket stays with us.
     #[error("cannot let the runner inherit its socket")]
     Inherit(#[source] io::Error),
+    /// There is no file for what it writes.
+    #[error("cannot open {} for what the runner writes: its folder must be there, and ours", file.display())]
+    Output {
+        /// Which one.
+        file: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
     /// The interpreter cannot be started.
     #[error("cannot start the Python interpreter `{interpreter}`: {}", interpreter.way_out())]
     Interpreter {
@@ -58,17 +76,32 @@ pub enum StartError {
 }
 
 impl Start<'_> {
-    /// Starts it.
+    /// Starts it beside a terminal.
     pub fn spawn(&self) -> Result<Process, StartError> {
+        let stdin = if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() };
+        self.start([stdin, Stdio::piped(), Stdio::piped()])
+    }
+
+    /// Starts it so that it outlives us; what it writes is added to this file, which only its owner may read.
+    pub fn spawn_detached(&self, output: &Path) -> Result<Process, StartError> {
+        let failed = |source| StartError::Output { file: output.to_path_buf(), source };
+        let stdout = open(output).map_err(failed)?;
+        stdout.lock_shared().map_err(failed)?;
+        let stderr = stdout.try_clone().map_err(failed)?;
+        self.start([Stdio::null(), stdout.into(), stderr.into()])
+    }
+
+    fn start(&self, [stdin, stdout, stderr]: [Stdio; 3]) -> Result<Process, StartError> {
+        let _inheriting = INHERITING.lock();
         let (control, theirs) = UnixStream::pair().map_err(StartError::Sockets)?;
         let mut command = Command::new(&self.interpreter.program);
         command
             .args(["-c", BOOTSTRAP])
             .env("RAFCON_EXTENSION_FILE", self.extension)
             .env("RAFCON_CONTROL_FD", theirs.as_raw_fd().to_string())
-            .stdin(if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() })
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
+            .stdin(stdin)
+            .stdout(stdout)
+            .stderr(stderr)
             .process_group(0);
         rustix::io::fcntl_setfd(&theirs, FdFlags::empty())
             .map_err(|error| StartError::Inherit(error.into()))?;
@@ -78,6 +111,17 @@ impl Start<'_> {
         })?;
         Ok(Process { child, control })
     }
+}
+
+fn open(output: &Path) -> io::Result<File> {
+    OpenOptions::new().append(true).create(true).mode(0o600).open(output)
+}
+
+/// Whether a runner that was started detached with this output is there, or anything that it started: also one that has not
+/// yet written a word into its run's folder, and whoever started it.
+pub fn is_alive(output: &Path) -> bool {
+    let Ok(file) = File::open(output) else { return false };
+    matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 impl Process {

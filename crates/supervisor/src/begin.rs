@@ -1,0 +1,52 @@
+//! The first words to a runner that was started: who we are, and what it is to run.
+
+use rafcon_protocol::{FrameError, Hello, Launch, ToRunner, encode};
+use std::io::{self, Write as _};
+use std::os::unix::net::UnixStream;
+
+/// Why a runner was not told what to run.
+#[derive(Debug, thiserror::Error)]
+pub enum BeginError {
+    /// The launch is no message.
+    #[error("the launch cannot be said to the runner")]
+    Launch(#[from] FrameError),
+    /// The runner does not listen.
+    #[error("the runner ended before it was told what to run; its output says why")]
+    Gone(#[from] io::Error),
+}
+
+/// Says hello and what to run. What the runner says comes from the socket that is handed back, its own hello first, which is
+/// to be checked. Nobody needs to listen for long: from `loaded` on the run goes on by itself.
+pub fn begin(mut control: UnixStream, launch: Launch) -> Result<UnixStream, BeginError> {
+    let mut words = encode(&Hello::ours())?;
+    words.extend(encode(&ToRunner::Launch(launch))?);
+    control.write_all(&words)?;
+    Ok(control)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::begin;
+    use rafcon_protocol::{Hello, Launch, ToRunner, decode};
+    use std::io::{BufRead as _, BufReader};
+    use std::os::unix::net::UnixStream;
+
+    #[test]
+    fn a_runner_is_told_who_speaks_and_then_what_to_run() {
+        let (ours, theirs) = UnixStream::pair().unwrap();
+        let launch = Launch { listen: true, ..Launch::default() };
+        drop(begin(ours, launch.clone()).unwrap());
+        let lines: Vec<_> = BufReader::new(theirs).lines().map(Result::unwrap).collect();
+        assert_eq!(decode::<Hello>(&lines[0]).unwrap(), Hello::ours());
+        assert_eq!(decode::<ToRunner>(&lines[1]).unwrap(), ToRunner::Launch(launch));
+        assert_eq!(lines.len(), 2);
+    }
+
+    #[test]
+    fn a_runner_that_is_gone_is_told_nothing() {
+        let (ours, theirs) = UnixStream::pair().unwrap();
+        drop(theirs);
+        let error = begin(ours, Launch::default()).unwrap_err().to_string();
+        assert_eq!(error, "the runner ended before it was told what to run; its output says why");
+    }
+}
