@@ -37,6 +37,12 @@ pub(crate) enum Cause {
     Nonsense(String),
     /// The runner says nothing more.
     Silence,
+    /// Nothing is heard of the run any more, and why; whoever hears it is trying again.
+    Cut(String),
+    /// It is heard again; in words.
+    Mended(String),
+    /// Whoever lets us hear it does not any more.
+    Refused(String),
     /// The runner's process wrote a line past its capture: an extension in C, a child, a dying interpreter.
     Raw(Stream, String),
     /// Nothing more comes from that pipe: whoever held it has closed it.
@@ -103,8 +109,17 @@ impl Wires {
 
     /// Connects a runner that is somebody else's.
     pub(crate) fn join(&mut self, control: UnixStream) -> Result<()> {
+        self.listen("messages", move |queue| messages(control, queue))
+    }
+
+    /// Connects another source of causes about a run that is somebody else's.
+    pub(crate) fn listen(
+        &mut self,
+        name: &str,
+        work: impl FnOnce(&Queue) -> Flow + Send + 'static,
+    ) -> Result<()> {
         self.life += 1;
-        self.source("messages", self.life, move |queue| messages(control, queue))
+        self.source(name, self.life, work)
     }
 
     /// The next cause; a tick after `wait` without one.
@@ -138,9 +153,17 @@ impl Wires {
 }
 
 /// The end of the queue that one source fills.
-struct Queue {
+#[derive(Debug, Clone)]
+pub(crate) struct Queue {
     queue: SyncSender<(u32, Cause)>,
     life: u32,
+}
+
+impl Queue {
+    /// Adds a cause; waits while the queue is full.
+    pub(crate) fn send(&self, cause: Cause) -> Flow {
+        self.queue.send((self.life, cause)).map_err(|_gone| Gone)
+    }
 }
 
 /// The keys of the terminal, while this program is the one that it listens to.
@@ -157,7 +180,7 @@ fn keys(queue: &Queue) -> Flow {
         }
         while let Ok(event) = crossterm::event::read() {
             if let Some(key) = Key::of(&event) {
-                send(queue, Cause::Key(key))?;
+                queue.send(Cause::Key(key))?;
             }
             if !crossterm::event::poll(Duration::ZERO).unwrap_or(false) {
                 break;
@@ -190,18 +213,16 @@ fn in_front() -> Option<bool> {
 }
 
 /// The other end went away: nobody wants to know any more.
-struct Gone;
+#[derive(Debug)]
+pub(crate) struct Gone;
 
-type Flow = Result<(), Gone>;
-
-fn send(queue: &Queue, cause: Cause) -> Flow {
-    queue.queue.send((queue.life, cause)).map_err(|_gone| Gone)
-}
+/// Whether it goes on.
+pub(crate) type Flow = Result<(), Gone>;
 
 fn messages(control: UnixStream, queue: &Queue) -> Flow {
     let mut lines = BufReader::with_capacity(64 * 1024, control);
     if let Some(line) = line(&mut lines) {
-        send(queue, decode(&line).map_or_else(nonsense, Cause::Hello))?;
+        queue.send(decode(&line).map_or_else(nonsense, Cause::Hello))?;
     }
     while let Some(first) = line(&mut lines) {
         let mut batch = Vec::new();
@@ -209,14 +230,14 @@ fn messages(control: UnixStream, queue: &Queue) -> Flow {
         while let Some(text) = next {
             match decode(&text) {
                 Ok(message) => batch.push(message),
-                Err(error) => send(queue, nonsense(error))?,
+                Err(error) => queue.send(nonsense(error))?,
             }
             let more = batch.len() < BATCH && lines.buffer().contains(&b'\n');
             next = if more { line(&mut lines) } else { None };
         }
-        send(queue, Cause::Messages(batch))?;
+        queue.send(Cause::Messages(batch))?;
     }
-    send(queue, Cause::Silence)
+    queue.send(Cause::Silence)
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it is the mapping of an error")]
@@ -238,11 +259,11 @@ fn raw(stream: Stream, pipe: impl Read, queue: &Queue) -> Flow {
     loop {
         let mut text = Vec::new();
         match pipe.by_ref().take(RAW_LINE).read_until(b'\n', &mut text) {
-            Ok(0) | Err(_) => return send(queue, Cause::Drained(stream)),
+            Ok(0) | Err(_) => return queue.send(Cause::Drained(stream)),
             Ok(_) => {
                 let text = String::from_utf8_lossy(&text);
                 let text = text.trim_end_matches(['\n', '\r']).to_owned();
-                send(queue, Cause::Raw(stream, text))?;
+                queue.send(Cause::Raw(stream, text))?;
             }
         }
     }
@@ -250,19 +271,16 @@ fn raw(stream: Stream, pipe: impl Read, queue: &Queue) -> Flow {
 
 fn exit(mut child: Child, queue: &Queue) -> Flow {
     let status = child.wait().unwrap_or_default();
-    send(queue, Cause::Exited(Exit(status)))
+    queue.send(Cause::Exited(Exit(status)))
 }
 
 fn forward(mut signals: Signals, queue: &Queue) -> Flow {
     for signal in signals.forever() {
-        send(
-            queue,
-            match signal {
-                SIGHUP => Cause::HungUp,
-                SIGTSTP => Cause::Suspend,
-                _ => Cause::Interrupt,
-            },
-        )?;
+        queue.send(match signal {
+            SIGHUP => Cause::HungUp,
+            SIGTSTP => Cause::Suspend,
+            _ => Cause::Interrupt,
+        })?;
     }
     Ok(())
 }

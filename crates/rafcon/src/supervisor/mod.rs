@@ -3,10 +3,12 @@
 //! Knows phases, deadlines and the reasons of an end. Must never know processes, terminals or clocks: causes and the time
 //! come in, actions go out.
 
+mod active;
 mod end;
 
 use crate::console::Wish;
 use crate::wires::Cause;
+pub(crate) use active::Active;
 pub(crate) use end::End;
 use rafcon_protocol::{
     Command, Envelope, Event, Hello, Launch, LogLevel, Snapshot, StateData, Stream, ToRunner,
@@ -89,7 +91,7 @@ pub(crate) struct Supervisor {
     /// When waiting for last words ends.
     settled_at: Option<Duration>,
     end: Option<End>,
-    active: Vec<String>,
+    active: Active,
     /// The last moment in the run's own time.
     run_time: Duration,
     tail: VecDeque<String>,
@@ -117,7 +119,7 @@ impl Supervisor {
             drained: false,
             settled_at: None,
             end: None,
-            active: Vec::new(),
+            active: Active::default(),
             run_time: Duration::ZERO,
             tail: VecDeque::new(),
         }
@@ -141,7 +143,13 @@ impl Supervisor {
             Cause::Exited(exit) => self.exited(now, exit),
             Cause::Interrupt => self.interrupt(out),
             Cause::Wish(wish) => self.wish(wish, out),
-            Cause::Key(_) | Cause::HungUp | Cause::Suspend | Cause::Tick => {}
+            Cause::Key(_)
+            | Cause::Cut(_)
+            | Cause::Mended(_)
+            | Cause::Refused(_)
+            | Cause::HungUp
+            | Cause::Suspend
+            | Cause::Tick => {}
         }
         self.watch(now, out);
     }
@@ -171,6 +179,7 @@ impl Supervisor {
     }
 
     fn message(&mut self, now: Duration, message: ToViewer, out: &mut Vec<Action>) {
+        self.active.told(&message);
         match message {
             ToViewer::LoadFailed { reason } => self.finish(End::LoadFailed { reason }),
             ToViewer::Inspection { path, data, .. } => {
@@ -183,10 +192,7 @@ impl Supervisor {
                 self.run_time = Duration::from_nanos(t_ns);
                 self.event(now, event, out);
             }
-            ToViewer::Snapshot(snapshot) => {
-                self.active = snapshot.active.iter().map(|state| state.path.clone()).collect();
-                out.push(Action::Snapshot(snapshot));
-            }
+            ToViewer::Snapshot(snapshot) => out.push(Action::Snapshot(snapshot)),
             ToViewer::Answer { id: _, answer } => {
                 out.extend(end::refusal(answer).map(Action::Note));
             }
@@ -208,18 +214,9 @@ impl Supervisor {
     }
 
     fn event(&mut self, now: Duration, event: Event, out: &mut Vec<Action>) {
-        match &event {
-            Event::Entered { path, .. } => self.active.push(path.clone()),
-            Event::Left { path, .. } => {
-                if let Some(index) = self.active.iter().rposition(|active| active == path) {
-                    self.active.remove(index);
-                }
-            }
-            Event::Finished { outcome, .. } => {
-                self.finish(End::Finished { outcome: outcome.clone(), timed_out: self.timed_out });
-                self.kill_at = Some(now + SETTLE);
-            }
-            _ => {}
+        if let Event::Finished { outcome, .. } = &event {
+            self.finish(End::Finished { outcome: outcome.clone(), timed_out: self.timed_out });
+            self.kill_at = Some(now + SETTLE);
         }
         out.push(Action::Event(self.run_time, event));
     }
@@ -318,7 +315,7 @@ impl Supervisor {
     }
 
     fn killed(&self) -> End {
-        End::Killed { timed_out: self.timed_out, active: self.active.clone() }
+        End::Killed { timed_out: self.timed_out, active: self.active.paths().to_vec() }
     }
 
     fn death(&self, reason: String) -> End {
@@ -327,7 +324,8 @@ impl Supervisor {
             return End::NotStarted { reason, said };
         }
         let is_cut_off = self.exit.is_some_and(Exit::is_cut_off);
-        End::Died(Death { reason, active: self.active.clone(), said, is_cut_off })
+        let active = self.active.paths().to_vec();
+        End::Died(Death { reason, active, said, is_cut_off })
     }
 }
 

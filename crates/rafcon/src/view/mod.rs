@@ -39,6 +39,10 @@ pub(crate) trait View {
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()>;
     /// How things stand.
     fn snapshot(&mut self, now: Duration, snapshot: Snapshot) -> io::Result<()>;
+    /// Whether the run is heard at all: what is shown is as old as the last word.
+    fn heard(&mut self, _now: Duration, _is_heard: bool) -> io::Result<()> {
+        Ok(())
+    }
     /// Something about this program.
     fn note(&mut self, text: &str) -> io::Result<()>;
     /// A key was pressed.

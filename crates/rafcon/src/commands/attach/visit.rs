@@ -1,99 +1,124 @@
 //! A visit to a run, from hello to leave: what is said, shown, and how it ends. Knows no socket and no terminal.
 
+use super::manners::{Manners, Step};
 use crate::console::Wish;
-use crate::supervisor;
+use crate::supervisor::{self, Active};
 use crate::wires::Cause;
 use rafcon_protocol::{Answer, Command, Envelope, Event, Join, Outcome, ToRunner, ToViewer};
 use rafcon_supervisor::Death;
+use std::time::Duration;
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
-pub(super) enum Act {
+pub(in crate::commands) enum Act {
     /// Say this to the run.
     Send(ToRunner),
     /// Show this.
     Show(ToViewer),
+    /// Show that nothing is heard any more, or that it is again.
+    Heard(bool),
     /// Tell the user.
     Note(String),
 }
 
 /// How a visit ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum End {
+pub(in crate::commands) enum End {
     /// The user left; the run goes on.
     Left,
     /// The run came to its end.
-    Finished(Outcome),
+    Finished {
+        /// By this outcome.
+        outcome: Outcome,
+        /// Because its time was over.
+        timed_out: bool,
+    },
+    /// We had the runner killed.
+    Killed {
+        /// Because its time was over.
+        timed_out: bool,
+        /// Paths of the states that were active.
+        active: Vec<String>,
+    },
     /// The runner ended in the middle of the run, or went silent.
-    Lost,
+    Lost {
+        /// Paths of the states that were active.
+        active: Vec<String>,
+    },
     /// The runner does not want us.
     Refused(String),
 }
 
 impl End {
     /// The program's exit code: that of the run, if it ended.
-    pub(super) fn code(&self) -> u8 {
-        match self {
-            Self::Left => 0,
-            Self::Finished(_) => self.for_view().code(),
-            Self::Refused(_) => 1,
-            Self::Lost => 7,
-        }
+    pub(in crate::commands) fn code(&self) -> u8 {
+        self.for_view().code()
     }
 
     /// The same as the views know it.
-    pub(super) fn for_view(&self) -> supervisor::End {
-        match self {
-            Self::Finished(outcome) => {
-                supervisor::End::Finished { outcome: outcome.clone(), timed_out: false }
+    pub(in crate::commands) fn for_view(&self) -> supervisor::End {
+        match self.clone() {
+            Self::Finished { outcome, timed_out } => {
+                supervisor::End::Finished { outcome, timed_out }
             }
-            Self::Refused(reason) => supervisor::End::LoadFailed { reason: reason.clone() },
+            Self::Killed { timed_out, active } => supervisor::End::Killed { timed_out, active },
+            Self::Refused(reason) => supervisor::End::LoadFailed { reason },
             Self::Left => supervisor::End::Left,
-            Self::Lost => supervisor::End::Died(Death {
+            Self::Lost { active } => supervisor::End::Died(Death {
                 reason: "its runner is gone".to_owned(),
-                active: Vec::new(),
+                active,
                 said: Vec::new(),
                 is_cut_off: false,
             }),
-        }
-    }
-
-    /// What the user is told besides.
-    pub(super) fn text(&self, run: &str) -> Option<String> {
-        match self {
-            Self::Finished(_) => None,
-            Self::Left => Some(format!("left; {run} goes on (rafcon attach {run} joins it again)")),
-            Self::Lost => {
-                Some(format!("error: the runner of {run} is gone; to go on: rafcon resume {run}"))
-            }
-            Self::Refused(reason) => Some(format!("error: {reason}")),
         }
     }
 }
 
 /// A visit that is going on.
 #[derive(Debug)]
-pub(super) struct Visit {
+pub(in crate::commands) struct Visit {
     join: Option<Join>,
+    manners: Manners,
+    active: Active,
     /// Who gives commands.
     author: String,
+    /// What the ids of this visitor's commands begin with.
+    prefix: String,
     commands: u32,
     end: Option<End>,
 }
 
 impl Visit {
-    /// A visit that begins by saying what is wanted.
-    pub(super) fn new(join: Join, author: &str) -> Self {
-        Self { join: Some(join), author: author.to_owned(), commands: 0, end: None }
+    /// A visit that begins by saying what is wanted. Nobody else's ids begin with `prefix`.
+    pub(in crate::commands) fn new(
+        join: Join,
+        author: &str,
+        prefix: String,
+        manners: Manners,
+    ) -> Self {
+        Self {
+            join: Some(join),
+            manners,
+            active: Active::default(),
+            author: author.to_owned(),
+            prefix,
+            commands: 0,
+            end: None,
+        }
     }
 
     /// How it ended, if it has.
-    pub(super) fn end(&self) -> Option<&End> {
+    pub(in crate::commands) fn end(&self) -> Option<&End> {
         self.end.as_ref()
     }
 
+    /// When the next tick is needed at the latest.
+    pub(in crate::commands) fn wake_at(&self) -> Option<Duration> {
+        self.manners.wake_at()
+    }
+
     /// Takes one cause in.
-    pub(super) fn handle(&mut self, cause: Cause, out: &mut Vec<Act>) {
+    pub(in crate::commands) fn handle(&mut self, now: Duration, cause: Cause, out: &mut Vec<Act>) {
         match cause {
             Cause::Hello(hello) => match (hello.check(), self.join.take()) {
                 (Err(mismatch), _) => self.finish(End::Refused(mismatch.to_string())),
@@ -108,8 +133,15 @@ impl Visit {
             Cause::Nonsense(what) => {
                 out.push(Act::Note(format!("the runner's words make no sense: {what}")));
             }
-            Cause::Silence => self.finish(End::Lost),
-            Cause::Interrupt | Cause::Wish(Wish::Leave) => self.finish(End::Left),
+            Cause::Cut(reason) => out.extend([Act::Heard(false), Act::Note(reason)]),
+            Cause::Mended(how) => out.extend([Act::Heard(true), Act::Note(how)]),
+            Cause::Refused(reason) => self.finish(End::Refused(reason)),
+            Cause::Silence => self.lost(),
+            Cause::Interrupt => {
+                let step = self.manners.interrupt();
+                self.step(step, out);
+            }
+            Cause::Wish(Wish::Leave) => self.finish(End::Left),
             Cause::Wish(wish) => self.wish(wish, out),
             Cause::Key(_)
             | Cause::Drained(_)
@@ -119,33 +151,65 @@ impl Visit {
             | Cause::Suspend
             | Cause::Tick => {}
         }
+        if let Some(step) = self.manners.watch(now) {
+            self.step(step, out);
+        }
     }
 
     fn message(&mut self, message: ToViewer, out: &mut Vec<Act>) {
+        self.active.told(&message);
         match message {
             ToViewer::LoadFailed { reason } => self.finish(End::Refused(reason)),
             ToViewer::Answer { answer, .. } => out.extend(note(answer)),
             message => {
                 if let ToViewer::Event { event: Event::Finished { outcome, .. }, .. } = &message {
-                    self.finish(End::Finished(outcome.clone()));
+                    let timed_out = self.manners.timed_out();
+                    self.finish(End::Finished { outcome: outcome.clone(), timed_out });
                 }
                 out.push(Act::Show(message));
             }
         }
     }
 
-    fn wish(&mut self, wish: Wish, out: &mut Vec<Act>) {
-        self.commands += 1;
-        let id = format!("attach-{}-{}", std::process::id(), self.commands);
-        match wish {
-            Wish::Send(command) => {
-                let envelope = envelope(id, &self.author, command);
-                out.push(Act::Send(ToRunner::Command(envelope)));
+    fn step(&mut self, step: Step, out: &mut Vec<Act>) {
+        match step {
+            Step::Leave => self.finish(End::Left),
+            Step::Say(text, command) => {
+                out.push(Act::Note(text.to_owned()));
+                self.send(command, out);
             }
-            Wish::Inspect(path) => out.push(Act::Send(ToRunner::Inspect { id, path })),
+        }
+    }
+
+    fn wish(&mut self, wish: Wish, out: &mut Vec<Act>) {
+        match wish {
+            Wish::Send(command) => self.send(command, out),
+            Wish::Inspect(path) => {
+                let id = self.next_id();
+                out.push(Act::Send(ToRunner::Inspect { id, path }));
+            }
             Wish::Say(text) => out.push(Act::Note(text)),
             Wish::Leave => {}
         }
+    }
+
+    fn send(&mut self, command: Command, out: &mut Vec<Act>) {
+        let envelope = envelope(self.next_id(), &self.author, command);
+        out.push(Act::Send(ToRunner::Command(envelope)));
+    }
+
+    fn next_id(&mut self) -> String {
+        self.commands += 1;
+        format!("{}-{}", self.prefix, self.commands)
+    }
+
+    /// The runner is gone: as we wanted, or not.
+    fn lost(&mut self) {
+        let active = self.active.paths().to_vec();
+        self.finish(match self.manners.killed() {
+            true => End::Killed { timed_out: self.manners.timed_out(), active },
+            false => End::Lost { active },
+        });
     }
 
     fn finish(&mut self, end: End) {
@@ -168,30 +232,38 @@ pub(in crate::commands) fn envelope(id: String, author: &str, command: Command) 
 
 #[cfg(test)]
 mod tests {
-    use super::{End, Visit};
+    use super::super::words;
+    use super::{Manners, Visit};
     use crate::console::Wish;
     use crate::wires::Cause;
     use expect_test::{Expect, expect};
-    use rafcon_protocol::{Answer, Command, Hello, Join, ToViewer};
+    use rafcon_protocol::{Answer, Command, Event, Hello, Join, ToViewer};
+    use std::time::Duration;
 
-    fn check(causes: Vec<Cause>, expect: &Expect) {
-        let (mut visit, mut acts) = (Visit::new(Join::default(), "ana"), Vec::new());
+    fn check(manners: Manners, causes: Vec<Cause>, expect: &Expect) {
+        let mut visit = Visit::new(Join::default(), "ana", "attach".to_owned(), manners);
+        let mut acts = Vec::new();
         for cause in causes {
-            visit.handle(cause, &mut acts);
+            visit.handle(Duration::ZERO, cause, &mut acts);
         }
         let mut lines: Vec<String> = acts.iter().map(|act| format!("{act:?}")).collect();
         if let Some(end) = visit.end() {
             lines.push(format!("{end:?}, exit code {}", end.code()));
-            lines.extend(end.text("RUN"));
+            lines.extend(words(end, "RUN"));
         }
-        let id = format!("attach-{}-", std::process::id());
-        expect.assert_eq(&lines.join("\n").replace(&id, "attach-"));
+        expect.assert_eq(&lines.join("\n"));
+    }
+
+    fn entered(path: &str) -> Cause {
+        let event = Event::Entered { path: path.to_owned(), inputs: None, undoes: None };
+        Cause::Messages(vec![ToViewer::Event { sequence: 1, t_ns: 0, event }])
     }
 
     #[test]
     fn a_visitor_joins_commands_and_leaves() {
         let refused = Answer::Refused { reason: "the run is running".to_owned() };
         check(
+            Manners::of_a_guest(),
             vec![
                 Cause::Hello(Hello::ours()),
                 Cause::Wish(Wish::Send(Command::Pause)),
@@ -212,23 +284,56 @@ mod tests {
     #[test]
     fn a_runner_that_dies_is_told_with_the_way_out() {
         check(
-            vec![Cause::Hello(Hello::ours()), Cause::Silence],
-            &expect![[r"
-            Send(Join(Join { from: 0, every_event: false, values: false }))
-            Lost, exit code 7
-            error: the runner of RUN is gone; to go on: rafcon resume RUN"]],
+            Manners::of_a_guest(),
+            vec![Cause::Hello(Hello::ours()), entered("A"), Cause::Silence],
+            &expect![[r#"
+                Send(Join(Join { from: 0, every_event: false, values: false }))
+                Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
+                Lost { active: ["A"] }, exit code 7
+                error: the runner of RUN is gone; to go on: rafcon resume RUN"#]],
+        );
+    }
+
+    #[test]
+    fn a_run_that_was_asked_for_is_stopped_and_killed() {
+        check(
+            Manners::of_the_host(None),
+            vec![
+                Cause::Hello(Hello::ours()),
+                entered("A"),
+                Cause::Interrupt,
+                Cause::Interrupt,
+                Cause::Silence,
+            ],
+            &expect![[r#"
+                Send(Join(Join { from: 0, every_event: false, values: false }))
+                Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
+                Note("stopping; press Ctrl-C again to kill")
+                Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Stop }))
+                Note("killing; press Ctrl-C again to leave it alone")
+                Send(Command(Envelope { id: "attach-2", author: "ana", decided_on: None, expiry: None, command: Kill }))
+                Killed { timed_out: false, active: ["A"] }, exit code 5"#]],
+        );
+    }
+
+    #[test]
+    fn a_connection_that_breaks_is_shown_and_ends_nothing() {
+        check(
+            Manners::of_a_guest(),
+            vec![Cause::Cut("it is gone".to_owned()), Cause::Mended("it is back".to_owned())],
+            &expect![[r#"
+                Heard(false)
+                Note("it is gone")
+                Heard(true)
+                Note("it is back")"#]],
         );
     }
 
     #[test]
     fn another_version_is_refused() {
         let hello = Hello { protocol: 0, program: "0.0.1".to_owned() };
-        check(
-            vec![Cause::Hello(hello)],
-            &expect![[r#"
+        check(Manners::of_a_guest(), vec![Cause::Hello(hello)], &expect![[r#"
             Refused("the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"), exit code 1
-            error: the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"#]],
-        );
-        assert_eq!(End::Left.code(), 0);
+            error: the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"#]]);
     }
 }

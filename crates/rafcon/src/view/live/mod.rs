@@ -4,7 +4,7 @@ mod frame;
 mod terminal;
 
 use super::lines::log_lines;
-use super::text::{Line, Paint, Style, counted, harmless};
+use super::text::{Line, Paint, Style, counted, harmless, time};
 use super::{Names, View, notable, summary};
 use crate::console::{Console, Key, Wish};
 use crate::supervisor::End;
@@ -30,6 +30,8 @@ pub(crate) struct Live {
     snapshot: Option<(Duration, Snapshot)>,
     drawn_at: Option<Duration>,
     finished: Option<(Duration, Event)>,
+    /// When the run fell silent, while nothing is heard of it.
+    silent_since: Option<Duration>,
     /// What keys do, if there are any.
     console: Option<Console>,
 }
@@ -46,6 +48,7 @@ impl Live {
             snapshot: None,
             drawn_at: None,
             finished: None,
+            silent_since: None,
             console,
         }
     }
@@ -91,10 +94,11 @@ impl Live {
         let (width, height) = (columns.saturating_sub(1), (rows * 2 / 3).max(1));
         let names = self.names_of_nexts();
         let lines = self.snapshot.as_ref().map_or_else(Vec::new, |(at, snapshot)| {
-            let age = now.saturating_sub(*at);
+            let age = self.silent_since.unwrap_or(now).saturating_sub(*at);
             let unicode = self.paint.unicode;
             let console = self.console.as_ref();
-            let below = console.map(|console| console.lines(snapshot)).unwrap_or_default();
+            let mut below = console.map(|console| console.lines(snapshot)).unwrap_or_default();
+            below.extend(self.silent_since.map(|since| silence(now.saturating_sub(since))));
             let selected = console.and_then(|console| console.selected(snapshot));
             let machine = &self.machine;
             let picture =
@@ -107,6 +111,11 @@ impl Live {
         self.above.clear();
         Ok(())
     }
+}
+
+/// What is said below a picture that is no longer true.
+fn silence(age: Duration) -> Line {
+    Line::of(Style::Bad, format!("no connection: this is how it was {} ago", time(age)))
 }
 
 impl View for Live {
@@ -142,6 +151,12 @@ impl View for Live {
 
     fn snapshot(&mut self, now: Duration, snapshot: Snapshot) -> io::Result<()> {
         self.snapshot = Some((now, snapshot));
+        Ok(())
+    }
+
+    fn heard(&mut self, now: Duration, is_heard: bool) -> io::Result<()> {
+        self.silent_since = if is_heard { None } else { self.silent_since.or(Some(now)) };
+        self.drawn_at = None;
         Ok(())
     }
 
