@@ -5,10 +5,13 @@
 //! `docs/api.md` is for whoever writes a client.
 
 pub mod access;
+mod extract;
 mod failure;
 mod house;
+mod news;
+mod projects;
 mod router;
-mod settings;
+pub mod settings;
 
 pub use failure::Failure;
 pub use house::House;

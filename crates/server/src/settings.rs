@@ -1,7 +1,12 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
+use rafcon_supervisor::Surroundings;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
+
+/// Where a server listens if nobody says otherwise.
+pub const USUAL_PORT: u16 = 4747;
 
 /// How a server is set up.
 #[derive(Debug, Clone)]
@@ -16,6 +21,97 @@ pub struct Settings {
     pub libraries: Vec<(String, PathBuf)>,
     /// The reference's `config.yaml`, or a folder with it; none: where the reference looks.
     pub config: Option<PathBuf>,
+    /// The interpreter of runs; none: as [`rafcon_supervisor::Interpreter::choose`] does.
+    pub python: Option<PathBuf>,
+    /// What interpreter and extension are found by.
+    pub surroundings: Surroundings,
     /// After how much silence of a holder of control somebody else may take over.
     pub control_silence: Duration,
+    /// Looks up a variable of the environment, for paths in the configuration.
+    pub variable: fn(&str) -> Option<String>,
+    /// Says a line to whoever started the server: what went wrong and nobody asked for. Never a secret.
+    pub tell: fn(&str),
+    /// Where it listens, and as whom.
+    pub listen: Listen,
+    /// Who may come in.
+    pub access: Access,
+}
+
+/// Where a server listens.
+#[derive(Debug, Clone)]
+pub struct Listen {
+    /// Address and port; port 0: any that is free.
+    pub address: SocketAddr,
+    /// Names by which others call this computer, beside its address.
+    pub hosts: Vec<String>,
+    /// Certificate and key as PEM files; none: made by the server itself where it needs one.
+    pub certificate: Option<(PathBuf, PathBuf)>,
+    /// How many connections there may be at a time.
+    pub connections_max: usize,
+    /// How long a client may take for the head of a request.
+    pub head_patience: Duration,
+    /// How long a client may be silent in the middle of a body.
+    pub body_patience: Duration,
+}
+
+/// Who may come in.
+#[derive(Debug, Clone)]
+pub struct Access {
+    /// The owner's token stays what it was when the server was started last.
+    pub keep_token: bool,
+    /// What hashing a password costs.
+    pub cost: HashCost,
+}
+
+/// What hashing a password costs: argon2id's parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HashCost {
+    /// Memory, in KiB.
+    pub memory_kib: u32,
+    /// How often it is gone through.
+    pub passes: u32,
+}
+
+impl Settings {
+    /// A server on the usual port of the loopback, without projects.
+    pub fn new(state: PathBuf, runs: PathBuf) -> Self {
+        Self {
+            projects: Vec::new(),
+            state,
+            runs,
+            libraries: Vec::new(),
+            config: None,
+            python: None,
+            surroundings: Surroundings::default(),
+            control_silence: Duration::from_secs(30),
+            variable: |_| None,
+            tell: |_| {},
+            listen: Listen::default(),
+            access: Access::default(),
+        }
+    }
+}
+
+impl Default for Listen {
+    fn default() -> Self {
+        Self {
+            address: SocketAddr::from((Ipv4Addr::LOCALHOST, USUAL_PORT)),
+            hosts: Vec::new(),
+            certificate: None,
+            connections_max: 1024,
+            head_patience: Duration::from_secs(10),
+            body_patience: Duration::from_secs(30),
+        }
+    }
+}
+
+impl Default for Access {
+    fn default() -> Self {
+        Self { keep_token: false, cost: HashCost::USUAL }
+    }
+}
+
+impl HashCost {
+    /// What people's passwords are hashed with: 19 MiB, twice.
+    pub const USUAL: Self = Self { memory_kib: 19 * 1024, passes: 2 };
 }

@@ -1,0 +1,53 @@
+//! That something is different now: three counters that whoever waits is woken by. Knows no more than that; what is
+//! different is asked of whoever owns it.
+
+use tokio::sync::watch;
+
+/// Counts changes of files, open machines and runs. Counting wakes everybody who waits, and costs nothing if nobody does.
+#[derive(Debug, Default)]
+pub(crate) struct News {
+    files: watch::Sender<u64>,
+    machines: watch::Sender<u64>,
+    runs: watch::Sender<u64>,
+}
+
+impl News {
+    /// A file of a project or a library is different.
+    pub(crate) fn files(&self) {
+        count(&self.files);
+    }
+
+    /// An open machine is different: opened, edited, saved, closed, looked at.
+    pub(crate) fn machines(&self) {
+        count(&self.machines);
+    }
+
+    /// A run is different: begun, ended, taken up, in other hands.
+    pub(crate) fn runs(&self) {
+        count(&self.runs);
+    }
+
+    /// How often files changed; with `changed`, the next time.
+    pub(crate) fn of_files(&self) -> watch::Receiver<u64> {
+        self.files.subscribe()
+    }
+
+    /// How often open machines changed; with `changed`, the next time.
+    pub(crate) fn of_machines(&self) -> watch::Receiver<u64> {
+        self.machines.subscribe()
+    }
+
+    /// How often runs changed; with `changed`, the next time.
+    pub(crate) fn of_runs(&self) -> watch::Receiver<u64> {
+        self.runs.subscribe()
+    }
+
+    /// How often files changed so far.
+    pub(crate) fn files_revision(&self) -> u64 {
+        *self.files.borrow()
+    }
+}
+
+fn count(news: &watch::Sender<u64>) {
+    news.send_modify(|revision| *revision += 1);
+}

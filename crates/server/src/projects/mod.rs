@@ -1,0 +1,67 @@
+//! Projects: the folders that the server was started with, and the only places below which requests read and write.
+//! Knows their names, and which folder a request means. Must never know what is inside a machine.
+
+mod confine;
+mod library_roots;
+mod names;
+
+use crate::{Failure, Settings};
+use rafcon_protocol::api::{MachineFile, Project};
+use rafcon_storage::Libraries;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The projects, in the order in which they were given.
+#[derive(Debug, Default)]
+pub(crate) struct Projects {
+    known: Vec<Project>,
+    libraries: Arc<Libraries>,
+}
+
+impl Projects {
+    /// The projects of these settings.
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let folders = settings.projects.iter().map(|folder| at_home(folder));
+        Self { known: names::named(folders), libraries: Arc::new(library_roots::open(settings)) }
+    }
+
+    /// The libraries that machines are loaded with.
+    pub(crate) fn libraries(&self) -> &Arc<Libraries> {
+        &self.libraries
+    }
+
+    /// All of them.
+    pub(crate) fn all(&self) -> &[Project] {
+        &self.known
+    }
+
+    /// The project with this id.
+    pub(crate) fn named(&self, id: &str) -> Result<&Project, Failure> {
+        let found = self.known.iter().find(|project| project.id == id);
+        found.ok_or_else(|| {
+            let message = format!("there is no project `{id}`: /api/v1/projects lists them");
+            Failure::not_found("no_such_project", message)
+        })
+    }
+
+    /// The folder that a request means, with every link followed: inside its project, whether it exists or not.
+    pub(crate) fn resolve(&self, file: &MachineFile) -> Result<PathBuf, Failure> {
+        let project = self.named(&file.project)?;
+        confine::below(Path::new(&project.folder), &file.path)
+    }
+
+    /// How requests name a folder; nothing if it lies in no project.
+    pub(crate) fn file_of(&self, folder: &Path) -> Option<MachineFile> {
+        let folder = at_home(folder);
+        let inside = |project: &Project| {
+            let inside = folder.strip_prefix(&project.folder).ok()?.to_str()?;
+            Some(MachineFile { project: project.id.clone(), path: inside.to_owned() })
+        };
+        self.known.iter().filter_map(inside).min_by_key(|file| file.path.len())
+    }
+}
+
+/// Where a folder really is, if it is there.
+fn at_home(folder: &Path) -> PathBuf {
+    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+}
