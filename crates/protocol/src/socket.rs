@@ -126,6 +126,8 @@ pub enum ToClient {
     Events {
         /// Of this subscription.
         subscription: u32,
+        /// Where the client goes on after a break. Without values some numbers are left out, and this says how far it is told.
+        next: u64,
         /// In order. Empty once: everything that there is so far has been told.
         events: Vec<HistoryEntry>,
     },
