@@ -12,12 +12,19 @@ pub struct Failure {
     status: StatusCode,
     code: &'static str,
     message: String,
+    header: Option<(&'static str, String)>,
 }
 
 impl Failure {
     /// A refusal with a status, a stable code and a sentence for people.
     pub fn new(status: StatusCode, code: &'static str, message: impl Into<String>) -> Self {
-        Self { status, code, message: message.into() }
+        Self { status, code, message: message.into(), header: None }
+    }
+
+    /// The same with a header that programs understand, such as `Retry-After`.
+    #[must_use]
+    pub fn with_header(self, name: &'static str, value: String) -> Self {
+        Self { header: Some((name, value)), ..self }
     }
 
     /// What was asked for is not there.
@@ -53,6 +60,11 @@ impl Failure {
 
 impl IntoResponse for Failure {
     fn into_response(self) -> Response {
-        (self.status, Json(self.refusal())).into_response()
+        let mut response = (self.status, Json(self.refusal())).into_response();
+        let header = self.header.and_then(|(name, value)| Some((name, value.parse().ok()?)));
+        if let Some((name, value)) = header {
+            response.headers_mut().insert(name, value);
+        }
+        response
     }
 }

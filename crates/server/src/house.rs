@@ -1,25 +1,78 @@
 //! Everything that requests share.
 
 use crate::Settings;
+use crate::access::{Names, People, PrivateError};
 use crate::news::News;
 use crate::projects::Projects;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+use tokio::sync::watch;
 
 /// The server's parts, one of each.
 #[derive(Debug)]
 pub struct House {
     /// How it is set up.
     pub(crate) settings: Settings,
+    /// Who may come in.
+    people: People,
+    /// What it is called; nothing before it listens.
+    names: OnceLock<Names>,
+    /// Whether the server is about to end.
+    closing: watch::Sender<bool>,
     /// What wakes whoever follows the house.
     pub(crate) news: News,
     /// The folders with machines, and the libraries.
     pub(crate) projects: Projects,
 }
 
+/// Why one of the server's parts cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum HouseError {
+    /// One of its files cannot be read or written.
+    #[error(transparent)]
+    Private(#[from] PrivateError),
+}
+
 impl House {
     /// Prepares everything; nothing listens yet.
-    pub fn new(settings: Settings) -> Arc<Self> {
-        Arc::new(Self { news: News::default(), projects: Projects::new(&settings), settings })
+    pub fn new(settings: Settings) -> Result<Arc<Self>, HouseError> {
+        Ok(Arc::new(Self {
+            people: People::open(&settings)?,
+            names: OnceLock::new(),
+            closing: watch::Sender::new(false),
+            news: News::default(),
+            projects: Projects::new(&settings),
+            settings,
+        }))
+    }
+
+    /// Who may come in.
+    pub fn people(&self) -> &People {
+        &self.people
+    }
+
+    /// What it is called. A house that does not listen answers to nothing.
+    pub(crate) fn names(&self) -> &Names {
+        self.names.get_or_init(Names::nobody)
+    }
+
+    /// It listens, under these names.
+    pub(crate) fn called(&self, names: Names) {
+        self.names.get_or_init(|| names);
+    }
+
+    /// The name of the cookie of a login: cookies do not know ports, so that the name has to.
+    pub(crate) fn cookie(&self) -> String {
+        format!("rafcon_{}", self.names().port)
+    }
+
+    /// Becomes `true` when the server is about to end: connections that last say good-bye.
+    pub(crate) fn closing(&self) -> watch::Receiver<bool> {
+        self.closing.subscribe()
+    }
+
+    /// The server is about to end.
+    pub(crate) fn close(&self) {
+        self.closing.send_replace(true);
     }
 
     /// How it is set up.

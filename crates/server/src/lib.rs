@@ -8,12 +8,15 @@ pub mod access;
 mod extract;
 mod failure;
 mod house;
+mod listen;
+mod log;
 mod news;
 mod projects;
 mod router;
 pub mod settings;
 
 pub use failure::Failure;
-pub use house::House;
+pub use house::{House, HouseError};
+pub use listen::{Card, ServeError, Server, serve};
 pub use router::{openapi, router};
 pub use settings::Settings;

@@ -1,5 +1,6 @@
 //! All routes as one, and their description.
 
+use crate::access::guarded;
 use crate::{Failure, House};
 use axum::{Json, Router};
 use rafcon_protocol::api::Health;
@@ -27,7 +28,7 @@ fn all() -> OpenApiRouter<Arc<House>> {
 /// What answers requests.
 pub fn router(house: Arc<House>) -> Router {
     let (router, _description) = all().split_for_parts();
-    router.fallback(nowhere).with_state(house)
+    guarded(router.fallback(nowhere), &house).with_state(house)
 }
 
 /// The description of every route, as it is served under `/api/v1/openapi.json`.

@@ -3,6 +3,7 @@
 use axum::http::Method;
 use rafcon_protocol::Command;
 use rafcon_protocol::api::Right;
+use rafcon_protocol::socket::ToServer;
 
 /// One route: method, path as the router spells it, and the right that it needs.
 pub type Row = (Method, &'static str, Right);
@@ -103,5 +104,17 @@ pub fn of_command(command: &Command) -> Right {
         | Command::RemoveBreakpoint { .. }
         | Command::AnswerQuestion { .. }
         | Command::Recover { .. } => Right::Command,
+    }
+}
+
+/// The right that a frame of the socket needs.
+pub fn of_frame(frame: &ToServer) -> Right {
+    match frame {
+        ToServer::Command { envelope, .. } => of_command(&envelope.command),
+        ToServer::Edit { .. } | ToServer::Undo { .. } | ToServer::Redo { .. } => Right::Edit,
+        ToServer::Subscribe { .. }
+        | ToServer::Unsubscribe { .. }
+        | ToServer::Presence { .. }
+        | ToServer::Ping { .. } => Right::Observe,
     }
 }

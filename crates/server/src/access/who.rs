@@ -15,6 +15,19 @@ pub struct Who {
     pub role: Role,
     /// When the session ends: ms since 1970, UTC.
     pub expires_ms: Option<u64>,
+    /// How the door knows.
+    pub by: Credential,
+}
+
+/// By what somebody is known. No secret: none of these lets anybody in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Credential {
+    /// The owner's token.
+    Owner,
+    /// A login, by the digest of its secret.
+    Session(String),
+    /// A token for a program, by its id.
+    Token(String),
 }
 
 impl Who {
@@ -23,11 +36,14 @@ impl Who {
         if self.role.grants(right) {
             return Ok(());
         }
+        let (role, right) = (format!("{:?}", self.role), format!("{right:?}"));
         let message = format!(
-            "{} is {:?} here, and this needs the right to {:?}: ask an admin for another role",
-            self.user, self.role, right
+            "{} is {} here, and this needs the right to {}: ask an admin for another role",
+            self.user,
+            role.to_lowercase(),
+            right.to_lowercase()
         );
-        Err(Failure::forbidden("not_your_right", message.to_lowercase()))
+        Err(Failure::forbidden("not_your_right", message))
     }
 }
 
@@ -35,9 +51,12 @@ impl<S: Sync> FromRequestParts<S> for Who {
     type Rejection = Failure;
 
     async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Failure> {
-        parts.extensions.get::<Self>().cloned().ok_or_else(|| {
-            let message = "nobody is logged in: send a token, or log in at /api/v1/session";
-            Failure::new(StatusCode::UNAUTHORIZED, "not_logged_in", message)
-        })
+        parts.extensions.get::<Self>().cloned().ok_or_else(nobody)
     }
+}
+
+/// The answer to a request that says nothing about who makes it.
+pub(crate) fn nobody() -> Failure {
+    let message = "nobody is logged in: send a token, or log in at /api/v1/session";
+    Failure::new(StatusCode::UNAUTHORIZED, "not_logged_in", message)
 }

@@ -1,0 +1,189 @@
+//! The door: every request passes it. Host, origin, who asks, and whether they may. Knows headers and rights; must never know
+//! what a route does.
+
+use super::people::Claim;
+use super::rights::{self, ROUTES};
+use super::who::{Who, nobody};
+use crate::listen::Peer;
+use crate::{Failure, House};
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::header::{self, HeaderMap};
+use axum::http::{Method, StatusCode, Uri};
+use axum::middleware::Next;
+use axum::response::{IntoResponse as _, Response};
+use rafcon_protocol::api::Right;
+use std::sync::Arc;
+
+/// Routes whose address may carry a token: a browser can send nothing else there.
+const WITH_LINK: [&str; 2] = ["/", "/api/v1/socket"];
+
+/// What a request is about, as far as the door is concerned.
+struct Asked {
+    path: String,
+    right: Right,
+}
+
+/// Lets a request in, or answers why not.
+pub(crate) async fn door(
+    State(house): State<Arc<House>>,
+    mut request: Request,
+    next: Next,
+) -> Response {
+    match admit(&house, &request) {
+        Ok(Some(who)) => {
+            request.extensions_mut().insert(who);
+            next.run(request).await
+        }
+        Ok(None) => next.run(request).await,
+        Err(failure) => failure.into_response(),
+    }
+}
+
+/// Who asks, if it matters; or why the request is refused.
+fn admit(house: &House, request: &Request) -> Result<Option<Who>, Failure> {
+    let host = host(request).unwrap_or_default();
+    if !house.names().answers_to(host) {
+        return Err(elsewhere(host));
+    }
+    let Some(asked) = asked(request)? else { return Ok(None) };
+    let claim = claim(house, request, &asked);
+    is_own_page(house, request, host, claim.as_ref())?;
+    let who = claim.as_ref().map(|claim| house.people().known(claim, is_near(request)));
+    match (who, asked.right) {
+        (Some(None) | None, Right::Anyone) => Ok(None),
+        (Some(Some(who)), Right::Anyone) => Ok(Some(who)),
+        (Some(Some(who)), right) => who.must(right).map(|()| Some(who)),
+        (Some(None), _) => Err(unknown()),
+        (None, _) => Err(nobody()),
+    }
+}
+
+/// The route of a request and its right; nothing where there is no route.
+fn asked(request: &Request) -> Result<Option<Asked>, Failure> {
+    let Some(path) = request.extensions().get::<MatchedPath>() else { return Ok(None) };
+    let path = path.as_str();
+    let method = match *request.method() {
+        Method::HEAD => Method::GET,
+        ref other => other.clone(),
+    };
+    match rights::of_route(&method, path) {
+        Some(right) => Ok(Some(Asked { path: path.to_owned(), right })),
+        None => Err(no_row(&method, path)),
+    }
+}
+
+fn no_row(method: &Method, path: &str) -> Failure {
+    let others = ROUTES.iter().filter(|row| row.1 == path).map(|row| row.0.as_str());
+    let others = others.collect::<Vec<_>>().join(", ");
+    if others.is_empty() {
+        let message = format!("nobody may use {path}: it has no row in the table of rights");
+        return Failure::forbidden("no_right_known", message);
+    }
+    let message = format!("{method} does not go here; {others} does");
+    let failure = Failure::new(StatusCode::METHOD_NOT_ALLOWED, "wrong_method", message);
+    failure.with_header("allow", others)
+}
+
+/// The name that the client called.
+fn host(request: &Request) -> Option<&str> {
+    let named = request.headers().get(header::HOST).and_then(|host| host.to_str().ok());
+    named.or_else(|| request.uri().authority().map(axum::http::uri::Authority::as_str))
+}
+
+fn elsewhere(host: &str) -> Failure {
+    let message = format!(
+        "this server is not called `{host}`: use the address that it printed at its start, or start it with --host"
+    );
+    Failure::new(StatusCode::MISDIRECTED_REQUEST, "wrong_host", message)
+}
+
+/// What the client shows: a token in a header, in the address where that is possible, or a cookie.
+fn claim(house: &House, request: &Request, asked: &Asked) -> Option<Claim> {
+    let link = WITH_LINK.contains(&asked.path.as_str()).then(|| in_link(request.uri())).flatten();
+    let token = bearer(request.headers()).or(link).map(Claim::Token);
+    token.or_else(|| cookie(request.headers(), &house.cookie()).map(Claim::Cookie))
+}
+
+fn bearer(headers: &HeaderMap) -> Option<String> {
+    let value = headers.get(header::AUTHORIZATION)?.to_str().ok()?;
+    let (scheme, token) = value.split_once(' ')?;
+    scheme.eq_ignore_ascii_case("bearer").then(|| token.trim().to_owned())
+}
+
+/// The token in an address.
+pub(crate) fn in_link(address: &Uri) -> Option<String> {
+    let mut pairs = address.query()?.split('&');
+    pairs.find_map(|pair| pair.strip_prefix("token=")).map(str::to_owned)
+}
+
+/// The cookie of this name.
+pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> Option<String> {
+    let values = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
+    let mut pairs = values.flat_map(|value| value.split(';')).map(str::trim);
+    pairs.find_map(|pair| pair.strip_prefix(name)?.strip_prefix('=')).map(str::to_owned)
+}
+
+/// Refuses what pages of others make a browser send: requests that change something, and WebSockets.
+fn is_own_page(
+    house: &House,
+    request: &Request,
+    host: &str,
+    claim: Option<&Claim>,
+) -> Result<(), Failure> {
+    let headers = request.headers();
+    let is_read = matches!(*request.method(), Method::GET | Method::HEAD);
+    if is_read && !headers.contains_key(header::UPGRADE) {
+        return Ok(());
+    }
+    let origin = headers.get(header::ORIGIN).map(|origin| origin.to_str().unwrap_or_default());
+    match origin {
+        Some(origin) if house.names().is_own(origin, host) => Ok(()),
+        None if !matches!(claim, Some(Claim::Cookie(_))) => Ok(()),
+        Some(_) | None => Err(strange_page()),
+    }
+}
+
+fn strange_page() -> Failure {
+    let message = "this request does not come from a page of this server: open the server's own address, or send a \
+                   token instead of a cookie";
+    Failure::forbidden("wrong_origin", message)
+}
+
+fn unknown() -> Failure {
+    let message = "this token or login is not known here, or its time is over: log in again, or make a new token";
+    Failure::new(StatusCode::UNAUTHORIZED, "not_known", message)
+}
+
+/// Whether a request comes from this computer.
+fn is_near(request: &Request) -> bool {
+    request.extensions().get::<Peer>().is_some_and(|peer| peer.0.ip().to_canonical().is_loopback())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{bearer, cookie, in_link};
+    use axum::http::header::{AUTHORIZATION, COOKIE};
+    use axum::http::{HeaderMap, HeaderValue, Uri};
+
+    #[test]
+    fn a_cookie_is_found_among_others() {
+        let mut headers = HeaderMap::new();
+        headers.append(COOKIE, HeaderValue::from_static("a=1; rafcon_4747=x; rafcon_47=y"));
+        headers.append(COOKIE, HeaderValue::from_static("late=z"));
+        assert_eq!(cookie(&headers, "rafcon_47").as_deref(), Some("y"));
+        assert_eq!(cookie(&headers, "rafcon_4747").as_deref(), Some("x"));
+        assert_eq!(cookie(&headers, "late").as_deref(), Some("z"));
+        assert_eq!(cookie(&headers, "rafcon"), None);
+    }
+
+    #[test]
+    fn a_token_is_found_in_header_and_address() {
+        let mut headers = HeaderMap::new();
+        headers.insert(AUTHORIZATION, HeaderValue::from_static("bearer abc"));
+        assert_eq!(bearer(&headers).as_deref(), Some("abc"));
+        headers.insert(AUTHORIZATION, HeaderValue::from_static("Basic abc"));
+        assert_eq!(bearer(&headers), None);
+        assert_eq!(in_link(&Uri::from_static("/?a=b&token=abc")).as_deref(), Some("abc"));
+        assert_eq!(in_link(&Uri::from_static("/?mytoken=abc")), None);
+    }
+}

@@ -1,0 +1,63 @@
+//! What lies around every route: the door, limits, and headers that keep browsers from harm. Knows HTTP; must never know
+//! routes.
+
+use super::door::door;
+use crate::extract::BODY_MAX;
+use crate::{Failure, House, log};
+use axum::Router;
+use axum::extract::{DefaultBodyLimit, Request};
+use axum::http::StatusCode;
+use axum::http::header::{self, HeaderName, HeaderValue};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse as _, Response};
+use std::any::Any;
+use std::sync::Arc;
+use tower_http::CompressionLevel;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::timeout::RequestBodyTimeoutLayer;
+
+/// What a browser is told with every answer.
+const HEADERS: [(HeaderName, HeaderValue); 4] = [
+    (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
+    (header::REFERRER_POLICY, HeaderValue::from_static("no-referrer")),
+    (header::X_FRAME_OPTIONS, HeaderValue::from_static("DENY")),
+    (
+        header::CONTENT_SECURITY_POLICY,
+        HeaderValue::from_static(
+            "default-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
+        ),
+    ),
+];
+
+/// The router behind the door.
+pub(crate) fn guarded(router: Router<Arc<House>>, house: &Arc<House>) -> Router<Arc<House>> {
+    let patience = house.settings().listen.body_patience;
+    router
+        .layer(middleware::from_fn_with_state(Arc::clone(house), door))
+        .layer(DefaultBodyLimit::max(BODY_MAX))
+        .layer(RequestBodyTimeoutLayer::new(patience))
+        .layer(CompressionLayer::new().quality(CompressionLevel::Fastest))
+        .layer(CatchPanicLayer::custom(|panic| broken(&panic)))
+        .layer(middleware::from_fn(with_headers))
+}
+
+async fn with_headers(request: Request, next: Next) -> Response {
+    let mut response = next.run(request).await;
+    for (name, value) in HEADERS {
+        response.headers_mut().entry(name).or_insert(value);
+    }
+    let no_store = HeaderValue::from_static("no-store");
+    response.headers_mut().entry(header::CACHE_CONTROL).or_insert(no_store);
+    response
+}
+
+/// The answer to a request that met a fault of this program.
+#[expect(clippy::borrowed_box, reason = "this is what a panic is made of")]
+fn broken(panic: &Box<dyn Any + Send>) -> Response {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic");
+    log::say(&format!("a request met a fault of this program, please report it: {text}"));
+    let message = "the server met a fault of its own: it is in its log, please report it";
+    Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "fault", message).into_response()
+}

@@ -1,0 +1,84 @@
+//! Files for the server's owner only: written whole or not at all, readable by nobody else. Knows files; must never know what
+//! stands in them.
+
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{self, Write as _};
+use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _, PermissionsExt as _};
+use std::path::{Path, PathBuf};
+
+/// What could not be done with one of the server's own files.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {what} {}: {source}", path.display())]
+pub struct PrivateError {
+    what: &'static str,
+    path: PathBuf,
+    source: io::Error,
+}
+
+impl PrivateError {
+    pub(crate) fn new(what: &'static str, path: &Path, source: io::Error) -> Self {
+        Self { what, path: path.to_owned(), source }
+    }
+}
+
+/// Makes a folder that only its owner may look into.
+pub(crate) fn folder(path: &Path) -> Result<(), PrivateError> {
+    let made = DirBuilder::new().recursive(true).mode(0o700).create(path);
+    let made = made.and_then(|()| fs::set_permissions(path, fs::Permissions::from_mode(0o700)));
+    made.map_err(|source| PrivateError::new("make the folder", path, source))
+}
+
+/// Replaces a file.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
+    let staged = path.with_extension(format!("new-{}", std::process::id()));
+    let written = stage(&staged, bytes).and_then(|()| fs::rename(&staged, path));
+    let synced = written.and_then(|()| sync_folder(path));
+    synced.map_err(|source| PrivateError::new("write", path, source))
+}
+
+fn stage(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut options = OpenOptions::new();
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(path)?;
+    file.set_permissions(fs::Permissions::from_mode(0o600))?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+fn sync_folder(path: &Path) -> io::Result<()> {
+    path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
+}
+
+/// A file's text; nothing if there is no such file.
+pub(crate) fn read(path: &Path) -> Result<Option<String>, PrivateError> {
+    match fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(PrivateError::new("read", path, source)),
+    }
+}
+
+/// A file to lock or to append to.
+pub(crate) fn open(path: &Path) -> Result<File, PrivateError> {
+    let mut options = OpenOptions::new();
+    let file = options.read(true).append(true).create(true).mode(0o600).open(path);
+    file.map_err(|source| PrivateError::new("open", path, source))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    #[test]
+    fn nobody_else_may_read() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("state");
+        super::folder(&folder).unwrap();
+        super::write(&folder.join("token"), b"secret").unwrap();
+        drop(super::open(&folder.join("lock")).unwrap());
+        let mode = |name: &str| folder.join(name).metadata().unwrap().permissions().mode() & 0o777;
+        assert_eq!((mode(""), mode("token"), mode("lock")), (0o700, 0o600, 0o600));
+        assert_eq!(super::read(&folder.join("token")).unwrap().as_deref(), Some("secret"));
+        assert_eq!(super::read(&folder.join("nothing")).unwrap(), None);
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
+    }
+}

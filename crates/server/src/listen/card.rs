@@ -1,0 +1,66 @@
+//! `server.json`: where programs of the same user find this server while it runs.
+
+use crate::House;
+use crate::access::private::{self, PrivateError};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+
+/// Its name in the server's folder.
+const FILE: &str = "server.json";
+
+/// How the running server is reached.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Card {
+    /// Scheme, name and port.
+    pub url: String,
+    /// Its process.
+    pub pid: u32,
+    /// SHA-256 of its certificate, in hexadecimal; none on the loopback.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<String>,
+    #[serde(skip)]
+    file: PathBuf,
+}
+
+impl Card {
+    /// Tells where a server listens.
+    pub(super) fn write(house: &House, address: SocketAddr) -> Result<Self, PrivateError> {
+        let card = Self {
+            url: format!("{}://{}", house.names().scheme(), near(address)),
+            pid: std::process::id(),
+            fingerprint: None,
+            file: house.settings().state.join(FILE),
+        };
+        let text = serde_json::to_vec_pretty(&card).map_err(io::Error::from);
+        let text = text.map_err(|source| PrivateError::new("write", &card.file, source))?;
+        private::write(&card.file, &text)?;
+        Ok(card)
+    }
+
+    /// What the folder's server said; nothing if it ended in order.
+    pub fn read(state: &Path) -> Result<Option<Self>, PrivateError> {
+        let file = state.join(FILE);
+        let Some(text) = private::read(&file)? else { return Ok(None) };
+        let card = serde_json::from_str(&text).map_err(io::Error::from);
+        card.map(Some).map_err(|source| PrivateError::new("read", &file, source))
+    }
+
+    /// The server is gone.
+    pub(super) fn remove(self) -> Result<(), PrivateError> {
+        let removed = fs::remove_file(&self.file);
+        removed.map_err(|source| PrivateError::new("remove", &self.file, source))
+    }
+}
+
+/// How an address is reached from this computer.
+fn near(address: SocketAddr) -> SocketAddr {
+    let ip = match address.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => IpAddr::V4(Ipv4Addr::LOCALHOST),
+        IpAddr::V6(ip) if ip.is_unspecified() => IpAddr::V6(Ipv6Addr::LOCALHOST),
+        ip => ip,
+    };
+    SocketAddr::new(ip, address.port())
+}

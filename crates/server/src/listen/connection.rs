@@ -1,0 +1,122 @@
+//! Connections: so many at a time, each with a limit on how long it may take to say something. Knows streams; must never know
+//! what is asked over them.
+
+use crate::settings::Listen;
+use axum::Router;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use std::io;
+use std::net::SocketAddr;
+use std::pin::{Pin, pin};
+use std::sync::Arc;
+use std::task::{Context, Poll};
+use std::time::Duration;
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+use tower_http::add_extension::AddExtension;
+
+/// Where a request comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Peer(pub(crate) SocketAddr);
+
+/// All connections of a server.
+#[derive(Debug)]
+pub(super) struct Connections {
+    places: Arc<Semaphore>,
+    places_max: u32,
+    http: http1::Builder,
+    closed: watch::Receiver<bool>,
+}
+
+impl Connections {
+    pub(super) fn new(listen: &Listen, closed: watch::Receiver<bool>) -> Self {
+        let places_max = u32::try_from(listen.connections_max).unwrap_or(u32::MAX >> 4);
+        let mut http = http1::Builder::new();
+        http.timer(TokioTimer::new()).header_read_timeout(listen.head_patience);
+        let places = Arc::new(Semaphore::new(places_max as usize));
+        Self { places, places_max, http, closed }
+    }
+
+    /// Answers one connection. Where all places are taken it is closed at once.
+    pub(super) fn begin(&self, stream: TcpStream, peer: SocketAddr, router: Router) {
+        let Ok(place) = Arc::clone(&self.places).try_acquire_owned() else { return };
+        // Without it an answer in two parts waits for the other side's acknowledgement.
+        stream.set_nodelay(true).unwrap_or_default();
+        let (http, closed) = (self.http.clone(), self.closed.clone());
+        let io = Counted { io: stream, _place: place };
+        tokio::spawn(async move { answer(&http, io, peer, router, closed).await });
+    }
+
+    /// Waits until all are gone, but not for ever.
+    pub(super) async fn gone(&self, patience: Duration) {
+        let all = self.places.acquire_many(self.places_max);
+        drop(tokio::time::timeout(patience, all).await);
+    }
+}
+
+async fn answer(
+    http: &http1::Builder,
+    io: Counted<TcpStream>,
+    peer: SocketAddr,
+    router: Router,
+    mut closed: watch::Receiver<bool>,
+) {
+    let service = TowerToHyperService::new(AddExtension::new(router, Peer(peer)));
+    let mut connection = pin!(http.serve_connection(TokioIo::new(io), service).with_upgrades());
+    // How a connection ended is the client's business: it knows what it was not answered.
+    tokio::select! {
+        ended = connection.as_mut() => return drop(ended),
+        _ = closed.wait_for(|closed| *closed) => {}
+    }
+    connection.as_mut().graceful_shutdown();
+    drop(connection.await);
+}
+
+/// A stream that takes a place for as long as it is there, also after it has become a WebSocket.
+#[derive(Debug)]
+struct Counted<T> {
+    io: T,
+    _place: OwnedSemaphorePermit,
+}
+
+impl<T: AsyncRead + Unpin> AsyncRead for Counted<T> {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.io).poll_read(context, buffer)
+    }
+}
+
+impl<T: AsyncWrite + Unpin> AsyncWrite for Counted<T> {
+    fn poll_write(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.io).poll_write(context, bytes)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        slices: &[io::IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.io).poll_write_vectored(context, slices)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.io.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.io).poll_flush(context)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.io).poll_shutdown(context)
+    }
+}

@@ -1,0 +1,179 @@
+//! The server as a process: its folder, its socket, its beginning and its end. Knows addresses and connections; must never
+//! know what requests mean.
+
+mod card;
+mod connection;
+mod names;
+mod signals;
+
+pub use card::Card;
+pub(crate) use connection::Peer;
+
+use crate::access::private::{self, PrivateError};
+use crate::house::HouseError;
+use crate::{House, Settings, router};
+use axum::Router;
+use connection::Connections;
+use std::fs::{File, TryLockError};
+use std::future::Future;
+use std::io;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::watch;
+
+/// How long requests that are being answered hold the end of the server back.
+const FAREWELL: Duration = Duration::from_secs(3);
+
+/// How long a server waits when it cannot accept a connection (no file handle is free, say).
+const BREATH: Duration = Duration::from_millis(100);
+
+/// A server that listens.
+#[derive(Debug)]
+pub struct Server {
+    house: Arc<House>,
+    listener: TcpListener,
+    address: SocketAddr,
+    card: Card,
+    /// The folder is this server's as long as this is open.
+    _lock: File,
+}
+
+/// Why there is no server.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// One of its files cannot be read or written.
+    #[error(transparent)]
+    Private(#[from] PrivateError),
+    /// One of its parts cannot begin.
+    #[error(transparent)]
+    House(#[from] HouseError),
+    /// Another server has the folder.
+    #[error("another server uses {}: name another folder with --state, or end it first", folder.display())]
+    Taken {
+        /// Which folder.
+        folder: PathBuf,
+    },
+    /// The port is taken.
+    #[error(
+        "something else listens on {address} already: choose another port with --bind, such as --bind 127.0.0.1:0 for one that is free"
+    )]
+    Busy {
+        /// Which one.
+        address: SocketAddr,
+    },
+    /// It cannot listen there.
+    #[error("cannot listen on {address}: name an address of this computer with --bind")]
+    Listen {
+        /// Where.
+        address: SocketAddr,
+        /// Why not.
+        source: io::Error,
+    },
+    /// The system gives no threads or signals.
+    #[error("cannot begin to serve")]
+    Begin(#[source] io::Error),
+}
+
+/// Serves until this process is asked to end (SIGINT, SIGTERM). Runs go on.
+pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), ServeError> {
+    let mut builder = tokio::runtime::Builder::new_multi_thread();
+    let runtime = builder.enable_all().thread_name("server").build().map_err(ServeError::Begin)?;
+    let served = runtime.block_on(async {
+        let server = Server::bind(settings).await?;
+        let asked = signals::end().map_err(ServeError::Begin)?;
+        ready(&server);
+        server.run(asked).await
+    });
+    runtime.shutdown_timeout(FAREWELL);
+    served
+}
+
+impl Server {
+    /// Prepares everything and listens; nobody is answered yet.
+    pub async fn bind(settings: Settings) -> Result<Self, ServeError> {
+        private::folder(&settings.state)?;
+        let lock = only_one(&settings.state)?;
+        let house = House::new(settings)?;
+        let wanted = house.settings().listen.address;
+        let listener = listen(wanted).await?;
+        let address = listener.local_addr().map_err(|source| cannot(wanted, source))?;
+        house.called(names::of(&house.settings().listen, address));
+        let card = Card::write(&house, address)?;
+        Ok(Self { house, listener, address, card, _lock: lock })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// What a browser or program on this computer calls it: scheme, name and port.
+    pub fn url(&self) -> &str {
+        &self.card.url
+    }
+
+    /// The address that lets its owner in.
+    pub fn link(&self) -> String {
+        format!("{}/?token={}", self.card.url, self.house.people().owner().text())
+    }
+
+    /// What it looks after.
+    pub fn house(&self) -> &Arc<House> {
+        &self.house
+    }
+
+    /// Answers requests until `stop`; then what is being answered is, and the card goes away.
+    pub async fn run(self, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
+        let (closing, closed) = watch::channel(false);
+        let connections = Connections::new(&self.house.settings().listen, closed);
+        let router = router(Arc::clone(&self.house));
+        tokio::select! {
+            () = accept(&self.listener, &connections, &router) => {}
+            () = stop => {}
+        }
+        drop(self.listener);
+        self.house.close();
+        closing.send_replace(true);
+        connections.gone(FAREWELL).await;
+        Ok(self.card.remove()?)
+    }
+}
+
+/// Takes connections for ever.
+async fn accept(listener: &TcpListener, connections: &Connections, router: &Router) {
+    loop {
+        match listener.accept().await {
+            Ok((stream, peer)) => begin(connections, stream, peer, router),
+            Err(_no_handle_or_gone) => tokio::time::sleep(BREATH).await,
+        }
+    }
+}
+
+fn begin(connections: &Connections, stream: TcpStream, peer: SocketAddr, router: &Router) {
+    connections.begin(stream, peer, router.clone());
+}
+
+async fn listen(address: SocketAddr) -> Result<TcpListener, ServeError> {
+    TcpListener::bind(address).await.map_err(|source| cannot(address, source))
+}
+
+fn cannot(address: SocketAddr, source: io::Error) -> ServeError {
+    match source.kind() {
+        io::ErrorKind::AddrInUse => ServeError::Busy { address },
+        _other => ServeError::Listen { address, source },
+    }
+}
+
+/// Makes this process the folder's only server.
+fn only_one(folder: &Path) -> Result<File, ServeError> {
+    let path = folder.join("server.lock");
+    let file = private::open(&path)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(ServeError::Taken { folder: folder.to_owned() }),
+        Err(TryLockError::Error(source)) => Err(PrivateError::new("lock", &path, source).into()),
+    }
+}

@@ -1,0 +1,23 @@
+//! What this server is called, from where it listens.
+
+use crate::access::Names;
+use crate::settings::Listen;
+use std::net::SocketAddr;
+
+/// Every name that it answers to.
+pub(super) fn of(listen: &Listen, address: SocketAddr) -> Names {
+    let is_loopback = address.ip().is_loopback();
+    let mut hosts = listen.hosts.iter().map(|host| host.to_ascii_lowercase()).collect::<Vec<_>>();
+    hosts.push("localhost".to_owned());
+    if !is_loopback {
+        hosts.extend(host_name());
+    }
+    Names { port: address.port(), is_secure: !is_loopback, is_loopback, hosts }
+}
+
+/// What this computer calls itself.
+pub(super) fn host_name() -> Option<String> {
+    let uname = rustix::system::uname();
+    let name = uname.nodename().to_str().ok()?.to_ascii_lowercase();
+    (!name.is_empty()).then_some(name)
+}
