@@ -2,6 +2,7 @@
 //!
 //! Knows files and folders. Must never know execution: nothing here runs a state or asks Python.
 
+pub mod calendar;
 pub mod config;
 pub mod files;
 pub mod journal;

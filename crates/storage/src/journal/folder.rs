@@ -1,6 +1,7 @@
 //! What lies where in the folder of a run, and how the folder is made. Knows names; must never know what the files say.
 
 use super::error::{Doing, JournalError};
+use crate::calendar::Date;
 use rustix::fs::{Mode, mkdir};
 use rustix::io::Errno;
 use std::fs::{self, File, OpenOptions};
@@ -39,9 +40,7 @@ pub fn make_folder(folder: &Path) -> Result<(), JournalError> {
 
 /// The id of a run: when it began (UTC), what it runs, and four digits that tell apart what began in the same second.
 pub fn run_id(started_ms: u64, name: &str, salt: u16) -> String {
-    let seconds = started_ms / 1000;
-    let (year, month, day) = date(seconds / 86_400);
-    let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
+    let Date { year, month, day, hour, minute, second } = Date::since_1970(started_ms / 1000);
     let name = slug(name);
     format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}-{name}-{salt:04x}")
 }
@@ -55,19 +54,6 @@ fn slug(name: &str) -> String {
     slug.truncate(LONGEST);
     let slug = slug.trim_end_matches('-');
     if slug.is_empty() { "run".to_owned() } else { slug.to_owned() }
-}
-
-/// Year, month and day of a day counted from 1970-01-01, by the Gregorian calendar.
-fn date(days: u64) -> (u64, u64, u64) {
-    // Counted from 0000-03-01, so that the leap day is a year's last.
-    let days = days + 719_468;
-    let (era, day) = (days / 146_097, days % 146_097);
-    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
-    let day = day - (365 * year + year / 4 - year / 100);
-    let month = (5 * day + 2) / 153;
-    let day = day - (153 * month + 2) / 5 + 1;
-    let (month, next_year) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
-    (year + era * 400 + next_year, month, day)
 }
 
 /// Makes the names in `folder` safe from a power cut.

@@ -1,20 +1,15 @@
 //! `rafcon export`: a run in formats of other programs.
 
-mod csv;
-mod jsonl;
-mod mcap;
-mod schemas;
-mod states;
-
-use super::history::{Found, each_found};
 use super::kept::open;
 use crate::cli::{self, ExportFormat};
 use crate::environment::Environment;
 use crate::failure::Usage;
 use anyhow::{Context as _, Result};
-use rafcon_storage::journal::{Filter, Reader};
+use rafcon_storage::journal::{
+    Reader, export_csv, export_jsonl, export_mcap, export_mcap_forwards,
+};
 use std::fs::File;
-use std::io::{self, BufWriter, IsTerminal as _, Write};
+use std::io::{self, BufWriter, IsTerminal as _};
 use std::path::Path;
 use std::process::ExitCode;
 use tempfile::NamedTempFile;
@@ -41,9 +36,9 @@ fn to_file(reader: &mut Reader, format: ExportFormat, path: &Path) -> Result<()>
     }
     let file = NamedTempFile::new_in(folder).with_context(cannot)?;
     match format {
-        ExportFormat::Jsonl => lines(reader, file.as_file(), jsonl::line, "")?,
-        ExportFormat::Csv => lines(reader, file.as_file(), csv::line, csv::HEAD)?,
-        ExportFormat::Mcap => mcap::write(reader, BufWriter::new(file.as_file()), true)?,
+        ExportFormat::Jsonl => export_jsonl(reader, file.as_file())?,
+        ExportFormat::Csv => export_csv(reader, file.as_file())?,
+        ExportFormat::Mcap => export_mcap(reader, BufWriter::new(file.as_file()))?,
     }
     open_to_others(file.as_file()).with_context(cannot)?;
     file.persist(path).with_context(cannot)?;
@@ -53,31 +48,13 @@ fn to_file(reader: &mut Reader, format: ExportFormat, path: &Path) -> Result<()>
 fn to_output(reader: &mut Reader, format: ExportFormat) -> Result<()> {
     let out = io::stdout().lock();
     match format {
-        ExportFormat::Jsonl => lines(reader, out, jsonl::line, ""),
-        ExportFormat::Csv => lines(reader, out, csv::line, csv::HEAD),
+        ExportFormat::Jsonl => Ok(export_jsonl(reader, out)?),
+        ExportFormat::Csv => Ok(export_csv(reader, out)?),
         ExportFormat::Mcap if io::stdout().is_terminal() => {
             Err(Usage("a recording is no text: name a file with --output".to_owned()).into())
         }
-        ExportFormat::Mcap => mcap::write(reader, ::mcap::write::NoSeek::new(out), false),
+        ExportFormat::Mcap => Ok(export_mcap_forwards(reader, out)?),
     }
-}
-
-/// Writes one line for each event.
-fn lines(
-    reader: &mut Reader,
-    out: impl Write,
-    line: fn(&Found, u64) -> Result<String>,
-    head: &str,
-) -> Result<()> {
-    let started_ms = reader.about().started_ms;
-    let mut out = BufWriter::with_capacity(64 * 1024, out);
-    out.write_all(head.as_bytes())?;
-    each_found(reader, &Filter::default(), None, |found| {
-        writeln!(out, "{}", line(found, started_ms)?)?;
-        Ok(())
-    })?;
-    out.flush()?;
-    Ok(())
 }
 
 /// A temporary file is its owner's alone; this one is as any other that the user makes for others to read.

@@ -3,15 +3,14 @@
 mod found;
 mod words;
 
-pub(super) use found::{Found, each_found};
-
 use super::kept::{open, out, paint};
 use crate::cli;
 use crate::environment::Environment;
 use crate::view::log_lines;
 use anyhow::Result;
+use found::{each_found, json};
 use rafcon_protocol::{Event, LogLevel};
-use rafcon_storage::journal::{Filter, Reader};
+use rafcon_storage::journal::{Filter, Found, Reader};
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -32,7 +31,7 @@ pub(super) fn history(raw: &cli::History, environment: &Environment) -> Result<E
         let lines = words::lines(found, raw.values);
         lines.iter().map(|line| line.render(paint)).collect()
     };
-    let json = |found: &Found| found.json(raw.values);
+    let json = |found: &Found| json(found, raw.values);
     let mut reader = open(&raw.run, environment)?;
     print(&mut reader, &filter, raw.last, if raw.json { &json } else { &text })
 }
@@ -53,7 +52,7 @@ pub(super) fn log(raw: &cli::Log, environment: &Environment) -> Result<ExitCode>
         }
         _ => Vec::new(),
     };
-    let json = |found: &Found| found.json(false);
+    let json = |found: &Found| json(found, false);
     let mut reader = open(&raw.run, environment)?;
     print(&mut reader, &filter, raw.last, if raw.json { &json } else { &text })
 }

@@ -1,11 +1,11 @@
 //! Events in words: one line each. Knows what people call things; must never know where events come from.
 
-use super::Found;
 use crate::commands::kept::span;
 use crate::view::{Line, Style, harmless, outcome_style, shown};
 use rafcon_protocol::{
     Answer, Breakpoint, Closing, Command, Event, HeldBy, LogLevel, OnCrash, Outcome, Values, When,
 };
+use rafcon_storage::journal::Found;
 use serde_json::Value;
 
 /// The lines of an event: its number, its time, the state, and what happened.

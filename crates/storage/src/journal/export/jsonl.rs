@@ -1,17 +1,16 @@
 //! Events as lines of JSON: as `docs/protocol.md` tells them, each with its number and both its times.
 
-use super::Found;
-use crate::clock;
-use anyhow::Result;
+use super::{ExportError, utc_at};
+use crate::journal::found::Found;
 use rafcon_protocol::Event;
 use serde::Serialize;
 
 /// The line of an event of a run that began at `started_ms`.
-pub(super) fn line(found: &Found, started_ms: u64) -> Result<String> {
+pub(super) fn line(found: &Found, started_ms: u64) -> Result<String, ExportError> {
     Ok(serde_json::to_string(&Line {
         sequence: found.sequence,
         t_ns: found.t_ns,
-        utc: clock::utc_at(started_ms + found.t_ns / 1_000_000),
+        utc: utc_at(started_ms + found.t_ns / 1_000_000),
         names: &found.names,
         event: &found.event,
     })?)

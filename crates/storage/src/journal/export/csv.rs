@@ -1,10 +1,9 @@
 //! Events as a table for spreadsheets, by RFC 4180.
 
-use super::Found;
-use crate::clock;
-use anyhow::Result;
+use super::{ExportError, utc_at};
+use crate::journal::filter::{kind_of, path_of};
+use crate::journal::found::Found;
 use rafcon_protocol::Event;
-use rafcon_storage::journal::{kind_of, path_of};
 use serde_json::{Value, json};
 
 /// The first row.
@@ -12,14 +11,14 @@ pub(super) const HEAD: &str =
     "sequence,time_s,utc,kind,path,names,outcome,duration_s,level,text,values\r\n";
 
 /// The row of an event of a run that began at `started_ms`; the writer ends it with a newline.
-pub(super) fn line(found: &Found, started_ms: u64) -> Result<String> {
+pub(super) fn line(found: &Found, started_ms: u64) -> Result<String, ExportError> {
     let event = &found.event;
     let duration = found.lasted.map(|lasted| format!("{:.6}", lasted.as_secs_f64()));
     let values = values(event);
     let fields = [
         found.sequence.to_string(),
         format!("{:.6}", found.time().as_secs_f64()),
-        clock::utc_at(started_ms + found.t_ns / 1_000_000),
+        utc_at(started_ms + found.t_ns / 1_000_000),
         kind_of(event).to_owned(),
         path_of(event).to_owned(),
         found.names.clone(),

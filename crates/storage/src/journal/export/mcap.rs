@@ -1,32 +1,42 @@
 //! A run as an MCAP recording: the topics `/events`, `/log`, `/states` and `/values`, each message in JSON.
 
 use super::states::States;
-use super::{Found, csv, schemas};
-use crate::commands::history::each_found;
-use anyhow::{Context as _, Result};
-use mcap::WriteOptions;
-use mcap::records::MessageHeader;
+use super::{ExportError, csv, schemas};
+use crate::journal::filter::{kind_of, path_of};
+use crate::journal::found::Found;
+use crate::journal::reader::Reader;
+use ::mcap::records::MessageHeader;
+use ::mcap::write::NoSeek;
+use ::mcap::{WriteOptions, Writer};
 use rafcon_protocol::{Event, LogLevel};
-use rafcon_storage::journal::{Filter, Reader, kind_of, path_of};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
-/// Writes the run; `can_seek` says whether `out` can go back.
-pub(super) fn write(reader: &mut Reader, out: impl Write + Seek, can_seek: bool) -> Result<()> {
+/// A recording for Foxglove and Lichtblick.
+pub fn export_mcap(reader: &mut Reader, out: impl Write + Seek) -> Result<(), ExportError> {
+    write(reader, out, true)
+}
+
+/// The same where nothing can be written again: its readers have to look for the end themselves.
+pub fn export_mcap_forwards(reader: &mut Reader, out: impl Write) -> Result<(), ExportError> {
+    write(reader, NoSeek::new(out), false)
+}
+
+fn write(reader: &mut Reader, out: impl Write + Seek, can_seek: bool) -> Result<(), ExportError> {
     let options = WriteOptions::new()
         .compression(None)
         .library(concat!("rafcon ", env!("CARGO_PKG_VERSION")))
         .disable_seeking(!can_seek);
-    let writer = options.create(out).context("cannot begin the recording")?;
+    let writer = options.create(out)?;
     let mut recording = Recording::new(writer, reader.about().started_ms)?;
-    each_found(reader, &Filter::default(), None, |found| recording.event(found))?;
-    recording.writer.finish().context("cannot end the recording")?;
+    super::each(reader, |found| recording.event(&found))?;
+    recording.writer.finish()?;
     Ok(())
 }
 
 struct Recording<W: Write + Seek> {
-    writer: mcap::Writer<W>,
+    writer: Writer<W>,
     channels: Channels,
     started_ns: u64,
     states: States,
@@ -41,8 +51,8 @@ struct Channels {
 }
 
 impl<W: Write + Seek> Recording<W> {
-    fn new(mut writer: mcap::Writer<W>, started_ms: u64) -> Result<Self> {
-        let mut channel = |topic: &str, schema: &Value| -> Result<u16> {
+    fn new(mut writer: Writer<W>, started_ms: u64) -> Result<Self, ExportError> {
+        let mut channel = |topic: &str, schema: &Value| -> Result<u16, ExportError> {
             let name = schema["title"].as_str().unwrap_or_default();
             let schema = writer.add_schema(name, "jsonschema", &serde_json::to_vec(schema)?)?;
             Ok(writer.add_channel(schema, topic, "json", &BTreeMap::new())?)
@@ -57,7 +67,7 @@ impl<W: Write + Seek> Recording<W> {
         Ok(Self { writer, channels, started_ns, states: States::default() })
     }
 
-    fn event(&mut self, found: &Found) -> Result<()> {
+    fn event(&mut self, found: &Found) -> Result<(), ExportError> {
         let kind = kind_of(&found.event);
         let channels = self.channels;
         let message = json!({
@@ -75,7 +85,7 @@ impl<W: Write + Seek> Recording<W> {
         self.values(found)
     }
 
-    fn state(&mut self, found: &Found) -> Result<()> {
+    fn state(&mut self, found: &Found) -> Result<(), ExportError> {
         let path = path_of(&found.event);
         let outcome = match &found.event {
             Event::Entered { .. } => {
@@ -99,7 +109,7 @@ impl<W: Write + Seek> Recording<W> {
         self.put(self.channels.states, found, message)
     }
 
-    fn values(&mut self, found: &Found) -> Result<()> {
+    fn values(&mut self, found: &Found) -> Result<(), ExportError> {
         let kind = match &found.event {
             Event::Entered { .. } => "input",
             Event::Left { .. } | Event::Finished { .. } => "output",
@@ -119,7 +129,12 @@ impl<W: Write + Seek> Recording<W> {
         Ok(())
     }
 
-    fn put(&mut self, channel_id: u16, found: &Found, mut message: Value) -> Result<()> {
+    fn put(
+        &mut self,
+        channel_id: u16,
+        found: &Found,
+        mut message: Value,
+    ) -> Result<(), ExportError> {
         let log_time = self.started_ns.saturating_add(found.t_ns);
         let (sec, nsec) = (log_time / 1_000_000_000, log_time % 1_000_000_000);
         message["timestamp"] = json!({ "sec": sec, "nsec": nsec });
@@ -127,7 +142,7 @@ impl<W: Write + Seek> Recording<W> {
         let sequence = u32::try_from(found.sequence).unwrap_or(u32::MAX);
         let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
         let message = serde_json::to_vec(&message)?;
-        self.writer.write_to_known_channel(&header, &message).context("cannot write the recording")
+        Ok(self.writer.write_to_known_channel(&header, &message)?)
     }
 }
 

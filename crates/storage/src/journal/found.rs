@@ -1,0 +1,196 @@
+//! Looking for events of a run: from anywhere on, as far as it is wanted, each with all that is said about it.
+//!
+//! Knows journals. Must never know how events are shown.
+
+use super::error::JournalError;
+use super::filter::{Filter, Sieve, path_of, place_of};
+use super::reader::{Entry, Reader};
+use super::record::{PlaceNumber, Record};
+use rafcon_protocol::Event;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+/// What is looked for, and where.
+#[derive(Debug, Clone, Copy)]
+pub struct Search<'f> {
+    /// Which events.
+    pub filter: &'f Filter,
+    /// The first that is looked at.
+    pub from: u64,
+    /// At most so many are looked at.
+    pub look: u64,
+    /// Whether inputs, outputs and errors of states come with their events.
+    pub values: bool,
+}
+
+impl<'f> Search<'f> {
+    /// A search of the whole run, with values.
+    pub fn all(filter: &'f Filter) -> Self {
+        Self { filter, from: 1, look: u64::MAX, values: true }
+    }
+}
+
+/// How far a search came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Looked {
+    /// The first event that was not looked at.
+    pub next: u64,
+    /// Whether nothing from there on is wanted: it is all later than the filter says.
+    pub is_past: bool,
+}
+
+/// An event that was found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Its number.
+    pub sequence: u64,
+    /// Time since the start of the run, in ns.
+    pub t_ns: u64,
+    /// What happened.
+    pub event: Event,
+    /// The names of the state that it is about; empty if it is about none.
+    pub names: String,
+    /// The name of the state before which it is held, if it is.
+    pub next: Option<String>,
+    /// How long a state was active that was left, if it was entered where the search looked.
+    pub lasted: Option<Duration>,
+}
+
+impl Found {
+    /// When it happened.
+    pub fn time(&self) -> Duration {
+        Duration::from_nanos(self.t_ns)
+    }
+}
+
+/// Leaves out inputs, outputs and errors of states.
+pub fn without_values(event: &mut Event) {
+    match event {
+        Event::Entered { inputs, .. } => *inputs = None,
+        Event::Left { outputs, error, .. } => (*outputs, *error) = (None, None),
+        _ => {}
+    }
+}
+
+impl Reader {
+    /// Shows what is found until `show` has enough, and says how far the search came.
+    pub fn search<E: From<JournalError>>(
+        &mut self,
+        search: &Search<'_>,
+        mut show: impl FnMut(Found) -> Result<ControlFlow<()>, E>,
+    ) -> Result<Looked, E> {
+        let mut looking = Looking::new(search);
+        let mut failure = None;
+        if search.look > 0 {
+            self.each(search.from, |reader, entry| {
+                let found = looking.take(reader, &entry).map_err(E::from);
+                let shown = match found {
+                    Ok(Some(found)) => show(found),
+                    Ok(None) => Ok(ControlFlow::Continue(())),
+                    Err(error) => Err(error),
+                };
+                let flow = shown.unwrap_or_else(|error| {
+                    failure = Some(error);
+                    ControlFlow::Break(())
+                });
+                if looking.is_over() { ControlFlow::Break(()) } else { flow }
+            })?;
+        }
+        failure.map_or(Ok(looking.looked), Err)
+    }
+}
+
+/// A search that goes on.
+struct Looking<'s> {
+    search: &'s Search<'s>,
+    sieve: Sieve<'s>,
+    entered: Entered,
+    left: u64,
+    looked: Looked,
+}
+
+impl<'s> Looking<'s> {
+    fn new(search: &'s Search<'s>) -> Self {
+        Self {
+            search,
+            sieve: search.filter.sieve(),
+            entered: Entered::default(),
+            left: search.look,
+            looked: Looked { next: search.from.max(1), is_past: false },
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.looked.is_past || self.left == 0
+    }
+
+    /// Looks at an event.
+    fn take(&mut self, reader: &Reader, entry: &Entry) -> Result<Option<Found>, JournalError> {
+        if self.search.filter.is_past(entry.t_ns) {
+            self.looked.is_past = true;
+            return Ok(None);
+        }
+        let lasted = self.entered.lasted(entry);
+        self.looked.next = entry.sequence + 1;
+        self.left -= 1;
+        if !self.sieve.lets_through(entry, reader.known_places()) {
+            return Ok(None);
+        }
+        // Text is looked for in values too.
+        let values = self.search.values || self.search.filter.text.is_some();
+        let mut found = found(reader, entry, lasted, values)?;
+        if !self.sieve.has_text(&found.event, &found.names) {
+            return Ok(None);
+        }
+        if !self.search.values {
+            without_values(&mut found.event);
+        }
+        Ok(Some(found))
+    }
+}
+
+fn found(
+    reader: &Reader,
+    entry: &Entry,
+    lasted: Option<Duration>,
+    values: bool,
+) -> Result<Found, JournalError> {
+    let event = reader.event(entry, values)?;
+    let places = reader.known_places();
+    let place = place_of(&entry.record).or_else(|| places.number(path_of(&event)));
+    let names = place.and_then(|place| places.get(place)).map(|place| place.names.clone());
+    let names = names.unwrap_or_else(|| path_of(&event).to_owned());
+    let next = match &event {
+        Event::Held { next: Some(next), .. } => Some(name_of(reader, next)),
+        _ => None,
+    };
+    Ok(Found { sequence: entry.sequence, t_ns: entry.t_ns, event, names, next, lasted })
+}
+
+/// The name of a state; its id if it was never entered.
+fn name_of(reader: &Reader, path: &str) -> String {
+    let places = reader.known_places();
+    let names = places.number(path).and_then(|place| places.get(place)).map(|place| &*place.names);
+    names.unwrap_or(path).rsplit('/').next().unwrap_or_default().to_owned()
+}
+
+/// When active states were entered.
+#[derive(Debug, Default)]
+struct Entered(BTreeMap<PlaceNumber, u64>);
+
+impl Entered {
+    /// How long the state was active that is left.
+    fn lasted(&mut self, entry: &Entry) -> Option<Duration> {
+        match entry.record {
+            Record::Entered { place, .. } => {
+                self.0.insert(place, entry.t_ns);
+                None
+            }
+            Record::Left { place, .. } => {
+                Some(Duration::from_nanos(entry.t_ns - self.0.remove(&place)?))
+            }
+            _ => None,
+        }
+    }
+}
