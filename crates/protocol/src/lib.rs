@@ -9,6 +9,8 @@ pub mod active;
 pub mod api;
 pub mod breakpoint;
 pub mod command;
+pub mod document;
+pub mod edit;
 pub mod event;
 pub mod form;
 pub mod frame;

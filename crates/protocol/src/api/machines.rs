@@ -90,7 +90,7 @@ pub struct EditMachine {
     /// What the step is called in the history: "Rename state".
     pub name: String,
     /// The edit (`docs/edits.md`).
-    pub edit: serde_json::Value,
+    pub edit: crate::edit::Edit,
 }
 
 /// Takes back, or makes again, one's own last step.
@@ -116,7 +116,7 @@ pub struct Revision {
     /// When: ms since 1970, UTC.
     pub at_ms: u64,
     /// What is different now.
-    pub changes: Vec<serde_json::Value>,
+    pub changes: Vec<crate::document::Change>,
 }
 
 /// The latest truth about an open machine.
