@@ -68,3 +68,9 @@ impl IntoResponse for Failure {
         response
     }
 }
+
+/// An error with its causes, on one line.
+pub(crate) fn reason(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| cause.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}

@@ -5,6 +5,7 @@
 //! `docs/api.md` is for whoever writes a client.
 
 pub mod access;
+mod blocking;
 mod extract;
 mod failure;
 mod house;

@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
 use crate::access::guarded;
-use crate::{Failure, House};
+use crate::{Failure, House, projects};
 use axum::{Json, Router};
 use rafcon_protocol::api::Health;
 use std::sync::Arc;
@@ -23,6 +23,7 @@ fn all() -> OpenApiRouter<Arc<House>> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(health))
         .routes(routes!(description))
+        .merge(projects::routes())
 }
 
 /// What answers requests.

@@ -28,6 +28,9 @@ pub struct FileNode {
     /// What is inside a folder; a machine is shown as one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<Self>,
+    /// Whether not everything inside is told: ask for the tree from its path on.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_cut: bool,
 }
 
 /// What a folder of a project is.
@@ -39,6 +42,16 @@ pub enum NodeKind {
     Folder,
     /// A state machine.
     Machine,
+}
+
+/// Which part of a project's tree is asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
+#[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
+pub struct TreeFrom {
+    /// From this folder on, joined by `/`; left out: the whole project.
+    #[serde(default)]
+    pub path: String,
 }
 
 /// Where a machine lies.

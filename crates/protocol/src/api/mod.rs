@@ -8,7 +8,7 @@ mod refusal;
 mod runs;
 
 pub use files::{
-    FileNode, LibraryNode, LibraryNodeKind, LibraryRoot, MachineFile, NodeKind, Project,
+    FileNode, LibraryNode, LibraryNodeKind, LibraryRoot, MachineFile, NodeKind, Project, TreeFrom,
 };
 pub use house::{Health, HouseStatus};
 pub use machines::{

@@ -2,10 +2,10 @@
 
 use crate::Settings;
 use rafcon_storage::config::{self, Config};
-use rafcon_storage::{Libraries, roots};
+use rafcon_storage::{Root, roots};
 
-/// The libraries of these settings; what is wrong with a root is told, and the others count.
-pub(super) fn open(settings: &Settings) -> Libraries {
+/// The roots of these settings; what is wrong with one is told, and the others count.
+pub(super) fn find(settings: &Settings) -> Vec<Root> {
     let config = match config::find(settings.config.as_deref(), &settings.variable) {
         Ok((config, _file)) => config,
         Err(error) => {
@@ -20,5 +20,5 @@ pub(super) fn open(settings: &Settings) -> Libraries {
     for note in notes {
         (settings.tell)(&note.to_string());
     }
-    Libraries::new(roots)
+    roots
 }

@@ -2,10 +2,16 @@
 //! Knows their names, and which folder a request means. Must never know what is inside a machine.
 
 mod confine;
+mod library;
 mod library_roots;
 mod names;
+mod routes;
+mod tree;
+
+pub(crate) use routes::routes;
 
 use crate::{Failure, Settings};
+use library::Shelf;
 use rafcon_protocol::api::{MachineFile, Project};
 use rafcon_storage::Libraries;
 use std::path::{Path, PathBuf};
@@ -15,19 +21,24 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 pub(crate) struct Projects {
     known: Vec<Project>,
-    libraries: Arc<Libraries>,
+    shelf: Shelf,
 }
 
 impl Projects {
     /// The projects of these settings.
     pub(crate) fn new(settings: &Settings) -> Self {
         let folders = settings.projects.iter().map(|folder| at_home(folder));
-        Self { known: names::named(folders), libraries: Arc::new(library_roots::open(settings)) }
+        Self { known: names::named(folders), shelf: Shelf::open(settings) }
     }
 
-    /// The libraries that machines are loaded with.
-    pub(crate) fn libraries(&self) -> &Arc<Libraries> {
-        &self.libraries
+    /// The libraries that machines are loaded with now. Whoever keeps them reads no later changes.
+    pub(crate) fn libraries(&self) -> Arc<Libraries> {
+        self.shelf.libraries()
+    }
+
+    /// The libraries as clients see them.
+    pub(crate) fn shelf(&self) -> &Shelf {
+        &self.shelf
     }
 
     /// All of them.

@@ -1,0 +1,131 @@
+//! Libraries as clients see them, each read once until a file changes. Knows roots and where a library lies below them.
+
+use super::confine;
+use crate::failure::reason;
+use crate::{Failure, Settings};
+use axum::body::Bytes;
+use axum::http::StatusCode;
+use parking_lot::{Mutex, RwLock};
+use rafcon_protocol::api::{LibraryNode, LibraryNodeKind, LibraryRoot};
+use rafcon_protocol::document::Document;
+use rafcon_storage::libraries::{Entry, EntryKind};
+use rafcon_storage::read::LoadError;
+use rafcon_storage::{Libraries, Root, load};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What was read of the libraries since a file of theirs changed.
+#[derive(Debug, Default)]
+struct Stock {
+    libraries: Arc<Libraries>,
+    documents: Mutex<BTreeMap<PathBuf, Bytes>>,
+}
+
+/// The libraries of the server.
+#[derive(Debug, Default)]
+pub(crate) struct Shelf {
+    stock: RwLock<Arc<Stock>>,
+}
+
+impl Shelf {
+    /// Those of these settings.
+    pub(super) fn open(settings: &Settings) -> Self {
+        Self { stock: RwLock::new(Arc::new(Stock::new(super::library_roots::find(settings)))) }
+    }
+
+    /// What machines are loaded with now. Whoever keeps it reads no later changes.
+    pub(crate) fn libraries(&self) -> Arc<Libraries> {
+        Arc::clone(&self.stock().libraries)
+    }
+
+    /// Files of libraries changed. Whoever is reading keeps what it reads to itself.
+    pub(super) fn refresh(&self) {
+        let roots = self.stock().libraries.roots().to_vec();
+        *self.stock.write() = Arc::new(Stock::new(roots));
+    }
+
+    /// The roots with what lies below them now.
+    pub(super) fn roots(&self) -> Vec<LibraryRoot> {
+        self.libraries().tree().into_iter().map(root_of).collect()
+    }
+
+    /// The library at `path` below the root named `root`: a [`Document`] as JSON.
+    pub(super) fn document(&self, root: &str, path: &str) -> Result<Bytes, Failure> {
+        self.stock().document(&format!("{root}/{path}"))
+    }
+
+    fn stock(&self) -> Arc<Stock> {
+        Arc::clone(&self.stock.read())
+    }
+}
+
+impl Stock {
+    fn new(roots: Vec<Root>) -> Self {
+        Self { libraries: Arc::new(Libraries::new(roots)), documents: Mutex::default() }
+    }
+
+    fn document(&self, path: &str) -> Result<Bytes, Failure> {
+        let folder = self.folder(path)?;
+        if let Some(document) = self.documents.lock().get(&folder) {
+            return Ok(document.clone());
+        }
+        let loaded = load(&folder, &self.libraries).map_err(|error| unloaded(path, &error))?;
+        let text = serde_json::to_vec(&Document::of(&loaded.machine));
+        let text = text.map_err(|error| unreadable(path, &error))?;
+        Ok(self.documents.lock().entry(folder).or_insert(text.into()).clone())
+    }
+
+    /// A root's name may itself have several parts; the longest that fits counts.
+    fn folder(&self, path: &str) -> Result<PathBuf, Failure> {
+        let inside = |root: &Root| {
+            let inside = path.strip_prefix(root.name.as_str())?.strip_prefix('/')?;
+            Some((root.name.len(), root.dir.clone(), inside.to_owned()))
+        };
+        let found = self.libraries.roots().iter().filter_map(inside).max_by_key(|found| found.0);
+        let Some((_, dir, inside)) = found else {
+            let message = format!("no library root fits `{path}`: /api/v1/libraries lists them");
+            return Err(Failure::not_found("no_such_library", message));
+        };
+        confine::below(&dir, &inside)
+    }
+}
+
+fn unloaded(path: &str, error: &LoadError) -> Failure {
+    match error {
+        LoadError::NotFound { .. } => {
+            let message = format!("there is no library {path}: /api/v1/libraries lists them");
+            Failure::not_found("no_such_library", message)
+        }
+        LoadError::NotAMachine { .. }
+        | LoadError::Yaml { .. }
+        | LoadError::NoRoot { .. }
+        | LoadError::Io { .. }
+        | LoadError::Recovery { .. } => unreadable(path, error),
+    }
+}
+
+fn unreadable(path: &str, error: &dyn std::error::Error) -> Failure {
+    let message = format!("the library {path} cannot be read: {}", reason(error));
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_library", message)
+}
+
+fn root_of(entry: Entry) -> LibraryRoot {
+    let folder = shown(&entry.dir);
+    let node = node_of(entry);
+    LibraryRoot { name: node.name, folder, children: node.children }
+}
+
+fn node_of(entry: Entry) -> LibraryNode {
+    let (kind, children) = match entry.kind {
+        EntryKind::Folder(inside) => {
+            (LibraryNodeKind::Folder, inside.into_iter().map(node_of).collect())
+        }
+        EntryKind::Library => (LibraryNodeKind::Library, Vec::new()),
+    };
+    LibraryNode { name: entry.name.to_string(), kind, children }
+}
+
+fn shown(folder: &Path) -> String {
+    folder.to_string_lossy().into_owned()
+}

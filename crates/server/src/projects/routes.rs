@@ -1,0 +1,95 @@
+//! What is asked about projects and libraries. Knows requests and answers; the work is done next door, off the threads that
+//! talk.
+
+use super::tree::{self, BOUNDS};
+use crate::blocking::blocking;
+use crate::extract::{Path, Query};
+use crate::{Failure, House};
+use axum::Json;
+use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::IntoResponse;
+use rafcon_protocol::api::{FileNode, LibraryRoot, MachineFile, Project, Refusal, TreeFrom};
+use rafcon_protocol::document::Document;
+use std::path::Path as FilePath;
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// The routes of this part.
+pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new()
+        .routes(routes!(projects))
+        .routes(routes!(project_tree))
+        .routes(routes!(libraries))
+        .routes(routes!(library))
+}
+
+/// The projects of the server.
+#[utoipa::path(get, path = "/api/v1/projects", tag = "files", responses(
+    (status = 200, description = "In the order in which the server was given them", body = [Project])
+))]
+async fn projects(State(house): State<Arc<House>>) -> Json<Vec<Project>> {
+    Json(house.projects.all().to_vec())
+}
+
+/// Folders and machines of a project.
+///
+/// What is large is cut; a node that says so is asked for by its path.
+#[utoipa::path(get, path = "/api/v1/projects/{project}/tree", tag = "files",
+    params(("project" = String, Path, description = "The project's id"), TreeFrom),
+    responses(
+        (status = 200, description = "The folder that was asked for, with what is in it", body = FileNode),
+        (status = 400, description = "The path is none", body = Refusal),
+        (status = 403, description = "The path leads out of the project", body = Refusal),
+        (status = 404, description = "There is no such project or folder", body = Refusal),
+    )
+)]
+async fn project_tree(
+    State(house): State<Arc<House>>,
+    Path(project): Path<String>,
+    Query(from): Query<TreeFrom>,
+) -> Result<Json<FileNode>, Failure> {
+    let file = MachineFile { project, path: from.path };
+    blocking(move || {
+        let folder = house.projects.resolve(&file)?;
+        if !folder.is_dir() {
+            let message =
+                format!("there is no folder `{}` in the project {}", file.path, file.project);
+            return Err(Failure::not_found("no_such_folder", message));
+        }
+        let hidden: [&FilePath; 2] = [&house.settings.runs, &house.settings.state];
+        Ok(Json(tree::tree(&folder, &file.path, &hidden, BOUNDS)))
+    })
+    .await
+}
+
+/// The library roots with what lies below them.
+#[utoipa::path(get, path = "/api/v1/libraries", tag = "files", responses(
+    (status = 200, description = "In the order in which they count", body = [LibraryRoot])
+))]
+async fn libraries(State(house): State<Arc<House>>) -> Result<Json<Vec<LibraryRoot>>, Failure> {
+    blocking(move || Ok(Json(house.projects.shelf().roots()))).await
+}
+
+/// The machine of a library, as it lies on disk.
+#[utoipa::path(get, path = "/api/v1/libraries/{root}/{*path}", tag = "files",
+    params(
+        ("root" = String, Path, description = "The name of a library root"),
+        ("path" = String, Path, description = "From the root's folder on, joined by `/`"),
+    ),
+    responses(
+        (status = 200, description = "The machine", body = Document),
+        (status = 400, description = "The path is none", body = Refusal),
+        (status = 403, description = "The path leads out of its root", body = Refusal),
+        (status = 404, description = "There is no such library", body = Refusal),
+        (status = 422, description = "The folder holds no machine that can be read", body = Refusal),
+    )
+)]
+async fn library(
+    State(house): State<Arc<House>>,
+    Path((root, path)): Path<(String, String)>,
+) -> Result<impl IntoResponse, Failure> {
+    let document = blocking(move || house.projects.shelf().document(&root, &path)).await?;
+    Ok(([(CONTENT_TYPE, "application/json")], document))
+}
