@@ -1,10 +1,12 @@
 //! The words of the command line, as clap reads them: the raw half. What they mean is checked by each command.
 
 mod kept;
+mod serve;
 
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, Level as LogLevel, ListRuns, Log, Replay,
 };
+pub(crate) use serve::{Serve, State};
 
 use crate::templates;
 use clap::builder::PossibleValuesParser;
@@ -33,6 +35,7 @@ pub(crate) enum Command {
     Replay(Replay),
     Compare(Compare),
     Export(Export),
+    Serve(Serve),
     Check(Check),
     Show(Show),
     Fmt(Fmt),

@@ -23,7 +23,7 @@ impl Source {
     pub(crate) fn new(machine: &Path, libraries: &cli::Libraries) -> Result<Self> {
         Ok(Self {
             machine: absolute(machine)?,
-            libraries: libraries.roots.iter().map(|text| root(text)).collect::<Result<_>>()?,
+            libraries: library_roots(libraries)?,
             config: libraries.config.as_deref().map(absolute).transpose()?,
         })
     }
@@ -69,6 +69,11 @@ fn absolute(path: &Path) -> Result<PathBuf> {
         );
     }
     Ok(absolute)
+}
+
+/// The library roots that the user names.
+pub(crate) fn library_roots(libraries: &cli::Libraries) -> Result<Vec<(String, PathBuf)>> {
+    libraries.roots.iter().map(|text| root(text)).collect()
 }
 
 fn root(text: &str) -> Result<(String, PathBuf)> {

@@ -11,6 +11,7 @@ mod new;
 mod replay;
 mod run;
 mod runs;
+mod serve;
 mod shell;
 mod show;
 mod tell;
@@ -34,6 +35,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Replay(request) => replay::replay(&request, environment),
         Command::Compare(request) => compare::compare(&request, environment),
         Command::Export(request) => export::export(&request, environment),
+        Command::Serve(request) => serve::serve(&request, environment),
         Command::Check(request) => check::check(&request, environment),
         Command::Show(request) => show::show(&request, environment),
         Command::Fmt(request) => fmt::fmt(&request),

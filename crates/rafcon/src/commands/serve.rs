@@ -1,0 +1,65 @@
+//! `rafcon serve`: from the words of the command line to a server's settings. What a server does, `rafcon-server` knows.
+
+use crate::cli;
+use crate::environment::Environment;
+use crate::failure::complain;
+use crate::{machine, runs};
+use anyhow::{Context as _, Result, bail};
+use rafcon_server::{Server, Settings};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Serves until it is asked to end.
+pub(super) fn serve(raw: &cli::Serve, environment: &Environment) -> Result<ExitCode> {
+    rafcon_server::serve(settings(raw, environment)?, |server| greet(server, raw))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {
+    let runs = runs::folder(&raw.runs, environment)?.folder().to_owned();
+    let mut settings = Settings::new(state(&raw.state, environment)?, runs);
+    settings.projects = raw.projects.iter().map(|folder| project(folder)).collect::<Result<_>>()?;
+    settings.libraries = machine::library_roots(&raw.libraries)?;
+    settings.config = raw.libraries.config.as_deref().map(std::path::absolute).transpose()?;
+    settings.python.clone_from(&raw.python.python);
+    settings.surroundings = environment.surroundings.clone();
+    settings.access.keep_token = raw.keep_token;
+    settings.listen.address = raw.bind;
+    settings.listen.hosts.clone_from(&raw.hosts);
+    settings.listen.certificate = raw.certificate.clone().zip(raw.key.clone());
+    Ok(settings)
+}
+
+/// The server's own folder: the one that the user names, or the usual place.
+pub(super) fn state(named: &cli::State, environment: &Environment) -> Result<PathBuf> {
+    let surroundings = &environment.surroundings;
+    let usual = || {
+        let state = surroundings.state_home.clone();
+        let state = state.or_else(|| Some(surroundings.home.as_ref()?.join(".local/state")));
+        Some(state?.join("rafcon/server"))
+    };
+    let folder = named.folder.clone().or_else(usual);
+    let folder =
+        folder.context("there is no HOME for the server's files: name a folder with --state")?;
+    Ok(std::path::absolute(folder)?)
+}
+
+fn project(folder: &Path) -> Result<PathBuf> {
+    let real = folder.canonicalize();
+    let real = real.with_context(|| format!("there is no folder {} to serve", folder.display()))?;
+    if !real.is_dir() {
+        bail!("{} is no folder: name one that holds machines", folder.display());
+    }
+    Ok(real)
+}
+
+/// Tells how the server is reached. A reader that is gone stops no server.
+fn greet(server: &Server, raw: &cli::Serve) {
+    if raw.projects.is_empty() {
+        complain("warning: no folder with machines was named, so only runs are served");
+    }
+    let text = format!("{}\nCtrl-C ends the server; runs go on.\n", server.link());
+    io::stdout().write_all(text.as_bytes()).unwrap_or_default();
+    io::stdout().flush().unwrap_or_default();
+}

@@ -1,0 +1,196 @@
+//! A real server in the test's process, on a port of its own, with folders that go away with it. The only place that knows how
+//! one is begun and ended.
+
+use rafcon_protocol::api::Role;
+use rafcon_server::{Server, Settings};
+use serde_json::Value;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+use tempfile::TempDir;
+use tokio::sync::oneshot;
+
+/// A server, until dropped.
+pub(crate) struct House {
+    place: TempDir,
+    address: SocketAddr,
+    url: String,
+    owner: String,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What a server answered.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    pub(crate) headers: Vec<(String, String)>,
+    pub(crate) text: String,
+}
+
+impl House {
+    /// A server with one empty project, `project`.
+    pub(crate) fn new() -> Self {
+        Self::with(|_settings| {})
+    }
+
+    /// A server that is set up otherwise.
+    pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> Self {
+        Self::at(tempfile::tempdir().unwrap(), change)
+    }
+
+    /// A server in a place where one has been before.
+    pub(crate) fn at(place: TempDir, change: impl FnOnce(&mut Settings)) -> Self {
+        let settings = settings(place.path(), change);
+        let (begun, server) = std::sync::mpsc::sync_channel(1);
+        let (stop, stopped) = oneshot::channel::<()>();
+        let builder = std::thread::Builder::new().name("house".to_owned());
+        let run = move || {
+            let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+            runtime.block_on(async move {
+                let server = Server::bind(settings).await.unwrap();
+                begun.send((server.address(), server.url().to_owned(), server.link())).unwrap();
+                server.run(async { stopped.await.unwrap_or_default() }).await.unwrap();
+            });
+        };
+        let thread = Some(builder.spawn(run).unwrap());
+        let (address, url, link) = server.recv().unwrap();
+        let owner = link.split_once("token=").unwrap().1.to_owned();
+        Self { place, address, url, owner, stop: Some(stop), thread }
+    }
+
+    /// The folder of the project `project`.
+    pub(crate) fn project(&self) -> PathBuf {
+        self.place.path().join("project")
+    }
+
+    /// The folder of runs.
+    pub(crate) fn runs(&self) -> PathBuf {
+        self.place.path().join("runs")
+    }
+
+    /// The server's own folder.
+    pub(crate) fn state(&self) -> PathBuf {
+        self.place.path().join("state")
+    }
+
+    pub(crate) fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Scheme, name and port.
+    pub(crate) fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// A token of somebody with this role.
+    pub(crate) fn token(&self, _role: Role) -> &str {
+        &self.owner
+    }
+
+    /// Asks as somebody with this role, or as nobody.
+    pub(crate) fn call(
+        &self,
+        role: Option<Role>,
+        method: &str,
+        path: &str,
+        body: Option<&Value>,
+    ) -> Answer {
+        let token = role.map(|role| self.token(role));
+        self.ask(token, method, path, body)
+    }
+
+    /// Asks with this token.
+    pub(crate) fn ask(
+        &self,
+        token: Option<&str>,
+        method: &str,
+        path: &str,
+        body: Option<&Value>,
+    ) -> Answer {
+        let uri = format!("{}{path}", self.url);
+        let mut request = ureq::http::Request::builder().method(method).uri(uri);
+        if let Some(token) = token {
+            request = request.header("Authorization", format!("Bearer {token}"));
+        }
+        let text = body.map(Value::to_string).unwrap_or_default();
+        if body.is_some() {
+            request = request.header("Content-Type", "application/json");
+        }
+        Answer::of(agent().run(request.body(text).unwrap()).unwrap())
+    }
+
+    /// Ends the server; its folders stay.
+    pub(crate) fn end(mut self) -> TempDir {
+        self.stop();
+        std::mem::replace(&mut self.place, tempfile::tempdir().unwrap())
+    }
+
+    fn stop(&mut self) {
+        if let Some(stop) = self.stop.take() {
+            stop.send(()).unwrap_or_default();
+        }
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
+}
+
+impl Drop for House {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+impl Answer {
+    fn of(response: ureq::http::Response<ureq::Body>) -> Self {
+        let (head, body) = response.into_parts();
+        let header = |(name, value): (&ureq::http::HeaderName, &ureq::http::HeaderValue)| {
+            (name.as_str().to_owned(), value.to_str().unwrap().to_owned())
+        };
+        let headers = head.headers.iter().map(header).collect();
+        let text = body.into_with_config().limit(u64::MAX).read_to_string().unwrap();
+        Self { status: head.status.as_u16(), headers, text }
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_str(&self.text).unwrap_or_else(|_| panic!("no JSON: {self:?}"))
+    }
+
+    /// The header of this name, in lower case.
+    pub(crate) fn header(&self, name: &str) -> Option<&str> {
+        self.headers.iter().find(|header| header.0 == name).map(|header| header.1.as_str())
+    }
+
+    /// Status and, if it is a refusal, its code.
+    pub(crate) fn said(&self) -> String {
+        let refusal = serde_json::from_str::<Value>(&self.text).ok();
+        let code = refusal.as_ref().and_then(|refusal| refusal["code"].as_str()).unwrap_or("");
+        format!("{} {code}", self.status).trim_end().to_owned()
+    }
+}
+
+fn settings(place: &Path, change: impl FnOnce(&mut Settings)) -> Settings {
+    let project = place.join("project");
+    std::fs::create_dir_all(&project).unwrap();
+    let mut settings = Settings::new(place.join("state"), place.join("runs"));
+    settings.projects = vec![project];
+    settings.config = Some(config(place));
+    settings.surroundings.home = Some(place.to_owned());
+    settings.listen.address = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
+    change(&mut settings);
+    settings
+}
+
+/// A configuration without libraries, so that none of the user's counts.
+fn config(place: &Path) -> PathBuf {
+    let file = place.join("config.yaml");
+    std::fs::write(&file, "TYPE: SM_CONFIG\nLIBRARY_PATHS: {}\n").unwrap();
+    file
+}
+
+/// A client that takes every answer as it is.
+fn agent() -> ureq::Agent {
+    let config = ureq::Agent::config_builder().http_status_as_error(false).max_redirects(0);
+    config.build().into()
+}

@@ -1,0 +1,4 @@
+//! The server as its clients meet it: over HTTP, in a process of its own kind.
+
+mod access;
+mod harness;
