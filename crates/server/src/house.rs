@@ -2,6 +2,7 @@
 
 use crate::Settings;
 use crate::access::{Names, People, PrivateError};
+use crate::history::History;
 use crate::news::News;
 use crate::projects::Projects;
 use std::sync::{Arc, OnceLock};
@@ -20,6 +21,8 @@ pub struct House {
     closing: watch::Sender<bool>,
     /// What wakes whoever follows the house.
     pub(crate) news: News,
+    /// What runs leave.
+    pub(crate) history: History,
     /// The folders with machines, and the libraries.
     pub(crate) projects: Projects,
 }
@@ -40,6 +43,7 @@ impl House {
             names: OnceLock::new(),
             closing: watch::Sender::new(false),
             news: News::default(),
+            history: History::default(),
             projects: Projects::new(&settings),
             settings,
         }))

@@ -8,6 +8,7 @@ pub mod access;
 mod blocking;
 mod extract;
 mod failure;
+mod history;
 mod house;
 mod listen;
 mod log;

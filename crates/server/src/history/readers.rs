@@ -1,0 +1,182 @@
+//! Open journals for whoever reads: opening one takes longer than reading a page of it. At most so many are open at a time,
+//! however many clients follow however many runs.
+//!
+//! Knows when an open journal does not say any more what lies on disk. Must never know what it is read for.
+
+use crate::Failure;
+use crate::blocking::blocking;
+use parking_lot::Mutex;
+use rafcon_storage::journal::folder::{DATABASE_FILE, RECORDER_FILE};
+use rafcon_storage::journal::{JournalError, Reader, writer_of};
+use std::collections::VecDeque;
+use std::fs;
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+use tokio::sync::Semaphore;
+
+/// So many read at a time; others wait for their turn.
+const AT_ONCE: usize = 8;
+/// So many journals stay open for the next who asks.
+const IDLE: usize = 16;
+
+/// Open journals.
+#[derive(Debug)]
+pub(crate) struct Readers {
+    turns: Arc<Semaphore>,
+    /// The one that was used last is at the back.
+    idle: Mutex<VecDeque<Open>>,
+}
+
+#[derive(Debug)]
+struct Open {
+    folder: PathBuf,
+    mark: Mark,
+    reader: Reader,
+}
+
+/// By what it is known that what was read of a journal still holds: its writer is the same, or it has the same leftovers.
+#[derive(Debug, PartialEq, Eq)]
+struct Mark {
+    writer: Option<u32>,
+    database: Option<u64>,
+    leftovers: Option<(u64, SystemTime)>,
+}
+
+impl Mark {
+    fn of(folder: &Path) -> Result<Self, JournalError> {
+        let writer = writer_of(folder)?;
+        let database = fs::metadata(folder.join(DATABASE_FILE)).ok().map(|it| it.ino());
+        let recorder = || fs::metadata(folder.join(RECORDER_FILE)).ok();
+        let leftovers = if writer.is_some() { None } else { recorder() };
+        let leftovers = leftovers.and_then(|it| Some((it.ino(), it.modified().ok()?)));
+        Ok(Self { writer, database, leftovers })
+    }
+}
+
+impl Default for Readers {
+    fn default() -> Self {
+        Self { turns: Arc::new(Semaphore::new(AT_ONCE)), idle: Mutex::default() }
+    }
+}
+
+impl Readers {
+    /// Does something with the journal in the folder of a run, on a thread that may wait.
+    pub(crate) async fn read<T: Send + 'static>(
+        self: &Arc<Self>,
+        folder: PathBuf,
+        work: impl FnOnce(&mut Reader) -> Result<T, Failure> + Send + 'static,
+    ) -> Result<T, Failure> {
+        // Kept by the work, not by the request: this may be given up in the middle.
+        let turn = Arc::clone(&self.turns).acquire_owned().await.ok();
+        let readers = Arc::clone(self);
+        blocking(move || {
+            let _turn = turn;
+            readers.with(&folder, work)
+        })
+        .await
+    }
+
+    /// The same on this thread.
+    pub(crate) fn with<T>(
+        &self,
+        folder: &Path,
+        work: impl FnOnce(&mut Reader) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        let mut open = self.take(folder)?;
+        let done = work(&mut open.reader)?;
+        // One that failed is not kept.
+        self.put(open);
+        Ok(done)
+    }
+
+    /// Closes the journal in a folder that is about to go.
+    pub(crate) fn forget(&self, folder: &Path) {
+        self.idle.lock().retain(|open| open.folder != folder);
+    }
+
+    fn take(&self, folder: &Path) -> Result<Open, JournalError> {
+        // Asked before the journal is opened: what changes in between is noticed next time.
+        let mark = Mark::of(folder)?;
+        let known = self.take_idle(folder).filter(|open| open.mark == mark);
+        if let Some(open) = known {
+            return Ok(open);
+        }
+        Ok(Open { folder: folder.to_owned(), mark, reader: Reader::open(folder)? })
+    }
+
+    fn take_idle(&self, folder: &Path) -> Option<Open> {
+        let mut idle = self.idle.lock();
+        let index = idle.iter().rposition(|open| open.folder == folder)?;
+        idle.remove(index)
+    }
+
+    fn put(&self, open: Open) {
+        let mut idle = self.idle.lock();
+        idle.push_back(open);
+        let oldest = if idle.len() > IDLE { idle.pop_front() } else { None };
+        drop(idle);
+        // Closed with nobody waiting for the lock.
+        drop(oldest);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{IDLE, Readers};
+    use crate::Failure;
+    use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
+    use std::path::Path;
+
+    const MACHINE: &str = "place R \"Root\" outcome done\n";
+
+    fn begin(folder: &Path) -> Journal {
+        let about = About { name: "test".to_owned(), ..About::default() };
+        let options = Options { recorder_bytes: 1 << 16, ..Options::default() };
+        Journal::create(folder, &about, &options).unwrap()
+    }
+
+    fn append(journal: &Journal, text: &str) {
+        journal.append(&notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
+    }
+
+    fn last(reader: &mut Reader) -> Result<u64, Failure> {
+        Ok(reader.last_sequence()?)
+    }
+
+    #[test]
+    fn what_a_runner_leaves_is_seen_though_its_journal_was_open_before_it_died() {
+        let folder = tempfile::tempdir().unwrap();
+        let readers = Readers::default();
+        let journal = begin(folder.path());
+        append(&journal, "enter R");
+        journal.commit().unwrap();
+        assert_eq!(readers.with(folder.path(), last), Ok(1));
+        append(&journal, "leave R done");
+        assert_eq!(readers.with(folder.path(), last), Ok(1));
+        drop(journal);
+        assert_eq!(readers.with(folder.path(), last), Ok(2));
+        let (journal, _) = Journal::take_up(folder.path(), &Options::default()).unwrap();
+        append(&journal, "enter R");
+        journal.commit().unwrap();
+        assert_eq!(readers.with(folder.path(), last), Ok(3));
+        journal.close().unwrap();
+        assert_eq!(readers.with(folder.path(), last), Ok(3));
+    }
+
+    #[test]
+    fn so_many_journals_are_open_and_no_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let readers = Readers::default();
+        for number in 0..IDLE + 3 {
+            let run = folder.path().join(number.to_string());
+            begin(&run).close().unwrap();
+            assert_eq!(readers.with(&run, last), Ok(0));
+            assert_eq!(readers.with(&run, last), Ok(0));
+        }
+        assert_eq!(readers.idle.lock().len(), IDLE);
+        readers.forget(&folder.path().join("5"));
+        assert_eq!(readers.idle.lock().len(), IDLE - 1);
+    }
+}

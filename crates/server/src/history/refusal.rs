@@ -1,0 +1,71 @@
+//! What is wrong with a journal, as the answer to a request. Knows both vocabularies.
+
+use crate::Failure;
+use axum::http::StatusCode;
+use rafcon_storage::journal::JournalError;
+use std::error::Error;
+
+impl From<JournalError> for Failure {
+    fn from(error: JournalError) -> Self {
+        let (status, code) = match &error {
+            JournalError::NoRun { .. } => (StatusCode::NOT_FOUND, "no_journal"),
+            JournalError::GivenUp { .. } => (StatusCode::NOT_FOUND, "given_up"),
+            JournalError::Going { .. } => (StatusCode::CONFLICT, "run_goes_on"),
+            JournalError::Exists { .. } => (StatusCode::CONFLICT, "run_exists"),
+            JournalError::Damaged { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "journal_damaged"),
+            JournalError::Newer { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "journal_too_new"),
+            JournalError::DiskFull { .. }
+            | JournalError::ReadOnly { .. }
+            | JournalError::Io { .. }
+            | JournalError::Database { .. } => {
+                (StatusCode::SERVICE_UNAVAILABLE, "journal_unreadable")
+            }
+        };
+        Self::new(status, code, with_causes(&error))
+    }
+}
+
+/// An error and what it comes from, on one line.
+pub(super) fn with_causes(error: &(dyn Error + 'static)) -> String {
+    let causes = std::iter::successors(error.source(), |cause| (*cause).source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Failure;
+    use expect_test::{Expect, expect};
+    use rafcon_storage::journal::{Doing, JournalError};
+    use std::io;
+    use std::path::PathBuf;
+
+    fn check(error: JournalError, expect: &Expect) {
+        let failure = Failure::from(error);
+        let refusal = failure.refusal();
+        expect.assert_eq(&format!("{} {}: {}", failure.status(), refusal.code, refusal.message));
+    }
+
+    #[test]
+    fn a_journal_that_cannot_be_read_is_an_answer() {
+        let path = PathBuf::from("r/journal.db");
+        check(
+            JournalError::NoRun { folder: "r".into(), file: "run.json" },
+            &expect![
+                "404 Not Found no_journal: there is no run in r: it has no run.json; `rafcon runs` lists all runs"
+            ],
+        );
+        check(
+            JournalError::Damaged { path: path.clone(), what: "event 3: a tag".to_owned() },
+            &expect![
+                "422 Unprocessable Entity journal_damaged: r/journal.db is damaged: event 3: a tag; `rafcon history` shows what can still be read"
+            ],
+        );
+        let source = io::Error::from(io::ErrorKind::PermissionDenied);
+        check(
+            JournalError::Io { path, doing: Doing::Read, source },
+            &expect![
+                "503 Service Unavailable journal_unreadable: cannot read r/journal.db: check the disk and the permissions: permission denied"
+            ],
+        );
+    }
+}
