@@ -16,6 +16,7 @@ mod news;
 mod projects;
 mod router;
 pub mod settings;
+mod socket;
 
 pub use failure::Failure;
 pub use house::{House, HouseError};

@@ -1,0 +1,172 @@
+//! What a client's frames ask for: text in, one thing to do out. Pure: knows frames, numbers of subscriptions and rights; must
+//! never know connections, runs or machines.
+
+use super::words::{ended, refused};
+use crate::Failure;
+use crate::access::{Who, of_frame};
+use axum::http::StatusCode;
+use rafcon_protocol::Envelope;
+use rafcon_protocol::api::{EditMachine, Undo};
+use rafcon_protocol::socket::{ToClient, ToServer, Topic};
+use std::collections::BTreeSet;
+
+/// So many subscriptions one connection may have at a time.
+pub(super) const SUBSCRIPTIONS_MAX: usize = 64;
+/// So many states somebody may have selected, as the others are told.
+const SELECTION_MAX: usize = 1000;
+
+/// What is to be done about a frame.
+#[derive(Debug, PartialEq)]
+pub(super) enum Act {
+    /// Tell the client this.
+    Tell(ToClient),
+    /// Begin a subscription.
+    Begin(u32, Topic),
+    /// Give one up, and tell the client.
+    GiveUp(u32),
+    /// Carry a command out.
+    Command {
+        /// The run's id.
+        run: String,
+        /// The command.
+        envelope: Box<Envelope>,
+    },
+    /// Change an open machine.
+    Change {
+        /// The machine's id.
+        machine: String,
+        /// How.
+        step: Step,
+    },
+    /// Tell the others what this client looks at.
+    Look {
+        /// The machine's id.
+        machine: String,
+        /// Paths of the selected states.
+        selection: Vec<String>,
+    },
+}
+
+/// A change of an open machine.
+#[derive(Debug, PartialEq)]
+pub(super) enum Step {
+    /// An edit.
+    Edit(EditMachine),
+    /// One's own last step back.
+    Undo(Undo),
+    /// One's own last step again.
+    Redo(Undo),
+}
+
+/// What one client has asked for so far.
+#[derive(Debug, Default)]
+pub(super) struct Session {
+    subscriptions: BTreeSet<u32>,
+}
+
+impl Session {
+    /// What a text frame asks for. `now_ms` is the time: ms since 1970, UTC.
+    pub(super) fn hear(&mut self, text: &str, who: &Who, now_ms: u64) -> Act {
+        let frame = match serde_json::from_str::<ToServer>(text) {
+            Ok(frame) => frame,
+            Err(error) => return Act::Tell(not_a_frame(text, &error)),
+        };
+        if let Err(failure) = who.must(of_frame(&frame)) {
+            return Act::Tell(not_yours(&frame, &failure));
+        }
+        match frame {
+            ToServer::Subscribe { subscription, topic } => self.subscribe(subscription, topic),
+            ToServer::Unsubscribe { subscription } => {
+                self.subscriptions.remove(&subscription);
+                Act::GiveUp(subscription)
+            }
+            ToServer::Command { run, envelope } => {
+                Act::Command { run, envelope: Box::new(envelope) }
+            }
+            ToServer::Edit { machine, edit } => Act::Change { machine, step: Step::Edit(edit) },
+            ToServer::Undo { machine, undo } => Act::Change { machine, step: Step::Undo(undo) },
+            ToServer::Redo { machine, redo } => Act::Change { machine, step: Step::Redo(redo) },
+            ToServer::Presence { machine, selection } => look(machine, selection),
+            ToServer::Ping { id } => Act::Tell(ToClient::Pong { id, now_ms }),
+        }
+    }
+
+    fn subscribe(&mut self, subscription: u32, topic: Topic) -> Act {
+        if self.subscriptions.contains(&subscription) {
+            return Act::Tell(refused(None, &in_use(subscription)));
+        }
+        if self.subscriptions.len() >= SUBSCRIPTIONS_MAX {
+            return Act::Tell(ended(subscription, Some(&too_many())));
+        }
+        self.subscriptions.insert(subscription);
+        Act::Begin(subscription, topic)
+    }
+
+    /// A subscription has come to its end: its number is free again.
+    pub(super) fn ended(&mut self, subscription: u32) {
+        self.subscriptions.remove(&subscription);
+    }
+}
+
+/// What is answered to a binary frame.
+pub(super) fn binary() -> ToClient {
+    let message = "this was a binary frame: send each JSON object as a text frame";
+    refused(None, &Failure::bad("binary_frame", message))
+}
+
+fn look(machine: String, selection: Vec<String>) -> Act {
+    if selection.len() <= SELECTION_MAX {
+        return Act::Look { machine, selection };
+    }
+    let message = format!(
+        "{} states are selected in machine {machine}: tell of at most {SELECTION_MAX}",
+        selection.len()
+    );
+    Act::Tell(refused(None, &Failure::bad("too_many_selected", message)))
+}
+
+fn in_use(subscription: u32) -> Failure {
+    let message = format!(
+        "subscription {subscription} is there already: unsubscribe it first, or choose another number"
+    );
+    Failure::conflict("subscription_in_use", message)
+}
+
+fn too_many() -> Failure {
+    let message = format!(
+        "this connection has {SUBSCRIPTIONS_MAX} subscriptions, and that is the most: give one up first"
+    );
+    Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_subscriptions", message)
+}
+
+fn not_a_frame(text: &str, error: &serde_json::Error) -> ToClient {
+    let beginning: String = text.chars().take(80).collect();
+    let message = format!(
+        "not a frame: {error}, in {beginning:?}; docs/protocol.md lists the frames that there are"
+    );
+    refused(id_in(text), &Failure::bad("bad_frame", message))
+}
+
+/// The id that whoever sent something broken waits for.
+fn id_in(text: &str) -> Option<String> {
+    let frame: serde_json::Value = serde_json::from_str(text).ok()?;
+    let parts = ["envelope", "edit", "undo", "redo"];
+    let id = parts.iter().find_map(|part| frame.get(part)?.get("id")?.as_str());
+    id.map(str::to_owned)
+}
+
+fn not_yours(frame: &ToServer, failure: &Failure) -> ToClient {
+    let id = match frame {
+        ToServer::Command { envelope, .. } => Some(&envelope.id),
+        ToServer::Edit { edit, .. } => Some(&edit.id),
+        ToServer::Undo { undo: step, .. } | ToServer::Redo { redo: step, .. } => Some(&step.id),
+        ToServer::Subscribe { .. }
+        | ToServer::Unsubscribe { .. }
+        | ToServer::Presence { .. }
+        | ToServer::Ping { .. } => None,
+    };
+    refused(id.cloned(), failure)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+//! Frames in, what is to be done out: a line each.
+
+use super::{Act, SUBSCRIPTIONS_MAX, Session};
+use crate::access::{Credential, Who};
+use crate::socket::words;
+use expect_test::{Expect, expect};
+use proptest::prelude::*;
+use rafcon_protocol::api::Role;
+
+fn who(role: Role) -> Who {
+    Who { user: "ana".to_owned(), role, expires_ms: None, by: Credential::Owner }
+}
+
+/// What the frames ask for, a line each, and of what is told the text.
+fn hear(session: &mut Session, role: Role, frames: &str) -> String {
+    let frames = frames.lines().map(str::trim).filter(|frame| !frame.is_empty());
+    let acts = frames.map(|frame| match session.hear(frame, &who(role), 5) {
+        Act::Tell(frame) => words::text(&frame) + "\n",
+        act => format!("{act:?}\n"),
+    });
+    acts.collect()
+}
+
+fn check(role: Role, frames: &str, expect: &Expect) {
+    expect.assert_eq(&hear(&mut Session::default(), role, frames));
+}
+
+#[test]
+fn a_number_is_one_subscription_at_a_time() {
+    check(
+        Role::Viewer,
+        r#"
+            {"frame":"subscribe","subscription":1,"topic":{"topic":"run_history","run":"r","from":7,"values":true}}
+            {"frame":"subscribe","subscription":1,"topic":{"topic":"house_status"}}
+            {"frame":"unsubscribe","subscription":1}
+            {"frame":"subscribe","subscription":1,"topic":{"topic":"house_status"}}
+        "#,
+        &expect![[r#"
+            Begin(1, RunHistory { run: "r", from: 7, values: true })
+            {"frame":"refused","id":null,"refusal":{"code":"subscription_in_use","message":"subscription 1 is there already: unsubscribe it first, or choose another number"}}
+            GiveUp(1)
+            Begin(1, HouseStatus)
+        "#]],
+    );
+}
+
+#[test]
+fn subscriptions_are_limited() {
+    let mut session = Session::default();
+    let subscribe = |number: usize| {
+        format!(
+            r#"{{"frame":"subscribe","subscription":{number},"topic":{{"topic":"house_status"}}}}"#
+        )
+    };
+    for number in 0..SUBSCRIPTIONS_MAX {
+        hear(&mut session, Role::Viewer, &subscribe(number));
+    }
+    expect![[r#"
+        {"frame":"ended","subscription":900,"refusal":{"code":"too_many_subscriptions","message":"this connection has 64 subscriptions, and that is the most: give one up first"}}
+    "#]]
+    .assert_eq(&hear(&mut session, Role::Viewer, &subscribe(900)));
+    session.ended(3);
+    expect![[r#"
+        Begin(900, HouseStatus)
+    "#]]
+    .assert_eq(&hear(&mut session, Role::Viewer, &subscribe(900)));
+}
+
+#[test]
+fn a_ping_is_answered_with_the_time() {
+    check(
+        Role::Viewer,
+        r#"{"frame":"ping","id":3}"#,
+        &expect![[r#"
+            {"frame":"pong","id":3,"now_ms":5}
+        "#]],
+    );
+}
+
+#[test]
+fn what_is_no_frame_is_refused_with_its_id() {
+    check(
+        Role::Admin,
+        r#"
+            hallo
+            {"frame":"dance"}
+            {"frame":"command","run":"r","envelope":{"id":"c1","command":{"type":"fly"}}}
+            {"frame":"edit","machine":"m","edit":{"id":"e1"}}
+        "#,
+        &expect![[r#"
+            {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: expected value at line 1 column 1, in \"hallo\"; docs/protocol.md lists the frames that there are"}}
+            {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: unknown variant `dance`, expected one of `subscribe`, `unsubscribe`, `command`, `edit`, `undo`, `redo`, `presence`, `ping` at line 1 column 16, in \"{\\\"frame\\\":\\\"dance\\\"}\"; docs/protocol.md lists the frames that there are"}}
+            {"frame":"refused","id":"c1","refusal":{"code":"bad_frame","message":"not a frame: unknown variant `fly`, expected one of `start`, `pause`, `resume`, `stop`, `kill`, `step_mode`, `step_into`, `step_over`, `step_out`, `step_back`, `run_to`, `run_selected`, `run_only_selected`, `start_from_history`, `force_outcome`, `preempt`, `set_breakpoint`, `remove_breakpoint`, `answer_question`, `recover`, `reload`, `edit_script`, in \"{\\\"frame\\\":\\\"command\\\",\\\"run\\\":\\\"r\\\",\\\"envelope\\\":{\\\"id\\\":\\\"c1\\\",\\\"command\\\":{\\\"type\\\":\\\"fly\\\"}}}\"; docs/protocol.md lists the frames that there are"}}
+            {"frame":"refused","id":"e1","refusal":{"code":"bad_frame","message":"not a frame: missing field `name`, in \"{\\\"frame\\\":\\\"edit\\\",\\\"machine\\\":\\\"m\\\",\\\"edit\\\":{\\\"id\\\":\\\"e1\\\"}}\"; docs/protocol.md lists the frames that there are"}}
+        "#]],
+    );
+}
+
+#[test]
+fn commands_and_edits_need_their_rights() {
+    let frames = r#"
+        {"frame":"command","run":"r","envelope":{"id":"c1","command":{"type":"pause"}}}
+        {"frame":"command","run":"r","envelope":{"id":"c2","command":{"type":"edit_script","path":"a","script":""}}}
+        {"frame":"undo","machine":"m","undo":{"id":"u1"}}
+        {"frame":"presence","machine":"m","selection":["a/b"]}
+    "#;
+    check(
+        Role::Viewer,
+        frames,
+        &expect![[r#"
+        {"frame":"refused","id":"c1","refusal":{"code":"not_your_right","message":"ana is viewer here, and this needs the right to command: ask an admin for another role"}}
+        {"frame":"refused","id":"c2","refusal":{"code":"not_your_right","message":"ana is viewer here, and this needs the right to edit: ask an admin for another role"}}
+        {"frame":"refused","id":"u1","refusal":{"code":"not_your_right","message":"ana is viewer here, and this needs the right to edit: ask an admin for another role"}}
+        Look { machine: "m", selection: ["a/b"] }
+    "#]],
+    );
+    check(
+        Role::Operator,
+        frames,
+        &expect![[r#"
+        Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, command: Pause } }
+        {"frame":"refused","id":"c2","refusal":{"code":"not_your_right","message":"ana is operator here, and this needs the right to edit: ask an admin for another role"}}
+        {"frame":"refused","id":"u1","refusal":{"code":"not_your_right","message":"ana is operator here, and this needs the right to edit: ask an admin for another role"}}
+        Look { machine: "m", selection: ["a/b"] }
+    "#]],
+    );
+    check(
+        Role::Engineer,
+        frames,
+        &expect![[r#"
+        Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, command: Pause } }
+        Command { run: "r", envelope: Envelope { id: "c2", author: "", decided_on: None, expiry: None, command: EditScript { path: "a", script: "" } } }
+        Change { machine: "m", step: Undo(Undo { id: "u1" }) }
+        Look { machine: "m", selection: ["a/b"] }
+    "#]],
+    );
+}
+
+/// Frames that are right, to be changed somewhere.
+const RIGHT: [&str; 5] = [
+    r#"{"frame":"subscribe","subscription":1,"topic":{"topic":"run_history","run":"r","from":7}}"#,
+    r#"{"frame":"unsubscribe","subscription":1}"#,
+    r#"{"frame":"command","run":"r","envelope":{"id":"c1","command":{"type":"pause"}}}"#,
+    r#"{"frame":"edit","machine":"m","edit":{"id":"e1","name":"Rename","edit":{}}}"#,
+    r#"{"frame":"ping","id":3}"#,
+];
+
+/// Something is told, or something is to be done; a subscription is begun only under a number that is free.
+fn any_frame_is_answered(frames: &[String]) {
+    let mut session = Session::default();
+    let mut begun = std::collections::BTreeSet::new();
+    for frame in frames {
+        match session.hear(frame, &who(Role::Admin), 5) {
+            Act::Begin(subscription, _) => assert!(begun.insert(subscription)),
+            Act::GiveUp(subscription) => drop(begun.remove(&subscription)),
+            Act::Tell(frame) => assert!(words::text(&frame).starts_with(r#"{"frame":""#)),
+            Act::Command { .. } | Act::Change { .. } | Act::Look { .. } => {}
+        }
+        assert!(begun.len() <= SUBSCRIPTIONS_MAX);
+    }
+}
+
+/// A right frame with some of its characters replaced, doubled or left out.
+fn nearly_right() -> impl Strategy<Value = String> {
+    let change = (
+        any::<prop::sample::Index>(),
+        prop::sample::select(vec!["", "\"", "{", "}", "0", "\u{0}", "é", ","]),
+    );
+    (prop::sample::select(&RIGHT[..]), prop::collection::vec(change, 0..4)).prop_map(
+        |(frame, changes)| {
+            let mut characters: Vec<String> = frame.chars().map(String::from).collect();
+            for (index, with) in changes {
+                let at = index.index(characters.len());
+                characters[at] = with.to_owned();
+            }
+            characters.concat()
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn mutilated_frames_are_answered(frames in prop::collection::vec(nearly_right(), 1..20)) {
+        any_frame_is_answered(&frames);
+    }
+
+    #[test]
+    fn texts_are_answered(frames in prop::collection::vec(".{0,60}|[{}\\[\\]\":,a-z0-9]{0,60}", 1..20)) {
+        any_frame_is_answered(&frames);
+    }
+}
