@@ -1,7 +1,7 @@
 //! How a subscription is told: when there is something, when it is due, and when there is room. Knows frames as text and the
 //! outbox; must never know what they are about.
 
-use super::outbox::{Lane, Outbox};
+use super::outbox::{Lane, Outbox, Ticket};
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
@@ -33,27 +33,43 @@ pub(super) trait Feed: Send {
 }
 
 /// Tells a subscription until nothing more will come.
-pub(super) async fn tell(mut feed: impl Feed, outbox: &Outbox) {
-    let mut due = Instant::now();
-    while step(&mut feed, outbox, &mut due).await {}
+pub(super) async fn tell(feed: impl Feed, outbox: &Outbox) {
+    let (due, last) = (Instant::now(), Ticket::default());
+    let mut telling = Telling { feed, outbox, due, last };
+    while telling.step().await {}
 }
 
-/// One frame, or none; false after the last.
-async fn step<F: Feed>(feed: &mut F, outbox: &Outbox, due: &mut Instant) -> bool {
-    feed.ready().await;
-    sleep_until(*due).await;
-    let Ok(_turn) = outbox.turn(F::LANE).await else { return false };
-    match feed.take().await {
-        Told::Now(frame) => {
-            *due = Instant::now() + F::EVERY;
-            outbox.push(frame);
-        }
-        Told::Part(frame) => outbox.push(frame),
-        Told::Nothing => {}
-        Told::Last(frame) => {
-            outbox.push(frame);
-            return false;
-        }
-    }
-    true
+struct Telling<'o, F> {
+    feed: F,
+    outbox: &'o Outbox,
+    /// When the next frame may come.
+    due: Instant,
+    /// The last frame: the next one is made when the client has taken it.
+    last: Ticket,
 }
+
+impl<F: Feed> Telling<'_, F> {
+    /// One frame, or none; false after the last.
+    async fn step(&mut self) -> bool {
+        self.feed.ready().await;
+        sleep_until(self.due).await;
+        self.outbox.taken(self.last).await;
+        let Ok(_turn) = self.outbox.turn(F::LANE).await else { return false };
+        match self.feed.take().await {
+            Told::Now(frame) => {
+                self.due = Instant::now() + F::EVERY;
+                self.last = self.outbox.push(frame);
+            }
+            Told::Part(frame) => self.last = self.outbox.push(frame),
+            Told::Nothing => {}
+            Told::Last(frame) => {
+                self.outbox.push(frame);
+                return false;
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -17,13 +17,23 @@ pub(super) enum Lane {
     Status,
 }
 
+/// How many bytes were put in so far, and how many of them the client has taken.
+#[derive(Debug, Clone, Copy, Default)]
+struct Flow {
+    put: usize,
+    sent: usize,
+}
+
+/// By which it is known when a frame was taken.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Ticket(usize);
+
 /// The frames that one client has not taken yet.
 #[derive(Debug)]
 pub(super) struct Outbox {
     frames: Mutex<VecDeque<Message>>,
     filled: Notify,
-    /// Bytes that were put in and that the client has not taken.
-    bytes: watch::Sender<usize>,
+    flow: watch::Sender<Flow>,
     history: Semaphore,
     status: Semaphore,
 }
@@ -33,15 +43,15 @@ impl Outbox {
         Self {
             frames: Mutex::default(),
             filled: Notify::new(),
-            bytes: watch::Sender::new(0),
+            flow: watch::Sender::default(),
             history: Semaphore::new(1),
             status: Semaphore::new(1),
         }
     }
 
     /// Puts a text frame in, whether there is room or not: answers are bounded by what was asked.
-    pub(super) fn push(&self, text: impl Into<Utf8Bytes>) {
-        self.put(Message::Text(text.into()));
+    pub(super) fn push(&self, text: impl Into<Utf8Bytes>) -> Ticket {
+        self.put(Message::Text(text.into()))
     }
 
     /// Asks whether the other side is there.
@@ -52,20 +62,35 @@ impl Outbox {
     /// Puts the last frames in; what the client has not taken yet is left out.
     pub(super) fn farewell(&self, text: String, close: CloseFrame) {
         self.frames.lock().clear();
-        self.push(text);
+        self.put(Message::Text(text.into()));
         self.put(Message::Close(Some(close)));
     }
 
-    fn put(&self, frame: Message) {
-        self.bytes.send_modify(|bytes| *bytes += length(&frame));
-        self.frames.lock().push_back(frame);
+    fn put(&self, frame: Message) -> Ticket {
+        let mut frames = self.frames.lock();
+        let mut ticket = Ticket::default();
+        self.flow.send_modify(|flow| {
+            flow.put += length(&frame);
+            ticket = Ticket(flow.put);
+        });
+        frames.push_back(frame);
         self.filled.notify_one();
+        ticket
     }
 
     /// Waits until the client has taken enough of what was put in.
     pub(super) async fn room(&self) {
+        self.until(|flow| flow.put - flow.sent < FULL).await;
+    }
+
+    /// Waits until the client has taken a frame.
+    pub(super) async fn taken(&self, Ticket(end): Ticket) {
+        self.until(|flow| flow.sent >= end).await;
+    }
+
+    async fn until(&self, is_so: impl Fn(&Flow) -> bool) {
         // The sender lives as long as `self`, so that there is always an answer.
-        drop(self.bytes.subscribe().wait_for(|bytes| *bytes < FULL).await);
+        drop(self.flow.subscribe().wait_for(is_so).await);
     }
 
     /// Waits for room and for one's turn in a lane. Whoever has it puts one thing in and gives it back.
@@ -90,12 +115,14 @@ impl Outbox {
 
     /// So many bytes were taken.
     pub(super) fn sent(&self, bytes: usize) {
-        self.bytes.send_modify(|waiting| *waiting = waiting.saturating_sub(bytes));
+        self.flow.send_modify(|flow| flow.sent += bytes);
     }
 
     /// How many bytes are under way.
+    #[cfg(test)]
     pub(super) fn bytes(&self) -> usize {
-        *self.bytes.borrow()
+        let flow = *self.flow.borrow();
+        flow.put - flow.sent
     }
 }
 
