@@ -155,6 +155,13 @@ pub enum Command {
         /// The whole new text.
         script: String,
     },
+    /// Somebody else commands from now on. A runner notes it down and obeys whom it did before: who may command is for
+    /// whoever lets people in to decide.
+    Control {
+        /// The user; `None`: nobody.
+        #[serde(default)]
+        holder: Option<String>,
+    },
 }
 
 /// A value for an input port or scoped variable of one state.

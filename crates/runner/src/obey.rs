@@ -42,6 +42,8 @@ impl<S: Scripts> Driver<S> {
             Command::EditScript { path, script } => self.edit_script(path, script),
             Command::Reload { wait } => self.reload(*wait),
             Command::StartFromHistory { sequence } => self.start_from_history(*sequence),
+            // Noted down like every command: the journal says who commanded when.
+            Command::Control { .. } => Ok(()),
             command => self.input(self.input_of(command)?),
         }
     }
@@ -75,7 +77,8 @@ impl<S: Scripts> Driver<S> {
             | Command::RemoveBreakpoint { .. }
             | Command::AnswerQuestion { .. }
             | Command::Reload { .. }
-            | Command::EditScript { .. } => return Err("this command is no input".to_owned()),
+            | Command::EditScript { .. }
+            | Command::Control { .. } => return Err("this command is no input".to_owned()),
         })
     }
 

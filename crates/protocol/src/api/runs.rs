@@ -178,6 +178,37 @@ pub enum ControlMove {
     TakeOver,
 }
 
+/// Which active state is asked about.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
+#[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
+pub struct StateAt {
+    /// Its path: ids joined by `/`.
+    pub path: String,
+}
+
+/// How much of a run's output is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
+#[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
+pub struct OutputEnd {
+    /// So many of the last bytes; left out: 65,536; at most 1,048,576.
+    #[serde(default)]
+    pub bytes: Option<u64>,
+}
+
+/// The end of what a runner and its scripts wrote past the capture of script output.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct RunOutput {
+    /// The text; what is not UTF-8 is replaced.
+    pub text: String,
+    /// How many bytes come before it.
+    pub from: u64,
+    /// How many bytes there are in all.
+    pub bytes: u64,
+}
+
 /// What became of a command.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]

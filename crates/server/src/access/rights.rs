@@ -103,7 +103,8 @@ pub fn of_command(command: &Command) -> Right {
         | Command::SetBreakpoint { .. }
         | Command::RemoveBreakpoint { .. }
         | Command::AnswerQuestion { .. }
-        | Command::Recover { .. } => Right::Command,
+        | Command::Recover { .. }
+        | Command::Control { .. } => Right::Command,
     }
 }
 
