@@ -1,8 +1,10 @@
 //! What the server's HTTP requests and answers say. Knows words and shapes; must never know routes, sockets or files.
 
 mod files;
+mod history;
 mod house;
 mod machines;
+mod past;
 mod people;
 mod refusal;
 mod runs;
@@ -10,10 +12,18 @@ mod runs;
 pub use files::{
     FileNode, LibraryNode, LibraryNodeKind, LibraryRoot, MachineFile, NodeKind, Project, TreeFrom,
 };
+pub use history::{
+    EventDetail, EventQuery, ExportFormat, ExportQuery, KeptAs, KeptMachineQuery, KeptValue,
+    LogLine, LogPage, LogQuery, MomentQuery, NamedValue,
+};
 pub use house::{Health, HouseStatus};
 pub use machines::{
     CloseMachine, DiskState, EditMachine, MachineAt, MachineProblem, MachineStatus, MachineSummary,
     NewMachine, Presence, Revision, SaveMachine, Severity, Undo,
+};
+pub use past::{
+    Comparison, DataChange, DataKind, Happened, Holding, OutcomeCount, Parting, Picture,
+    PicturedEnd, PicturedState, StateStatistics, Statistics, TimeTaken, Timing,
 };
 pub use people::{
     ChangePassword, ChangeUser, Login, NewToken, NewUser, Right, Role, Session, TokenAbout,
@@ -21,6 +31,6 @@ pub use people::{
 };
 pub use refusal::Refusal;
 pub use runs::{
-    CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, Pruned, ResumeRun,
-    Retention, RunNow, RunPhase, RunSummary, StartRun,
+    CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, OutputEnd, Pruned,
+    ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun, StateAt,
 };

@@ -6,7 +6,8 @@ use crate::environment::Environment;
 use crate::runs;
 use crate::view::{Line, Style, counted, harmless, outcome_style, shown};
 use anyhow::Result;
-use rafcon_storage::journal::{self, Change, Comparison, Happened, Reader, Time, Timing};
+use rafcon_protocol::api::{Comparison, DataChange, Happened, TimeTaken, Timing};
+use rafcon_storage::journal::{self, Reader};
 use serde_json::Value;
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -81,8 +82,8 @@ fn happened(run: &str, step: Option<&Happened>) -> Line {
     line.and(Style::Dim, format!(" (event {}, after {at})", step.sequence))
 }
 
-fn change(change: &Change) -> [Line; 3] {
-    let Change { names, kind, port, .. } = change;
+fn change(change: &DataChange) -> [Line; 3] {
+    let DataChange { names, kind, port, .. } = change;
     let gap = if port.is_empty() { "" } else { " " };
     let value = |run: &str, value: &Option<Value>, sequence: u64| {
         let text = value.as_ref().map_or_else(|| "nothing".to_owned(), shown);
@@ -91,7 +92,10 @@ fn change(change: &Change) -> [Line; 3] {
             .and(Style::Dim, format!(" (event {sequence})"))
     };
     [
-        Line::of(Style::Plain, format!("  {}: {kind}{gap}{}", harmless(names), harmless(port))),
+        Line::of(
+            Style::Plain,
+            format!("  {}: {}{gap}{}", harmless(names), kind.word(), harmless(port)),
+        ),
         value("A", &change.one, change.one_sequence),
         value("B", &change.other, change.other_sequence),
     ]
@@ -109,7 +113,7 @@ fn of_state(timing: &Timing, width: usize) -> Line {
         .and(Style::Dim, text)
 }
 
-fn shown_time(time: Time) -> String {
+fn shown_time(time: TimeTaken) -> String {
     let total = Duration::from_nanos(time.total_ns);
     format!("{}x {:.3} s", time.count, total.as_secs_f64())
 }

@@ -2,8 +2,8 @@
 
 use crate::commands::kept::span;
 use crate::view::{Line, Style, counted, harmless, outcome_style, shown, time};
+use rafcon_protocol::api::{Picture, PicturedEnd, PicturedState};
 use rafcon_protocol::{RunStatus, Values};
-use rafcon_storage::journal::{Picture, PicturedEnd, PicturedState};
 use serde_json::Value;
 use std::time::Duration;
 

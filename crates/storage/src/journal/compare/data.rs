@@ -1,12 +1,12 @@
 //! Which values of two runs differ. Knows records of states that began or ended.
 
-use super::Change;
 use super::digest::Digests;
 use super::steps::{Did, Step};
 use crate::journal::error::JournalError;
 use crate::journal::filter::place_of;
 use crate::journal::reader::{Entry, Reader};
 use crate::journal::record::{Kept, Record};
+use rafcon_protocol::api::{DataChange, DataKind};
 use serde_json::Value;
 use smol_str::SmolStr;
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ pub(super) fn changes(
     one: &mut Reader,
     other: &mut Reader,
     pairs: &[(&Step, &Step)],
-) -> Result<Vec<Change>, JournalError> {
+) -> Result<Vec<DataChange>, JournalError> {
     let mut changes = Vec::new();
     let mut told = BTreeSet::new();
     for (x, y) in pairs {
@@ -44,7 +44,7 @@ struct Side<'r> {
     entry: &'r Entry,
     digests: Digests,
     /// Its values by kind and port.
-    values: Vec<(&'static str, SmolStr, &'r Kept)>,
+    values: Vec<(DataKind, SmolStr, &'r Kept)>,
 }
 
 impl<'r> Side<'r> {
@@ -56,10 +56,14 @@ impl<'r> Side<'r> {
             there.map(|(port, value)| (kind, port, value)).collect::<Vec<_>>()
         };
         let values = match (&entry.record, place) {
-            (Record::Entered { inputs, .. }, Some(place)) => named("input", &place.inputs, inputs),
+            (Record::Entered { inputs, .. }, Some(place)) => {
+                named(DataKind::Input, &place.inputs, inputs)
+            }
             (Record::Left { outputs, error, .. }, Some(place)) => {
-                let mut values = named("output", &place.outputs, outputs);
-                values.extend(error.as_ref().map(|error| ("error", SmolStr::default(), error)));
+                let mut values = named(DataKind::Output, &place.outputs, outputs);
+                values.extend(
+                    error.as_ref().map(|error| (DataKind::Error, SmolStr::default(), error)),
+                );
                 values
             }
             _ => Vec::new(),
@@ -67,7 +71,7 @@ impl<'r> Side<'r> {
         Self { reader, entry, digests: Digests::default(), values }
     }
 
-    fn value(&self, kind: &str, port: &str) -> Option<&'r Kept> {
+    fn value(&self, kind: DataKind, port: &str) -> Option<&'r Kept> {
         let found = self.values.iter().find(|(k, p, _)| *k == kind && p == port);
         found.map(|(_, _, value)| *value)
     }
@@ -81,11 +85,11 @@ impl<'r> Side<'r> {
     }
 }
 
-fn differences(x: &mut Side<'_>, y: &mut Side<'_>) -> Result<Vec<Change>, JournalError> {
-    let mut ports: Vec<(&'static str, SmolStr)> = Vec::new();
+fn differences(x: &mut Side<'_>, y: &mut Side<'_>) -> Result<Vec<DataChange>, JournalError> {
+    let mut ports: Vec<(DataKind, SmolStr)> = Vec::new();
     for (kind, port, _) in x.values.iter().chain(&y.values) {
-        if !ports.contains(&(kind, port.clone())) {
-            ports.push((kind, port.clone()));
+        if !ports.contains(&(*kind, port.clone())) {
+            ports.push((*kind, port.clone()));
         }
     }
     let place = place_of(&x.entry.record).and_then(|place| x.reader.known_places().get(place));
@@ -93,7 +97,7 @@ fn differences(x: &mut Side<'_>, y: &mut Side<'_>) -> Result<Vec<Change>, Journa
     for (kind, port) in ports {
         let (a, b) = (x.value(kind, &port), y.value(kind, &port));
         if x.digest(a)? != y.digest(b)? {
-            changes.push(Change {
+            changes.push(DataChange {
                 path: place.map(|place| place.path.clone()).unwrap_or_default(),
                 names: place.map(|place| place.names.clone()).unwrap_or_default(),
                 kind,

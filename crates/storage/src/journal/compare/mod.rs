@@ -10,97 +10,9 @@ mod tests;
 
 use super::error::JournalError;
 use super::reader::{Reader, outcome_of};
-use rafcon_protocol::Outcome;
-use serde::Serialize;
-use serde_json::Value;
+use rafcon_protocol::api::{Comparison, Happened, Parting, Timing};
 use std::collections::BTreeSet;
 use steps::{Did, Key, Keys, Step, Steps};
-
-/// What comparing two runs says.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// Entries and ends that are the same in both.
-    pub alike: u64,
-    /// Where the runs part first; `None` if they do not.
-    pub parted: Option<Parting>,
-    /// On how many branches they part.
-    pub branches_parted: usize,
-    /// Data that differed up to there: the first entry and the first end of each state at which it did.
-    pub changed: Vec<Change>,
-    /// How long each state was active.
-    pub timing: Vec<Timing>,
-}
-
-/// Where two runs part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Parting {
-    /// The branch: a child of a concurrency state, or the root.
-    pub branch: String,
-    /// What happened next in the one; nothing if it was over.
-    pub one: Option<Happened>,
-    /// What happened next in the other.
-    pub other: Option<Happened>,
-}
-
-/// An entry or end of a state.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Happened {
-    /// The event.
-    pub sequence: u64,
-    /// When, in ns since the start of the run.
-    pub t_ns: u64,
-    /// Ids joined by `/`.
-    pub path: String,
-    /// Names joined by `/`.
-    pub names: String,
-    /// How it ended; `None` if it was entered.
-    pub outcome: Option<Outcome>,
-    /// Whether it was a step back.
-    pub backwards: bool,
-}
-
-/// A value that differed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Change {
-    /// Ids joined by `/`.
-    pub path: String,
-    /// Names joined by `/`.
-    pub names: String,
-    /// `input`, `output` or `error`.
-    pub kind: &'static str,
-    /// The port's name.
-    pub port: String,
-    /// The event in the one.
-    pub one_sequence: u64,
-    /// The value in the one; `None` if there was none.
-    pub one: Option<Value>,
-    /// The event in the other.
-    pub other_sequence: u64,
-    /// The value in the other.
-    pub other: Option<Value>,
-}
-
-/// How long a state was active in each run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Timing {
-    /// Ids joined by `/`.
-    pub path: String,
-    /// Names joined by `/`.
-    pub names: String,
-    /// In the one.
-    pub one: Time,
-    /// In the other.
-    pub other: Time,
-}
-
-/// Time that a state took.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub struct Time {
-    /// How often it ran to its end.
-    pub count: u64,
-    /// All together, in ns.
-    pub total_ns: u64,
-}
 
 /// Compares two runs.
 pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, JournalError> {

@@ -1,12 +1,12 @@
 //! A run as the entries and ends of its states, sorted by branch. Knows which states ran side by side, not what they did.
 
-use super::Time;
 use super::digest::Digests;
 use crate::journal::error::JournalError;
 use crate::journal::places::Places;
 use crate::journal::reader::{Entry, Reader};
 use crate::journal::record::{PlaceNumber, Record};
 use rafcon_protocol::Event;
+use rafcon_protocol::api::TimeTaken;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 
@@ -77,7 +77,7 @@ pub(super) struct Steps {
     all: Vec<Step>,
     /// States of which several children were active at once.
     pub(super) side_by_side: BTreeSet<Key>,
-    pub(super) times: BTreeMap<Key, Time>,
+    pub(super) times: BTreeMap<Key, TimeTaken>,
 }
 
 /// Steps by the state at the top of their branch.

@@ -1,8 +1,9 @@
 //! Two journals from text, compared.
 
-use super::{Change, Comparison, Happened, Time, Timing, compare};
+use super::compare;
 use crate::journal::{About, Journal, Options, Reader, notation};
 use expect_test::{Expect, expect};
+use rafcon_protocol::api::{Comparison, DataChange, Happened, TimeTaken, Timing};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -43,11 +44,11 @@ fn shown(compared: &Comparison) -> String {
         writeln!(text, "on {}: {one} | {other}", parting.branch).unwrap();
     }
     for change in &compared.changed {
-        let Change { names, kind, port, one, other, .. } = change;
-        writeln!(text, "{names} {kind} {port}: {one:?} | {other:?}").unwrap();
+        let DataChange { names, kind, port, one, other, .. } = change;
+        writeln!(text, "{names} {} {port}: {one:?} | {other:?}", kind.word()).unwrap();
     }
     for Timing { path, one, other, .. } in &compared.timing {
-        let ms = |time: &Time| format!("{}x {} ms", time.count, time.total_ns / 1_000_000);
+        let ms = |time: &TimeTaken| format!("{}x {} ms", time.count, time.total_ns / 1_000_000);
         writeln!(text, "{path}: {} | {}", ms(one), ms(other)).unwrap();
     }
     text

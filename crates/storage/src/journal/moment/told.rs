@@ -3,6 +3,7 @@
 //! Knows the protocol's events. Must never know data of states.
 
 use super::Moment;
+use rafcon_protocol::api::Holding;
 use rafcon_protocol::{Answer, Breakpoint, Command, Event, HeldBy, Outcome, Question, RunStatus};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -28,17 +29,6 @@ pub struct Whole {
     pub held: Vec<Holding>,
     /// States that wait, by path, and for what.
     pub waiting: BTreeMap<String, String>,
-}
-
-/// A branch that is held.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Holding {
-    /// The container that is held.
-    pub path: String,
-    /// The state before which it is held.
-    pub next: Option<String>,
-    /// By what.
-    pub by: HeldBy,
 }
 
 impl Default for Whole {

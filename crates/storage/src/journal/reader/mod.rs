@@ -10,7 +10,6 @@ mod source;
 mod tests;
 
 pub(super) use event::outcome_of;
-pub use picture::{Picture, PicturedEnd, PicturedState};
 
 use super::about::About;
 use super::error::JournalError;

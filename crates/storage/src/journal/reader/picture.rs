@@ -3,84 +3,11 @@
 use super::Reader;
 use super::event::{name_of, outcome_of};
 use crate::journal::error::JournalError;
-use crate::journal::moment::{Ended, Holding, Moment, Standing, Variable};
+use crate::journal::moment::{Ended, Moment, Standing, Variable};
 use crate::journal::record::Kept;
-use rafcon_protocol::{Breakpoint, Outcome, Question, RunStatus, Values};
-use serde::Serialize;
-use serde_json::Value;
+use rafcon_protocol::Values;
+use rafcon_protocol::api::{Picture, PicturedEnd, PicturedState};
 use smol_str::SmolStr;
-use std::collections::BTreeMap;
-
-/// How a run stood at one event.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Picture {
-    /// The event.
-    pub sequence: u64,
-    /// When it happened, in ns since the start of the run.
-    pub t_ns: u64,
-    /// The run as a whole.
-    pub status: RunStatus,
-    /// How it ended, once it has.
-    pub outcome: Option<Outcome>,
-    /// Hash of the machine that it went by, if it was kept.
-    pub root: Option<String>,
-    /// How many runners there were.
-    pub life: u32,
-    /// States run so far.
-    pub states_run: u64,
-    /// Active states, each after the state around it.
-    pub active: Vec<PicturedState>,
-    /// Branches that are held.
-    pub held: Vec<Holding>,
-    /// States that wait, by path, and for what.
-    pub waiting: BTreeMap<String, String>,
-    /// Global variables by name.
-    pub globals: Values,
-    /// What states keep from one run to the next, by path.
-    pub persistent: Values,
-    /// All breakpoints.
-    pub breakpoints: Vec<Breakpoint>,
-    /// Questions without an answer.
-    pub questions: Vec<Question>,
-}
-
-/// One active state.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PicturedState {
-    /// Ids joined by `/`.
-    pub path: String,
-    /// Names joined by `/`.
-    pub names: String,
-    /// How many states are around it.
-    pub depth: usize,
-    /// The event that it was entered by.
-    pub entered: u64,
-    /// When it was entered, in ns since the start of the run.
-    pub since_ns: u64,
-    /// Its inputs by name; `None` if they were not kept.
-    pub inputs: Option<Values>,
-    /// Its scoped variables by name.
-    pub scoped: Values,
-    /// How its children ended last, in that order.
-    pub ended: Vec<PicturedEnd>,
-}
-
-/// How a child ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PicturedEnd {
-    /// Ids joined by `/`.
-    pub path: String,
-    /// Names joined by `/`.
-    pub names: String,
-    /// Its outcome.
-    pub outcome: Outcome,
-    /// Its outputs by name; `None` if they were not kept.
-    pub outputs: Option<Values>,
-    /// Its error, if it left one.
-    pub error: Option<Value>,
-    /// The event that says so.
-    pub sequence: u64,
-}
 
 type Found<T> = Result<T, JournalError>;
 

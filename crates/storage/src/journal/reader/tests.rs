@@ -1,8 +1,9 @@
 //! Journals from text, read as events and as moments.
 
-use super::{Picture, Reader};
+use super::Reader;
 use crate::journal::{About, Journal, Options, notation};
 use expect_test::{Expect, expect};
+use rafcon_protocol::api::Picture;
 use std::path::Path;
 
 const MACHINE: &str = r#"
