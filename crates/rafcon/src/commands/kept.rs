@@ -31,6 +31,11 @@ pub(super) fn paint(environment: &Environment) -> Paint {
     Paint { colour, unicode: environment.unicode }
 }
 
+/// A length of time in ns, as events count it.
+pub(super) fn nanos(length: Duration) -> u64 {
+    u64::try_from(length.as_nanos()).unwrap_or(u64::MAX)
+}
+
 /// A length of time as people say it: `2.4 ms`, `340 ms`, and from a second on as everywhere.
 pub(super) fn span(length: Duration) -> String {
     match length.as_secs_f64() * 1e3 {

@@ -5,7 +5,7 @@
 use super::{History, Readers};
 use crate::Failure;
 use rafcon_protocol::api::HistoryEntry;
-use rafcon_storage::journal::{Entry, Reader, Record};
+use rafcon_storage::journal::{Entry, Reader, is_about_values};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -89,11 +89,6 @@ fn text(reader: &Reader, entry: &Entry, values: bool) -> Result<Option<String>, 
         Failure::new(axum::http::StatusCode::UNPROCESSABLE_ENTITY, "journal_damaged", message)
     };
     serde_json::to_string(&entry).map(Some).map_err(failed)
-}
-
-/// Whether an event is nothing but a value.
-fn is_about_values(record: &Record) -> bool {
-    matches!(record, Record::Scoped { .. } | Record::Global { .. } | Record::Persistent { .. })
 }
 
 #[cfg(test)]

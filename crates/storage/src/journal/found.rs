@@ -20,7 +20,7 @@ pub struct Search<'f> {
     pub from: u64,
     /// At most so many are looked at.
     pub look: u64,
-    /// Whether inputs, outputs and errors of states come with their events.
+    /// Whether inputs, outputs and errors of states come with their events, and the events that are nothing but a value.
     pub values: bool,
 }
 
@@ -62,6 +62,11 @@ impl Found {
     pub fn time(&self) -> Duration {
         Duration::from_nanos(self.t_ns)
     }
+}
+
+/// Whether an event is nothing but a value.
+pub fn is_about_values(record: &Record) -> bool {
+    matches!(record, Record::Scoped { .. } | Record::Global { .. } | Record::Persistent { .. })
 }
 
 /// Leaves out inputs, outputs and errors of states.
@@ -134,7 +139,8 @@ impl<'s> Looking<'s> {
         let lasted = self.entered.lasted(entry);
         self.looked.next = entry.sequence + 1;
         self.left -= 1;
-        if !self.sieve.lets_through(entry, reader.known_places()) {
+        let is_wanted = self.search.values || !is_about_values(&entry.record);
+        if !is_wanted || !self.sieve.lets_through(entry, reader.known_places()) {
             return Ok(None);
         }
         // Text is looked for in values too.

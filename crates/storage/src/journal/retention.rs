@@ -2,7 +2,7 @@
 
 use super::about::About;
 use super::error::{Doing, JournalError};
-use super::lock::writer_of;
+use super::lock::{RunLock, writer_of};
 use super::summary::{run_folders, size_of};
 use std::fs;
 use std::io;
@@ -57,8 +57,11 @@ impl Retention {
         let doomed = self.doomed(&runs, now_ms);
         let mut pruned = Vec::new();
         for index in doomed {
-            if let Some(id) = delete(&folders[index])? {
-                pruned.push(Pruned { id, bytes: runs[index].bytes });
+            match delete(&folders[index]) {
+                Ok(Some(id)) => pruned.push(Pruned { id, bytes: runs[index].bytes }),
+                // Somebody else has, or somebody takes it up this moment.
+                Ok(None) | Err(JournalError::Going { .. }) => {}
+                Err(error) => return Err(error),
             }
         }
         Ok(pruned)
@@ -97,11 +100,22 @@ fn look_at(folder: &Path) -> Run {
     }
 }
 
+/// Deletes a run that does not go on; `None` if there is none in this folder.
+pub fn remove(folder: &Path) -> Result<Option<Pruned>, JournalError> {
+    let bytes = size_of(folder);
+    Ok(delete(folder)?.map(|id| Pruned { id, bytes }))
+}
+
 /// Deletes the folder of a run: under another name at first, so that there is never half a run. `None` if somebody else has.
+/// Nobody can take the run up meanwhile.
 fn delete(folder: &Path) -> Result<Option<String>, JournalError> {
     let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let gone = folder.with_file_name(format!("{id}{GONE}"));
     let failed = |source| JournalError::io(folder, Doing::Remove, source);
+    if !folder.is_dir() {
+        return Ok(None);
+    }
+    let _lock = RunLock::take(folder)?;
     match fs::rename(folder, &gone) {
         Ok(()) => {}
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -123,7 +137,8 @@ fn remove_leftovers(folder: &Path) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Retention, Run};
+    use super::{Retention, Run, remove};
+    use crate::journal::{About, Journal, JournalError, Options};
     use std::time::Duration;
 
     const ALL: Retention = Retention { count: usize::MAX, age: None, bytes: u64::MAX, newest: 1 };
@@ -148,5 +163,18 @@ mod tests {
     fn the_newest_stay_whatever_they_take() {
         check(Retention { bytes: 0, newest: 4, ..ALL }, &[0]);
         check(Retention { count: 0, bytes: 0, newest: 0, ..ALL }, &[0, 2, 3]);
+    }
+
+    #[test]
+    fn a_run_is_deleted_unless_it_goes_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = folder.path().join("run");
+        let journal = Journal::create(&run, &About::default(), &Options::default()).unwrap();
+        assert!(matches!(remove(&run), Err(JournalError::Going { .. })));
+        drop(journal);
+        let removed = remove(&run).unwrap().unwrap();
+        assert_eq!((removed.id.as_str(), removed.bytes > 0), ("run", true));
+        assert_eq!(remove(&run).unwrap(), None);
+        assert_eq!(folder.path().read_dir().unwrap().count(), 0);
     }
 }

@@ -3,7 +3,7 @@
 mod found;
 mod words;
 
-use super::kept::{open, out, paint};
+use super::kept::{nanos, open, out, paint};
 use crate::cli;
 use crate::environment::Environment;
 use crate::view::log_lines;
@@ -13,7 +13,6 @@ use rafcon_protocol::{Event, LogLevel};
 use rafcon_storage::journal::{Filter, Found, Reader};
 use std::io::Write as _;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Prints the events that are wanted.
 pub(super) fn history(raw: &cli::History, environment: &Environment) -> Result<ExitCode> {
@@ -73,10 +72,6 @@ fn print(
     })?;
     out.flush()?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn nanos(time: Duration) -> u64 {
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
 fn least(level: cli::LogLevel) -> LogLevel {

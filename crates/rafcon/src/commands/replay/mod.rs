@@ -2,16 +2,13 @@
 
 mod tree;
 
-use super::kept::{open, out, paint};
+use super::kept::{nanos, open, out, paint};
 use crate::cli;
 use crate::environment::Environment;
 use crate::failure::Usage;
 use anyhow::Result;
-use rafcon_storage::journal::Reader;
 use std::io::Write as _;
-use std::ops::ControlFlow;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Prints the moment that the user means.
 pub(super) fn replay(raw: &cli::Replay, environment: &Environment) -> Result<ExitCode> {
@@ -22,7 +19,7 @@ pub(super) fn replay(raw: &cli::Replay, environment: &Environment) -> Result<Exi
             return Err(Usage(format!("there is no event {at} yet: the last one is {last}")).into());
         }
         (Some(at), _) => at,
-        (None, Some(time)) => at_time(&mut reader, time)?,
+        (None, Some(time)) => reader.first_at(nanos(time).saturating_add(1))? - 1,
         (None, None) => last,
     };
     let moment = reader.moment(sequence)?;
@@ -37,17 +34,4 @@ pub(super) fn replay(raw: &cli::Replay, environment: &Environment) -> Result<Exi
     }
     out.flush()?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The last event up to a time.
-fn at_time(reader: &mut Reader, time: Duration) -> Result<u64> {
-    let mut at = 0;
-    reader.each(1, |_, entry| {
-        if Duration::from_nanos(entry.t_ns) > time {
-            return ControlFlow::Break(());
-        }
-        at = entry.sequence;
-        ControlFlow::Continue(())
-    })?;
-    Ok(at)
 }

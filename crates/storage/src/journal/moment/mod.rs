@@ -13,7 +13,7 @@ mod tests;
 pub use bytes::BadMoment;
 pub(super) use bytes::{values_in, without_values};
 pub use standing::{Ended, Standing, Variable};
-pub use told::Whole;
+pub use told::{ANSWERS_MAX, Whole};
 
 use super::places::Places;
 use super::record::{Definition, Kept, PlaceNumber, Record};

@@ -4,9 +4,14 @@
 
 use super::Moment;
 use rafcon_protocol::api::Holding;
-use rafcon_protocol::{Answer, Breakpoint, Command, Event, HeldBy, Outcome, Question, RunStatus};
+use rafcon_protocol::{
+    Answer, Breakpoint, Command, Envelope, Event, HeldBy, Outcome, Question, RunStatus,
+};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
+
+/// The answers of so many of the latest commands are known.
+pub const ANSWERS_MAX: usize = 1024;
 
 /// What concerns the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,6 +34,9 @@ pub struct Whole {
     pub held: Vec<Holding>,
     /// States that wait, by path, and for what.
     pub waiting: BTreeMap<String, String>,
+    /// The latest commands by id, with their answers: none of them is carried out again.
+    #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
+    pub answers: VecDeque<(String, Answer)>,
 }
 
 impl Default for Whole {
@@ -43,6 +51,7 @@ impl Default for Whole {
             questions: BTreeMap::new(),
             held: Vec::new(),
             waiting: BTreeMap::new(),
+            answers: VecDeque::new(),
         }
     }
 }
@@ -84,7 +93,22 @@ impl Whole {
         self.held.push(holding);
     }
 
-    fn commanded(&mut self, command: &Command) {
+    /// What became of the command with this id, if it is among the latest.
+    pub fn answer(&self, id: &str) -> Option<&Answer> {
+        self.answers.iter().rev().find(|(known, _)| known == id).map(|(_, answer)| answer)
+    }
+
+    fn commanded(&mut self, envelope: &Envelope, answer: &Answer) {
+        if self.answers.len() >= ANSWERS_MAX {
+            self.answers.pop_front();
+        }
+        self.answers.push_back((envelope.id.clone(), answer.clone()));
+        if *answer == Answer::Applied {
+            self.applied(&envelope.command);
+        }
+    }
+
+    fn applied(&mut self, command: &Command) {
         match command {
             Command::StepMode
             | Command::StepInto { .. }
@@ -120,9 +144,7 @@ impl Moment {
             }
             Event::Dropped { path } => self.drop_state(path),
             Event::Root { hash, .. } => whole.root = Some(hash.clone()),
-            Event::Commanded { envelope, answer: Answer::Applied } => {
-                whole.commanded(&envelope.command);
-            }
+            Event::Commanded { envelope, answer } => whole.commanded(envelope, answer),
             Event::Asked { question } => {
                 whole.questions.insert(question.id, (**question).clone());
             }

@@ -123,6 +123,20 @@ impl Reader {
         reader.read(from.max(1), rows, |entry| visit(reader, entry))
     }
 
+    /// Number of the first event at this time or later; the number after the last if there is none.
+    pub fn first_at(&mut self, t_ns: u64) -> Result<u64, JournalError> {
+        let near = self.source.first_near(t_ns)?;
+        let mut next = near.map_or_else(|| self.source.last_sequence().map(|last| last + 1), Ok)?;
+        self.each(next, |_, entry| {
+            if entry.t_ns >= t_ns {
+                return ControlFlow::Break(());
+            }
+            next = entry.sequence + 1;
+            ControlFlow::Continue(())
+        })?;
+        Ok(next)
+    }
+
     /// The last events: those that lie together, and some before them.
     pub fn tail(&self) -> Result<Vec<Entry>, JournalError> {
         let mut tail = Vec::new();

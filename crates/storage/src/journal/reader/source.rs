@@ -78,6 +78,16 @@ impl Source {
         self.visit(query, from, visit)
     }
 
+    /// Number of the first event that lies together with one at this time or later; nothing if all are earlier.
+    pub(super) fn first_near(&self, t_ns: u64) -> Found<Option<u64>> {
+        let t_ns = i64::try_from(t_ns).unwrap_or(i64::MAX);
+        let query = "SELECT first FROM blocks WHERE t_last >= ?1 ORDER BY first LIMIT 1";
+        self.ask(query, |statement| {
+            let first: Option<i64> = statement.query_row([t_ns], |row| row.get(0)).optional()?;
+            Ok(first.map(i64::cast_unsigned))
+        })
+    }
+
     /// Shows the last `count` rows.
     pub(super) fn last_rows(&self, count: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
         let query = "SELECT first, t_before, data FROM

@@ -119,3 +119,32 @@ fn a_page_begins_and_ends_anywhere() {
     assert_eq!(numbers(reader.page(3, 0).unwrap()), [0; 0]);
     assert_eq!(reader.last_sequence().unwrap(), 13);
 }
+
+#[test]
+fn an_event_is_found_by_its_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reader =
+        dead_run(folder.path(), "enter R\nenter R/A\n--- @5 leave R/A ok\n@5 enter R/H");
+    let at = [0, 1_000_000, 1_000_001, 5_000_000, 5_000_001, u64::MAX];
+    assert_eq!(at.map(|t_ns| reader.first_at(t_ns).unwrap()), [1, 1, 2, 3, 5, 5]);
+}
+
+#[test]
+fn what_an_event_names_by_number_has_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"enter R speed=[1]
+        global map={"a": 1}
+        enter R/A a="short"
+        leave R/A ok b=[2] error={"__exc__": "E"}"#;
+    let mut reader = dead_run(folder.path(), text);
+    let page = reader.page(1, 10).unwrap();
+    let named = page.iter().map(|entry| {
+        let values = reader.named_values(entry);
+        values
+            .iter()
+            .map(|(name, number)| format!("{name}={}", number.0))
+            .collect::<Vec<_>>()
+            .join(" ")
+    });
+    assert_eq!(named.collect::<Vec<_>>(), ["speed=1", "map=2", "", "b=3 error=4"]);
+}
