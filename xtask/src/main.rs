@@ -22,6 +22,7 @@ mod soak;
 mod test;
 mod tidy;
 mod torture;
+mod types;
 mod workspace;
 
 use std::process::ExitCode;
@@ -54,10 +55,12 @@ enum Task {
     Dist,
     /// Run random machines through random orders, and watch that the engine keeps its promises.
     Simulate(simulate::Options),
-    /// Do for long what the tests do briefly: random runs of the engine, saves that are killed.
+    /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(soak::Options),
-    /// Kill runners in the middle of a run, and take the runs up again.
+    /// Kill runners and servers in the middle of a run, and take the runs up again.
     Torture(torture::Options),
+    /// Write what is generated from the words of the server: `OpenAPI` and TypeScript.
+    Types(types::Options),
     /// Check what neither compiler nor lints see: module docs, sizes, named tests, links, generated files.
     Tidy(tidy::Options),
 }
@@ -84,6 +87,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Simulate(options) => simulate::run(&options),
         Task::Soak(options) => soak::run(&options),
         Task::Torture(options) => torture::run(&options),
+        Task::Types(options) => types::run(options),
         Task::Tidy(options) => tidy::run(options),
     }
 }

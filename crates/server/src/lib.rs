@@ -17,6 +17,7 @@ mod projects;
 mod router;
 pub mod settings;
 mod socket;
+mod watch;
 
 pub use failure::Failure;
 pub use house::{House, HouseError};

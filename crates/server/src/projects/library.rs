@@ -39,8 +39,14 @@ impl Shelf {
         Arc::clone(&self.stock().libraries)
     }
 
+    /// Where the roots really lie.
+    pub(crate) fn folders(&self) -> Vec<PathBuf> {
+        let libraries = self.libraries();
+        libraries.roots().iter().map(|root| super::at_home(&root.dir)).collect()
+    }
+
     /// Files of libraries changed. Whoever is reading keeps what it reads to itself.
-    pub(super) fn refresh(&self) {
+    pub(crate) fn refresh(&self) {
         let roots = self.stock().libraries.roots().to_vec();
         *self.stock.write() = Arc::new(Stock::new(roots));
     }

@@ -9,6 +9,7 @@ mod routes;
 mod tree;
 
 pub(crate) use routes::routes;
+pub(crate) use tree::{is_foreign, is_machine};
 
 use crate::{Failure, Settings};
 use library::Shelf;

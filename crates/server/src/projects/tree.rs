@@ -32,12 +32,12 @@ struct Found {
 }
 
 /// Whether a name in a project is none of its folders: hidden, or made by another program for itself.
-pub(super) fn is_foreign(name: &str) -> bool {
+pub(crate) fn is_foreign(name: &str) -> bool {
     name.starts_with('.') || FOREIGN.contains(&name)
 }
 
 /// Whether a folder is a machine.
-pub(super) fn is_machine(folder: &Path) -> bool {
+pub(crate) fn is_machine(folder: &Path) -> bool {
     folder.join(HEADER).symlink_metadata().is_ok_and(|header| header.is_file())
 }
 

@@ -1,0 +1,221 @@
+//! Which folders the system is asked about. Knows where to look and how to ask; must never know what changes mean.
+//!
+//! Asking costs memory of the system for each folder, so projects are followed down to their machines and no further;
+//! libraries and open machines are followed to the last state. Links are not followed.
+
+use crate::log;
+use crate::projects::{is_foreign, is_machine};
+use notify::{ErrorKind, RecommendedWatcher, RecursiveMode, Watcher as _};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folders beyond these are not asked about.
+const MOST: usize = 100_000;
+
+/// What is to be followed.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Plan {
+    /// To the last folder.
+    pub(super) whole: Vec<PathBuf>,
+    /// Down to machines.
+    pub(super) outside: Vec<PathBuf>,
+    /// Neither these nor what lies in them.
+    pub(super) hidden: Vec<PathBuf>,
+}
+
+/// The folders that the system is asked about.
+#[derive(Debug)]
+pub(super) struct Folders {
+    watcher: RecommendedWatcher,
+    watched: BTreeSet<PathBuf>,
+    is_full: bool,
+}
+
+impl Folders {
+    /// None yet.
+    pub(super) fn new(watcher: RecommendedWatcher) -> Self {
+        Self { watcher, watched: BTreeSet::new(), is_full: false }
+    }
+
+    /// Whether the system is asked about a folder.
+    pub(super) fn knows(&self, folder: &Path) -> bool {
+        self.watched.contains(folder)
+    }
+
+    /// Asks about what is to be followed, as it lies on disk now, and about nothing else.
+    pub(super) fn follow(&mut self, plan: &Plan) {
+        self.is_full = false;
+        let mut wanted = BTreeSet::new();
+        for folder in &plan.whole {
+            self.descend(folder, &mut wanted, &|_folder| true, plan);
+        }
+        for folder in &plan.outside {
+            self.descend(folder, &mut wanted, &|folder| !is_machine(folder), plan);
+        }
+        let idle = self.watched.difference(&wanted).cloned().collect::<Vec<_>>();
+        idle.iter().for_each(|folder| self.drop(folder));
+    }
+
+    /// These folders are no more, or lie elsewhere: what is said about them would be wrong.
+    pub(super) fn forget(&mut self, gone: &BTreeSet<PathBuf>) {
+        for path in gone {
+            let below = self.watched.range(path.clone()..).take_while(|it| it.starts_with(path));
+            let below = below.cloned().collect::<Vec<_>>();
+            below.iter().for_each(|folder| self.drop(folder));
+        }
+    }
+
+    /// All of them.
+    pub(super) fn forget_all(&mut self) {
+        let all = std::mem::take(&mut self.watched);
+        all.iter().for_each(|folder| self.drop(folder));
+    }
+
+    /// Each folder is asked about before it is read: what comes into it in between is told.
+    fn descend(
+        &mut self,
+        from: &Path,
+        wanted: &mut BTreeSet<PathBuf>,
+        enter: &dyn Fn(&Path) -> bool,
+        plan: &Plan,
+    ) {
+        let mut open = vec![from.to_owned()];
+        while let Some(folder) = open.pop() {
+            let is_new = !plan.hidden.contains(&folder) && wanted.insert(folder.clone());
+            if is_new && self.ask(&folder) && enter(&folder) {
+                open.extend(inside(&folder));
+            }
+        }
+    }
+
+    /// Says whether the folder is there and the system can be asked about it.
+    fn ask(&mut self, folder: &Path) -> bool {
+        if self.watched.contains(folder) {
+            return true;
+        }
+        if self.is_full {
+            return false;
+        }
+        let asked = if self.watched.len() < MOST {
+            self.watcher.watch(folder, RecursiveMode::NonRecursive)
+        } else {
+            Err(notify::Error::new(ErrorKind::MaxFilesWatch))
+        };
+        match asked {
+            Ok(()) => self.watched.insert(folder.to_owned()),
+            Err(error) => {
+                self.is_full = matches!(error.kind, ErrorKind::MaxFilesWatch);
+                if self.is_full {
+                    self.say_full();
+                }
+                false
+            }
+        }
+    }
+
+    fn say_full(&self) {
+        log::say(&format!(
+            "{} folders are watched and the system allows no more: changes that other programs make elsewhere are seen \
+             when a machine is opened or saved; raise fs.inotify.max_user_watches, or serve fewer folders",
+            self.watched.len()
+        ));
+    }
+
+    /// An answer about a folder that is gone would be no news.
+    fn drop(&mut self, folder: &Path) {
+        self.watched.remove(folder);
+        self.watcher.unwatch(folder).unwrap_or_default();
+    }
+}
+
+/// The folders in a folder; none if it cannot be read.
+fn inside(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_ours = |entry: &fs::DirEntry| {
+        !is_foreign(&entry.file_name().to_string_lossy())
+            && entry.file_type().is_ok_and(|kind| kind.is_dir())
+    };
+    entries.filter(is_ours).map(|entry| entry.path()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use expect_test::{Expect, expect};
+
+    /// Makes folders (with a `!` behind them, machines), follows a plan, and shows what is watched.
+    struct Place {
+        place: tempfile::TempDir,
+        folders: Folders,
+    }
+
+    impl Place {
+        fn new(paths: &[&str]) -> Self {
+            let place = tempfile::tempdir().unwrap();
+            let watcher = notify::recommended_watcher(|_event| {}).unwrap();
+            let made = Self { place, folders: Folders::new(watcher) };
+            paths.iter().for_each(|path| made.make(path));
+            made
+        }
+
+        fn make(&self, path: &str) {
+            let folder = self.path(path.trim_end_matches('!'));
+            fs::create_dir_all(&folder).unwrap();
+            if path.ends_with('!') {
+                fs::write(folder.join("statemachine.json"), "{}").unwrap();
+            }
+        }
+
+        fn path(&self, path: &str) -> PathBuf {
+            self.place.path().join(path)
+        }
+
+        fn follow(&mut self, whole: &[&str], outside: &[&str]) {
+            let paths = |list: &[&str]| list.iter().map(|path| self.path(path)).collect();
+            let plan =
+                Plan { whole: paths(whole), outside: paths(outside), hidden: paths(&["p/runs"]) };
+            self.folders.follow(&plan);
+        }
+
+        fn check(&self, expected: &Expect) {
+            let inside = |folder: &PathBuf| {
+                folder.strip_prefix(self.place.path()).unwrap().display().to_string()
+            };
+            expected
+                .assert_eq(&self.folders.watched.iter().map(inside).collect::<Vec<_>>().join(" "));
+        }
+    }
+
+    #[test]
+    fn projects_are_followed_to_their_machines_and_open_machines_to_their_states() {
+        let mut place = Place::new(&[
+            "p/a!",
+            "p/a/STATE/INNER",
+            "p/b/c!",
+            "p/b/c/STATE",
+            "p/.git/x",
+            "p/runs/1",
+        ]);
+        place.follow(&[], &["p"]);
+        place.check(&expect!["p p/a p/b p/b/c"]);
+        place.follow(&["p/a"], &["p"]);
+        place.check(&expect!["p p/a p/a/STATE p/a/STATE/INNER p/b p/b/c"]);
+        place.follow(&[], &["p"]);
+        place.check(&expect!["p p/a p/b p/b/c"]);
+    }
+
+    #[test]
+    fn what_is_gone_is_forgotten_and_what_comes_in_its_place_is_followed() {
+        let mut place = Place::new(&["p/a/b", "p/ab"]);
+        place.follow(&["p"], &[]);
+        fs::remove_dir_all(place.path("p/a")).unwrap();
+        place.folders.forget(&BTreeSet::from([place.path("p/a")]));
+        place.check(&expect!["p p/ab"]);
+        place.make("p/a/c");
+        place.follow(&["p"], &["missing"]);
+        place.check(&expect!["p p/a p/a/c p/ab"]);
+        place.folders.forget_all();
+        place.check(&expect![""]);
+    }
+}

@@ -1,0 +1,103 @@
+//! Changes that other programs make to machines and libraries: noticed, and told to whoever looks. Knows which part
+//! of the server a changed file concerns; must never know what is in the files.
+//!
+//! The server's own saves come by here as well: whether a machine is really another one is decided by its content, by
+//! whoever has it open.
+
+mod folders;
+mod inbox;
+
+use crate::{House, log};
+use folders::{Folders, Plan};
+use inbox::{Changes, Inbox};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Changes of so much time are told together.
+const GATHERED: Duration = Duration::from_millis(100);
+
+/// What is followed, and for whom.
+struct Watch {
+    house: Arc<House>,
+    folders: Folders,
+}
+
+/// Begins to follow the projects, libraries and open machines of a house, until it closes.
+pub(crate) fn begin(house: &Arc<House>) {
+    let inbox = Arc::new(Inbox::default());
+    let told = Arc::clone(&inbox);
+    match notify::recommended_watcher(move |event| told.put(event)) {
+        Ok(watcher) => {
+            let watch = Watch { house: Arc::clone(house), folders: Folders::new(watcher) };
+            tokio::spawn(watch.run(inbox));
+        }
+        Err(error) => log::say(&format!(
+            "changes that other programs make to files are not noticed: {error}; raise fs.inotify.max_user_instances"
+        )),
+    }
+}
+
+impl Watch {
+    async fn run(self, inbox: Arc<Inbox>) {
+        let mut closing = self.house.closing();
+        // Until everything is followed for the first time, anything may have happened.
+        let mut changes = Changes { is_lost: true, ..Changes::default() };
+        let mut watch = self;
+        loop {
+            let turn = tokio::task::spawn_blocking(move || {
+                watch.turn(&changes);
+                watch
+            });
+            let Ok(turned) = turn.await else { return };
+            watch = turned;
+            let is_there = tokio::select! {
+                () = inbox.something() => true,
+                _closed = closing.changed() => false,
+            };
+            if !is_there {
+                return;
+            }
+            tokio::time::sleep(GATHERED).await;
+            changes = inbox.take();
+        }
+    }
+
+    /// Follows what is to be followed now, then tells what happened.
+    fn turn(&mut self, changes: &Changes) {
+        if changes.is_lost {
+            self.folders.forget_all();
+        }
+        self.folders.forget(&changes.gone);
+        if changes.is_lost || self.is_new_folder(changes) {
+            self.folders.follow(&self.plan());
+        }
+        self.tell(changes);
+    }
+
+    fn is_new_folder(&self, changes: &Changes) -> bool {
+        changes.touched.iter().any(|path| !self.folders.knows(path) && path.is_dir())
+    }
+
+    fn plan(&self) -> Plan {
+        let projects = self.house.projects.all().iter();
+        let settings = &self.house.settings;
+        Plan {
+            whole: self.house.projects.shelf().folders(),
+            outside: projects.map(|project| PathBuf::from(&project.folder)).collect(),
+            hidden: vec![settings.runs.clone(), settings.state.clone()],
+        }
+    }
+
+    fn tell(&self, changes: &Changes) {
+        if self.house.projects.shelf().folders().iter().any(|folder| changes.concern(folder)) {
+            self.house.projects.shelf().refresh();
+        }
+        if !changes.is_empty() {
+            self.house.news.files();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

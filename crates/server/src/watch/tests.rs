@@ -1,0 +1,77 @@
+//! Real files, real watches: what other programs do to them is noticed.
+
+use super::*;
+use crate::Settings;
+use std::fs;
+use std::path::Path;
+use tokio::sync::watch::Receiver;
+use tokio::time::timeout;
+
+/// Far more than a change takes to be noticed.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A house with a project and a library root below a folder of its own.
+struct Place {
+    folder: tempfile::TempDir,
+    house: Arc<House>,
+    files: Receiver<u64>,
+}
+
+impl Place {
+    /// Everything is followed when this returns.
+    async fn new(folders: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["project/state", "libraries"].iter().chain(folders) {
+            fs::create_dir_all(folder.path().join(name)).unwrap();
+        }
+        let path = |name: &str| folder.path().join(name);
+        let settings = Settings {
+            projects: vec![path("project")],
+            libraries: vec![("lib".to_owned(), path("libraries"))],
+            ..Settings::new(path("project/state"), path("project/runs"))
+        };
+        let house = House::new(settings).unwrap();
+        let files = house.news.of_files();
+        begin(&house);
+        let mut place = Self { folder, house, files };
+        place.news().await;
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Until something about files is told.
+    async fn news(&mut self) {
+        timeout(PATIENCE, self.files.changed()).await.expect("news").unwrap();
+    }
+}
+
+fn machine(folder: &Path) {
+    fs::create_dir_all(folder.join("STATE_A")).unwrap();
+    fs::write(folder.join("statemachine.json"), "{}").unwrap();
+}
+
+#[tokio::test]
+async fn a_new_machine_deep_in_new_folders_is_noticed_and_so_is_what_happens_to_it() {
+    let mut place = Place::new(&[]).await;
+    let deep = place.path("project/a/b/c");
+    fs::create_dir_all(&deep).unwrap();
+    place.news().await;
+    machine(&deep);
+    place.news().await;
+    fs::rename(place.path("project/a/b"), place.path("project/a/d")).unwrap();
+    place.news().await;
+    fs::write(place.path("project/a/d/c/statemachine.json"), "[]").unwrap();
+    place.news().await;
+}
+
+#[tokio::test]
+async fn a_changed_library_is_read_again() {
+    let mut place = Place::new(&["libraries/one/STATE_A"]).await;
+    let before = place.house.projects.libraries();
+    fs::write(place.path("libraries/one/STATE_A/script.py"), "").unwrap();
+    place.news().await;
+    assert!(!Arc::ptr_eq(&before, &place.house.projects.libraries()));
+}

@@ -1,0 +1,93 @@
+//! What is generated from the server's words: its `OpenAPI` description and the TypeScript types of the web application.
+//! Knows which program prints what and where it belongs.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, bail};
+
+use crate::{process, workspace};
+
+/// What `cargo xtask types` can be asked for.
+#[derive(clap::Args, Clone, Copy, Default)]
+pub(crate) struct Options {
+    /// Change nothing; fail if a file is not what it should be, or the types are not TypeScript.
+    #[arg(long)]
+    check: bool,
+}
+
+/// A file and the example that prints it.
+struct Generated {
+    file: &'static str,
+    package: &'static str,
+    example: &'static str,
+    features: &'static [&'static str],
+}
+
+const TYPESCRIPT: Generated = Generated {
+    file: "web/src/model/generated/protocol.ts",
+    package: "rafcon-protocol",
+    example: "typescript",
+    features: &["--features", "schema"],
+};
+
+const OPENAPI: Generated = Generated {
+    file: "docs/openapi.json",
+    package: "rafcon-server",
+    example: "openapi",
+    features: &[],
+};
+
+/// The compiler that says whether the types are any.
+const COMPILER: &str = "typescript@7.0.2";
+
+/// Writes the files, or checks them.
+pub(crate) fn run(options: Options) -> Result<()> {
+    for generated in [TYPESCRIPT, OPENAPI] {
+        let text = generated.text()?;
+        if options.check {
+            generated.check(&text)?;
+        } else {
+            generated.write(&text)?;
+        }
+    }
+    if options.check { compile() } else { Ok(()) }
+}
+
+impl Generated {
+    fn text(&self) -> Result<String> {
+        let run = ["run", "--quiet", "--package", self.package, "--example", self.example];
+        process::text(process::cargo().args(run).args(self.features))
+    }
+
+    fn check(&self, text: &str) -> Result<()> {
+        let found = std::fs::read_to_string(workspace::path(self.file)).unwrap_or_default();
+        if found != text {
+            bail!("{} is not what the crates say now: run `cargo xtask types`", self.file);
+        }
+        Ok(())
+    }
+
+    fn write(&self, text: &str) -> Result<()> {
+        let file = workspace::path(self.file);
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&file, text));
+        written.with_context(|| format!("cannot write {}", file.display()))
+    }
+}
+
+/// Whether the types are TypeScript of the strictest kind.
+fn compile() -> Result<()> {
+    let folder = workspace::target()?.join("typescript");
+    let compiler = folder.join("node_modules/.bin/tsc");
+    let stamp = folder.join("contents.txt");
+    if !compiler.exists() || std::fs::read_to_string(&stamp).unwrap_or_default() != COMPILER {
+        let install = ["install", "--silent", "--no-audit", "--no-fund", "--prefix"];
+        process::run(process::command("npm").args(install).arg(&folder).arg(COMPILER)).context(
+            "TypeScript cannot be installed: `npm` (Node 20 or newer) and its registry are needed",
+        )?;
+        std::fs::write(&stamp, COMPILER)
+            .with_context(|| format!("cannot write {}", stamp.display()))?;
+    }
+    let strict = ["--noEmit", "--strict", "--exactOptionalPropertyTypes", "--target", "esnext"];
+    process::run(process::command(compiler).args(strict).arg(TYPESCRIPT.file))
+}
