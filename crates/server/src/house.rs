@@ -1,7 +1,7 @@
 //! Everything that requests share.
 
 use crate::Settings;
-use crate::access::{Names, People, PrivateError};
+use crate::access::{Audit, Names, People, PrivateError};
 use crate::history::History;
 use crate::news::News;
 use crate::projects::Projects;
@@ -15,6 +15,8 @@ pub struct House {
     pub(crate) settings: Settings,
     /// Who may come in.
     people: People,
+    /// Who did what about that.
+    audit: Audit,
     /// What it is called; nothing before it listens.
     names: OnceLock<Names>,
     /// Whether the server is about to end.
@@ -40,6 +42,7 @@ impl House {
     pub fn new(settings: Settings) -> Result<Arc<Self>, HouseError> {
         Ok(Arc::new(Self {
             people: People::open(&settings)?,
+            audit: Audit::open(&settings.state)?,
             names: OnceLock::new(),
             closing: watch::Sender::new(false),
             news: News::default(),
@@ -52,6 +55,11 @@ impl House {
     /// Who may come in.
     pub fn people(&self) -> &People {
         &self.people
+    }
+
+    /// The record of who came in and who changed whose rights.
+    pub fn audit(&self) -> &Audit {
+        &self.audit
     }
 
     /// What it is called. A house that does not listen answers to nothing.
@@ -67,6 +75,12 @@ impl House {
     /// The name of the cookie of a login: cookies do not know ports, so that the name has to.
     pub(crate) fn cookie(&self) -> String {
         format!("rafcon_{}", self.names().port)
+    }
+
+    /// What makes a browser keep the secret of a login, for this server's own pages only.
+    pub(crate) fn set_cookie(&self, secret: &str) -> String {
+        let secure = if self.names().is_secure { "; Secure" } else { "" };
+        format!("{}={secret}; Path=/; HttpOnly; SameSite=Strict{secure}", self.cookie())
     }
 
     /// Becomes `true` when the server is about to end: connections that last say good-bye.

@@ -13,6 +13,7 @@ mod house;
 mod listen;
 mod log;
 mod news;
+mod page;
 mod projects;
 mod router;
 pub mod settings;

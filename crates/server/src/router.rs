@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
-use crate::access::guarded;
-use crate::{Failure, House, projects};
+use crate::access::{self, guarded};
+use crate::{Failure, House, page, projects};
 use axum::{Json, Router};
 use rafcon_protocol::api::Health;
 use std::sync::Arc;
@@ -23,6 +23,8 @@ fn all() -> OpenApiRouter<Arc<House>> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(health))
         .routes(routes!(description))
+        .merge(page::routes())
+        .merge(access::routes())
         .merge(projects::routes())
 }
 

@@ -19,6 +19,7 @@ const WITH_LINK: [&str; 2] = ["/", "/api/v1/socket"];
 
 /// What a request is about, as far as the door is concerned.
 struct Asked {
+    method: Method,
     path: String,
     right: Right,
 }
@@ -52,10 +53,19 @@ fn admit(house: &House, request: &Request) -> Result<Option<Who>, Failure> {
     match (who, asked.right) {
         (Some(None) | None, Right::Anyone) => Ok(None),
         (Some(Some(who)), Right::Anyone) => Ok(Some(who)),
-        (Some(Some(who)), right) => who.must(right).map(|()| Some(who)),
+        (Some(Some(who)), right) => may(house, who, right, &asked).map(Some),
         (Some(None), _) => Err(unknown()),
         (None, _) => Err(nobody()),
     }
+}
+
+/// Somebody who may; who may not is noted.
+fn may(house: &House, who: Who, right: Right, asked: &Asked) -> Result<Who, Failure> {
+    let may = who.must(right);
+    if may.is_err() {
+        house.audit().note(&who.user, "refused", &format!("{} {}", asked.method, asked.path));
+    }
+    may.map(|()| who)
 }
 
 /// The route of a request and its right; nothing where there is no route.
@@ -67,7 +77,7 @@ fn asked(request: &Request) -> Result<Option<Asked>, Failure> {
         ref other => other.clone(),
     };
     match rights::of_route(&method, path) {
-        Some(right) => Ok(Some(Asked { path: path.to_owned(), right })),
+        Some(right) => Ok(Some(Asked { method, path: path.to_owned(), right })),
         None => Err(no_row(&method, path)),
     }
 }
@@ -123,7 +133,7 @@ pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> Option<String> {
     pairs.find_map(|pair| pair.strip_prefix(name)?.strip_prefix('=')).map(str::to_owned)
 }
 
-/// Refuses what pages of others make a browser send: requests that change something, and WebSockets.
+/// Refuses what pages of others make a browser send: requests that change something, and to open a WebSocket.
 fn is_own_page(
     house: &House,
     request: &Request,

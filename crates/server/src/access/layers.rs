@@ -38,7 +38,7 @@ pub(crate) fn guarded(router: Router<Arc<House>>, house: &Arc<House>) -> Router<
         .layer(DefaultBodyLimit::max(BODY_MAX))
         .layer(RequestBodyTimeoutLayer::new(patience))
         .layer(CompressionLayer::new().quality(CompressionLevel::Fastest))
-        .layer(CatchPanicLayer::custom(|panic| broken(&panic)))
+        .layer(CatchPanicLayer::custom(|panic: Box<dyn Any + Send>| broken(&*panic)))
         .layer(middleware::from_fn(with_headers))
 }
 
@@ -53,8 +53,7 @@ async fn with_headers(request: Request, next: Next) -> Response {
 }
 
 /// The answer to a request that met a fault of this program.
-#[expect(clippy::borrowed_box, reason = "this is what a panic is made of")]
-fn broken(panic: &Box<dyn Any + Send>) -> Response {
+fn broken(panic: &(dyn Any + Send)) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic");
     log::say(&format!("a request met a fault of this program, please report it: {text}"));

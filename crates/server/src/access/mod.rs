@@ -1,17 +1,32 @@
 //! Who may do what. Knows people, rights and doors; must never know machines or runs.
 
+mod audit;
 mod door;
+mod failures;
 mod layers;
+mod limiter;
 mod origin;
+mod passwords;
 mod people;
 pub(crate) mod private;
+mod register;
 mod rights;
+mod roster;
+mod routes;
 mod secret;
+mod sessions;
+mod users;
 mod who;
 
+pub use audit::Audit;
+pub(crate) use door::in_link;
 pub(crate) use layers::guarded;
 pub(crate) use origin::Names;
+pub use passwords::HashError;
 pub use people::{OWNER, People};
 pub use private::PrivateError;
 pub use rights::{ROUTES, Row, of_command, of_frame, of_route};
+pub use roster::{Roster, RosterError};
+pub(crate) use routes::routes;
+pub use users::{Users, UsersError};
 pub use who::{Credential, Who};

@@ -1,14 +1,29 @@
 //! Who is let in: the owner of this computer's account, users with passwords, and programs with tokens.
 
+use super::limiter::Limiter;
+use super::passwords::{self, BYTES_MAX};
 use super::private::{self, PrivateError};
+use super::roster::{Roster, Token};
 use super::secret::{Digest, Secret};
+use super::sessions::{Login, Sessions};
+use super::users::Users;
 use super::who::{Credential, Who};
-use crate::Settings;
+use crate::blocking::blocking;
+use crate::{Failure, Settings};
+use axum::http::StatusCode;
+use parking_lot::Mutex;
 use rafcon_protocol::api::Role;
+use rafcon_supervisor::clock::since_1970_ms;
+use std::net::IpAddr;
 use std::path::Path;
+use std::sync::Arc;
+use tokio::sync::{Semaphore, watch};
 
 /// The name of whoever has the owner's token.
 pub const OWNER: &str = "owner";
+
+/// How many passwords are hashed at a time: each takes memory and a processor.
+const HASHES_MAX: usize = 2;
 
 /// What somebody shows to be let in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,13 +38,23 @@ pub(crate) enum Claim {
 #[derive(Debug)]
 pub struct People {
     owner: Secret,
+    users: Arc<Users>,
+    sessions: Sessions,
+    limiter: Mutex<Limiter>,
+    hashing: Semaphore,
 }
 
 impl People {
     /// Reads who they are, and makes the owner's token.
     pub(crate) fn open(settings: &Settings) -> Result<Self, PrivateError> {
-        let owner = owners_token(&settings.state, settings.access.keep_token)?;
-        Ok(Self { owner })
+        let state = &settings.state;
+        Ok(Self {
+            owner: owners_token(state, settings.access.keep_token)?,
+            users: Arc::new(Users::open(state, settings.access.cost)?),
+            sessions: Sessions::open(state.join("sessions.json"))?,
+            limiter: Mutex::default(),
+            hashing: Semaphore::new(HASHES_MAX),
+        })
     }
 
     /// The owner's token.
@@ -37,20 +62,166 @@ impl People {
         &self.owner
     }
 
-    /// Who shows this. The owner's token counts on this computer only.
+    /// Users and tokens.
+    pub(crate) fn users(&self) -> &Arc<Users> {
+        &self.users
+    }
+
+    /// Who shows this. What is the owner's counts on this computer only.
     pub(crate) fn known(&self, claim: &Claim, is_near: bool) -> Option<Who> {
-        match claim {
-            Claim::Token(text) if is_near && Digest::of(text) == self.owner.digest() => {
-                Some(owner())
+        let now_ms = since_1970_ms();
+        let roster = self.users.roster();
+        let who = match claim {
+            Claim::Token(text) => {
+                let digest = Digest::of(text);
+                if digest == self.owner.digest() {
+                    return is_near.then(owner);
+                }
+                let (id, token) = roster.token_of(digest)?;
+                of_token(&roster, id, token, now_ms)
             }
-            Claim::Token(_) | Claim::Cookie(_) => None,
+            Claim::Cookie(text) => {
+                let (digest, login) = self.sessions.used(text, now_ms)?;
+                of_login(&roster, &digest, &login)
+            }
+        };
+        who.filter(|who| is_near || who.user != OWNER)
+    }
+
+    /// Who that is now; nobody, once the login, the token or the user is gone. Whoever was let in once and stays (a WebSocket)
+    /// is asked for again with every new [`People::revision`] and before everything that needs a right.
+    pub fn still(&self, who: &Who) -> Option<Who> {
+        let now_ms = since_1970_ms();
+        let roster = self.users.roster();
+        match &who.by {
+            Credential::Owner => Some(who.clone()),
+            Credential::Session(digest) => {
+                of_login(&roster, digest, &self.sessions.with(digest, now_ms)?)
+            }
+            Credential::Token(id) => of_token(&roster, id, roster.token(id)?, now_ms),
         }
+    }
+
+    /// Is another number whenever somebody's rights may be others.
+    pub fn revision(&self) -> watch::Receiver<u64> {
+        self.users.register().revision().subscribe()
+    }
+
+    /// Whether this is the user's password. A few tries are free, others have to wait.
+    pub(crate) async fn check(
+        &self,
+        user: &str,
+        password: &str,
+        from: IpAddr,
+    ) -> Result<(), Failure> {
+        if password.len() > BYTES_MAX {
+            return Err(wrong());
+        }
+        let tried = self.limiter.lock().attempt(user, from, since_1970_ms());
+        tried.map_err(too_often)?;
+        let kept = self.users.roster().user(user).map(|entry| entry.password.clone());
+        let is_right = self.is_right(user.to_owned(), password.to_owned(), kept).await?;
+        if !is_right {
+            return Err(wrong());
+        }
+        self.limiter.lock().succeeded(user, from);
+        Ok(())
+    }
+
+    /// Compares, at most so many at a time; what was hashed at another cost is hashed again.
+    async fn is_right(
+        &self,
+        user: String,
+        password: String,
+        kept: Option<String>,
+    ) -> Result<bool, Failure> {
+        let turn = self.hashing.acquire().await;
+        let users = Arc::clone(&self.users);
+        let is_right = blocking(move || {
+            let cost = users.cost();
+            let is_right = passwords::is_right(&password, kept.as_deref(), cost);
+            if let Some(kept) = kept.filter(|kept| is_right && !passwords::is_of(kept, cost)) {
+                users.keep_again(&user, &kept, &password)?;
+            }
+            Ok(is_right)
+        });
+        let is_right = is_right.await;
+        drop(turn);
+        is_right
+    }
+
+    /// Begins a login of somebody who was checked.
+    pub(crate) fn begin(&self, user: &str) -> Result<(Secret, Who), Failure> {
+        let roster = self.users.roster();
+        let since_ms = since(&roster, user).ok_or_else(wrong)?;
+        let (secret, login) = self.sessions.begin(user, since_ms, since_1970_ms())?;
+        let who = of_login(&roster, &secret.digest().text(), &login).ok_or_else(wrong)?;
+        Ok((secret, who))
+    }
+
+    /// Ends a login.
+    pub(crate) fn end(&self, who: &Who) -> Result<(), Failure> {
+        let Credential::Session(digest) = &who.by else {
+            let message = "this is no login: a token ends by being deleted, at /api/v1/tokens";
+            return Err(Failure::conflict("not_a_login", message));
+        };
+        self.sessions.end(digest)?;
+        self.changed();
+        Ok(())
+    }
+
+    /// Lets a login go on although its user has chosen another password with it.
+    pub(crate) fn renew(&self, who: &Who) -> Result<(), Failure> {
+        let since = since(&self.users.roster(), &who.user);
+        if let (Credential::Session(digest), Some(since_ms)) = (&who.by, since) {
+            self.sessions.renew(digest, since_ms)?;
+        }
+        self.changed();
+        Ok(())
+    }
+
+    fn changed(&self) {
+        self.users.register().revision().send_modify(|revision| *revision += 1);
     }
 }
 
 fn owner() -> Who {
     let user = OWNER.to_owned();
     Who { user, role: Role::Admin, expires_ms: None, by: Credential::Owner }
+}
+
+/// When somebody's password was set; the owner has none.
+fn since(roster: &Roster, user: &str) -> Option<u64> {
+    if user == OWNER {
+        return Some(0);
+    }
+    roster.user(user).map(|entry| entry.since_ms)
+}
+
+fn of_login(roster: &Roster, digest: &str, login: &Login) -> Option<Who> {
+    let role = roster.role_of(&login.user)?;
+    let is_good = since(roster, &login.user) == Some(login.since_ms);
+    let by = Credential::Session(digest.to_owned());
+    let (user, expires_ms) = (login.user.clone(), Some(login.expires_ms));
+    is_good.then_some(Who { user, role, expires_ms, by })
+}
+
+fn of_token(roster: &Roster, id: &str, token: &Token, now_ms: u64) -> Option<Who> {
+    let role = roster.role_of(&token.user)?.min(token.role);
+    let by = Credential::Token(id.to_owned());
+    let (user, expires_ms) = (token.user.clone(), token.expires_ms);
+    (!token.is_over(now_ms)).then_some(Who { user, role, expires_ms, by })
+}
+
+fn wrong() -> Failure {
+    let message = "this is not a user and their password: try again, or ask an admin for another";
+    Failure::new(StatusCode::UNAUTHORIZED, "wrong_login", message)
+}
+
+fn too_often(seconds: u64) -> Failure {
+    let message = format!("too many logins were tried: wait {seconds} s");
+    let failure = Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_logins", message);
+    failure.with_header("retry-after", seconds.to_string())
 }
 
 /// The token in the folder if it is to stay, else a new one.

@@ -28,20 +28,30 @@ pub(crate) fn folder(path: &Path) -> Result<(), PrivateError> {
     made.map_err(|source| PrivateError::new("make the folder", path, source))
 }
 
-/// Replaces a file.
+/// Replaces a file. What was written survives a power cut.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
-    let staged = path.with_extension(format!("new-{}", std::process::id()));
-    let written = stage(&staged, bytes).and_then(|()| fs::rename(&staged, path));
-    let synced = written.and_then(|()| sync_folder(path));
-    synced.map_err(|source| PrivateError::new("write", path, source))
+    let replaced = replace(path, bytes, File::sync_all).and_then(|()| sync_folder(path));
+    replaced.map_err(|source| PrivateError::new("write", path, source))
 }
 
-fn stage(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// Replaces a file without waiting for the disk: after a power cut it may be gone.
+pub(crate) fn write_soon(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
+    let replaced = replace(path, bytes, |_file| Ok(()));
+    replaced.map_err(|source| PrivateError::new("write", path, source))
+}
+
+fn replace(
+    path: &Path,
+    bytes: &[u8],
+    sync: impl FnOnce(&File) -> io::Result<()>,
+) -> io::Result<()> {
+    let staged = path.with_extension(format!("new-{}", std::process::id()));
     let mut options = OpenOptions::new();
-    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(path)?;
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(&staged)?;
     file.set_permissions(fs::Permissions::from_mode(0o600))?;
     file.write_all(bytes)?;
-    file.sync_all()
+    sync(&file)?;
+    fs::rename(&staged, path)
 }
 
 fn sync_folder(path: &Path) -> io::Result<()> {

@@ -10,6 +10,8 @@ pub type Row = (Method, &'static str, Right);
 
 /// Every route. What does not stand here is denied.
 pub const ROUTES: &[Row] = &[
+    // For browsers.
+    (Method::GET, "/", Right::Anyone),
     // People.
     (Method::GET, "/api/v1/health", Right::Anyone),
     (Method::GET, "/api/v1/openapi.json", Right::Anyone),

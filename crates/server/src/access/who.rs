@@ -1,7 +1,7 @@
 //! Whoever makes a request, once the door has let them in.
 
 use crate::Failure;
-use axum::extract::FromRequestParts;
+use axum::extract::{FromRequestParts, OptionalFromRequestParts};
 use axum::http::StatusCode;
 use axum::http::request::Parts;
 use rafcon_protocol::api::{Right, Role};
@@ -52,6 +52,14 @@ impl<S: Sync> FromRequestParts<S> for Who {
 
     async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Failure> {
         parts.extensions.get::<Self>().cloned().ok_or_else(nobody)
+    }
+}
+
+impl<S: Sync> OptionalFromRequestParts<S> for Who {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Option<Self>, Failure> {
+        Ok(parts.extensions.get::<Self>().cloned())
     }
 }
 

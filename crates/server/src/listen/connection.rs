@@ -1,8 +1,11 @@
 //! Connections: so many at a time, each with a limit on how long it may take to say something. Knows streams; must never know
 //! what is asked over them.
 
+use crate::Failure;
 use crate::settings::Listen;
 use axum::Router;
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -20,6 +23,17 @@ use tower_http::add_extension::AddExtension;
 /// Where a request comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Peer(pub(crate) SocketAddr);
+
+impl<S: Sync> FromRequestParts<S> for Peer {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Failure> {
+        parts.extensions.get::<Self>().copied().ok_or_else(|| {
+            let message = "it is not known where this request comes from: use the server's port";
+            Failure::forbidden("from_nowhere", message)
+        })
+    }
+}
 
 /// All connections of a server.
 #[derive(Debug)]

@@ -21,7 +21,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 /// How long requests that are being answered hold the end of the server back.
@@ -143,17 +143,14 @@ impl Server {
 }
 
 /// Takes connections for ever.
+#[expect(clippy::infinite_loop, reason = "it ends by being dropped, as futures do")]
 async fn accept(listener: &TcpListener, connections: &Connections, router: &Router) {
     loop {
         match listener.accept().await {
-            Ok((stream, peer)) => begin(connections, stream, peer, router),
+            Ok((stream, peer)) => connections.begin(stream, peer, router.clone()),
             Err(_no_handle_or_gone) => tokio::time::sleep(BREATH).await,
         }
     }
-}
-
-fn begin(connections: &Connections, stream: TcpStream, peer: SocketAddr, router: &Router) {
-    connections.begin(stream, peer, router.clone());
 }
 
 async fn listen(address: SocketAddr) -> Result<TcpListener, ServeError> {

@@ -1,0 +1,163 @@
+//! How often somebody may try to log in: a few times at once, then slowly. Pure: time is an argument.
+//!
+//! Tries count for the address that they come from and for the user that they are about. Whoever was let in from an address
+//! before is not held up there by what others try elsewhere.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::net::{IpAddr, Ipv6Addr};
+
+/// So many tries at once.
+const AT_ONCE: u64 = 5;
+/// Then one in this time.
+const PAUSE_MS: u64 = 10_000;
+/// So many addresses and users are remembered.
+const MAX: usize = 10_000;
+
+/// What was tried.
+#[derive(Debug, Default)]
+pub(super) struct Limiter {
+    /// When all that was tried is forgotten, by whom it counts for.
+    spent: BTreeMap<Key, u64>,
+    /// Users and the addresses from which they were let in.
+    familiar: BTreeSet<(String, IpAddr)>,
+}
+
+/// For whom a try counts.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+enum Key {
+    From(IpAddr),
+    User(String),
+    UserFrom(String, IpAddr),
+}
+
+impl Limiter {
+    /// Counts a try, or says after how many seconds the next one makes sense.
+    pub(super) fn attempt(&mut self, user: &str, from: IpAddr, now_ms: u64) -> Result<(), u64> {
+        self.forget(now_ms);
+        let keys = self.keys(user, from);
+        let wait = keys.iter().map(|key| self.wait(key, now_ms)).max().unwrap_or_default();
+        if wait > 0 {
+            return Err(wait.div_ceil(1000));
+        }
+        for key in keys {
+            let spent = self.spent.entry(key).or_insert(now_ms);
+            *spent = (*spent).max(now_ms) + PAUSE_MS;
+        }
+        Ok(())
+    }
+
+    /// The try was right: it does not count, and the address is familiar.
+    pub(super) fn succeeded(&mut self, user: &str, from: IpAddr) {
+        for key in self.keys(user, from) {
+            if let Some(spent) = self.spent.get_mut(&key) {
+                *spent = spent.saturating_sub(PAUSE_MS);
+            }
+        }
+        if self.familiar.len() < MAX {
+            self.familiar.insert((user.to_owned(), network(from)));
+        }
+    }
+
+    fn keys(&self, user: &str, from: IpAddr) -> [Key; 2] {
+        let (user, from) = (user.to_owned(), network(from));
+        if self.familiar.contains(&(user.clone(), from)) {
+            return [Key::From(from), Key::UserFrom(user, from)];
+        }
+        [Key::From(from), Key::User(user)]
+    }
+
+    fn wait(&self, key: &Key, now_ms: u64) -> u64 {
+        let spent = self.spent.get(key).copied().unwrap_or(now_ms);
+        (spent + PAUSE_MS).saturating_sub(now_ms + AT_ONCE * PAUSE_MS)
+    }
+
+    /// Drops what counts no more, and where too much does, the quarter that is forgotten first.
+    fn forget(&mut self, now_ms: u64) {
+        if self.spent.len() < MAX {
+            return;
+        }
+        self.spent.retain(|_, spent| *spent > now_ms);
+        if self.spent.len() < MAX {
+            return;
+        }
+        let mut ends = self.spent.values().copied().collect::<Vec<_>>();
+        let (_, first, _) = ends.select_nth_unstable(MAX / 4);
+        let first = *first;
+        self.spent.retain(|_, spent| *spent > first);
+    }
+}
+
+/// Whoever has one address of a network of IPv6 has all of them.
+fn network(address: IpAddr) -> IpAddr {
+    match address.to_canonical() {
+        IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from_bits(address.to_bits() >> 64 << 64)),
+        v4 @ IpAddr::V4(_) => v4,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Limiter, MAX};
+    use std::net::IpAddr;
+
+    fn from(text: &str) -> IpAddr {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn five_tries_at_once_then_one_in_ten_seconds() {
+        let (mut limiter, here) = (Limiter::default(), from("10.0.0.1"));
+        let mut attempt = |now_ms| limiter.attempt("anna", here, now_ms);
+        assert_eq!([0; 5].map(&mut attempt), [Ok(()); 5]);
+        assert_eq!(attempt(0), Err(10));
+        assert_eq!(attempt(9_001), Err(1));
+        assert_eq!(attempt(10_000), Ok(()));
+        assert_eq!(attempt(10_000), Err(10));
+        assert_eq!(
+            [100_000; 6].map(&mut attempt),
+            [Ok(()), Ok(()), Ok(()), Ok(()), Ok(()), Err(10)]
+        );
+    }
+
+    #[test]
+    fn one_address_cannot_try_many_users_nor_one_network_many_addresses() {
+        let mut limiter = Limiter::default();
+        for number in 0..5 {
+            let address = from(&format!("2001:db8::{number}"));
+            assert_eq!(limiter.attempt(&format!("user{number}"), address, 0), Ok(()));
+        }
+        assert_eq!(limiter.attempt("another", from("2001:db8::99"), 0), Err(10));
+        assert_eq!(limiter.attempt("another", from("2001:db8:1::1"), 0), Ok(()));
+    }
+
+    #[test]
+    fn who_was_let_in_here_before_is_not_held_up_by_others() {
+        let (mut limiter, home) = (Limiter::default(), from("10.0.0.1"));
+        limiter.attempt("anna", home, 0).unwrap();
+        limiter.succeeded("anna", home);
+        for number in 2..=250 {
+            limiter.attempt("anna", from(&format!("10.0.0.{number}")), 1).unwrap_or_default();
+        }
+        assert_eq!(limiter.attempt("anna", from("10.0.1.1"), 1), Err(10));
+        assert_eq!(limiter.attempt("anna", home, 1), Ok(()));
+    }
+
+    #[test]
+    fn a_right_password_counts_for_nothing() {
+        let (mut limiter, here) = (Limiter::default(), from("10.0.0.1"));
+        for _ in 0..100 {
+            assert_eq!(limiter.attempt("anna", here, 0), Ok(()));
+            limiter.succeeded("anna", here);
+        }
+    }
+
+    #[test]
+    fn what_is_remembered_is_bounded() {
+        let mut limiter = Limiter::default();
+        for number in 0..u32::try_from(2 * MAX).unwrap() {
+            let address = IpAddr::from(number.to_be_bytes());
+            limiter.attempt(&format!("user{number}"), address, u64::from(number)).unwrap();
+        }
+        assert!(limiter.spent.len() <= MAX + 2);
+    }
+}

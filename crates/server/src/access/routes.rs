@@ -1,0 +1,251 @@
+//! Logging in and out, tokens, users. Knows requests and answers; what is allowed is decided at the door and by the roster.
+
+use super::people::OWNER;
+use super::who::{Credential, Who};
+use crate::blocking::blocking;
+use crate::extract::{Body, Path};
+use crate::listen::Peer;
+use crate::{Failure, House};
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::http::header::{self, HeaderName};
+use rafcon_protocol::api::{
+    ChangePassword, ChangeUser, Login, NewToken, NewUser, Refusal, Right, Role, Session,
+    TokenAbout, TokenMade, User,
+};
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// The routes of this part.
+pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new()
+        .routes(routes!(log_in, session, log_out))
+        .routes(routes!(change_password))
+        .routes(routes!(tokens, make_token))
+        .routes(routes!(delete_token))
+        .routes(routes!(users, add_user))
+        .routes(routes!(change_user, remove_user))
+}
+
+/// Logs in with a password.
+///
+/// The answer sets a cookie, which browsers send from then on. Programs had better use tokens.
+#[utoipa::path(post, path = "/api/v1/session", tag = "people", request_body = Login, responses(
+    (status = 200, description = "Logged in", body = Session),
+    (status = 400, description = "The body does not fit", body = Refusal),
+    (status = 401, description = "No such user, or another password", body = Refusal),
+    (status = 413, description = "The body is too large", body = Refusal),
+    (status = 429, description = "Too many tries: wait as long as `Retry-After` says", body = Refusal),
+))]
+async fn log_in(
+    State(house): State<Arc<House>>,
+    peer: Peer,
+    Body(login): Body<Login>,
+) -> Result<([(HeaderName, String); 1], Json<Session>), Failure> {
+    let from = peer.0.ip();
+    let checked = house.people().check(&login.user, &login.password, from).await;
+    if let Err(failure) = checked {
+        if failure.status() == StatusCode::UNAUTHORIZED {
+            house.audit().note(&login.user, "wrong_login", &format!("from {from}"));
+        }
+        return Err(failure);
+    }
+    let (secret, who) = house.people().begin(&login.user)?;
+    house.audit().note(&who.user, "login", &format!("from {from}"));
+    Ok(([(header::SET_COOKIE, house.set_cookie(secret.text()))], Json(about(who))))
+}
+
+/// Who is logged in.
+#[utoipa::path(get, path = "/api/v1/session", tag = "people", responses(
+    (status = 200, description = "You", body = Session),
+))]
+async fn session(who: Who) -> Json<Session> {
+    Json(about(who))
+}
+
+/// Logs out.
+#[utoipa::path(delete, path = "/api/v1/session", tag = "people", responses(
+    (status = 204, description = "Logged out"),
+    (status = 409, description = "Who asks is let in by a token", body = Refusal),
+))]
+async fn log_out(State(house): State<Arc<House>>, who: Who) -> Result<StatusCode, Failure> {
+    house.people().end(&who)?;
+    house.audit().note(&who.user, "logout", "");
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Changes one's own password.
+///
+/// The user's other logins end. Tokens stay.
+#[utoipa::path(put, path = "/api/v1/session/password", tag = "people", request_body = ChangePassword, responses(
+    (status = 204, description = "Changed"),
+    (status = 400, description = "The body does not fit, or the new password is too short", body = Refusal),
+    (status = 401, description = "This is not the password so far", body = Refusal),
+    (status = 409, description = "Who asks is let in by a token", body = Refusal),
+    (status = 413, description = "The body is too large", body = Refusal),
+    (status = 429, description = "Too many tries: wait as long as `Retry-After` says", body = Refusal),
+))]
+async fn change_password(
+    State(house): State<Arc<House>>,
+    peer: Peer,
+    who: Who,
+    Body(change): Body<ChangePassword>,
+) -> Result<StatusCode, Failure> {
+    if who.user == OWNER || !matches!(who.by, Credential::Session(_)) {
+        let message = "only who has logged in with a password can change it: log in first";
+        return Err(Failure::conflict("not_a_login", message));
+    }
+    house.people().check(&who.user, &change.password, peer.0.ip()).await?;
+    let (users, user) = (Arc::clone(house.people().users()), who.user.clone());
+    blocking(move || Ok(users.change(&user, None, Some(&change.new_password))?)).await?;
+    house.people().renew(&who)?;
+    house.audit().note(&who.user, "password", "own");
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Tokens: one's own, or for an admin everybody's.
+#[utoipa::path(get, path = "/api/v1/tokens", tag = "people", responses(
+    (status = 200, description = "Without their secrets", body = [TokenAbout]),
+))]
+async fn tokens(State(house): State<Arc<House>>, who: Who) -> Json<Vec<TokenAbout>> {
+    Json(house.people().users().roster().tokens(of(&who)))
+}
+
+/// Makes a token for a program.
+///
+/// Only somebody who is logged in can: a token that was stolen shall not make others.
+#[utoipa::path(post, path = "/api/v1/tokens", tag = "people", request_body = NewToken, responses(
+    (status = 201, description = "The only time that its secret is told", body = TokenMade),
+    (status = 400, description = "The body does not fit", body = Refusal),
+    (status = 403, description = "A role beyond one's own", body = Refusal),
+    (status = 409, description = "Who asks is let in by a token, or has too many", body = Refusal),
+    (status = 413, description = "The body is too large", body = Refusal),
+))]
+async fn make_token(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Body(wanted): Body<NewToken>,
+) -> Result<(StatusCode, Json<TokenMade>), Failure> {
+    if let Credential::Token(_) = who.by {
+        let message = "a token cannot make tokens: log in first";
+        return Err(Failure::conflict("not_a_login", message));
+    }
+    let (users, user, role) = (Arc::clone(house.people().users()), who.user.clone(), who.role);
+    let made = blocking(move || Ok(users.make_token(&user, role, &wanted)?)).await?;
+    house.audit().note(&who.user, "token_made", &made.id);
+    Ok((StatusCode::CREATED, Json(made)))
+}
+
+/// Deletes a token: one's own, or as an admin anybody's.
+#[utoipa::path(delete, path = "/api/v1/tokens/{token}", tag = "people",
+    params(("token" = String, Path, description = "The token's id")),
+    responses(
+        (status = 204, description = "It lets nobody in any more"),
+        (status = 404, description = "There is no such token of yours", body = Refusal),
+    )
+)]
+async fn delete_token(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(id): Path<String>,
+) -> Result<StatusCode, Failure> {
+    let (users, asker, token) = (Arc::clone(house.people().users()), who.clone(), id.clone());
+    blocking(move || Ok(users.remove_token(&token, of(&asker))?)).await?;
+    house.audit().note(&who.user, "token_deleted", &id);
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Who may log in.
+#[utoipa::path(get, path = "/api/v1/users", tag = "people", responses(
+    (status = 200, description = "By name", body = [User]),
+))]
+async fn users(State(house): State<Arc<House>>) -> Json<Vec<User>> {
+    Json(house.people().users().roster().users())
+}
+
+/// Adds a user.
+#[utoipa::path(post, path = "/api/v1/users", tag = "people", request_body = NewUser, responses(
+    (status = 201, description = "Added", body = User),
+    (status = 400, description = "The body, the name or the password does not fit", body = Refusal),
+    (status = 409, description = "The name is taken", body = Refusal),
+    (status = 413, description = "The body is too large", body = Refusal),
+))]
+async fn add_user(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Body(new): Body<NewUser>,
+) -> Result<(StatusCode, Json<User>), Failure> {
+    let users = Arc::clone(house.people().users());
+    let user = User { name: new.name.clone(), role: new.role };
+    blocking(move || Ok(users.add(&new.name, new.role, &new.password)?)).await?;
+    house.audit().note(&who.user, "user_added", &format!("{}: {:?}", user.name, user.role));
+    Ok((StatusCode::CREATED, Json(user)))
+}
+
+/// Changes a user's role or password.
+///
+/// It counts at once, also for what the user has open. Another password ends the user's logins.
+#[utoipa::path(patch, path = "/api/v1/users/{user}", tag = "people", request_body = ChangeUser,
+    params(("user" = String, Path, description = "The user's name")),
+    responses(
+        (status = 204, description = "Changed"),
+        (status = 400, description = "The body or the password does not fit", body = Refusal),
+        (status = 404, description = "There is no such user", body = Refusal),
+        (status = 409, description = "This is the last admin", body = Refusal),
+        (status = 413, description = "The body is too large", body = Refusal),
+    )
+)]
+async fn change_user(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(user): Path<String>,
+    Body(change): Body<ChangeUser>,
+) -> Result<StatusCode, Failure> {
+    let about = changed(&user, &change);
+    let users = Arc::clone(house.people().users());
+    let change = move || Ok(users.change(&user, change.role, change.password.as_deref())?);
+    blocking(change).await?;
+    house.audit().note(&who.user, "user_changed", &about);
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Removes a user, and all their tokens.
+#[utoipa::path(delete, path = "/api/v1/users/{user}", tag = "people",
+    params(("user" = String, Path, description = "The user's name")),
+    responses(
+        (status = 204, description = "Removed"),
+        (status = 404, description = "There is no such user", body = Refusal),
+        (status = 409, description = "This is the last admin", body = Refusal),
+    )
+)]
+async fn remove_user(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(user): Path<String>,
+) -> Result<StatusCode, Failure> {
+    let (users, name) = (Arc::clone(house.people().users()), user.clone());
+    blocking(move || Ok(users.remove(&name)?)).await?;
+    house.audit().note(&who.user, "user_removed", &user);
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Who somebody is, as it is told.
+fn about(who: Who) -> Session {
+    let rights = [Right::Observe, Right::Command, Right::Start, Right::Edit, Right::Administer];
+    let Who { user, role, expires_ms, by: _ } = who;
+    let rights = rights.into_iter().filter(|right| role.grants(*right)).collect();
+    Session { user, role, rights, version: env!("CARGO_PKG_VERSION").to_owned(), expires_ms }
+}
+
+/// Whose tokens somebody may see and delete; nothing: everybody's.
+fn of(who: &Who) -> Option<&str> {
+    (who.role != Role::Admin).then_some(&who.user)
+}
+
+fn changed(user: &str, change: &ChangeUser) -> String {
+    let role = change.role.map(|role| format!(", role {role:?}")).unwrap_or_default();
+    let password = if change.password.is_some() { ", password" } else { "" };
+    format!("{user}{role}{password}")
+}

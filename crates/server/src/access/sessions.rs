@@ -1,0 +1,140 @@
+//! Logins: who has been let in by a password or by the owner's link, and until when. They outlive the server, so that its pages
+//! go on when the next one is there. Only digests of their secrets are kept.
+
+use super::private::{self, PrivateError};
+use super::secret::{Digest, Secret};
+use parking_lot::Mutex;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// How long a login lasts after it was used last.
+const LENGTH_MS: u64 = 12 * 3_600_000;
+/// By how much its end has to move before the file is written again.
+const GRAIN_MS: u64 = 600_000;
+/// How many there may be; beyond that those go that end first.
+const MAX: usize = 1000;
+
+/// A login.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Login {
+    pub(super) user: String,
+    /// When the user's password was set: another password ends the login.
+    pub(super) since_ms: u64,
+    pub(super) expires_ms: u64,
+}
+
+/// All logins, by the digest of their secret.
+#[derive(Debug)]
+pub(super) struct Sessions {
+    file: PathBuf,
+    logins: Mutex<BTreeMap<String, Login>>,
+}
+
+impl Sessions {
+    /// Those of the servers before. A file that cannot be read lets nobody in.
+    pub(super) fn open(file: PathBuf) -> Result<Self, PrivateError> {
+        let text = private::read(&file)?.unwrap_or_default();
+        let logins = serde_json::from_str(&text).unwrap_or_default();
+        Ok(Self { file, logins: Mutex::new(logins) })
+    }
+
+    /// A new login, and what its owner shows from now on.
+    pub(super) fn begin(
+        &self,
+        user: &str,
+        since_ms: u64,
+        now_ms: u64,
+    ) -> Result<(Secret, Login), PrivateError> {
+        let secret = Secret::new();
+        let secret = secret.map_err(|source| PrivateError::new("make", &self.file, source))?;
+        let login = Login { user: user.to_owned(), since_ms, expires_ms: now_ms + LENGTH_MS };
+        let mut logins = self.logins.lock();
+        logins.retain(|_, login| login.expires_ms > now_ms);
+        make_room(&mut logins);
+        logins.insert(secret.digest().text(), login.clone());
+        self.keep(&logins)?;
+        Ok((secret, login))
+    }
+
+    /// The login of this secret, which is used now.
+    pub(super) fn used(&self, secret: &str, now_ms: u64) -> Option<(String, Login)> {
+        let digest = Digest::of(secret).text();
+        let mut logins = self.logins.lock();
+        let login = logins.get_mut(&digest).filter(|login| login.expires_ms > now_ms)?;
+        let moved = now_ms + LENGTH_MS - login.expires_ms;
+        if moved < GRAIN_MS {
+            return Some((digest, login.clone()));
+        }
+        login.expires_ms += moved;
+        let login = login.clone();
+        // A disk that refuses ends a login earlier, and nothing else.
+        self.keep(&logins).unwrap_or_default();
+        Some((digest, login))
+    }
+
+    /// The login with this digest, if it is not over.
+    pub(super) fn with(&self, digest: &str, now_ms: u64) -> Option<Login> {
+        self.logins.lock().get(digest).filter(|login| login.expires_ms > now_ms).cloned()
+    }
+
+    /// Ends one.
+    pub(super) fn end(&self, digest: &str) -> Result<(), PrivateError> {
+        let mut logins = self.logins.lock();
+        logins.remove(digest);
+        self.keep(&logins)
+    }
+
+    /// The login goes on although its user's password is another.
+    pub(super) fn renew(&self, digest: &str, since_ms: u64) -> Result<(), PrivateError> {
+        let mut logins = self.logins.lock();
+        if let Some(login) = logins.get_mut(digest) {
+            login.since_ms = since_ms;
+        }
+        self.keep(&logins)
+    }
+
+    fn keep(&self, logins: &BTreeMap<String, Login>) -> Result<(), PrivateError> {
+        let text = serde_json::to_vec(logins).map_err(std::io::Error::from);
+        let text = text.map_err(|source| PrivateError::new("write", &self.file, source))?;
+        private::write_soon(&self.file, &text)
+    }
+}
+
+fn make_room(logins: &mut BTreeMap<String, Login>) {
+    while logins.len() >= MAX {
+        let first = logins.iter().min_by_key(|(_, login)| login.expires_ms);
+        let Some(digest) = first.map(|(digest, _)| digest.clone()) else { return };
+        logins.remove(&digest);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LENGTH_MS, Sessions};
+
+    #[test]
+    fn a_login_lasts_while_it_is_used_and_outlives_the_server() {
+        let place = tempfile::tempdir().unwrap();
+        let open = || Sessions::open(place.path().join("sessions.json")).unwrap();
+        let (secret, login) = open().begin("anna", 1, 0).unwrap();
+        assert_eq!(login.expires_ms, LENGTH_MS);
+        let sessions = open();
+        let late = LENGTH_MS - 1;
+        let (digest, login) = sessions.used(secret.text(), late).unwrap();
+        assert_eq!(login.expires_ms, late + LENGTH_MS);
+        assert_eq!(open().with(&digest, LENGTH_MS), Some(login));
+        assert_eq!(sessions.used(secret.text(), late + LENGTH_MS), None);
+        assert_eq!(sessions.used(&digest, late), None);
+    }
+
+    #[test]
+    fn an_ended_login_is_known_no_more() {
+        let place = tempfile::tempdir().unwrap();
+        let sessions = Sessions::open(place.path().join("sessions.json")).unwrap();
+        let (secret, _) = sessions.begin("anna", 1, 0).unwrap();
+        let (digest, _) = sessions.used(secret.text(), 1).unwrap();
+        sessions.end(&digest).unwrap();
+        assert_eq!(sessions.used(secret.text(), 1), None);
+    }
+}

@@ -1,0 +1,151 @@
+//! Users and tokens as the server and the command line change them: what is asked for is checked, secrets are made and hashed,
+//! the roster is written. Slow: never call what changes something where others wait.
+
+use super::passwords::{self, BYTES_MAX, HashError, LENGTH_MIN};
+use super::private::{self, PrivateError};
+use super::register::Register;
+use super::roster::{Entry, Roster, RosterError, Token};
+use super::secret::{Secret, hex, random};
+use crate::settings::HashCost;
+use rafcon_protocol::api::{NewToken, Role, TokenMade};
+use rafcon_supervisor::clock::since_1970_ms;
+use std::path::Path;
+use std::sync::Arc;
+
+/// How long the name of a token may be.
+const TOKEN_NAME_MAX: usize = 100;
+
+/// The users and tokens of a server's folder.
+#[derive(Debug)]
+pub struct Users {
+    register: Register,
+    cost: HashCost,
+}
+
+/// Why users and tokens stay as they are.
+#[derive(Debug, thiserror::Error)]
+pub enum UsersError {
+    /// The change is none.
+    #[error(transparent)]
+    Roster(#[from] RosterError),
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Private(#[from] PrivateError),
+    /// The password cannot be hashed.
+    #[error(transparent)]
+    Hash(#[from] HashError),
+    /// The password is too short, or much too long.
+    #[error(
+        "a password has {LENGTH_MIN} characters at least and {BYTES_MAX} bytes at most: choose another"
+    )]
+    BadPassword,
+    /// The token's name is none.
+    #[error("a token has a name of 1 to {TOKEN_NAME_MAX} characters, which says what it is for")]
+    BadTokenName,
+}
+
+impl Users {
+    /// Those in a server's folder, which is made if it is not there.
+    pub fn open(state: &Path, cost: HashCost) -> Result<Self, PrivateError> {
+        private::folder(state)?;
+        Ok(Self { register: Register::open(state)?, cost })
+    }
+
+    /// Who there is now.
+    pub fn roster(&self) -> Arc<Roster> {
+        self.register.now()
+    }
+
+    pub(super) fn register(&self) -> &Register {
+        &self.register
+    }
+
+    pub(super) fn cost(&self) -> HashCost {
+        self.cost
+    }
+
+    /// One user more.
+    pub fn add(&self, name: &str, role: Role, password: &str) -> Result<(), UsersError> {
+        let password = self.hash(password)?;
+        let entry = Entry { role, password, since_ms: since_1970_ms() };
+        self.register.change(|roster| roster.add(name, entry))
+    }
+
+    /// One user and all their tokens less.
+    pub fn remove(&self, name: &str) -> Result<(), UsersError> {
+        self.register.change(|roster| roster.remove(name))
+    }
+
+    /// Another role, another password (which ends the user's logins), or both; or neither, if one cannot be.
+    pub fn change(
+        &self,
+        name: &str,
+        role: Option<Role>,
+        password: Option<&str>,
+    ) -> Result<(), UsersError> {
+        let hash = password.map(|password| self.hash(password)).transpose()?;
+        let now_ms = since_1970_ms();
+        self.register.change(|roster| {
+            role.map_or(Ok(()), |role| roster.set_role(name, role))?;
+            hash.map_or(Ok(()), |hash| roster.set_password(name, hash, now_ms))
+        })
+    }
+
+    /// The same password at the cost of today.
+    pub(super) fn keep_again(
+        &self,
+        name: &str,
+        old: &str,
+        password: &str,
+    ) -> Result<(), UsersError> {
+        let hash = passwords::hash(password, self.cost)?;
+        self.register.change(|roster| {
+            roster.keep_again(name, old, hash);
+            Ok(())
+        })
+    }
+
+    /// One token more, for a user whose right is `most` at the moment.
+    pub fn make_token(
+        &self,
+        user: &str,
+        most: Role,
+        wanted: &NewToken,
+    ) -> Result<TokenMade, UsersError> {
+        if !(1..=TOKEN_NAME_MAX).contains(&wanted.name.chars().count()) {
+            return Err(UsersError::BadTokenName);
+        }
+        let (id, secret) = made()?;
+        let made_ms = since_1970_ms();
+        let lifetime = |seconds: u64| made_ms.saturating_add(seconds.saturating_mul(1000));
+        let token = Token {
+            user: user.to_owned(),
+            name: wanted.name.clone(),
+            role: wanted.role.unwrap_or(most),
+            made_ms,
+            expires_ms: wanted.lifetime_s.map(lifetime),
+            digest: secret.digest().text(),
+        };
+        self.register.change(|roster| roster.add_token(id.clone(), token))?;
+        Ok(TokenMade { id, token: secret.text().to_owned() })
+    }
+
+    /// One token less: of this user, or of anybody.
+    pub fn remove_token(&self, id: &str, user: Option<&str>) -> Result<(), UsersError> {
+        self.register.change(|roster| roster.remove_token(id, user))
+    }
+
+    fn hash(&self, password: &str) -> Result<String, UsersError> {
+        if password.chars().count() < LENGTH_MIN || password.len() > BYTES_MAX {
+            return Err(UsersError::BadPassword);
+        }
+        Ok(passwords::hash(password, self.cost)?)
+    }
+}
+
+/// A token's id and its secret.
+fn made() -> Result<(String, Secret), UsersError> {
+    let failed = |error: std::io::Error| HashError::new(&error);
+    let id = hex(&random::<8>().map_err(failed)?);
+    Ok((id, Secret::new().map_err(failed)?))
+}
