@@ -25,7 +25,7 @@ pub(crate) fn command(
         command: named(name, path.unwrap_or_default(), sequence)?,
     };
     let driver = current::driver()?;
-    match thread::leave(py, || driver.obey(envelope)) {
+    match thread::leave(py, || driver.obey(&envelope)) {
         Answer::Applied => Ok(()),
         Answer::Refused { reason } => Err(PyRuntimeError::new_err(reason)),
         Answer::Expired => Err(PyRuntimeError::new_err("the command came too late")),

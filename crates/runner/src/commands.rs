@@ -1,15 +1,16 @@
-//! What viewers send: each command once whoever sends it, every one answered; questions about active states.
+//! What viewers send: each command once, whoever sends it and whichever runner the run has, every one answered; questions about active states.
 
 use crate::connection::{Receiver, Sender, Words};
 use crate::driver::Driver;
 use crate::{Scripts, inquiry, tell};
 use parking_lot::{Condvar, Mutex};
 use rafcon_protocol::{Answer, Envelope, LogLevel, ToRunner, ToViewer, decode};
+use rafcon_storage::journal::ANSWERS_MAX;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// How many answers are kept, in case a command is sent again.
-const ANSWERS_MAX: usize = 1024;
+/// Commands by their ids, with their answers.
+pub(crate) type Answers = VecDeque<(String, Answer)>;
 
 /// Where all viewers of a run hand their commands in.
 #[derive(Debug)]
@@ -21,9 +22,10 @@ pub(crate) struct Desk<S: Scripts> {
 }
 
 impl<S: Scripts> Desk<S> {
-    /// A desk at which nobody was.
-    pub(crate) fn new(driver: Arc<Driver<S>>) -> Self {
-        Self { driver, known: Mutex::default(), answered: Condvar::new() }
+    /// A desk at which these commands were answered: by the runners before, if there were any.
+    pub(crate) fn new(driver: Arc<Driver<S>>, answers: Answers) -> Self {
+        let known = answers.into_iter().map(|(id, answer)| (id, Some(answer))).collect();
+        Self { driver, known: Mutex::new(known), answered: Condvar::new() }
     }
 
     /// Serves one viewer until it goes away. `answering` is held from a command to its answer.
@@ -72,7 +74,7 @@ impl<S: Scripts> Desk<S> {
         if let Some(answer) = self.earlier(&id) {
             return answer;
         }
-        let answer = self.driver.obey(envelope);
+        let answer = self.driver.obey(&envelope);
         let mut known = self.known.lock();
         if let Some(entry) = known.iter_mut().find(|(known, _)| *known == id) {
             entry.1 = Some(answer.clone());
@@ -90,7 +92,7 @@ impl<S: Scripts> Desk<S> {
             }
             self.answered.wait(&mut known);
         }
-        if known.len() == ANSWERS_MAX
+        if known.len() >= ANSWERS_MAX
             && let Some(oldest) = known.iter().position(|(_, answer)| answer.is_some())
         {
             known.remove(oldest);

@@ -1,7 +1,7 @@
 //! Everybody who is connected to a run: each viewer is told and may command, none holds up another or the run. Knows who is
 //! there; must never know what is said.
 
-use crate::commands::Desk;
+use crate::commands::{Answers, Desk};
 use crate::connection::{Line, Receiver, Sender, Socket};
 use crate::driver::Driver;
 use crate::viewer::Viewer;
@@ -54,9 +54,9 @@ struct Guest {
 }
 
 impl<S: Scripts> Company<S> {
-    /// A run that nobody watches.
-    pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer) -> Self {
-        let desk = Desk::new(Arc::clone(&driver));
+    /// A run that nobody watches; these commands were answered before.
+    pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer, answers: Answers) -> Self {
+        let desk = Desk::new(Arc::clone(&driver), answers);
         let (present, noting) = (Mutex::default(), Mutex::new(()));
         Self { driver, desk, loaded, present, noting, changed: Condvar::new() }
     }

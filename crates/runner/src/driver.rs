@@ -11,13 +11,13 @@ use crate::recorder::Recorder;
 use crate::roots::Roots;
 use crate::signals::PREEMPTED;
 use crate::timers::Timers;
-use crate::{Clock, Places, Scripts, tell, written};
+use crate::written::{self, Beside};
+use crate::{Clock, Places, Scripts, tell};
 use parking_lot::{Condvar, Mutex};
 use rafcon_engine::{
     BranchId, Effect, Event, Finish, Input, Job, NodeId, PathId, Program, Refusal,
 };
 use rafcon_protocol::LogLevel;
-use rafcon_storage::journal::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -28,6 +28,21 @@ pub(crate) enum End<D> {
     Finished(Finish<D>),
     /// A script does not end: the process has to.
     CutOff,
+}
+
+/// Why the engine did not get an input.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum NotTaken {
+    /// It is not wanted any more.
+    Late,
+    /// It cannot be done; why, for people.
+    Refused(String),
+}
+
+impl From<String> for NotTaken {
+    fn from(why: String) -> Self {
+        Self::Refused(why)
+    }
 }
 
 /// A run in progress.
@@ -223,21 +238,29 @@ impl<S: Scripts> Driver<S> {
         answer
     }
 
-    /// Gives the engine an input from outside its branches; if it is taken, `then` is done before anything follows from it. The
-    /// events of the input come after the answer, and are kept with it or not at all.
-    pub(crate) fn input_after(
+    /// Gives the engine an input from outside its branches, unless `late` says that it is too late for it. If it is taken, `then`
+    /// is done before anything follows from it, and what it answers is kept with the events of the input or not at all.
+    pub(crate) fn input_beside(
         self: &Arc<Self>,
         input: Input<S::Value>,
-        then: impl FnOnce() -> Record + Send,
-    ) -> Result<(), String> {
-        let take = |core: &mut Core<S::Value>| self.drive_after(core, input, None, || Some(then()));
+        late: impl FnOnce() -> bool + Send,
+        then: impl FnOnce() -> Beside + Send,
+    ) -> Result<(), NotTaken> {
+        if matches!(input, Input::Stop) {
+            // Whoever holds the engine may wait for a disk that refuses.
+            self.recorder.safety().end();
+        }
+        let take = |core: &mut Core<S::Value>| {
+            if late() {
+                return Err(NotTaken::Late);
+            }
+            let driven = self.drive_beside(core, input, None, then);
+            driven.map(drop).map_err(|refusal| NotTaken::Refused(refusal.to_string()))
+        };
         let taken = self.with_core(take);
         self.scripts.settle();
-        match taken {
-            Some(Ok(_none)) => Ok(()),
-            Some(Err(refusal)) => Err(refusal.to_string()),
-            None => Err("the run cannot be reached".to_owned()),
-        }
+        let unreached = || Err(NotTaken::Refused("the run cannot be reached".to_owned()));
+        taken.unwrap_or_else(unreached)
     }
 
     /// There are stand-ins for lost values from now on, if that is so.
@@ -251,15 +274,15 @@ impl<S: Scripts> Driver<S> {
         input: Input<S::Value>,
         own: Option<BranchId>,
     ) -> Result<Next<S::Value>, Refusal> {
-        self.drive_after(core, input, own, || None)
+        self.drive_beside(core, input, own, Beside::default)
     }
 
-    fn drive_after(
+    fn drive_beside(
         self: &Arc<Self>,
         core: &mut Core<S::Value>,
         input: Input<S::Value>,
         own: Option<BranchId>,
-        then: impl FnOnce() -> Option<Record>,
+        then: impl FnOnce() -> Beside,
     ) -> Result<Next<S::Value>, Refusal> {
         let mut turn = Turning::of(own);
         core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
@@ -290,19 +313,14 @@ impl<S: Scripts> Driver<S> {
     ) -> Result<(), Refusal> {
         while let Some(input) = core.pending.pop_front() {
             core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
-            self.carry_out(core, turn, None);
+            self.carry_out(core, turn, Beside::default());
         }
         Ok(())
     }
 
-    fn carry_out(
-        &self,
-        core: &mut Core<S::Value>,
-        turn: &mut Turning<S::Value>,
-        first: Option<Record>,
-    ) {
+    fn carry_out(&self, core: &mut Core<S::Value>, turn: &mut Turning<S::Value>, beside: Beside) {
         let entered = self.look_ahead(core);
-        written::record(core, &self.scripts, self.clock, (&self.recorder, first));
+        written::record(core, &self.scripts, self.clock, (&self.recorder, beside));
         self.set_alarms(core, &entered);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {

@@ -1,6 +1,7 @@
 //! One run from hello to the last word. Knows the order of things; the parts know how.
 
 use crate::active::Active;
+use crate::commands::Answers;
 use crate::company::Company;
 use crate::connection::{self, Line, Socket, TalkError};
 use crate::document::Document;
@@ -90,7 +91,8 @@ fn begin<H: Host>(
     H::opened(&driver);
     driver.keep_first_root(files);
     let (door, closer) = open_door(launch)?.unzip();
-    let begun = Begun { driver, loaded, from, signals: stop::take_over()?, door, closer };
+    let answers = past.as_ref().map(Past::answers).unwrap_or_default();
+    let begun = Begun { driver, loaded, from, answers, signals: stop::take_over()?, door, closer };
     set_out(&begun.driver, launch, start, past).map_err(ServeError::Load)?;
     Ok(begun)
 }
@@ -130,6 +132,8 @@ struct Begun<S: Scripts> {
     loaded: ToViewer,
     /// The first event that the viewer is told that launched the run.
     from: u64,
+    /// The commands that the runners before have answered.
+    answers: Answers,
     signals: (Signals, Handle),
     door: Option<Door>,
     closer: Option<Closer>,
@@ -137,8 +141,8 @@ struct Begun<S: Scripts> {
 
 impl<S: Scripts> Begun<S> {
     fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
-        let Self { driver, loaded, from, signals: (signals, handle), door, closer } = self;
-        let company = Company::new(Arc::clone(&driver), loaded);
+        let Self { driver, loaded, from, answers, signals: (signals, handle), door, closer } = self;
+        let company = Company::new(Arc::clone(&driver), loaded, answers);
         let (driver, company) = (&driver, &company);
         thread::scope(|scope| {
             let watch = Watch { line, join: first(launch, from), signals, door };

@@ -1,10 +1,13 @@
 //! What a command comes to: inputs of the engine, answers to questions. Knows the vocabulary of commands; must never know
 //! who sends them.
 
+use crate::driver::NotTaken;
+use crate::written::Beside;
 use crate::{Clock, Driver, Scripts, tell};
 use rafcon_engine::{Input, Interrupted, Start, Stride, Then};
 use rafcon_model::{OutcomeId, StatePath};
 use rafcon_protocol::{Answer, Command, Envelope, Event, Given, OnCrash};
+use rafcon_storage::journal::Record;
 use smol_str::SmolStr;
 use std::sync::{Arc, mpsc};
 use std::thread;
@@ -15,37 +18,86 @@ const KILLED: i32 = 137;
 /// How long it may take to note down that the run is killed.
 const LAST_LINE: Duration = Duration::from_millis(200);
 
+/// What is to be carried out, for as long as it is wanted.
+pub(crate) struct Order<'o> {
+    envelope: Option<&'o Envelope>,
+}
+
+impl<'o> Order<'o> {
+    /// What a command asks for.
+    fn of(envelope: &'o Envelope) -> Self {
+        Self { envelope: Some(envelope) }
+    }
+
+    /// What nobody asked for just now: it is never too late, and not noted down as a command.
+    pub(crate) fn ours() -> Self {
+        Self { envelope: None }
+    }
+
+    /// Whether nobody wants it any more.
+    pub(crate) fn is_late(&self) -> bool {
+        let expiry = self.envelope.and_then(|envelope| envelope.expiry);
+        expiry.is_some_and(|expiry| expiry.0 < Clock::epoch_ms())
+    }
+
+    /// That it was carried out.
+    pub(crate) fn note(&self) -> Option<Record> {
+        Some(commanded(self.envelope?, Answer::Applied))
+    }
+}
+
+fn commanded(envelope: &Envelope, answer: Answer) -> Record {
+    tell::told(Event::Commanded { envelope: Box::new(envelope.clone()), answer })
+}
+
+/// Whether a command that was carried out is written down already.
+enum Done {
+    /// In one group with what follows from it: a crash leaves both or none.
+    Noted,
+    /// Not yet.
+    Unnoted,
+}
+
 impl<S: Scripts> Driver<S> {
     /// Carries a command out and notes it down with its answer. Called on any thread, outside the interpreter.
-    pub fn obey(self: &Arc<Self>, envelope: Envelope) -> Answer {
-        let expired = envelope.expiry.is_some_and(|expiry| expiry.0 < Clock::epoch_ms());
-        let answer = if expired {
-            Answer::Expired
-        } else if let Err(reason) = self.carry_out_command(&envelope) {
-            Answer::Refused { reason }
-        } else {
-            Answer::Applied
+    pub fn obey(self: &Arc<Self>, envelope: &Envelope) -> Answer {
+        let answer = match self.carry_out_command(envelope) {
+            Ok(Done::Noted) => return Answer::Applied,
+            Ok(Done::Unnoted) => Answer::Applied,
+            Err(NotTaken::Late) => Answer::Expired,
+            Err(NotTaken::Refused(reason)) => Answer::Refused { reason },
         };
-        let envelope = Box::new(envelope);
-        self.tell_in_time(tell::told(Event::Commanded { envelope, answer: answer.clone() }));
+        self.tell_in_time(commanded(envelope, answer.clone()));
         answer
     }
 
-    fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<(), String> {
+    fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<Done, NotTaken> {
+        let order = Order::of(envelope);
+        if order.is_late() {
+            return Err(NotTaken::Late);
+        }
         match &envelope.command {
             Command::Kill => self.kill(envelope),
-            Command::SetBreakpoint { breakpoint } => self.set_breakpoint(breakpoint),
-            Command::RemoveBreakpoint { id } => self.remove_breakpoint(*id),
+            Command::SetBreakpoint { breakpoint } => self.set_breakpoint(breakpoint)?,
+            Command::RemoveBreakpoint { id } => self.remove_breakpoint(*id)?,
             Command::AnswerQuestion { question, value } => {
-                self.questions().answer(*question, value, &envelope.author)
+                self.questions().answer(*question, value, &envelope.author)?;
             }
-            Command::EditScript { path, script } => self.edit_script(path, script),
-            Command::Reload { wait } => self.reload(*wait),
-            Command::StartFromHistory { sequence } => self.start_from_history(*sequence),
+            Command::EditScript { path, script } => self.edit_script(path, script)?,
+            Command::Reload { wait } => self.reload(*wait)?,
             // Noted down like every command: the journal says who commanded when.
-            Command::Control { .. } => Ok(()),
-            command => self.input(self.input_of(command)?),
+            Command::Control { .. } => {}
+            Command::StartFromHistory { sequence } => {
+                return self.start_from_history(*sequence, &order).map(|()| Done::Noted);
+            }
+            command => {
+                let input = self.input_of(command)?;
+                let beside = || Beside { first: None, last: order.note() };
+                let taken = self.input_beside(input, || order.is_late(), beside);
+                return taken.map(|()| Done::Noted);
+            }
         }
+        Ok(Done::Unnoted)
     }
 
     /// The input that a command stands for.

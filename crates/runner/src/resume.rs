@@ -1,10 +1,14 @@
 //! Runs that are taken up again: after the end of their runner, or at an entry of their history. Knows what has to be put back,
 //! and in which order; what a journal says, others read.
 
+use crate::commands::Answers;
+use crate::driver::NotTaken;
 use crate::journal::options;
+use crate::obey::Order;
 use crate::prepare::{Copied, Prepared, prepare, reason};
 use crate::recorder::Recorder;
 use crate::revive::{Reviver, Surroundings};
+use crate::written::Beside;
 use crate::{Driver, Host, Scripts, tell};
 use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start};
 use rafcon_model::OutcomeId;
@@ -122,6 +126,11 @@ pub(crate) struct Past {
 }
 
 impl Past {
+    /// The latest commands, with their answers: none of them is carried out again.
+    pub(crate) fn answers(&self) -> Answers {
+        self.last.whole().answers.clone()
+    }
+
     /// Puts everything back and lets the run go on; the error is for people.
     pub(crate) fn go_on<S: Scripts>(
         mut self,
@@ -135,7 +144,11 @@ impl Past {
         driver.tell(Event::Resumed { life, crash, policy });
         whole.breakpoints.values().try_for_each(|point| driver.set_breakpoint(point))?;
         if let Some(from) = &self.from {
-            return driver.go_back(&self.reader, from, counted(&self.last));
+            let gone = driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
+            return gone.map_err(|why| match why {
+                NotTaken::Refused(why) => why,
+                NotTaken::Late => "it came too late".to_owned(),
+            });
         }
         if let Some(finish) = driver.ending(&mut self.reader, &self.last) {
             driver.finish(finish);
@@ -168,13 +181,18 @@ fn counted(last: &Moment) -> Counted {
 
 impl<S: Scripts> Driver<S> {
     /// Begins again at an entry of the history of this run, which has to stand still; the error is for people.
-    pub(crate) fn start_from_history(self: &Arc<Self>, sequence: u64) -> Result<(), String> {
-        let folder = self.recorder().folder().ok_or(
-            "this run keeps no journal, so it has no history to begin from; run it with one",
-        )?;
+    pub(crate) fn start_from_history(
+        self: &Arc<Self>,
+        sequence: u64,
+        order: &Order<'_>,
+    ) -> Result<(), NotTaken> {
+        let folder = self.recorder().folder().ok_or_else(|| {
+            "this run keeps no journal, so it has no history to begin from; run it with one"
+                .to_owned()
+        })?;
         let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
         let from = From::find(&mut reader, sequence)?;
-        self.go_back(&reader, &from, Counted::default())
+        self.go_back(&reader, &from, Counted::default(), order)
     }
 
     /// How a run ended whose runner died before it could say so: nothing is active any more, and its root was left.
@@ -213,7 +231,8 @@ impl<S: Scripts> Driver<S> {
         reader: &Reader,
         from: &From,
         counted: Counted,
-    ) -> Result<(), String> {
+        order: &Order<'_>,
+    ) -> Result<(), NotTaken> {
         let (root, around) = self.revive(reader, &from.before);
         let input = match root {
             Some(root) => Input::Restore(Box::new(Restore {
@@ -228,10 +247,14 @@ impl<S: Scripts> Driver<S> {
         let moment = from.before.to_bytes();
         let record = Record::WentBack { sequence: from.sequence, moment };
         // A command that is refused must not touch what a script may be using.
-        self.input_after(input, || {
-            self.put_back(around);
-            record
-        })
+        self.input_beside(
+            input,
+            || order.is_late(),
+            || {
+                self.put_back(around);
+                Beside { first: Some(record), last: order.note() }
+            },
+        )
     }
 
     fn begin_again(&self, reader: &Reader, from: &From) -> Input<S::Value> {

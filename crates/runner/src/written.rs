@@ -21,14 +21,24 @@ struct Page<'p, S: Scripts> {
     now: u64,
 }
 
-/// Writes the events of the outbox down after `first`, and makes the places that they are the first to name.
+/// What is written down in one group with the events of an input: all of it is kept or nothing.
+#[derive(Debug, Default)]
+pub(crate) struct Beside {
+    /// Before them.
+    pub(crate) first: Option<Record>,
+    /// After them.
+    pub(crate) last: Option<Record>,
+}
+
+/// Writes the events of the outbox down with what stands beside them, and makes the places that they are the first to name.
 pub(crate) fn record<S: Scripts>(
     core: &mut Core<S::Value>,
     scripts: &S,
     clock: Clock,
-    (recorder, first): (&Recorder, Option<Record>),
+    (recorder, beside): (&Recorder, Beside),
 ) {
-    if core.outbox.events.is_empty() && first.is_none() {
+    let Beside { first, last } = beside;
+    if core.outbox.events.is_empty() && first.is_none() && last.is_none() {
         return;
     }
     let mut events = std::mem::take(&mut core.outbox.events);
@@ -39,6 +49,9 @@ pub(crate) fn record<S: Scripts>(
     }
     for event in &events {
         page.write(event);
+    }
+    if let Some(last) = last {
+        page.pen.note(page.now, &last);
     }
     events.clear();
     page.core.outbox.events = events;

@@ -80,6 +80,8 @@ pub(crate) struct Supervisor {
     interrupts: u32,
     /// Who gives commands.
     author: String,
+    /// How the ids of our commands begin: those that an earlier runner of the run has answered are not carried out again.
+    prefix: String,
     /// How often a key asked for something.
     wishes: u32,
     /// When patience ends and the process is killed.
@@ -98,12 +100,12 @@ pub(crate) struct Supervisor {
 }
 
 impl Supervisor {
-    /// A run that is about to begin; `timeout` counts from now on, and `author` gives commands.
+    /// A run that is about to begin; `timeout` counts from now on, and `author` gives commands, whose ids begin with `prefix`.
     pub(crate) fn new(
         launch: Launch,
         now: Duration,
         timeout: Option<Duration>,
-        author: &str,
+        (author, prefix): (&str, &str),
     ) -> Self {
         Self {
             phase: Phase::Starting,
@@ -113,6 +115,7 @@ impl Supervisor {
             interrupts: 0,
             wishes: 0,
             author: author.to_owned(),
+            prefix: prefix.to_owned(),
             kill_at: None,
             exit: None,
             silent: false,
@@ -241,7 +244,7 @@ impl Supervisor {
         let may_stop = matches!(self.phase, Phase::Loading | Phase::Running);
         if self.interrupts == 1 && may_stop {
             out.push(Action::Note("stopping; press Ctrl-C again to kill".to_owned()));
-            out.push(Action::Send(command("stop", &self.author, Command::Stop)));
+            out.push(Action::Send(self.command("stop", Command::Stop)));
         } else {
             self.finish(self.killed());
             out.push(Action::Kill);
@@ -253,7 +256,7 @@ impl Supervisor {
         self.wishes += 1;
         let id = format!("key-{}", self.wishes);
         match wish {
-            Wish::Send(asked) => out.push(Action::Send(command(&id, &self.author, asked))),
+            Wish::Send(asked) => out.push(Action::Send(self.command(&id, asked))),
             Wish::Inspect(path) => out.push(Action::Send(ToRunner::Inspect { id, path })),
             Wish::Say(text) => out.push(Action::Note(text)),
             Wish::Leave => {}
@@ -305,7 +308,7 @@ impl Supervisor {
         }
         self.kill_at = Some(now + GRACE);
         out.push(Action::Note("the time is over; stopping".to_owned()));
-        out.push(Action::Send(command("timeout", &self.author, Command::Stop)));
+        out.push(Action::Send(self.command("timeout", Command::Stop)));
     }
 
     /// The first reason counts.
@@ -327,16 +330,6 @@ impl Supervisor {
         let active = self.active.paths().to_vec();
         End::Died(Death { reason, active, said, is_cut_off })
     }
-}
-
-fn command(id: &str, author: &str, command: Command) -> ToRunner {
-    ToRunner::Command(Envelope {
-        id: id.to_owned(),
-        author: author.to_owned(),
-        decided_on: None,
-        expiry: None,
-        command,
-    })
 }
 
 #[cfg(test)]

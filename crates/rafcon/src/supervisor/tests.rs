@@ -12,8 +12,12 @@ use std::time::Duration;
 
 /// Runs a script of `seconds word argument`, with a timeout of ten seconds.
 fn check(script: &str, expect: &Expect) {
-    let mut run =
-        Supervisor::new(Launch::default(), Duration::ZERO, Some(Duration::from_secs(10)), "ana");
+    let mut run = Supervisor::new(
+        Launch::default(),
+        Duration::ZERO,
+        Some(Duration::from_secs(10)),
+        ("ana", "run"),
+    );
     let mut seen = String::new();
     for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let (seconds, what) = line.split_once(' ').unwrap();

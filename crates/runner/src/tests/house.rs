@@ -356,8 +356,13 @@ impl House {
     /// A process of its own begins the run of this house, and dies of it. `test` is the test that calls this, which does nothing
     /// else in that process.
     pub(super) fn die(&self, test: &str) {
+        self.die_after(test, "", &[]);
+    }
+
+    /// The same, but what it dies of is that it was given these commands, after an event.
+    pub(super) fn die_after(&self, test: &str, after: &str, commands: &[(&str, Command)]) {
         if let Some(home) = std::env::var_os(MORTAL) {
-            return Self::die_here(Path::new(&home));
+            return Self::die_here(Path::new(&home), after, commands);
         }
         let child = std::process::Command::new(std::env::current_exe().unwrap())
             .args(["--exact", test, "--nocapture"])
@@ -367,12 +372,19 @@ impl House {
         assert_eq!(child.status.code(), None, "{}", String::from_utf8_lossy(&child.stdout));
     }
 
-    fn die_here(home: &Path) {
+    fn die_here(home: &Path, after: &str, commands: &[(&str, Command)]) {
         let launch = launch(home);
         let (ours, theirs) = UnixStream::pair().unwrap();
         let runner = std::thread::Builder::new().spawn(move || serve(theirs, Actors).unwrap());
         let mut viewer = Viewer::new(ours);
         viewer.send(&ToRunner::Launch(launch));
+        if !commands.is_empty() {
+            viewer.until_text(after);
+            for (id, command) in commands {
+                viewer.command(id, command.clone());
+            }
+            std::process::abort();
+        }
         while viewer.next().is_some() {}
         runner.unwrap().join().unwrap();
     }

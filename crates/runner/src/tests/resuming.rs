@@ -400,3 +400,55 @@ fn refusal(house: &House) -> String {
     runner.join().unwrap().unwrap_err();
     reason
 }
+
+/// A script that runs until it is asked to end.
+const WAITS: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  A.ok -> .done
+  execution A \"wait\"
+    outcome ok
+";
+
+#[test]
+fn a_command_is_carried_out_once_over_all_lives_of_a_run() {
+    let house = House::new(WAITS);
+    let nowhere = Command::RunTo { path: "ROOT/X".to_owned() };
+    let commands = [("pause", Command::Pause), ("odd", nowhere)];
+    let test = "tests::resuming::a_command_is_carried_out_once_over_all_lives_of_a_run";
+    house.die_after(test, "+ROOT/A", &commands);
+    let (mut viewer, runner) = house.begin(house.resume(OnCrash::Restart, None));
+    viewer.until_text("+ROOT/A");
+    assert_eq!(viewer.command("pause", Command::Stop), "applied");
+    let refused = viewer.command("odd", Command::Stop);
+    assert!(refused.starts_with("refused: there is no state at 'ROOT/X'"), "{refused}");
+    assert_eq!(viewer.command("stop", Command::Stop), "applied");
+    let text = viewer.into_end();
+    let commands: Vec<&str> = text.lines().filter(|line| line.contains(" by test: ")).collect();
+    assert_eq!(commands, ["stop by test: Applied"]);
+    runner.join().unwrap();
+}
+
+#[test]
+fn a_command_and_what_it_leads_to_are_kept_together() {
+    let house = House::new(WAITS);
+    let (mut viewer, runner) = house.begin(house.launch());
+    viewer.until_text("+ROOT/A");
+    assert_eq!(viewer.command("pause", Command::Pause), "applied");
+    assert_eq!(viewer.command("stop", Command::Stop), "applied");
+    drop(viewer.into_end());
+    runner.join().unwrap();
+    let mut reader = Reader::open(&house.run_folder()).unwrap();
+    let entries = reader.page(1, 100).unwrap();
+    let told = entries.iter().filter_map(|entry| match reader.event(entry, false).unwrap() {
+        Event::Commanded { envelope, .. } => Some((entry.t_ns, envelope.id)),
+        Event::Paused { paused: true } => Some((entry.t_ns, "paused".to_owned())),
+        Event::Stopping => Some((entry.t_ns, "stopping".to_owned())),
+        _ => None,
+    });
+    let told: Vec<_> = told.collect();
+    let names: Vec<&str> = told.iter().map(|(_, name)| name.as_str()).collect();
+    assert_eq!(names, ["paused", "pause", "stopping", "stop"]);
+    assert!(told.chunks(2).all(|pair| pair[0].0 == pair[1].0), "{told:?}");
+}

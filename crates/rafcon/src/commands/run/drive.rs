@@ -9,6 +9,7 @@ use crate::view::{Nothing, View};
 use crate::wires::{self, Cause, Wires};
 use anyhow::Result;
 use rafcon_protocol::{Hello, Launch, encode};
+use rafcon_supervisor::clock::salt;
 use rafcon_supervisor::{Group, Lives, Next, Start, remains};
 use serde::Serialize;
 use std::io::{self, Write as _};
@@ -42,7 +43,8 @@ pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Res
         let (control, group) = (process.control.try_clone()?, process.group());
         wires.connect(process)?;
         let left = deadline.map(|deadline| deadline.saturating_sub(clock.now()));
-        let supervisor = Supervisor::new(launch.clone(), clock.now(), left, author);
+        let prefix = format!("run-{}-{}", std::process::id(), salt(0));
+        let supervisor = Supervisor::new(launch.clone(), clock.now(), left, (author, &prefix));
         let mut drive = Drive { supervisor, view, control, group, clock };
         drive.send(&Hello::ours());
         let mut end = drive.until_the_end(&wires);
