@@ -1,7 +1,9 @@
 //! A real server in the test's process, on a port of its own, with folders that go away with it. The only place that knows how
 //! one is begun and ended.
 
-use rafcon_protocol::api::Role;
+use rafcon_protocol::api::{NewToken, Role};
+use rafcon_server::access::Users;
+use rafcon_server::settings::HashCost;
 use rafcon_server::{Server, Settings};
 use serde_json::Value;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -10,12 +12,16 @@ use std::thread::JoinHandle;
 use tempfile::TempDir;
 use tokio::sync::oneshot;
 
-/// A server, until dropped.
+/// What hashing a password costs in tests: next to nothing.
+const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
+
+/// A server, until dropped. Its users are called `viewer`, `operator`, `engineer` and `admin`.
 pub(crate) struct House {
     place: TempDir,
     address: SocketAddr,
     url: String,
     owner: String,
+    tokens: [String; 4],
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -42,6 +48,8 @@ impl House {
     /// A server in a place where one has been before.
     pub(crate) fn at(place: TempDir, change: impl FnOnce(&mut Settings)) -> Self {
         let settings = settings(place.path(), change);
+        let users = Users::open(&settings.state, CHEAP).unwrap();
+        let tokens = Role::ALL.map(|role| token(&users, role));
         let (begun, server) = std::sync::mpsc::sync_channel(1);
         let (stop, stopped) = oneshot::channel::<()>();
         let builder = std::thread::Builder::new().name("house".to_owned());
@@ -56,7 +64,7 @@ impl House {
         let thread = Some(builder.spawn(run).unwrap());
         let (address, url, link) = server.recv().unwrap();
         let owner = link.split_once("token=").unwrap().1.to_owned();
-        Self { place, address, url, owner, stop: Some(stop), thread }
+        Self { place, address, url, owner, tokens, stop: Some(stop), thread }
     }
 
     /// The folder of the project `project`.
@@ -83,8 +91,13 @@ impl House {
         &self.url
     }
 
-    /// A token of somebody with this role.
-    pub(crate) fn token(&self, _role: Role) -> &str {
+    /// The token of the user with this role.
+    pub(crate) fn token(&self, role: Role) -> &str {
+        &self.tokens[role as usize]
+    }
+
+    /// The token of the start link.
+    pub(crate) fn owner(&self) -> &str {
         &self.owner
     }
 
@@ -170,11 +183,35 @@ impl Answer {
     }
 }
 
+/// The name of the user with this role.
+pub(crate) fn name(role: Role) -> &'static str {
+    match role {
+        Role::Viewer => "viewer",
+        Role::Operator => "operator",
+        Role::Engineer => "engineer",
+        Role::Admin => "admin",
+    }
+}
+
+/// The password of every user.
+pub(crate) const PASSWORD: &str = "correct horse";
+
+/// A token of the user with this role, who is added if need be.
+fn token(users: &Users, role: Role) -> String {
+    let name = name(role);
+    if !users.roster().users().iter().any(|user| user.name == name) {
+        users.add(name, role, PASSWORD).unwrap();
+    }
+    let wanted = NewToken { name: "tests".to_owned(), lifetime_s: None, role: None };
+    users.make_token(name, role, &wanted).unwrap().token
+}
+
 fn settings(place: &Path, change: impl FnOnce(&mut Settings)) -> Settings {
     let project = place.join("project");
     std::fs::create_dir_all(&project).unwrap();
     let mut settings = Settings::new(place.join("state"), place.join("runs"));
     settings.projects = vec![project];
+    settings.access.cost = CHEAP;
     settings.config = Some(config(place));
     settings.surroundings.home = Some(place.to_owned());
     settings.listen.address = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
