@@ -6,7 +6,7 @@ mod serve;
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, Level as LogLevel, ListRuns, Log, Replay,
 };
-pub(crate) use serve::{Serve, State};
+pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
 use crate::templates;
 use clap::builder::PossibleValuesParser;
@@ -36,6 +36,7 @@ pub(crate) enum Command {
     Compare(Compare),
     Export(Export),
     Serve(Serve),
+    User(User),
     Check(Check),
     Show(Show),
     Fmt(Fmt),

@@ -1,7 +1,7 @@
 //! The words of the commands that serve, and that manage who may come in.
 
 use super::{Libraries, Python, Runs};
-use clap::Args;
+use clap::{Args, Subcommand, ValueEnum};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -44,4 +44,75 @@ pub(crate) struct State {
     /// The server's own folder (users, token, certificate); else `rafcon/server` in the user's folder for program state
     #[arg(long = "state", value_name = "DIR", env = "RAFCON_STATE")]
     pub(crate) folder: Option<PathBuf>,
+}
+
+/// Manage who may log in to the server.
+///
+/// Works whether the server runs or not; what changes counts at once.
+#[derive(Debug, Args)]
+pub(crate) struct User {
+    #[command(subcommand)]
+    pub(crate) action: UserAction,
+    #[command(flatten)]
+    pub(crate) state: State,
+}
+
+/// What to do about users.
+#[derive(Debug, Subcommand)]
+pub(crate) enum UserAction {
+    /// Add a user; the password is asked for, or read from a pipe
+    Add {
+        /// Letters, digits, `.`, `-`, `_`
+        name: String,
+        /// What the user may do
+        #[arg(long, value_enum)]
+        role: Role,
+    },
+    /// List the users
+    List,
+    /// Remove a user and all their tokens
+    Remove {
+        /// Who
+        name: String,
+    },
+    /// Give a user another role
+    Role {
+        /// Who
+        name: String,
+        /// What the user may do from now on
+        #[arg(value_enum)]
+        role: Role,
+    },
+    /// Set another password, which ends the user's logins; it is asked for, or read from a pipe
+    Password {
+        /// Who
+        name: String,
+    },
+    /// Make a token for a program, and print it this once
+    Token {
+        /// Whom the program stands for; `owner` for yourself
+        name: String,
+        /// What the token is for
+        #[arg(long = "for", value_name = "TEXT")]
+        purpose: String,
+        /// A lesser role than the user's
+        #[arg(long, value_enum)]
+        role: Option<Role>,
+        /// For how many days it is good; else until it is deleted
+        #[arg(long)]
+        days: Option<u64>,
+    },
+}
+
+/// What somebody may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Role {
+    /// Looks on
+    Viewer,
+    /// Also starts and commands runs
+    Operator,
+    /// Also changes machines and scripts
+    Engineer,
+    /// Also manages users and deletes runs
+    Admin,
 }

@@ -15,6 +15,7 @@ mod serve;
 mod shell;
 mod show;
 mod tell;
+mod user;
 
 use crate::cli::{Cli, Command};
 use crate::clock::Clock;
@@ -36,6 +37,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Compare(request) => compare::compare(&request, environment),
         Command::Export(request) => export::export(&request, environment),
         Command::Serve(request) => serve::serve(&request, environment),
+        Command::User(request) => user::user(&request, environment),
         Command::Check(request) => check::check(&request, environment),
         Command::Show(request) => show::show(&request, environment),
         Command::Fmt(request) => fmt::fmt(&request),
