@@ -52,6 +52,11 @@ impl Failure {
         self.status
     }
 
+    /// The stable word for programs.
+    pub fn code(&self) -> &'static str {
+        self.code
+    }
+
     /// The same, as it is told.
     pub fn refusal(&self) -> Refusal {
         Refusal { code: self.code.to_owned(), message: self.message.clone() }

@@ -5,6 +5,7 @@ use crate::access::{Audit, Names, People, PrivateError};
 use crate::history::History;
 use crate::news::News;
 use crate::projects::Projects;
+use crate::runs::{self, Runs};
 use std::sync::{Arc, OnceLock};
 use tokio::sync::watch;
 
@@ -27,6 +28,8 @@ pub struct House {
     pub(crate) history: History,
     /// The folders with machines, and the libraries.
     pub(crate) projects: Projects,
+    /// All runs.
+    pub(crate) runs: Runs,
 }
 
 /// Why one of the server's parts cannot begin.
@@ -35,21 +38,31 @@ pub enum HouseError {
     /// One of its files cannot be read or written.
     #[error(transparent)]
     Private(#[from] PrivateError),
+    /// There is no place for runs.
+    #[error(transparent)]
+    Runs(#[from] rafcon_supervisor::MakeError),
 }
 
 impl House {
     /// Prepares everything; nothing listens yet.
     pub fn new(settings: Settings) -> Result<Arc<Self>, HouseError> {
+        let news = News::default();
         Ok(Arc::new(Self {
             people: People::open(&settings)?,
             audit: Audit::open(&settings.state)?,
             names: OnceLock::new(),
             closing: watch::Sender::new(false),
-            news: News::default(),
+            runs: Runs::new(&settings, &news)?,
+            news,
             history: History::default(),
             projects: Projects::new(&settings),
             settings,
         }))
+    }
+
+    /// Begins to look after what goes on without requests. To be called once, within the runtime.
+    pub(crate) fn begin(self: &Arc<Self>) {
+        runs::begin(self);
     }
 
     /// Who may come in.

@@ -6,6 +6,7 @@
 
 pub mod access;
 mod blocking;
+mod description;
 mod extract;
 mod failure;
 mod history;
@@ -16,6 +17,7 @@ mod news;
 mod page;
 mod projects;
 mod router;
+mod runs;
 pub mod settings;
 mod socket;
 mod watch;

@@ -42,6 +42,11 @@ impl News {
         self.runs.subscribe()
     }
 
+    /// The counter of runs, for each of them.
+    pub(crate) fn counter_of_runs(&self) -> watch::Sender<u64> {
+        self.runs.clone()
+    }
+
     /// How often files changed so far.
     pub(crate) fn files_revision(&self) -> u64 {
         *self.files.borrow()

@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
 use crate::access::{self, guarded};
-use crate::{Failure, House, page, projects};
+use crate::{Failure, House, page, projects, runs};
 use axum::{Json, Router};
 use rafcon_protocol::api::Health;
 use std::sync::Arc;
@@ -26,6 +26,7 @@ fn all() -> OpenApiRouter<Arc<House>> {
         .merge(page::routes())
         .merge(access::routes())
         .merge(projects::routes())
+        .merge(runs::routes())
 }
 
 /// What answers requests.

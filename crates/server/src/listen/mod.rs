@@ -102,6 +102,7 @@ impl Server {
         let address = listener.local_addr().map_err(|source| cannot(wanted, source))?;
         house.called(names::of(&house.settings().listen, address));
         let card = Card::write(&house, address)?;
+        house.begin();
         Ok(Self { house, listener, address, card, _lock: lock })
     }
 

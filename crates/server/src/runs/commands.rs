@@ -1,0 +1,208 @@
+//! Commands of runs: whether they may be given, on their way to the runner, and their answers. Knows rights, control and
+//! links; must never know what a command does.
+
+use super::link::{Link, NotSent};
+use super::run::Run;
+use super::talk::{self, LinkError};
+use crate::access::{Who, of_command};
+use crate::blocking::blocking;
+use crate::failure::reason;
+use crate::{Failure, House};
+use axum::http::StatusCode;
+use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, RunPhase};
+use rafcon_protocol::{Answer, Command, Envelope, StateData};
+use rafcon_storage::journal::Reader;
+use rafcon_supervisor::clock;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::time::timeout;
+
+/// How long an answer is waited for: a runner whose disk refuses may take long.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Gives a command to a run in the name of whoever asks.
+pub(crate) async fn command(
+    house: &Arc<House>,
+    who: &Who,
+    run: &str,
+    envelope: Envelope,
+) -> Result<CommandAnswer, Failure> {
+    who.must(of_command(&envelope.command))?;
+    super::check_id(&envelope.id)?;
+    if let Command::Control { .. } = envelope.command {
+        let message = "control is requested, handed over and released at POST …/control";
+        return Err(Failure::bad("use_control", message));
+    }
+    let run = house.runs.get(run).await?;
+    let id = envelope.id.clone();
+    if !run.is_live() {
+        return answered_before(&run, id).await;
+    }
+    if !is_for_everybody(&envelope.command) {
+        take(&run, who)?;
+    }
+    let envelope = Envelope { author: who.user.clone(), ..envelope };
+    let answer = send(&run, envelope).await?;
+    Ok(CommandAnswer { id, answer })
+}
+
+/// What brings a robot to rest needs no control.
+fn is_for_everybody(command: &Command) -> bool {
+    matches!(command, Command::Stop | Command::Pause)
+}
+
+/// The first who commands takes control; all but the holder are refused.
+fn take(run: &Arc<Run>, who: &Who) -> Result<(), Failure> {
+    let now_ms = clock::since_1970_ms();
+    with_control(run, who, |holding| holding.command(&who.user, now_ms, run.silence()))
+}
+
+/// Moves control, as somebody wants.
+pub(crate) async fn control(
+    house: &Arc<House>,
+    who: &Who,
+    run: &str,
+    wanted: &ControlMove,
+) -> Result<Control, Failure> {
+    let run = house.runs.get(run).await?;
+    if !run.is_live() {
+        let message = "nobody commands a run that does not go on: resume it, or start another";
+        return Err(Failure::conflict("run_is_not_live", message));
+    }
+    let now_ms = clock::since_1970_ms();
+    with_control(&run, who, |holding| holding.apply(&who.user, wanted, now_ms, run.silence()))?;
+    let control = run.now().borrow().control.clone();
+    Ok(control)
+}
+
+/// Does something with who holds control. If another does then, it is kept, and told to the runner: it stands in the journal.
+fn with_control(
+    run: &Arc<Run>,
+    who: &Who,
+    act: impl FnOnce(&mut super::control::Holding) -> Result<(), super::control::Denied>,
+) -> Result<(), Failure> {
+    let (before, done, after) = run.with_holding(|holding| {
+        let before = holding.clone();
+        let done = act(holding);
+        (before, done, holding.clone())
+    });
+    done.map_err(|denied| Failure::conflict("not_in_control", denied.to_string()))?;
+    if before != after {
+        keep_holder(run);
+    }
+    if before.holder() != after.holder() {
+        note(run, who, after.holder());
+    }
+    Ok(())
+}
+
+/// Keeps who holds control, behind the back of whoever asks.
+pub(super) fn keep_holder(run: &Arc<Run>) {
+    let run = Arc::clone(run);
+    drop(tokio::task::spawn_blocking(move || run.keep_holding()));
+}
+
+/// Lets the runner note down who commands from now on. Without a link there is nobody who could be commanded.
+fn note(run: &Run, who: &Who, holder: Option<&str>) {
+    let Some(link) = run.link() else { return };
+    let (now_ms, number) = (clock::since_1970_ms(), run.next_note());
+    let envelope = Envelope {
+        id: format!("control-{now_ms}-{number}"),
+        author: who.user.clone(),
+        decided_on: None,
+        expiry: None,
+        command: Command::Control { holder: holder.map(str::to_owned) },
+    };
+    // Its answer says nothing that is not known.
+    drop(link.send(&envelope));
+}
+
+async fn send(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
+    let link = run.link().ok_or_else(link_lost)?;
+    let ends = matches!(envelope.command, Command::Kill);
+    let sent = timeout(PATIENCE, sent(run, &link, envelope));
+    match sent.await {
+        Ok(Ok(answer)) => Ok(answer),
+        // A runner that is killed has no last word.
+        Ok(Err(failure)) if ends && failure.code() == LINK_LOST => Ok(Answer::Applied),
+        Ok(Err(failure)) => Err(failure),
+        Err(_over) => Err(late()),
+    }
+}
+
+/// A command that brings the robot to rest does not wait for those before it: it takes a way of its own.
+async fn sent(run: &Run, link: &Link, envelope: Envelope) -> Result<Answer, Failure> {
+    let is_urgent = is_for_everybody(&envelope.command) || envelope.command == Command::Kill;
+    if is_urgent && link.is_busy() {
+        let answer = talk::command(run.folder().to_path_buf(), envelope).await;
+        return answer.map_err(|error| not_spoken_with(&error));
+    }
+    let answered = link.send(&envelope).map_err(|why| match why {
+        NotSent::Gone => link_lost(),
+        NotSent::Busy => {
+            let message = "too many commands are on their way to this run: wait for their answers";
+            Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_commands", message)
+        }
+    })?;
+    answered.await.map_err(|_lost| link_lost())
+}
+
+const LINK_LOST: &str = "link_lost";
+
+fn link_lost() -> Failure {
+    let message = "the connection to the runner is down: ask again with the same id, it is carried out once at most";
+    Failure::new(StatusCode::SERVICE_UNAVAILABLE, LINK_LOST, message)
+}
+
+fn late() -> Failure {
+    let message = format!(
+        "the runner did not answer within {} s: ask again with the same id, it is carried out once at most",
+        PATIENCE.as_secs()
+    );
+    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_answer", message)
+}
+
+fn not_spoken_with(error: &LinkError) -> Failure {
+    let message = format!("{}: ask again with the same id", reason(error));
+    Failure::new(StatusCode::SERVICE_UNAVAILABLE, LINK_LOST, message)
+}
+
+/// The answer that a command had while the run went on; without one it comes too late.
+async fn answered_before(run: &Run, id: String) -> Result<CommandAnswer, Failure> {
+    let folder = run.folder().to_path_buf();
+    let phase = run.summary().phase;
+    blocking(move || {
+        let answer = Reader::open(&folder).and_then(|mut reader| reader.moment(u64::MAX));
+        let answer = answer.ok().and_then(|moment| moment.whole().answer(&id).cloned());
+        answer.map(|answer| CommandAnswer { id, answer }).ok_or_else(|| not_live(&phase))
+    })
+    .await
+}
+
+/// Why a run cannot be commanded.
+pub(super) fn not_live(phase: &RunPhase) -> Failure {
+    let message = match phase {
+        RunPhase::Crashed => "the runner of this run is dead: resume the run (POST …/resume)",
+        _ => "the run is over: its history tells how it went",
+    };
+    Failure::conflict("run_is_not_live", message)
+}
+
+/// What an active state of a run holds.
+pub(crate) async fn inspect(
+    house: &Arc<House>,
+    run: &str,
+    path: &str,
+) -> Result<StateData, Failure> {
+    let run = house.runs.get(run).await?;
+    if !run.is_live() {
+        return Err(not_live(&run.summary().phase));
+    }
+    let asked = timeout(PATIENCE, talk::inspect(run.folder().to_path_buf(), path)).await;
+    let data = asked.map_err(|_over| late())?.map_err(|error| not_spoken_with(&error))?;
+    data.ok_or_else(|| {
+        let message =
+            format!("the state {path} is not active: the run's status lists those that are");
+        Failure::not_found("not_active", message)
+    })
+}

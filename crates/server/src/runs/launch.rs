@@ -1,0 +1,153 @@
+//! Starting a runner that outlives the server, until it says that its run begins. Knows processes; must never know why one is
+//! started. Takes its time: never on a thread that talks.
+
+use crate::Settings;
+use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode};
+use rafcon_supervisor::{
+    BeginError, Exit, Interpreter, NoExtension, NoInterpreter, Process, Start, StartError, begin,
+    extension,
+};
+use std::io::{self, BufRead as _, BufReader};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::process::Child;
+use std::thread;
+use std::time::Duration;
+use tokio::sync::oneshot;
+
+/// What a runner and its scripts write past the capture of script output, in the run's folder.
+pub(super) const OUTPUT_FILE: &str = "output";
+/// How long a machine may take to load.
+const PATIENCE: Duration = Duration::from_mins(2);
+
+/// A runner whose run begins.
+#[derive(Debug)]
+pub(super) struct Launched {
+    /// While it is open, the run knows that somebody looks on.
+    pub(super) control: UnixStream,
+    /// How its process ended, once it has.
+    pub(super) exit: oneshot::Receiver<Exit>,
+}
+
+/// Why there is no run.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum LaunchError {
+    /// There is no Python.
+    #[error(transparent)]
+    Interpreter(#[from] NoInterpreter),
+    /// There is no extension.
+    #[error(transparent)]
+    Extension(#[from] NoExtension),
+    /// There is no process.
+    #[error(transparent)]
+    Start(#[from] StartError),
+    /// Its end could not be waited for.
+    #[error("the system gave no thread to look after the runner")]
+    Thread(#[source] io::Error),
+    /// It could not be told what to run.
+    #[error(transparent)]
+    Begin(#[from] BeginError),
+    /// The machine could not be loaded.
+    #[error("{0}")]
+    Load(String),
+    /// It ended before the run began.
+    #[error("the interpreter ended before the run began ({exit}){}", last(said))]
+    Ended {
+        /// How.
+        exit: String,
+        /// Its last words.
+        said: String,
+    },
+    /// It said nothing for a long time.
+    #[error("the machine was not loaded within {} s: the runner was ended", PATIENCE.as_secs())]
+    Silent(#[source] io::Error),
+    /// It says something else than this protocol.
+    #[error("the runner's words make no sense")]
+    Frame(#[from] FrameError),
+    /// It is of another version.
+    #[error(transparent)]
+    Version(#[from] VersionMismatch),
+}
+
+fn last(said: &str) -> String {
+    if said.is_empty() { String::new() } else { format!(": {said}") }
+}
+
+/// What a runner said first.
+enum Heard {
+    Loaded,
+    Refused(String),
+    Gone,
+}
+
+/// Starts a runner for the run in `folder`, and waits until it says that the run begins.
+pub(super) fn launch(
+    settings: &Settings,
+    folder: &Path,
+    launch: Launch,
+) -> Result<Launched, LaunchError> {
+    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.surroundings)?;
+    let extension = extension::find(&settings.surroundings)?;
+    let start = Start { interpreter: &interpreter, extension: &extension };
+    let output = folder.join(OUTPUT_FILE);
+    let process = start.spawn_detached(&output)?;
+    let group = process.group();
+    let Process { child, control } = process;
+    let exit = reap(child).map_err(LaunchError::Thread);
+    let begun = exit.and_then(|exit| {
+        let control = begin(control, launch)?;
+        Ok((hear(&control)?, control, exit))
+    });
+    match begun {
+        Ok((Heard::Loaded, control, exit)) => Ok(Launched { control, exit }),
+        Ok((Heard::Refused(reason), ..)) => Err(LaunchError::Load(reason)),
+        Ok((Heard::Gone, _, exit)) => {
+            group.kill();
+            let exit = exit.blocking_recv().map_or_else(|_| String::new(), |exit| exit.to_string());
+            Err(LaunchError::Ended { exit, said: super::output::last_line(&output) })
+        }
+        Err(error) => {
+            group.kill();
+            Err(error)
+        }
+    }
+}
+
+/// Waits for the end of a process, so that nothing of it stays behind.
+fn reap(mut child: Child) -> io::Result<oneshot::Receiver<Exit>> {
+    let (ended, exit) = oneshot::channel();
+    let wait = move || {
+        let status = child.wait().unwrap_or_default();
+        // Nobody may want to know.
+        ended.send(Exit(status)).unwrap_or_default();
+    };
+    thread::Builder::new().name("runner".to_owned()).stack_size(64 * 1024).spawn(wait)?;
+    Ok(exit)
+}
+
+fn hear(control: &UnixStream) -> Result<Heard, LaunchError> {
+    control.set_read_timeout(Some(PATIENCE)).map_err(LaunchError::Silent)?;
+    let mut lines = BufReader::new(control);
+    let Some(hello) = line(&mut lines)? else { return Ok(Heard::Gone) };
+    decode::<Hello>(&hello)?.check()?;
+    let Some(first) = line(&mut lines)? else { return Ok(Heard::Gone) };
+    match decode::<ToViewer>(&first)? {
+        ToViewer::LoadFailed { reason } => Ok(Heard::Refused(reason)),
+        _loaded => Ok(Heard::Loaded),
+    }
+}
+
+/// The next line; nothing if the runner is gone.
+fn line(lines: &mut BufReader<&UnixStream>) -> Result<Option<String>, LaunchError> {
+    let mut text = String::new();
+    match lines.read_line(&mut text) {
+        Ok(0) => Ok(None),
+        Ok(_) => Ok(Some(text)),
+        Err(error) if is_over_time(&error) => Err(LaunchError::Silent(error)),
+        Err(_broken) => Ok(None),
+    }
+}
+
+fn is_over_time(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut)
+}

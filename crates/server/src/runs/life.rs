@@ -1,0 +1,159 @@
+//! What becomes of a run whose runner is followed: linked while it lives, linked again when only the link broke, and when the
+//! runner is dead, taken up by its policy or left for somebody to decide.
+//!
+//! Knows the order of things. Must never know who asks for them.
+
+use super::fate;
+use super::launch::Launched;
+use super::link;
+use super::run::{Run, is_live};
+use super::summary::Looked;
+use super::take_up;
+use crate::House;
+use crate::failure::reason;
+use rafcon_protocol::api::RunPhase;
+use rafcon_storage::journal::writer_of;
+use rafcon_supervisor::{Exit, Lives, Next, clock, policy_of};
+use std::os::unix::net::UnixStream;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::oneshot;
+
+/// After a link broke, the runner is looked for again after this time, then after twice as much, and so on up to the longest.
+const SHORTEST: Duration = Duration::from_millis(2);
+/// See [`SHORTEST`].
+const LONGEST: Duration = Duration::from_secs(1);
+/// How long the exit status of a process of our own is waited for, once it holds its run no more.
+const LAST_BREATH: Duration = Duration::from_secs(1);
+
+/// Looks into a folder and lets everybody know what is there; nothing if there is no run. A run that somebody follows already is
+/// known better than it can be found.
+pub(super) async fn look(house: &Arc<House>, folder: PathBuf) -> Option<Arc<Run>> {
+    let (here, there) = (Arc::clone(house), folder.clone());
+    let look = move || super::summary::look(&there, &here.projects);
+    let looked = tokio::task::spawn_blocking(look).await.ok().flatten();
+    house.runs.found(house, folder, looked)
+}
+
+/// Looks after the runner of a run from now on, if nobody does yet.
+pub(super) fn follow(house: &Arc<House>, run: &Arc<Run>, launched: Option<Launched>) {
+    if !run.is_taken_in_hand() {
+        return;
+    }
+    let (house, run) = (Arc::clone(house), Arc::clone(run));
+    let (control, exit) =
+        launched.map_or((None, None), |launched| (Some(launched.control), Some(launched.exit)));
+    let life = Life { house, run, lives: Lives::default(), control, exit };
+    tokio::spawn(life.go_on());
+}
+
+/// The runners of one run, one after the other.
+struct Life {
+    house: Arc<House>,
+    run: Arc<Run>,
+    lives: Lives,
+    /// Our first connection to a runner that we started: closed when the next one stands.
+    control: Option<UnixStream>,
+    /// How a process of our own ended.
+    exit: Option<oneshot::Receiver<Exit>>,
+}
+
+impl Life {
+    async fn go_on(mut self) {
+        while self.until_it_is_dead().await && self.is_taken_up().await {}
+        let Self { house, run, .. } = self;
+        run.is_let_go();
+        // Somebody else may have taken it up in between.
+        if let Some(run) = Box::pin(look(&house, run.folder().to_path_buf())).await
+            && is_live(&run.summary().phase)
+        {
+            follow(&house, &run, None);
+        }
+    }
+
+    /// Follows the runner for as long as it lives; false if its folder cannot be asked.
+    async fn until_it_is_dead(&mut self) -> bool {
+        let mut pause = SHORTEST;
+        loop {
+            let held = self.control.take();
+            let linked = {
+                let run = Arc::clone(&self.run);
+                let follow = link::follow(&run, || drop(held));
+                follow.await.is_ok()
+            };
+            pause = if linked { SHORTEST } else { (pause * 2).min(LONGEST) };
+            let folder = self.run.folder().to_path_buf();
+            match tokio::task::spawn_blocking(move || writer_of(&folder)).await {
+                Ok(Ok(None)) => return true,
+                Ok(Ok(Some(_)) | Err(_)) => tokio::time::sleep(pause).await,
+                Err(_stopped) => return false,
+            }
+        }
+    }
+
+    /// The runner is dead: whether another follows.
+    async fn is_taken_up(&mut self) -> bool {
+        let exit = self.exit().await;
+        let (house, folder) = (Arc::clone(&self.house), self.run.folder().to_path_buf());
+        let look = move || {
+            let looked = super::summary::look(&folder, &house.projects)?;
+            let policy = policy_of(&folder);
+            Some((looked, policy, fate::of(&folder, exit)))
+        };
+        let Ok(Some((looked, policy, fate))) = tokio::task::spawn_blocking(look).await else {
+            return false;
+        };
+        let Some(request) = may_go_on(&looked) else {
+            self.run.is_as_found(&looked);
+            return false;
+        };
+        let now = Duration::from_millis(clock::since_1970_ms());
+        let next = match fate.is_killed {
+            true => Next::Ask("somebody killed it"),
+            false => self.lives.next(now, &fate.death, policy),
+        };
+        self.run.is_as_found(&looked);
+        match next {
+            Next::Ask(_) => {
+                take_up::leave_alone(&self.house, &self.run, request).await;
+                false
+            }
+            Next::Again(resume, crash) => {
+                self.run.is_in(RunPhase::Starting);
+                match take_up::again(&self.house, &self.run, resume, crash).await {
+                    Ok(launched) => {
+                        (self.control, self.exit) = (Some(launched.control), Some(launched.exit));
+                        true
+                    }
+                    Err(error) => {
+                        let id = self.run.id();
+                        let why = reason(&error);
+                        (self.house.settings.tell)(&format!("run {id} is not taken up: {why}"));
+                        self.run.is_as_found(&looked);
+                        take_up::leave_alone(&self.house, &self.run, request).await;
+                        false
+                    }
+                }
+            }
+        }
+    }
+
+    async fn exit(&mut self) -> Option<Exit> {
+        let exit = self.exit.take()?;
+        tokio::time::timeout(LAST_BREATH, exit).await.ok()?.ok()
+    }
+}
+
+/// What a server was asked about a run that can go on without anybody asking: it crashed, and it is this server's own.
+fn may_go_on(looked: &Looked) -> Option<super::request::Request> {
+    let request = looked.request.as_ref()?;
+    let may = looked.summary.phase == RunPhase::Crashed && request.may_go_on();
+    may.then(|| request.clone())
+}
+
+/// Whether a run that is found when the server begins is to be looked after: it lives, or it would go on by itself.
+pub(super) fn needs_somebody(looked: &Looked, policy: rafcon_protocol::OnCrash) -> bool {
+    let goes_on = policy != rafcon_protocol::OnCrash::Ask && may_go_on(looked).is_some();
+    is_live(&looked.summary.phase) || goes_on
+}

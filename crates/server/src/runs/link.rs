@@ -1,0 +1,145 @@
+//! The connection to the runner of one run: its events go into the ring, its snapshots become the truth, commands go out and
+//! their answers come back. One for each run that goes on.
+//!
+//! Knows the protocol. Must never know who commands, who follows, or what becomes of a run whose runner is gone.
+
+use super::run::Run;
+use super::talk::{Connection, LinkError, open};
+use super::told::Told;
+use parking_lot::Mutex;
+use rafcon_protocol::{Answer, Envelope, Join, ToRunner, ToViewer, decode, encode};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use tokio::io::{AsyncBufReadExt as _, AsyncWriteExt as _, BufReader};
+use tokio::net::unix::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::sync::{mpsc, oneshot};
+
+/// So many commands may be on their way.
+const COMMANDS_MAX: usize = 256;
+/// So many events go into the ring at once.
+const BATCH: usize = 512;
+
+/// The way to a runner, for as long as it stands.
+#[derive(Debug)]
+pub(super) struct Link {
+    out: mpsc::Sender<Vec<u8>>,
+    waiting: Mutex<Waiting>,
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    is_closed: bool,
+    answers: BTreeMap<String, Vec<oneshot::Sender<Answer>>>,
+}
+
+/// Why a command is not on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NotSent {
+    /// The link is gone.
+    Gone,
+    /// Too many are on their way already.
+    Busy,
+}
+
+/// Connects to the runner and follows it until the connection ends; `is_up` is called when it stands.
+pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkError> {
+    let join = Join { from: run.ring().next(), every_event: true, values: true };
+    let Connection { lines, out } = open(run.folder().to_path_buf(), join).await?;
+    let (sender, outgoing) = mpsc::channel(COMMANDS_MAX);
+    let link = Arc::new(Link { out: sender, waiting: Mutex::default() });
+    let writer = tokio::spawn(write(out, outgoing));
+    run.link_is_up(&link);
+    is_up();
+    let end = read(lines, run, &link).await;
+    run.link_is_down();
+    link.close();
+    writer.abort();
+    end
+}
+
+impl Link {
+    /// Sends a command; its answer comes, or the link is lost.
+    pub(super) fn send(&self, envelope: &Envelope) -> Result<oneshot::Receiver<Answer>, NotSent> {
+        let message = ToRunner::Command(envelope.clone());
+        let line = encode(&message).map_err(|_never| NotSent::Gone)?;
+        let (answer, answered) = oneshot::channel();
+        let mut waiting = self.waiting.lock();
+        if waiting.is_closed {
+            return Err(NotSent::Gone);
+        }
+        self.out.try_send(line).map_err(|error| match error {
+            mpsc::error::TrySendError::Full(_) => NotSent::Busy,
+            mpsc::error::TrySendError::Closed(_) => NotSent::Gone,
+        })?;
+        waiting.answers.entry(envelope.id.clone()).or_default().push(answer);
+        Ok(answered)
+    }
+
+    /// Whether a command has not been answered yet: the runner takes one after the other.
+    pub(super) fn is_busy(&self) -> bool {
+        !self.waiting.lock().answers.is_empty()
+    }
+
+    fn answered(&self, id: &str, answer: &Answer) {
+        let waiting = self.waiting.lock().answers.remove(id);
+        for asker in waiting.into_iter().flatten() {
+            // Whoever does not wait any more can ask again.
+            asker.send(answer.clone()).unwrap_or_default();
+        }
+    }
+
+    /// Whoever waits is told that the link is lost.
+    fn close(&self) {
+        *self.waiting.lock() = Waiting { is_closed: true, answers: BTreeMap::new() };
+    }
+}
+
+async fn write(mut out: OwnedWriteHalf, mut outgoing: mpsc::Receiver<Vec<u8>>) {
+    while let Some(line) = outgoing.recv().await {
+        if out.write_all(&line).await.is_err() {
+            return;
+        }
+    }
+}
+
+async fn read(
+    mut lines: BufReader<OwnedReadHalf>,
+    run: &Run,
+    link: &Link,
+) -> Result<(), LinkError> {
+    let (mut line, mut events) = (Vec::new(), Vec::new());
+    loop {
+        line.clear();
+        if lines.read_until(b'\n', &mut line).await? == 0 {
+            run.happened(events);
+            return Ok(());
+        }
+        let text = String::from_utf8_lossy(&line);
+        match Told::read(&text) {
+            Some(told) => events.push(told),
+            None => said(&text, run, link, &mut events),
+        }
+        if events.len() >= BATCH || !lines.buffer().contains(&b'\n') {
+            run.happened(std::mem::take(&mut events));
+        }
+    }
+}
+
+/// What a runner says beside events. Events that it told before come first.
+fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<Told>) {
+    match decode::<ToViewer>(text) {
+        Ok(ToViewer::Snapshot(snapshot)) => {
+            run.happened(std::mem::take(events));
+            run.stands(snapshot);
+        }
+        Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
+        // What a link does not ask for, and what a newer runner may say.
+        Ok(
+            ToViewer::Loaded { .. }
+            | ToViewer::LoadFailed { .. }
+            | ToViewer::Inspection { .. }
+            | ToViewer::Event { .. },
+        )
+        | Err(_) => {}
+    }
+}

@@ -1,0 +1,219 @@
+//! Runs: which there are, how they begin, how they stand, who commands them.
+//!
+//! Every run is a folder; one that goes on is a process that lives without the server, and is spoken with over the socket in its
+//! folder. Must never know HTTP beyond its own routes, nor what a runner does with what it is told.
+
+mod commands;
+mod control;
+mod fate;
+mod holder_file;
+mod launch;
+mod life;
+mod link;
+mod output;
+mod request;
+mod ring;
+mod routes;
+mod run;
+mod start;
+mod summary;
+mod take_up;
+mod talk;
+mod told;
+mod watch;
+
+pub(crate) use commands::command;
+pub(crate) use ring::Page;
+pub(crate) use routes::routes;
+pub(crate) use run::Run;
+pub(crate) use told::Told;
+
+use crate::news::News;
+use crate::{Failure, House, Settings};
+use parking_lot::Mutex;
+use rafcon_protocol::api::{RunPhase, RunSummary};
+use rafcon_supervisor::{MakeError, Runs as Folder, clock, policy_of};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use summary::Looked;
+use tokio::sync::watch as tokio_watch;
+
+/// Ids of requests and commands are no longer.
+const ID_MAX: usize = 128;
+
+/// The run that a request has begun, once it has; held while it is being begun.
+type Slot = Arc<tokio::sync::Mutex<Option<String>>>;
+
+/// All runs.
+#[derive(Debug)]
+pub(crate) struct Runs {
+    folder: Folder,
+    all: Mutex<BTreeMap<String, Arc<Run>>>,
+    requests: Mutex<BTreeMap<String, Slot>>,
+    /// Whether the folder was looked through.
+    known: tokio_watch::Sender<bool>,
+    watch: Mutex<Option<watch::Watch>>,
+    news: tokio_watch::Sender<u64>,
+}
+
+impl Runs {
+    /// The runs in the folder of the settings; none is known yet.
+    pub(crate) fn new(settings: &Settings, news: &News) -> Result<Self, MakeError> {
+        Ok(Self {
+            folder: Folder::new(Some(&settings.runs), &settings.surroundings)?,
+            all: Mutex::default(),
+            requests: Mutex::default(),
+            known: tokio_watch::Sender::new(false),
+            watch: Mutex::default(),
+            news: news.counter_of_runs(),
+        })
+    }
+
+    /// Where their folders lie.
+    pub(crate) fn folder(&self) -> &Folder {
+        &self.folder
+    }
+
+    /// All runs in one line each, the newest first.
+    pub(crate) async fn list(&self) -> Vec<RunSummary> {
+        self.are_known().await;
+        let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
+        runs.iter().map(|run| run.summary()).collect()
+    }
+
+    /// Runs that go on, and those that changed since the server began; the newest first.
+    pub(crate) async fn lively(&self) -> Vec<RunSummary> {
+        self.are_known().await;
+        let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
+        runs.iter().filter(|run| run.is_lively()).map(|run| run.summary()).collect()
+    }
+
+    /// The run with this id.
+    pub(crate) async fn get(&self, id: &str) -> Result<Arc<Run>, Failure> {
+        if let Some(run) = self.known(id) {
+            return Ok(run);
+        }
+        self.are_known().await;
+        self.known(id).ok_or_else(|| {
+            let message = format!("there is no run `{id}`: GET /api/v1/runs lists them");
+            Failure::not_found("no_such_run", message)
+        })
+    }
+
+    /// Somebody was heard: who holds control of a run is not silent.
+    pub(crate) fn heard(&self, user: &str) {
+        let now_ms = clock::since_1970_ms();
+        let runs: Vec<_> = self.all.lock().values().filter(|run| run.is_live()).cloned().collect();
+        runs.iter().for_each(|run| run.heard(user, now_ms));
+    }
+
+    fn known(&self, id: &str) -> Option<Arc<Run>> {
+        self.all.lock().get(id).cloned()
+    }
+
+    /// Waits until the folder was looked through.
+    async fn are_known(&self) {
+        let mut known = self.known.subscribe();
+        // The sender lives as long as we do.
+        drop(known.wait_for(|known| *known).await);
+    }
+
+    /// The request with this id: whoever has it locked begins its run.
+    fn request(&self, id: &str) -> Slot {
+        Arc::clone(self.requests.lock().entry(id.to_owned()).or_default())
+    }
+
+    /// A request has begun nothing: unless somebody else asks the same now, it was never made.
+    fn forget_request(&self, id: &str, slot: &Slot) {
+        let mut requests = self.requests.lock();
+        // One of them is the table's, the other the caller's.
+        if Arc::strong_count(slot) == 2 {
+            requests.remove(id);
+        }
+    }
+
+    /// This is what was found in the folder of a run; nothing if it is none, or none any more.
+    fn found(&self, house: &House, folder: PathBuf, looked: Option<Looked>) -> Option<Arc<Run>> {
+        let Some(looked) = looked else {
+            self.is_gone(&folder);
+            return None;
+        };
+        let mut all = self.all.lock();
+        if let Some(run) = all.get(&looked.summary.id) {
+            let run = Arc::clone(run);
+            drop(all);
+            run.is_as_found(&looked);
+            return Some(run);
+        }
+        let run = Arc::new(Run::new(house, folder, &looked));
+        all.insert(looked.summary.id.clone(), Arc::clone(&run));
+        drop(all);
+        if let Some(start) = looked.request.and_then(|request| request.start) {
+            self.has_begun(&start.id, &looked.summary.id);
+        }
+        self.news.send_modify(|revision| *revision += 1);
+        Some(run)
+    }
+
+    /// A run was begun by this request. Whoever begins it just now notes it down by itself.
+    fn has_begun(&self, request: &str, run: &str) {
+        if let Ok(mut begun) = self.request(request).try_lock() {
+            *begun = Some(run.to_owned());
+        }
+    }
+
+    /// The folder of a run is there no more.
+    pub(crate) fn is_gone(&self, folder: &Path) {
+        let id = folder.file_name().unwrap_or_default().to_string_lossy();
+        if self.all.lock().remove(&*id).is_some() {
+            self.news.send_modify(|revision| *revision += 1);
+        }
+    }
+}
+
+/// Finds the runs that there are, and notices those that come. To be called once, within the runtime.
+pub(crate) fn begin(house: &Arc<House>) {
+    let house = Arc::clone(house);
+    tokio::spawn(async move {
+        let noticed = watch::begin(&house);
+        look_through(&house).await;
+        house.runs.known.send_replace(true);
+        watch::serve(&house, noticed).await;
+    });
+}
+
+/// Looks into every folder. The first look of a server decides what becomes of runs that died while nobody looked.
+async fn look_through(house: &Arc<House>) {
+    let here = Arc::clone(house);
+    let all = tokio::task::spawn_blocking(move || {
+        let folders = watch::folders(here.runs.folder.folder());
+        let look = |folder: PathBuf| {
+            let looked = summary::look(&folder, &here.projects)?;
+            let policy = policy_of(&folder);
+            Some((folder, looked, policy))
+        };
+        folders.into_iter().filter_map(look).collect::<Vec<_>>()
+    });
+    for (folder, looked, policy) in all.await.unwrap_or_default() {
+        if let RunPhase::NotStarted { .. } = looked.summary.phase {
+            watch::remove(house, folder).await;
+            continue;
+        }
+        let is_to_follow = life::needs_somebody(&looked, policy);
+        if let Some(run) = house.runs.found(house, folder, Some(looked))
+            && is_to_follow
+        {
+            life::follow(house, &run, None);
+        }
+    }
+}
+
+/// What is wrong with the id of a request or command.
+fn check_id(id: &str) -> Result<(), Failure> {
+    if id.is_empty() || id.len() > ID_MAX {
+        let message = format!("an id has 1 to {ID_MAX} bytes: a random one does for each request");
+        return Err(Failure::bad("bad_id", message));
+    }
+    Ok(())
+}

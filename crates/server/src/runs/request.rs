@@ -1,0 +1,101 @@
+//! What a server wrote down before it started or took up a run, so that another server knows: who asked, by which id, and
+//! since when this computer is up. Knows a file in the run's folder.
+
+use super::holder_file::replace;
+use rafcon_protocol::api::{MachineFile, StartRun};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// The file's name.
+pub(super) const REQUEST_FILE: &str = "request.json";
+/// Where Linux tells one start of the computer from another.
+const BOOT_FILE: &str = "/proc/sys/kernel/random/boot_id";
+
+/// What a server was asked about one run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Request {
+    /// Who asked first.
+    pub(super) author: String,
+    /// When it was asked last, this computer had been started as this.
+    pub(super) boot: String,
+    /// What was started; nothing if the run was only taken up here.
+    #[serde(default)]
+    pub(super) start: Option<StartRun>,
+    /// Ids by which it was taken up.
+    #[serde(default)]
+    pub(super) resumed: Vec<String>,
+    /// Nobody takes the run up by itself any more: somebody has to decide.
+    #[serde(default)]
+    pub(super) is_left_alone: bool,
+}
+
+impl Request {
+    /// That a run is started.
+    pub(super) fn to_start(author: &str, start: StartRun) -> Self {
+        Self { author: author.to_owned(), boot: boot(), start: Some(start), ..Self::default() }
+    }
+
+    /// What was asked about the run in `folder`; nothing if no server was.
+    pub(super) fn read(folder: &Path) -> Option<Self> {
+        serde_json::from_slice(&fs::read(folder.join(REQUEST_FILE)).ok()?).ok()
+    }
+
+    /// Writes it down, safe from a power cut.
+    pub(super) fn write(&self, folder: &Path) -> io::Result<()> {
+        replace(&folder.join(REQUEST_FILE), &serde_json::to_vec(self)?, true)
+    }
+
+    /// The same, taken up by somebody.
+    pub(super) fn taken_up(mut self, author: &str, id: &str) -> Self {
+        if self.start.is_none() && self.resumed.is_empty() {
+            author.clone_into(&mut self.author);
+        }
+        (self.boot, self.is_left_alone) = (boot(), false);
+        self.resumed.push(id.to_owned());
+        self
+    }
+
+    /// The machine, as it was named.
+    pub(super) fn machine(&self) -> Option<&MachineFile> {
+        self.start.as_ref().map(|start| &start.machine)
+    }
+
+    /// Whether a run that is found dead is taken up without being asked: this computer was not started anew since.
+    pub(super) fn may_go_on(&self) -> bool {
+        !self.is_left_alone && !self.boot.is_empty() && self.boot == boot()
+    }
+}
+
+/// This start of the computer; empty where it cannot be told.
+fn boot() -> String {
+    fs::read_to_string(BOOT_FILE).unwrap_or_default().trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{REQUEST_FILE, Request};
+    use std::os::unix::fs::PermissionsExt as _;
+
+    #[test]
+    fn a_request_is_read_as_it_was_written_and_is_for_its_owner_only() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(Request::read(folder.path()), None);
+        let start = serde_json::json!({"id": "7", "machine": {"project": "p", "path": "pick"}});
+        let request = Request::to_start("ana", serde_json::from_value(start).unwrap());
+        request.write(folder.path()).unwrap();
+        assert_eq!(Request::read(folder.path()), Some(request));
+        let file = folder.path().join(REQUEST_FILE);
+        assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn a_run_goes_on_by_itself_unless_the_computer_was_started_anew_or_it_is_left_alone() {
+        let request = Request::default().taken_up("ana", "1");
+        assert!(request.may_go_on());
+        assert!(!Request { boot: "another".to_owned(), ..request.clone() }.may_go_on());
+        assert!(!Request { is_left_alone: true, ..request.clone() }.may_go_on());
+        assert_eq!((request.author.as_str(), request.resumed), ("ana", vec!["1".to_owned()]));
+    }
+}

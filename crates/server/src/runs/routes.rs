@@ -1,0 +1,276 @@
+//! What is asked about runs: how they begin, stand and are commanded. Knows requests and answers; the work is done next door.
+
+use super::{commands, output, start, take_up};
+use crate::access::Who;
+use crate::blocking::blocking;
+use crate::extract::{Body, Path, Query};
+use crate::failure::reason;
+use crate::{Failure, House};
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use rafcon_protocol::api::{
+    CommandAnswer, Control, ControlMove, OutputEnd, Picture, Refusal, ResumeRun, RunNow, RunOutput,
+    RunSummary, StartRun, StateAt,
+};
+use rafcon_protocol::{Breakpoint, Envelope, Question, StateData, Values};
+use rafcon_storage::journal::{JournalError, Reader};
+use std::path::PathBuf;
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// The routes of this part.
+pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new()
+        .routes(routes!(list, begin))
+        .routes(routes!(now))
+        .routes(routes!(resume))
+        .routes(routes!(command))
+        .routes(routes!(control, move_control))
+        .routes(routes!(state))
+        .routes(routes!(breakpoints))
+        .routes(routes!(questions))
+        .routes(routes!(globals))
+        .routes(routes!(written))
+}
+
+/// All runs.
+#[utoipa::path(get, path = "/api/v1/runs", tag = "runs", responses(
+    (status = 200, description = "The newest first", body = [RunSummary])
+))]
+async fn list(State(house): State<Arc<House>>) -> Json<Vec<RunSummary>> {
+    Json(house.runs.list().await)
+}
+
+/// Starts a run.
+///
+/// Answered once the machine is loaded and the run begins. The same id starts one run, however often it is asked for.
+#[utoipa::path(post, path = "/api/v1/runs", tag = "runs", request_body = StartRun, responses(
+    (status = 200, description = "The run", body = RunSummary),
+    (status = 400, description = "Something is wrong with the request itself", body = Refusal),
+    (status = 403, description = "The machine lies outside the projects", body = Refusal),
+    (status = 404, description = "There is no such project or machine", body = Refusal),
+    (status = 409, description = "The run that this id has started was deleted", body = Refusal),
+    (status = 413, description = "The request is too large", body = Refusal),
+    (status = 422, description = "The machine cannot be run", body = Refusal),
+    (status = 503, description = "There is no interpreter, extension or room", body = Refusal),
+))]
+async fn begin(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Body(asked): Body<StartRun>,
+) -> Result<Json<RunSummary>, Failure> {
+    start::start(&house, &who, asked).await.map(Json)
+}
+
+/// How a run stands.
+#[utoipa::path(get, path = "/api/v1/runs/{run}", tag = "runs",
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "The latest truth", body = RunNow),
+        (status = 404, description = "There is no such run", body = Refusal),
+    )
+)]
+async fn now(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+) -> Result<Json<RunNow>, Failure> {
+    let run = house.runs.get(&run).await?;
+    let now = RunNow::clone(&run.now().borrow());
+    Ok(Json(now))
+}
+
+/// Takes a run up again whose runner died, or that is to begin again at an entry of its history.
+#[utoipa::path(post, path = "/api/v1/runs/{run}/resume", tag = "runs", request_body = ResumeRun,
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "The run goes on, or did once by this id", body = RunSummary),
+        (status = 400, description = "Something is wrong with the request itself", body = Refusal),
+        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 409, description = "It goes on, has ended, or somebody else commands", body = Refusal),
+        (status = 413, description = "The request is too large", body = Refusal),
+        (status = 422, description = "It cannot be taken up", body = Refusal),
+        (status = 503, description = "There is no interpreter, extension or room", body = Refusal),
+    )
+)]
+async fn resume(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(run): Path<String>,
+    Body(asked): Body<ResumeRun>,
+) -> Result<Json<RunSummary>, Failure> {
+    take_up::resume(&house, &who, &run, asked).await.map(Json)
+}
+
+/// Gives a run a command.
+///
+/// The author is whoever asks. The same id is carried out once; asked for again it has the first answer again.
+#[utoipa::path(post, path = "/api/v1/runs/{run}/commands", tag = "runs", request_body = Envelope,
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "What became of it", body = CommandAnswer),
+        (status = 400, description = "Something is wrong with the request itself", body = Refusal),
+        (status = 403, description = "This command needs a right that you lack", body = Refusal),
+        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 409, description = "The run does not go on, or somebody else commands", body = Refusal),
+        (status = 413, description = "The request is too large", body = Refusal),
+        (status = 429, description = "Too many commands are on their way", body = Refusal),
+        (status = 503, description = "The runner cannot be reached: ask again with the same id", body = Refusal),
+    )
+)]
+async fn command(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(run): Path<String>,
+    Body(envelope): Body<Envelope>,
+) -> Result<Json<CommandAnswer>, Failure> {
+    commands::command(&house, &who, &run, envelope).await.map(Json)
+}
+
+/// Who commands a run.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/control", tag = "runs",
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "The holder, and who asks for it", body = Control),
+        (status = 404, description = "There is no such run", body = Refusal),
+    )
+)]
+async fn control(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+) -> Result<Json<Control>, Failure> {
+    let run = house.runs.get(&run).await?;
+    let control = run.now().borrow().control.clone();
+    Ok(Json(control))
+}
+
+/// Requests, hands over, releases or takes over control of a run.
+#[utoipa::path(post, path = "/api/v1/runs/{run}/control", tag = "runs", request_body = ControlMove,
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "Who holds control now", body = Control),
+        (status = 400, description = "Something is wrong with the request itself", body = Refusal),
+        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 409, description = "The run does not go on, or this is not yours to do", body = Refusal),
+        (status = 413, description = "The request is too large", body = Refusal),
+    )
+)]
+async fn move_control(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(run): Path<String>,
+    Body(wanted): Body<ControlMove>,
+) -> Result<Json<Control>, Failure> {
+    commands::control(&house, &who, &run, &wanted).await.map(Json)
+}
+
+/// What an active state holds.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/state", tag = "runs",
+    params(("run" = String, Path, description = "The run's id"), StateAt),
+    responses(
+        (status = 200, description = "Its inputs, the defaults of its outputs, its scoped variables", body = StateData),
+        (status = 400, description = "The query does not fit", body = Refusal),
+        (status = 404, description = "There is no such run, or the state is not active", body = Refusal),
+        (status = 409, description = "The run does not go on", body = Refusal),
+        (status = 503, description = "The runner cannot be reached", body = Refusal),
+    )
+)]
+async fn state(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+    Query(at): Query<StateAt>,
+) -> Result<Json<StateData>, Failure> {
+    commands::inspect(&house, &run, &at.path).await.map(Json)
+}
+
+/// The breakpoints of a run.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/breakpoints", tag = "runs",
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "As they are, or were at the end", body = [Breakpoint]),
+        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 503, description = "Its journal cannot be read", body = Refusal),
+    )
+)]
+async fn breakpoints(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+) -> Result<Json<Vec<Breakpoint>>, Failure> {
+    let run = house.runs.get(&run).await?;
+    let now = Arc::clone(&run.now().borrow());
+    match now.snapshot.as_ref().filter(|_| run.is_live()) {
+        Some(snapshot) => Ok(Json(snapshot.breakpoints.clone())),
+        None => Ok(Json(picture(run.folder().to_path_buf()).await?.breakpoints)),
+    }
+}
+
+/// The questions of a run that nobody has answered yet.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/questions", tag = "runs",
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "None, if the run does not go on", body = [Question]),
+        (status = 404, description = "There is no such run", body = Refusal),
+    )
+)]
+async fn questions(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+) -> Result<Json<Vec<Question>>, Failure> {
+    let run = house.runs.get(&run).await?;
+    let now = Arc::clone(&run.now().borrow());
+    let snapshot = now.snapshot.as_ref().filter(|_| run.is_live());
+    Ok(Json(snapshot.map(|snapshot| snapshot.questions.clone()).unwrap_or_default()))
+}
+
+/// The global variables of a run, as the journal has them: at most 10 ms old while it goes on.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/globals", tag = "runs",
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "Their values by name", body = Object),
+        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 503, description = "Its journal cannot be read", body = Refusal),
+    )
+)]
+async fn globals(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+) -> Result<Json<Values>, Failure> {
+    let run = house.runs.get(&run).await?;
+    Ok(Json(picture(run.folder().to_path_buf()).await?.globals))
+}
+
+/// What the runner and its scripts wrote past the capture of script output: the end of it.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/output", tag = "runs",
+    params(("run" = String, Path, description = "The run's id"), OutputEnd),
+    responses(
+        (status = 200, description = "Nothing, if the run was started elsewhere", body = RunOutput),
+        (status = 400, description = "The query does not fit", body = Refusal),
+        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 503, description = "It cannot be read", body = Refusal),
+    )
+)]
+async fn written(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+    Query(end): Query<OutputEnd>,
+) -> Result<Json<RunOutput>, Failure> {
+    let run = house.runs.get(&run).await?;
+    let bytes = end.bytes.unwrap_or(output::USUAL_BYTES);
+    blocking(move || output::tail(run.folder(), bytes).map(Json)).await
+}
+
+/// How a run stood after its last event.
+async fn picture(folder: PathBuf) -> Result<Picture, Failure> {
+    let read = move || {
+        let mut reader = Reader::open(&folder)?;
+        let moment = reader.moment(u64::MAX)?;
+        reader.picture(&moment)
+    };
+    blocking(move || read().map_err(|error| unreadable(&error))).await
+}
+
+fn unreadable(error: &JournalError) -> Failure {
+    let message = format!("the journal of this run cannot be read: {}", reason(error));
+    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "journal_unreadable", message)
+}

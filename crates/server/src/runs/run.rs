@@ -1,0 +1,250 @@
+//! One run, as everybody in the server shares it: how it stands, its newest events, the way to its runner, who commands it.
+//!
+//! Knows the latest truth. Must never know how it is found out, nor wait for whoever wants to know it.
+
+use super::control::Holding;
+use super::holder_file;
+use super::link::Link;
+use super::ring::Ring;
+use super::summary::Looked;
+use super::told::Told;
+use crate::house::House;
+use parking_lot::Mutex;
+use rafcon_protocol::api::{LinkState, RunNow, RunPhase, RunSummary};
+use rafcon_protocol::{Event, Snapshot};
+use rafcon_supervisor::clock;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+use tokio::sync::watch;
+
+/// One run.
+#[derive(Debug)]
+pub(crate) struct Run {
+    id: String,
+    folder: PathBuf,
+    ring: Ring,
+    now: watch::Sender<Arc<RunNow>>,
+    link: Mutex<Option<Arc<Link>>>,
+    holding: Mutex<Holding>,
+    silence: Duration,
+    /// For what goes wrong and nobody asked for.
+    tell: fn(&str),
+    /// Told whenever the run in one line is different.
+    news: watch::Sender<u64>,
+    /// Whether somebody looks after its runner.
+    is_followed: AtomicBool,
+    /// Whether it is different from how it was found.
+    has_changed: AtomicBool,
+    /// How many notes about control were sent.
+    notes: AtomicU64,
+}
+
+impl Run {
+    /// The run in `folder`, as it was found.
+    pub(super) fn new(house: &House, folder: PathBuf, looked: &Looked) -> Self {
+        let (silence, now_ms) = (house.settings.control_silence, clock::since_1970_ms());
+        let holding = holder_file::read(&folder).go_on(now_ms);
+        let now = RunNow {
+            run: looked.summary.clone(),
+            link: link_of(&looked.summary.phase),
+            snapshot: None,
+            snapshot_ms: None,
+            now_ms,
+            control: holding.told(silence),
+        };
+        let ring = Ring::default();
+        ring.settle(looked.summary.events);
+        Self {
+            id: looked.summary.id.clone(),
+            folder,
+            ring,
+            now: watch::Sender::new(Arc::new(now)),
+            link: Mutex::new(None),
+            holding: Mutex::new(holding),
+            silence,
+            tell: house.settings.tell,
+            news: house.news.counter_of_runs(),
+            is_followed: AtomicBool::new(false),
+            has_changed: AtomicBool::new(false),
+            notes: AtomicU64::new(0),
+        }
+    }
+
+    /// The run's folder.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Its newest events.
+    pub(crate) fn ring(&self) -> &Ring {
+        &self.ring
+    }
+
+    /// How it stands; with `changed`, how it stands then.
+    pub(crate) fn now(&self) -> watch::Receiver<Arc<RunNow>> {
+        self.now.subscribe()
+    }
+
+    /// The run in one line.
+    pub(crate) fn summary(&self) -> RunSummary {
+        self.now.borrow().run.clone()
+    }
+
+    /// Its id.
+    pub(crate) fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// Whether it goes on, or has changed since the server began.
+    pub(crate) fn is_lively(&self) -> bool {
+        self.is_live() || self.has_changed.load(Ordering::Relaxed)
+    }
+
+    /// Whether it goes on, or is about to.
+    pub(crate) fn is_live(&self) -> bool {
+        is_live(&self.now.borrow().run.phase)
+    }
+
+    /// After how much silence control can be taken over.
+    pub(super) fn silence(&self) -> Duration {
+        self.silence
+    }
+
+    /// The way to its runner, if there is one.
+    pub(super) fn link(&self) -> Option<Arc<Link>> {
+        self.link.lock().clone()
+    }
+
+    /// From now on somebody looks after its runner; false if somebody does already.
+    pub(super) fn is_taken_in_hand(&self) -> bool {
+        !self.is_followed.swap(true, Ordering::AcqRel)
+    }
+
+    /// Nobody looks after its runner any more.
+    pub(super) fn is_let_go(&self) {
+        self.is_followed.store(false, Ordering::Release);
+    }
+
+    pub(super) fn link_is_up(&self, link: &Arc<Link>) {
+        *self.link.lock() = Some(Arc::clone(link));
+        self.change(|now| {
+            now.link = LinkState::Up;
+            now.run.phase = RunPhase::Live;
+        });
+    }
+
+    pub(super) fn link_is_down(&self) {
+        *self.link.lock() = None;
+        self.change(|now| now.link = LinkState::Down);
+    }
+
+    /// The run was looked at: this is what is true. Nobody is linked to it.
+    pub(super) fn is_as_found(&self, looked: &Looked) {
+        if !is_live(&looked.summary.phase) {
+            self.ring.settle(looked.summary.events);
+        }
+        self.change(|now| {
+            now.run = looked.summary.clone();
+            now.link = link_of(&looked.summary.phase);
+        });
+    }
+
+    /// The run is in this phase.
+    pub(super) fn is_in(&self, phase: RunPhase) {
+        self.change(|now| now.run.phase = phase);
+    }
+
+    /// Events happened, in this order.
+    pub(super) fn happened(&self, events: Vec<Told>) {
+        let end = events.last().and_then(Told::finish);
+        if !events.is_empty() {
+            self.ring.push(events);
+        }
+        if let Some(Event::Finished { outcome, states_run, .. }) = end {
+            let events = self.ring.next() - 1;
+            self.change(|now| {
+                now.run.events = events;
+                now.run.phase = RunPhase::Finished { outcome, states_run };
+            });
+        }
+    }
+
+    /// This is how its runner says that it stands.
+    pub(super) fn stands(&self, snapshot: Snapshot) {
+        let at = clock::since_1970_ms();
+        self.now.send_modify(|now| {
+            let now = Arc::make_mut(now);
+            (now.now_ms, now.snapshot_ms) = (at, Some(at));
+            now.run.length_ms = snapshot.elapsed_ms;
+            now.run.events = now.run.events.max(snapshot.disk_safe);
+            now.snapshot = Some(snapshot);
+        });
+    }
+
+    /// Does something with who holds control; whoever follows the run is told.
+    pub(super) fn with_holding<T>(&self, act: impl FnOnce(&mut Holding) -> T) -> T {
+        let mut holding = self.holding.lock();
+        let done = act(&mut holding);
+        let control = holding.told(self.silence);
+        // With the lock held: what is told last is what is true.
+        self.change(|now| now.control = control);
+        done
+    }
+
+    /// Keeps who holds control in the run's folder: what is true when it is written.
+    pub(super) fn keep_holding(&self) {
+        let holding = self.holding.lock();
+        if let Err(error) = holder_file::write(&self.folder, &holding) {
+            let (id, tell) = (&self.id, self.tell);
+            tell(&format!("who commands run {id} is not kept: {error}"));
+        }
+    }
+
+    /// Somebody was heard. Whoever follows the run is told now and then only.
+    pub(super) fn heard(&self, user: &str, now_ms: u64) {
+        let mut holding = self.holding.lock();
+        if !holding.heard(user, now_ms) {
+            return;
+        }
+        let control = holding.told(self.silence);
+        let told_ms = self.now.borrow().control.heard_ms;
+        if now_ms.saturating_sub(told_ms) >= control.silence_ms / 10 {
+            self.change(|now| now.control = control);
+        }
+    }
+
+    /// A number that no note of this server about this run had.
+    pub(super) fn next_note(&self) -> u64 {
+        self.notes.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// Changes the truth, if it is another then; whoever follows is woken.
+    fn change(&self, change: impl FnOnce(&mut RunNow)) {
+        let mut is_news = false;
+        self.now.send_if_modified(|now| {
+            let before = Arc::clone(now);
+            change(Arc::make_mut(now));
+            let is_same = *before == **now;
+            is_news = before.run != now.run || before.control.holder != now.control.holder;
+            if !is_same {
+                Arc::make_mut(now).now_ms = clock::since_1970_ms();
+            }
+            !is_same
+        });
+        if is_news {
+            self.has_changed.store(true, Ordering::Relaxed);
+            self.news.send_modify(|revision| *revision += 1);
+        }
+    }
+}
+
+/// Whether a run in this phase goes on, or is about to.
+pub(super) fn is_live(phase: &RunPhase) -> bool {
+    matches!(phase, RunPhase::Live | RunPhase::Starting)
+}
+
+fn link_of(phase: &RunPhase) -> LinkState {
+    if is_live(phase) { LinkState::Down } else { LinkState::Over }
+}

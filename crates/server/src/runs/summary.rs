@@ -1,0 +1,82 @@
+//! What lies in the folder of a run, in one line. Knows folders, requests and journals; may take its time.
+
+use super::launch::OUTPUT_FILE;
+use super::request::Request;
+use crate::projects::Projects;
+use rafcon_protocol::Keeping;
+use rafcon_protocol::api::{RunPhase, RunSummary};
+use rafcon_storage::journal::folder::ABOUT_FILE;
+use rafcon_storage::journal::{About, RunState, Summary};
+use rafcon_supervisor::is_alive;
+use std::path::Path;
+
+/// What was found in a folder.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Looked {
+    /// The run in one line.
+    pub(super) summary: RunSummary,
+    /// What a server was asked about it.
+    pub(super) request: Option<Request>,
+}
+
+/// Looks into the folder of a run; nothing if it is none.
+pub(super) fn look(folder: &Path, projects: &Projects) -> Option<Looked> {
+    let request = Request::read(folder);
+    if folder.join(ABOUT_FILE).is_file() {
+        let summary = kept(folder, projects, request.as_ref());
+        return Some(Looked { summary, request });
+    }
+    let asked = request?;
+    let summary = asked_for(folder, &asked);
+    Some(Looked { summary, request: Some(asked) })
+}
+
+/// A run that keeps what it is.
+fn kept(folder: &Path, projects: &Projects, request: Option<&Request>) -> RunSummary {
+    let Summary { id, name, started_ms, state, length_ms, events, bytes, folder: _ } =
+        Summary::of(folder);
+    let about = About::read(folder).unwrap_or_default();
+    let machine = request.and_then(|request| request.machine().cloned());
+    RunSummary {
+        id,
+        name,
+        machine: machine.or_else(|| projects.file_of(&about.machine)),
+        author: request.map(|request| request.author.clone()),
+        started_ms,
+        phase: phase(state),
+        length_ms,
+        events,
+        bytes,
+        keeping: about.keeping,
+    }
+}
+
+/// A run that was asked for and does not keep anything yet.
+fn asked_for(folder: &Path, request: &Request) -> RunSummary {
+    let phase = if is_alive(&folder.join(OUTPUT_FILE)) {
+        RunPhase::Starting
+    } else {
+        RunPhase::NotStarted { reason: "its server ended before it had begun".to_owned() }
+    };
+    RunSummary {
+        id: folder.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        name: String::new(),
+        machine: request.machine().cloned(),
+        author: Some(request.author.clone()),
+        started_ms: 0,
+        phase,
+        length_ms: 0,
+        events: 0,
+        bytes: 0,
+        keeping: request.start.as_ref().map_or(Keeping::default(), |start| start.keeping),
+    }
+}
+
+fn phase(state: RunState) -> RunPhase {
+    match state {
+        RunState::Live { process: _ } => RunPhase::Live,
+        RunState::Finished { outcome, states_run } => RunPhase::Finished { outcome, states_run },
+        RunState::Crashed => RunPhase::Crashed,
+        RunState::Unreadable { reason } => RunPhase::Unreadable { reason },
+    }
+}

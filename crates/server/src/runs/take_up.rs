@@ -1,0 +1,145 @@
+//! Taking a run up again whose runner is gone: because somebody asks, or by its policy.
+//!
+//! Knows requests and launches. Must never know what the run does then.
+
+use super::control::Denied;
+use super::launch::{LaunchError, Launched, launch};
+use super::life;
+use super::request::Request;
+use super::run::Run;
+use super::start::not_launched;
+use crate::access::Who;
+use crate::blocking::blocking;
+use crate::failure::reason;
+use crate::{Failure, House};
+use axum::http::StatusCode;
+use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
+use rafcon_protocol::{Crash, Launch, Resume};
+use rafcon_supervisor::{clock, resume_launch};
+use std::io;
+use std::sync::Arc;
+
+/// Takes a run up, or finds that it was taken up by this id.
+pub(crate) async fn resume(
+    house: &Arc<House>,
+    who: &Who,
+    run: &str,
+    asked: ResumeRun,
+) -> Result<RunSummary, Failure> {
+    super::check_id(&asked.id)?;
+    let run = house.runs.get(run).await?;
+    let (house, author) = (Arc::clone(house), who.user.clone());
+    let resumed = tokio::spawn(async move { once(&house, &author, &run, asked).await });
+    resumed.await.unwrap_or_else(|_stopped| {
+        let message = "the server could not finish this request: ask again with the same id";
+        Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message))
+    })
+}
+
+async fn once(
+    house: &Arc<House>,
+    author: &str,
+    run: &Arc<Run>,
+    asked: ResumeRun,
+) -> Result<RunSummary, Failure> {
+    // One after the other: two who ask at once do not both start a runner.
+    let slot = house.runs.request(&format!("{}/resume", run.id()));
+    let _turn = slot.lock().await;
+    let folder = run.folder().to_path_buf();
+    let before = blocking(move || Ok(Request::read(&folder).unwrap_or_default())).await?;
+    if before.resumed.contains(&asked.id) {
+        return Ok(run.summary());
+    }
+    may_be_resumed(&run.summary(), &asked)?;
+    run.with_holding(|holding| holding.command(author, clock::since_1970_ms(), run.silence()))
+        .map_err(|denied| not_yours(&denied))?;
+    super::commands::keep_holder(run);
+    let phase = run.summary().phase;
+    run.is_in(RunPhase::Starting);
+    let after = before.clone().taken_up(author, &asked.id);
+    let (here, there) = (Arc::clone(house), Arc::clone(run));
+    match blocking(move || begun(&here, &there, &asked, &after, &before)).await {
+        Ok(launched) => {
+            run.is_in(RunPhase::Live);
+            life::follow(house, run, Some(launched));
+            Ok(run.summary())
+        }
+        Err(failure) => {
+            run.is_in(phase);
+            Err(failure)
+        }
+    }
+}
+
+fn not_yours(denied: &Denied) -> Failure {
+    Failure::conflict("not_in_control", denied.to_string())
+}
+
+fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
+    let refused = |code, message: &str| Err(Failure::conflict(code, message));
+    match &run.phase {
+        RunPhase::Crashed => Ok(()),
+        RunPhase::Finished { .. } if asked.from.is_some() => Ok(()),
+        RunPhase::Finished { .. } => refused(
+            "run_is_over",
+            "the run has come to its end: start another, or name an entry of its history to begin from (`from`)",
+        ),
+        RunPhase::Live | RunPhase::Starting => {
+            refused("run_is_live", "the run goes on: command it instead")
+        }
+        RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
+            refused("run_is_unreadable", &format!("there is nothing to take up: {reason}"))
+        }
+    }
+}
+
+/// Writes the request down and starts a runner; if none starts, nothing was asked.
+fn begun(
+    house: &House,
+    run: &Run,
+    asked: &ResumeRun,
+    after: &Request,
+    before: &Request,
+) -> Result<Launched, Failure> {
+    let folder = run.folder();
+    let unwritten = |error: io::Error| {
+        let message = format!("cannot write into {}: {error}", folder.display());
+        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_folder", message)
+    };
+    after.write(folder).map_err(unwritten)?;
+    let words = resume_launch(folder, asked.policy, asked.from);
+    launch(&house.settings, folder, words).map_err(|error| {
+        before.write(folder).unwrap_or_default();
+        not_launched(&error)
+    })
+}
+
+/// Another runner takes the run up, as its policy says.
+pub(super) async fn again(
+    house: &Arc<House>,
+    run: &Arc<Run>,
+    resume: Resume,
+    crash: Crash,
+) -> Result<Launched, LaunchError> {
+    let (house, run) = (Arc::clone(house), Arc::clone(run));
+    let begin = move || {
+        let words = resume_launch(run.folder(), resume.policy, resume.from);
+        let words = Launch { resume: Some(resume), crash: Some(crash), ..words };
+        launch(&house.settings, run.folder(), words)
+    };
+    let begun = tokio::task::spawn_blocking(begin).await;
+    begun.unwrap_or_else(|stopped| Err(LaunchError::Thread(io::Error::other(stopped))))
+}
+
+/// Nobody takes this run up by itself any more, also after the server was started again.
+pub(super) async fn leave_alone(house: &Arc<House>, run: &Arc<Run>, request: Request) {
+    let (house, run) = (Arc::clone(house), Arc::clone(run));
+    let request = Request { is_left_alone: true, ..request };
+    let written = tokio::task::spawn_blocking(move || {
+        if let Err(error) = request.write(run.folder()) {
+            let (id, why) = (run.id(), reason(&error));
+            (house.settings.tell)(&format!("it cannot be noted that run {id} waits: {why}"));
+        }
+    });
+    written.await.unwrap_or_default();
+}

@@ -1,0 +1,110 @@
+//! The first words with a runner that is joined, and short talks: one question, one answer, on a connection of its own. So a
+//! question that takes its time holds up no command.
+//!
+//! Knows how a run is joined. Must never know what the words lead to.
+
+use rafcon_protocol::{
+    Answer, Envelope, FrameError, Hello, Join, StateData, ToRunner, ToViewer, VersionMismatch,
+    decode, encode,
+};
+use rafcon_supervisor::{JoinError, socket};
+use serde::de::DeserializeOwned;
+use std::io;
+use std::path::PathBuf;
+use tokio::io::{AsyncBufReadExt as _, AsyncWriteExt as _, BufReader};
+use tokio::net::UnixStream;
+use tokio::net::unix::{OwnedReadHalf, OwnedWriteHalf};
+
+/// How much is read at once.
+const BUFFER_BYTES: usize = 256 * 1024;
+
+/// Why a runner is not spoken with.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum LinkError {
+    /// Nobody listens there.
+    #[error(transparent)]
+    Join(#[from] JoinError),
+    /// The connection broke.
+    #[error("the connection to the runner broke")]
+    Io(#[from] io::Error),
+    /// It says something else than this protocol.
+    #[error("the runner's words make no sense")]
+    Frame(#[from] FrameError),
+    /// It is of another version.
+    #[error(transparent)]
+    Version(#[from] VersionMismatch),
+    /// It lets nobody in.
+    #[error("the runner lets nobody in: {0}")]
+    Refused(String),
+    /// It went away before it had answered.
+    #[error("the runner went away before it had answered")]
+    Gone,
+}
+
+/// A run that was joined.
+#[derive(Debug)]
+pub(super) struct Connection {
+    pub(super) lines: BufReader<OwnedReadHalf>,
+    pub(super) out: OwnedWriteHalf,
+}
+
+/// Joins the run in `folder`.
+pub(super) async fn open(folder: PathBuf, join: Join) -> Result<Connection, LinkError> {
+    let connect = move || socket::connect(&folder);
+    let stream = tokio::task::spawn_blocking(connect).await.map_err(io::Error::other)??;
+    stream.set_nonblocking(true)?;
+    let (lines, mut out) = UnixStream::from_std(stream)?.into_split();
+    let mut lines = BufReader::with_capacity(BUFFER_BYTES, lines);
+    let mut words = encode(&Hello::ours())?;
+    words.extend(encode(&ToRunner::Join(join))?);
+    out.write_all(&words).await?;
+    message::<Hello>(&mut lines).await?.check()?;
+    match message::<ToViewer>(&mut lines).await? {
+        ToViewer::LoadFailed { reason } => Err(LinkError::Refused(reason)),
+        _loaded => Ok(Connection { lines, out }),
+    }
+}
+
+/// What an active state of the run in `folder` holds; nothing if it is not active.
+pub(super) async fn inspect(folder: PathBuf, path: &str) -> Result<Option<StateData>, LinkError> {
+    let question = ToRunner::Inspect { id: "1".to_owned(), path: path.to_owned() };
+    ask(folder, &question, |message| match message {
+        ToViewer::Inspection { data, .. } => Some(data),
+        _ => None,
+    })
+    .await
+}
+
+/// Gives a command on a connection of its own.
+pub(super) async fn command(folder: PathBuf, envelope: Envelope) -> Result<Answer, LinkError> {
+    let wanted = envelope.id.clone();
+    ask(folder, &ToRunner::Command(envelope), |message| match message {
+        ToViewer::Answer { id, answer } if id == wanted => Some(answer),
+        _ => None,
+    })
+    .await
+}
+
+async fn ask<T>(
+    folder: PathBuf,
+    question: &ToRunner,
+    answer: impl Fn(ToViewer) -> Option<T>,
+) -> Result<T, LinkError> {
+    let Connection { mut lines, mut out } = open(folder, Join::default()).await?;
+    out.write_all(&encode(question)?).await?;
+    loop {
+        if let Some(answer) = answer(message(&mut lines).await?) {
+            return Ok(answer);
+        }
+    }
+}
+
+async fn message<T: DeserializeOwned>(
+    lines: &mut BufReader<OwnedReadHalf>,
+) -> Result<T, LinkError> {
+    let mut line = Vec::new();
+    if lines.read_until(b'\n', &mut line).await? == 0 {
+        return Err(LinkError::Gone);
+    }
+    Ok(decode(&String::from_utf8_lossy(&line))?)
+}

@@ -1,0 +1,172 @@
+//! What changes in the folder of all runs: folders that come and go, runs that begin or are taken up there. So runs that the
+//! command line starts appear. Knows names of files; nothing is asked again and again.
+
+use super::{life, run};
+use crate::House;
+use crate::failure::reason;
+use notify::event::{EventKind, ModifyKind};
+use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
+use rafcon_storage::journal::folder::{ABOUT_FILE, SOCKET_FILE};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tokio::sync::mpsc;
+
+/// So many changes wait to be looked at.
+const CHANGES: usize = 1024;
+/// The end of the name of a folder that is being deleted.
+const GONE: &str = "gone";
+
+/// Keeps changes coming while it is there.
+#[derive(Debug)]
+pub(super) struct Watch {
+    watcher: RecommendedWatcher,
+    /// The folders of runs that are looked at.
+    watched: BTreeSet<PathBuf>,
+}
+
+/// Begins to notice changes: each is the folder of a run. Without, the server knows the runs that it started.
+pub(super) fn begin(house: &Arc<House>) -> mpsc::Receiver<PathBuf> {
+    let (changes, noticed) = mpsc::channel(CHANGES);
+    let all = house.runs.folder.folder().to_path_buf();
+    let tell = move |event: notify::Result<notify::Event>| {
+        let folders = event.map(|event| folders_of(&all, &event)).unwrap_or_default();
+        for folder in folders {
+            // Nobody notices any more when the server ends.
+            changes.blocking_send(folder).unwrap_or_default();
+        }
+    };
+    let all = house.runs.folder.folder();
+    let watcher = notify::recommended_watcher(tell).and_then(|mut watcher| {
+        fs::create_dir_all(all)?;
+        watcher.watch(all, RecursiveMode::NonRecursive)?;
+        Ok(watcher)
+    });
+    match watcher {
+        Ok(watcher) => {
+            *house.runs.watch.lock() = Some(Watch { watcher, watched: BTreeSet::new() });
+        }
+        Err(error) => {
+            let (all, why) = (all.display(), reason(&error));
+            (house.settings.tell)(&format!("runs that begin in {all} are not noticed: {why}"));
+        }
+    }
+    noticed
+}
+
+/// Looks at what changed, one after the other.
+pub(super) async fn serve(house: &Arc<House>, mut noticed: mpsc::Receiver<PathBuf>) {
+    for folder in folders(house.runs.folder.folder()) {
+        keep_an_eye_on(house, &folder);
+    }
+    while let Some(folder) = noticed.recv().await {
+        keep_an_eye_on(house, &folder);
+        if let Some(run) = life::look(house, folder).await
+            && run::is_live(&run.summary().phase)
+        {
+            life::follow(house, &run, None);
+        }
+    }
+}
+
+/// Notices from now on what changes in the folder of a run; no more when it is gone.
+fn keep_an_eye_on(house: &House, folder: &Path) {
+    let mut watch = house.runs.watch.lock();
+    let Some(watch) = watch.as_mut() else { return };
+    if !folder.is_dir() {
+        if watch.watched.remove(folder) {
+            // What is gone is not watched any more by itself.
+            watch.watcher.unwatch(folder).unwrap_or_default();
+        }
+    } else if watch.watched.insert(folder.to_path_buf())
+        && let Err(error) = watch.watcher.watch(folder, RecursiveMode::NonRecursive)
+        && folder.is_dir()
+    {
+        let (folder, why) = (folder.display(), reason(&error));
+        (house.settings.tell)(&format!("what changes in {folder} is not noticed: {why}"));
+    }
+}
+
+/// The folders of all runs, the oldest first.
+pub(super) fn folders(all: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(all).into_iter().flatten().flatten();
+    let mut folders: Vec<PathBuf> =
+        entries.map(|entry| entry.path()).filter(|path| path.is_dir() && !is_going(path)).collect();
+    folders.sort();
+    folders
+}
+
+/// A folder in which nothing has begun and nothing will: nobody was told of it.
+pub(super) async fn remove(house: &House, folder: PathBuf) {
+    let tell = house.settings.tell;
+    let removed = tokio::task::spawn_blocking(move || {
+        if let Err(error) = fs::remove_dir_all(&folder) {
+            tell(&format!("cannot remove {}: {error}", folder.display()));
+        }
+    });
+    removed.await.unwrap_or_default();
+}
+
+/// The folders of runs that a change is about, if it matters.
+fn folders_of(all: &Path, event: &notify::Event) -> Vec<PathBuf> {
+    let comes_or_goes = matches!(
+        event.kind,
+        EventKind::Create(_) | EventKind::Remove(_) | EventKind::Modify(ModifyKind::Name(_))
+    );
+    let paths = event.paths.iter().filter(|_| comes_or_goes);
+    let mut folders: Vec<PathBuf> = paths.filter_map(|path| folder_of(all, path)).collect();
+    folders.dedup();
+    folders
+}
+
+/// The folder of the run that this path is, or that it is a file of which says that a run begins.
+fn folder_of(all: &Path, path: &Path) -> Option<PathBuf> {
+    let mut parts = path.strip_prefix(all).ok()?.components();
+    let folder = all.join(parts.next()?);
+    let begins = parts
+        .next()
+        .is_none_or(|file| [ABOUT_FILE, SOCKET_FILE].iter().any(|name| file.as_os_str() == *name));
+    (begins && parts.next().is_none() && !is_going(&folder)).then_some(folder)
+}
+
+fn is_going(folder: &Path) -> bool {
+    folder.extension().is_some_and(|extension| extension == GONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::folders_of;
+    use expect_test::{Expect, expect};
+    use notify::Event;
+    use notify::event::{CreateKind, DataChange, EventKind, ModifyKind, RemoveKind, RenameMode};
+    use std::path::Path;
+
+    fn check(kind: EventKind, paths: &[&str], expect: &Expect) {
+        let event = paths
+            .iter()
+            .fold(Event::new(kind), |event, path| event.add_path(Path::new("/runs").join(path)));
+        let folders = folders_of(Path::new("/runs"), &event);
+        expect.assert_eq(&format!("{folders:?}"));
+    }
+
+    #[test]
+    fn a_run_is_looked_at_when_it_comes_begins_or_goes() {
+        let created = EventKind::Create(CreateKind::Any);
+        check(created, &["a"], &expect![[r#"["/runs/a"]"#]]);
+        check(created, &["a/socket"], &expect![[r#"["/runs/a"]"#]]);
+        check(created, &["a/run.new"], &expect!["[]"]);
+        let renamed = EventKind::Modify(ModifyKind::Name(RenameMode::Both));
+        check(renamed, &["a/run.new", "a/run.json"], &expect![[r#"["/runs/a"]"#]]);
+        check(renamed, &["a", "a.gone"], &expect![[r#"["/runs/a"]"#]]);
+        check(EventKind::Remove(RemoveKind::Any), &["a"], &expect![[r#"["/runs/a"]"#]]);
+    }
+
+    #[test]
+    fn what_a_run_writes_while_it_goes_on_is_nobody_s_business() {
+        let written = EventKind::Modify(ModifyKind::Data(DataChange::Any));
+        check(written, &["a/journal.db-wal"], &expect!["[]"]);
+        check(EventKind::Create(CreateKind::Any), &["a/values/1"], &expect!["[]"]);
+        check(EventKind::Create(CreateKind::Any), &["a.gone/run.json"], &expect!["[]"]);
+    }
+}
