@@ -1,12 +1,14 @@
 //! The words of the command line, as clap reads them: the raw half. What they mean is checked by each command.
 
 mod kept;
+mod remote;
 mod serve;
 
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, Level as LogLevel, ListRuns, Log, Replay,
 };
-pub(crate) use serve::{Role, Serve, State, User, UserAction};
+pub(crate) use remote::{Access, Control, Login, Remote, Wanted};
+pub(crate) use serve::{Serve, State};
 
 use crate::templates;
 use clap::builder::PossibleValuesParser;
@@ -36,7 +38,8 @@ pub(crate) enum Command {
     Compare(Compare),
     Export(Export),
     Serve(Serve),
-    User(User),
+    Login(Login),
+    Control(Control),
     Check(Check),
     Show(Show),
     Fmt(Fmt),
@@ -54,7 +57,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Run {
-    /// Folder of the machine (or a file in it)
+    /// Folder of the machine (or a file in it); at a server the project and the folder in it, such as `robots/pick`
     pub(crate) path: PathBuf,
     /// Begin at this state: ids from the root down, joined by `/`
     #[arg(long, value_name = "STATE_PATH")]
@@ -83,6 +86,8 @@ pub(crate) struct Run {
     /// `inputs`, `outputs`, `scoped`, `outcome`, `gvm` (repeat for more)
     #[arg(long = "break", value_name = "STATE [after] [if CONDITION]")]
     pub(crate) breakpoints: Vec<String>,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
 }
 
 /// What is kept of a run, and what becomes of it when its runner dies.
@@ -149,6 +154,8 @@ pub(crate) struct Resume {
     /// Stop the machine after this time, and kill it if it does not end then
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
 }
 
 /// Join a run that is going on: watch it, step it, answer its questions.
@@ -157,6 +164,7 @@ pub(crate) struct Resume {
 #[derive(Debug, Args)]
 pub(crate) struct Attach {
     /// The run: its id, the beginning of it, its folder, or `last`
+    #[arg(default_value = "last")]
     pub(crate) run: String,
     #[command(flatten)]
     pub(crate) runs: Runs,
@@ -166,6 +174,8 @@ pub(crate) struct Attach {
     /// Begin with this event of its history instead of now
     #[arg(long, value_name = "SEQUENCE", default_value_t = 0)]
     pub(crate) from: u64,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
 }
 
 /// Say one command to a run that is going on, and print the answer.
@@ -184,6 +194,8 @@ pub(crate) struct Tell {
     pub(crate) fields: Vec<String>,
     #[command(flatten)]
     pub(crate) runs: Runs,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
 }
 
 const EXIT_CODES: &str = "\

@@ -2,6 +2,7 @@
 
 use rafcon_supervisor::Surroundings;
 use std::env;
+use std::fmt;
 use std::path::PathBuf;
 
 /// The variables that mean something here, and where this program stands.
@@ -9,6 +10,12 @@ use std::path::PathBuf;
 pub(crate) struct Environment {
     /// What runners and the folders of runs are found by.
     pub(crate) surroundings: Surroundings,
+    /// The folder of programs' configuration: `XDG_CONFIG_HOME`, else the usual one.
+    pub(crate) config_home: Option<PathBuf>,
+    /// `RAFCON_TOKEN`: lets one in at a server.
+    pub(crate) token: Option<Secret>,
+    /// Options that stand in the environment: `RAFCON_PYTHON` and `RAFCON_RUNS`.
+    pub(crate) options: [Option<PathBuf>; 2],
     /// `USER`: who gives commands.
     pub(crate) user: String,
     /// `NO_COLOR` is set and not empty.
@@ -17,6 +24,16 @@ pub(crate) struct Environment {
     pub(crate) dumb_terminal: bool,
     /// The locale's text is UTF-8.
     pub(crate) unicode: bool,
+}
+
+/// A text that is never shown.
+#[derive(Clone)]
+pub(crate) struct Secret(pub(crate) String);
+
+impl fmt::Debug for Secret {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Secret")
+    }
 }
 
 /// A variable's text, for whoever expands variables in files.
@@ -36,6 +53,11 @@ impl Environment {
                 home: set("HOME").map(PathBuf::from),
                 state_home: set("XDG_STATE_HOME").map(PathBuf::from),
             },
+            config_home: set("XDG_CONFIG_HOME")
+                .map(PathBuf::from)
+                .or_else(|| Some(PathBuf::from(set("HOME")?).join(".config"))),
+            token: variable("RAFCON_TOKEN").filter(|text| !text.is_empty()).map(Secret),
+            options: ["RAFCON_PYTHON", "RAFCON_RUNS"].map(|name| set(name).map(PathBuf::from)),
             user: variable("USER").unwrap_or_default(),
             no_color: set("NO_COLOR").is_some(),
             dumb_terminal: set("TERM").is_none_or(|term| term == "dumb"),

@@ -1,6 +1,7 @@
 //! The `rafcon` command. Knows how the program begins and ends; each command knows itself.
 
 mod cli;
+mod client;
 mod clock;
 mod commands;
 mod console;

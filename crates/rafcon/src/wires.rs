@@ -4,13 +4,13 @@
 
 use crate::console::{Key, Wish};
 use anyhow::{Context as _, Result};
-use rafcon_protocol::{Hello, Stream, ToViewer, decode};
+use rafcon_protocol::{Hello, Stream, ToRunner, ToViewer, decode, encode};
 use rafcon_supervisor::{Exit, Process};
 use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::io::Errno;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGTSTP};
 use signal_hook::iterator::Signals;
-use std::io::{BufRead as _, BufReader, Read};
+use std::io::{BufRead as _, BufReader, Read, Write as _};
 use std::os::unix::net::UnixStream;
 use std::process::Child;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -66,6 +66,20 @@ pub(crate) enum Cause {
 /// Listens to signals from now on; to be called before a runner is started, so that none is left alone by Ctrl-C.
 pub(crate) fn signals() -> Result<Signals> {
     Signals::new([SIGINT, SIGTERM, SIGHUP, SIGTSTP]).context("cannot listen to signals")
+}
+
+/// The way to a run that is somebody else's: its socket, or a server.
+pub(crate) trait Line {
+    /// Says something to the run.
+    fn say(&mut self, message: &ToRunner) -> Result<()>;
+}
+
+impl Line for UnixStream {
+    /// A runner that does not listen any more is noticed by its silence.
+    fn say(&mut self, message: &ToRunner) -> Result<()> {
+        self.write_all(&encode(message)?).unwrap_or_default();
+        Ok(())
+    }
 }
 
 /// The queue, and who fills it. Sources of an earlier runner are not heard any more.

@@ -36,6 +36,6 @@ pub use interpreter::{Interpreter, NoInterpreter};
 pub use lives::{Death, Lives, Next};
 pub use process::{Group, Process, Start, StartError, is_alive};
 pub use resume::{machine_of, policy_of, resume_launch};
-pub use runs::{FindError, MakeError, Runs};
+pub use runs::{FindError, MakeError, Runs, meant};
 pub use socket::JoinError;
 pub use surroundings::Surroundings;

@@ -131,11 +131,7 @@ impl Runs {
             return Ok(std::path::absolute(path)?);
         }
         let ids = self.ids()?;
-        let found = match text {
-            "last" => ids.last().into_iter().collect(),
-            _ => matching(&ids, text),
-        };
-        match found.as_slice() {
+        match meant(&ids, text).as_slice() {
             [one] => Ok(self.folder.join(one)),
             [] => Err(FindError::None { text: text.to_owned(), folder: self.folder.clone() }),
             many => Err(FindError::Many {
@@ -163,7 +159,11 @@ impl Runs {
     }
 }
 
-fn matching<'i>(ids: &'i [String], text: &str) -> Vec<&'i String> {
+/// Those of the ids, the oldest first, that are meant by `last`, one of them, or its beginning.
+pub fn meant<'i>(ids: &'i [String], text: &str) -> Vec<&'i String> {
+    if text == "last" {
+        return ids.last().into_iter().collect();
+    }
     if let Some(exact) = ids.iter().find(|id| *id == text) {
         return vec![exact];
     }

@@ -1,6 +1,6 @@
 //! The words of the commands that read what runs have kept.
 
-use super::Runs;
+use super::{Remote, Runs};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use rafcon_storage::journal::KINDS;
@@ -36,6 +36,8 @@ pub(crate) struct ListRuns {
     /// Keep so many bytes in all, such as `500M` or `20G`
     #[arg(long, value_name = "SIZE", requires = "prune", value_parser = size)]
     pub(crate) max_size: Option<u64>,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
 }
 
 /// Print what happened in a run, event by event.

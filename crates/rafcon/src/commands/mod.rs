@@ -3,11 +3,14 @@
 mod attach;
 mod check;
 mod compare;
+mod control;
 mod export;
 mod fmt;
 mod history;
 mod kept;
+mod login;
 mod new;
+mod remote;
 mod replay;
 mod run;
 mod runs;
@@ -15,7 +18,6 @@ mod serve;
 mod shell;
 mod show;
 mod tell;
-mod user;
 
 use crate::cli::{Cli, Command};
 use crate::clock::Clock;
@@ -37,7 +39,8 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Compare(request) => compare::compare(&request, environment),
         Command::Export(request) => export::export(&request, environment),
         Command::Serve(request) => serve::serve(&request, environment),
-        Command::User(request) => user::user(&request, environment),
+        Command::Login(request) => login::login(&request, environment),
+        Command::Control(request) => control::control(&request, environment),
         Command::Check(request) => check::check(&request, environment),
         Command::Show(request) => show::show(&request, environment),
         Command::Fmt(request) => fmt::fmt(&request),

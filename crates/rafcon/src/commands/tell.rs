@@ -2,6 +2,7 @@
 
 use crate::cli;
 use crate::commands::attach::envelope;
+use crate::commands::remote;
 use crate::environment::Environment;
 use crate::failure::{Usage, complain};
 use crate::runs;
@@ -15,6 +16,12 @@ use std::process::ExitCode;
 /// Says it, and waits for the answer.
 pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCode> {
     let command = command(&raw.command, &raw.fields)?;
+    if let Some(server) = remote::server(&raw.remote, environment)? {
+        remote::refuse_runs(&raw.runs, environment)?;
+        let run = remote::run(&server, &raw.run)?.id;
+        let envelope = envelope(remote::unique("tell")?, &environment.user, command);
+        return said(server.command(&run, &envelope)?.answer);
+    }
     let folder = runs::find(&raw.runs, environment, &raw.run)?;
     let mut control = socket::connect(&folder)?;
     let mut lines = BufReader::new(control.try_clone()?).lines();

@@ -263,6 +263,16 @@ impl Supervisor {
         }
     }
 
+    fn command(&self, id: &str, command: Command) -> ToRunner {
+        ToRunner::Command(Envelope {
+            id: format!("{}-{id}", self.prefix),
+            author: self.author.clone(),
+            decided_on: None,
+            expiry: None,
+            command,
+        })
+    }
+
     fn exited(&mut self, now: Duration, exit: Exit) {
         self.exit = Some(exit);
         self.settled_at = Some(now + LAST_WORDS);

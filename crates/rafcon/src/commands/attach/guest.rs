@@ -5,16 +5,10 @@ use super::visit::{Act, End, Visit};
 use crate::clock::Clock;
 use crate::console::Wish;
 use crate::view::View;
-use crate::wires::{Cause, Wires};
+use crate::wires::{Cause, Line, Wires};
 use anyhow::Result;
-use rafcon_protocol::{ToRunner, ToViewer};
+use rafcon_protocol::ToViewer;
 use std::time::Duration;
-
-/// The way to a run: its socket, or a server.
-pub(in crate::commands) trait Line {
-    /// Says something to the run.
-    fn say(&mut self, message: &ToRunner) -> Result<()>;
-}
 
 /// Whoever follows a run that is another process's.
 pub(in crate::commands) struct Guest {

@@ -2,10 +2,13 @@
 
 mod guest;
 mod manners;
+mod stay;
 mod visit;
 
 use crate::cli;
+use crate::client::Server;
 use crate::clock::Clock;
+use crate::commands::remote;
 use crate::commands::run::{names_of_run, view};
 use crate::console::Console;
 use crate::environment::Environment;
@@ -13,15 +16,16 @@ use crate::failure::complain;
 use crate::runs;
 use crate::wires::{self, Wires};
 use anyhow::Result;
-use guest::{Guest, Line};
-use manners::Manners;
-use rafcon_protocol::{Hello, Join, ToRunner, encode};
+use guest::Guest;
+pub(super) use manners::Manners;
+use rafcon_protocol::{Hello, Join, encode};
 use rafcon_supervisor::{machine_of, socket};
+pub(super) use stay::Stay;
 use std::io::{self, IsTerminal as _, Write as _};
-use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
-pub(super) use visit::envelope;
-use visit::{End, Visit};
+use std::sync::Arc;
+use visit::Visit;
+pub(super) use visit::{End, envelope};
 
 /// Follows a run until it ends or the user leaves.
 pub(super) fn attach(
@@ -29,12 +33,12 @@ pub(super) fn attach(
     environment: &Environment,
     clock: Clock,
 ) -> Result<ExitCode> {
+    if let Some(server) = remote::server(&raw.remote, environment)? {
+        return at_server(raw, &server, environment, clock);
+    }
     let folder = runs::find(&raw.runs, environment, &raw.run)?;
     let mut control = socket::connect(&folder)?;
-    let has_keys = raw.output == cli::Output::Text
-        && io::stdout().is_terminal()
-        && io::stdin().is_terminal()
-        && !environment.dumb_terminal;
+    let has_keys = has_keys(raw.output, environment);
     let console = has_keys.then(|| Console::new(true));
     let view = view(raw.output, environment, names_of_run(machine_of(&folder)), console);
     let join = Join { from: raw.from, every_event: view.every_event(), values: false };
@@ -50,22 +54,42 @@ pub(super) fn attach(
     Ok(ExitCode::from(end.code()))
 }
 
-/// What the user is told about an end besides what is shown.
-fn words(end: &End, run: &str) -> Option<String> {
-    match end {
-        End::Finished { .. } | End::Killed { .. } => None,
-        End::Left => Some(format!("left; {run} goes on (rafcon attach {run} joins it again)")),
-        End::Lost { .. } => {
-            Some(format!("error: the runner of {run} is gone; to go on: rafcon resume {run}"))
-        }
-        End::Refused(reason) => Some(format!("error: {reason}")),
+fn at_server(
+    raw: &cli::Attach,
+    server: &Arc<Server>,
+    environment: &Environment,
+    clock: Clock,
+) -> Result<ExitCode> {
+    remote::refuse_runs(&raw.runs, environment)?;
+    let run = remote::run(server, &raw.run)?.id;
+    let has_keys = has_keys(raw.output, environment);
+    let console = has_keys.then(|| Console::new(true));
+    let view = view(raw.output, environment, remote::names(server, &run), console);
+    let wires = Wires::new(wires::signals()?, has_keys)?;
+    let manners = Manners::of_a_guest();
+    let (from, run) = (raw.from, run.as_str());
+    let stay = Stay { server, run, wires, view, from, manners, environment, clock };
+    let end = stay.until_the_end()?;
+    if let Some(text) = words(&end, &format!("{run} --server {}", server.address)) {
+        complain(&text);
     }
+    Ok(ExitCode::from(end.code()))
 }
 
-impl Line for UnixStream {
-    /// A runner that does not listen any more is noticed by its silence.
-    fn say(&mut self, message: &ToRunner) -> Result<()> {
-        self.write_all(&encode(message)?).unwrap_or_default();
-        Ok(())
+/// Whether the keyboard is for the view.
+pub(super) fn has_keys(output: cli::Output, environment: &Environment) -> bool {
+    let is_terminal = io::stdout().is_terminal() && io::stdin().is_terminal();
+    output == cli::Output::Text && is_terminal && !environment.dumb_terminal
+}
+
+/// What the user is told about an end besides what is shown; `run` is how commands name it.
+pub(super) fn words(end: &End, run: &str) -> Option<String> {
+    match end {
+        End::Finished { .. } | End::Killed { .. } => None,
+        End::Left => Some(format!("left; it goes on (rafcon attach {run} joins it again)")),
+        End::Lost { .. } => {
+            Some(format!("error: its runner is gone; to go on: rafcon resume {run}"))
+        }
+        End::Refused(reason) => Some(format!("error: {reason}")),
     }
 }

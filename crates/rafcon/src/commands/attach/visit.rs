@@ -206,9 +206,10 @@ impl Visit {
     /// The runner is gone: as we wanted, or not.
     fn lost(&mut self) {
         let active = self.active.paths().to_vec();
-        self.finish(match self.manners.killed() {
-            true => End::Killed { timed_out: self.manners.timed_out(), active },
-            false => End::Lost { active },
+        self.finish(if self.manners.killed() {
+            End::Killed { timed_out: self.manners.timed_out(), active }
+        } else {
+            End::Lost { active }
         });
     }
 
@@ -277,7 +278,7 @@ mod tests {
                 Note("refused: the run is running")
                 Send(Inspect { id: "attach-2", path: "A" })
                 Left, exit code 0
-                left; RUN goes on (rafcon attach RUN joins it again)"#]],
+                left; it goes on (rafcon attach RUN joins it again)"#]],
         );
     }
 
@@ -290,7 +291,7 @@ mod tests {
                 Send(Join(Join { from: 0, every_event: false, values: false }))
                 Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
                 Lost { active: ["A"] }, exit code 7
-                error: the runner of RUN is gone; to go on: rafcon resume RUN"#]],
+                error: its runner is gone; to go on: rafcon resume RUN"#]],
         );
     }
 
@@ -332,8 +333,12 @@ mod tests {
     #[test]
     fn another_version_is_refused() {
         let hello = Hello { protocol: 0, program: "0.0.1".to_owned() };
-        check(Manners::of_a_guest(), vec![Cause::Hello(hello)], &expect![[r#"
+        check(
+            Manners::of_a_guest(),
+            vec![Cause::Hello(hello)],
+            &expect![[r#"
             Refused("the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"), exit code 1
-            error: the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"#]]);
+            error: the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"#]],
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! `rafcon run` and `rafcon resume`: from the words of the command line to the exit code.
 
+mod at_server;
 mod drive;
 mod place;
 mod report;
@@ -7,6 +8,8 @@ mod request;
 
 use crate::cli;
 use crate::clock::Clock;
+use crate::commands::attach::has_keys;
+use crate::commands::remote;
 use crate::console::Console;
 use crate::environment::Environment;
 use crate::failure::Usage;
@@ -24,6 +27,9 @@ use std::process::ExitCode;
 
 /// Runs a machine until it ends.
 pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Result<ExitCode> {
+    if let Some(server) = remote::server(&raw.remote, environment)? {
+        return at_server::run(raw, &server, environment, clock);
+    }
     let request = Request::new(raw)?;
     let place = match raw.keeping.keep {
         cli::Level::Off => Place::passing()?,
@@ -45,6 +51,9 @@ pub(super) fn resume(
     environment: &Environment,
     clock: Clock,
 ) -> Result<ExitCode> {
+    if let Some(server) = remote::server(&raw.remote, environment)? {
+        return at_server::resume(raw, &server, environment, clock);
+    }
     let place = Place::Kept(runs::find(&raw.runs, environment, &raw.run)?);
     let launch = resume_launch(place.folder(), request::on_crash(raw.policy), raw.from);
     let machine = launch.machine.clone();
@@ -74,9 +83,7 @@ impl Whole<'_> {
         let interpreter = Interpreter::choose(self.raw.python.as_deref(), surroundings)?;
         let extension = extension::find(surroundings)?;
         let start = Start { interpreter: &interpreter, extension: &extension };
-        let has_keys = self.output == cli::Output::Text
-            && is_terminal(self.environment)
-            && io::stdin().is_terminal();
+        let has_keys = has_keys(self.output, self.environment);
         let console = has_keys.then(|| Console::new(false));
         let view = view(self.output, self.environment, names(), console);
         let launch = Launch { every_event: view.every_event(), ..launch };

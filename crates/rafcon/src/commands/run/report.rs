@@ -26,13 +26,15 @@ fn said(logged: &BTreeMap<String, String>, names: &mut Names) -> String {
     block("what was logged there last:", &logged.iter().map(line).collect::<Vec<_>>())
 }
 
-fn way_out(run: &str) -> String {
+/// How a run goes on that was cut off; `run` is how commands name it.
+pub(super) fn way_out(run: &str) -> String {
     format!(
         "  everything up to there is kept; to go on:\n    rafcon resume {run} --policy abort   (the recovery transitions of what was running take over)\n    rafcon resume {run}                  (nothing moves until you decide)"
     )
 }
 
-fn text(end: &End, names: &mut Names) -> String {
+/// An end in words.
+pub(super) fn text(end: &End, names: &mut Names) -> String {
     match end {
         End::Finished { timed_out: false, .. } | End::Left => String::new(),
         End::Finished { timed_out: true, .. } => {

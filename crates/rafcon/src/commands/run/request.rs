@@ -29,22 +29,14 @@ pub(super) struct Request {
 impl Request {
     /// Checks the words of the command line.
     pub(super) fn new(raw: &cli::Run) -> Result<Self> {
-        let mut inputs: Vec<(String, serde_json::Value)> = Vec::new();
-        for text in &raw.inputs {
-            let (name, value) = input(text)?;
-            if inputs.iter().any(|(other, _)| *other == name) {
-                return Err(Usage(format!("--input {name} is given twice: keep one")).into());
-            }
-            inputs.push((name, value));
-        }
         Ok(Self {
             source: Source::new(&raw.path, &raw.libraries)?,
             start_from: raw.start_from.clone(),
-            inputs,
+            inputs: inputs(&raw.inputs)?,
             timeout: raw.timeout.map(timeout).transpose()?,
             keeping: keeping(raw.keeping.keep),
             strict: raw.keeping.strict,
-            size_max: raw.keeping.keep_max.map(|megabytes| megabytes.saturating_mul(1 << 20)),
+            size_max: size_max(&raw.keeping),
             on_crash: raw.keeping.on_crash.map(on_crash),
             hold: raw.hold,
             breakpoints: raw.breakpoints.clone(),
@@ -75,9 +67,7 @@ impl Request {
         if self.breakpoints.is_empty() {
             return Ok(Vec::new());
         }
-        let mut names = self.names();
-        let numbered = (1..).zip(&self.breakpoints);
-        numbered.map(|(id, text)| breakpoint(id, text, &mut names)).collect()
+        breakpoints(&self.breakpoints, &mut self.names())
     }
 
     /// What the run is called after.
@@ -91,6 +81,24 @@ impl Request {
         let source = self.source.clone();
         Names::new(move || source.load_quietly().ok().map(|loaded| loaded.machine))
     }
+}
+
+/// Values of the command line, by name.
+pub(super) fn inputs(texts: &[String]) -> Result<Vec<(String, serde_json::Value)>> {
+    let mut inputs: Vec<(String, serde_json::Value)> = Vec::new();
+    for text in texts {
+        let (name, value) = input(text)?;
+        if inputs.iter().any(|(other, _)| *other == name) {
+            return Err(Usage(format!("--input {name} is given twice: keep one")).into());
+        }
+        inputs.push((name, value));
+    }
+    Ok(inputs)
+}
+
+/// Breakpoints of the command line, numbered from 1.
+pub(super) fn breakpoints(texts: &[String], names: &mut Names) -> Result<Vec<Breakpoint>> {
+    (1..).zip(texts).map(|(id, text)| breakpoint(id, text, names)).collect()
 }
 
 fn input(text: &str) -> Result<(String, serde_json::Value)> {
@@ -109,7 +117,13 @@ fn input(text: &str) -> Result<(String, serde_json::Value)> {
     }
 }
 
-fn keeping(level: cli::Level) -> Keeping {
+/// The largest journal, in bytes.
+pub(super) fn size_max(raw: &cli::Keeping) -> Option<u64> {
+    raw.keep_max.map(|megabytes| megabytes.saturating_mul(1 << 20))
+}
+
+/// The protocol's word for how much is kept.
+pub(super) fn keeping(level: cli::Level) -> Keeping {
     match level {
         cli::Level::Full => Keeping::Full,
         cli::Level::Status => Keeping::Status,

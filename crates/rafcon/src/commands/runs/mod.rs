@@ -1,11 +1,15 @@
 //! `rafcon runs`: which runs there are, and how old ones go.
 
+mod at_server;
+
 use super::kept::{out, paint};
+use super::remote;
 use crate::cli;
 use crate::environment::Environment;
 use crate::runs;
 use crate::view::{Line, Style, counted, harmless, outcome_style, time};
 use anyhow::{Context as _, Result};
+use rafcon_protocol::Outcome;
 use rafcon_storage::journal::{self, Retention, RunState, Summary};
 use rafcon_supervisor::{Runs, clock};
 use std::io::Write as _;
@@ -14,6 +18,9 @@ use std::time::Duration;
 
 /// Lists the runs, or deletes old ones.
 pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<ExitCode> {
+    if let Some(server) = remote::server(&raw.remote, environment)? {
+        return at_server::runs(raw, &server, environment);
+    }
     let runs = runs::folder(&raw.runs, environment)?;
     if raw.prune {
         return prune(raw, &runs);
@@ -59,24 +66,35 @@ fn prune(raw: &cli::ListRuns, runs: &Runs) -> Result<ExitCode> {
 
 /// One run: id, machine, what has become of it, how long it took, what it takes.
 fn line(run: &Summary, width: usize) -> Line {
-    let gap = width + 2 - run.id.chars().count();
-    let line = Line::of(Style::Plain, format!("{}{:gap$}", harmless(&run.id), ""))
-        .and(Style::Strong, format!("{}  ", harmless(&run.name)));
-    let length = time(Duration::from_millis(run.length_ms));
-    let facts = format!(" after {length}, {}, {}", counted(run.events, "event"), size(run.bytes));
+    let line = head(&run.id, &run.name, width);
+    let facts = facts(run.length_ms, run.events, run.bytes);
     match &run.state {
         RunState::Live { process } => line
             .and(Style::Good, "running")
             .and(Style::Dim, format!(" in process {process}{facts}")),
-        RunState::Finished { outcome, .. } => line
-            .and(Style::Plain, "ended by ")
-            .and(outcome_style(outcome), harmless(&outcome.name))
-            .and(Style::Dim, facts),
+        RunState::Finished { outcome, .. } => ended(line, outcome, facts),
         RunState::Crashed => line.and(Style::Bad, "crashed").and(Style::Dim, facts),
         RunState::Unreadable { reason } => {
             line.and(Style::Bad, "unreadable: ").and(Style::Plain, harmless(reason))
         }
     }
+}
+
+fn head(id: &str, name: &str, width: usize) -> Line {
+    let gap = width + 2 - id.chars().count();
+    Line::of(Style::Plain, format!("{}{:gap$}", harmless(id), ""))
+        .and(Style::Strong, format!("{}  ", harmless(name)))
+}
+
+fn facts(length_ms: u64, events: u64, bytes: u64) -> String {
+    let length = time(Duration::from_millis(length_ms));
+    format!(" after {length}, {}, {}", counted(events, "event"), size(bytes))
+}
+
+fn ended(line: Line, outcome: &Outcome, facts: String) -> Line {
+    line.and(Style::Plain, "ended by ")
+        .and(outcome_style(outcome), harmless(&outcome.name))
+        .and(Style::Dim, facts)
 }
 
 /// A number of bytes as people say it.

@@ -1,0 +1,149 @@
+//! The address of a server, as people write it. Pure.
+
+use std::fmt;
+use std::net::IpAddr;
+
+/// Where a server listens if nobody says otherwise.
+const USUAL_PORT: u16 = 4747;
+
+/// Scheme, host and port of a server.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Address {
+    /// Whether TLS is spoken there.
+    pub(crate) is_secure: bool,
+    /// Name or number; an IPv6 one without brackets.
+    pub(crate) host: String,
+    /// Port.
+    pub(crate) port: u16,
+}
+
+impl Address {
+    /// Reads `http://HOST:PORT`, and the token that a start link has behind it.
+    pub(crate) fn parse(text: &str) -> Result<(Self, Option<String>), String> {
+        let wrong = |why: &str| {
+            format!("--server {}: {why}; write https://HOST:{USUAL_PORT}", without_token(text))
+        };
+        let (is_secure, rest) = match text.split_once("://") {
+            Some(("https", rest)) => (true, rest),
+            Some(("http", rest)) => (false, rest),
+            Some((scheme, _)) => return Err(wrong(&format!("`{scheme}` is not spoken here"))),
+            None => return Err(wrong("http:// or https:// is missing")),
+        };
+        let (place, query) = rest.split_once('?').unwrap_or((rest, ""));
+        let (place, path) = place.split_once('/').unwrap_or((place, ""));
+        if !path.is_empty() {
+            return Err(wrong("nothing follows the port"));
+        }
+        let (host, port) = parted(place).ok_or_else(|| wrong("this is no host and port"))?;
+        let token = query.split('&').find_map(|part| part.strip_prefix("token="));
+        Ok((Self { is_secure, host, port }, token.map(str::to_owned)))
+    }
+
+    /// Whether it is this computer's own, without any network between.
+    pub(crate) fn is_loopback(&self) -> bool {
+        let number = self.host.parse::<IpAddr>().ok();
+        self.host == "localhost" || number.is_some_and(|number| number.is_loopback())
+    }
+
+    /// Host and port, as a request names them.
+    pub(crate) fn authority(&self) -> String {
+        let Self { host, port, .. } = self;
+        if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") }
+    }
+
+    /// The same for a WebSocket.
+    pub(crate) fn of_socket(&self, path: &str) -> String {
+        let scheme = if self.is_secure { "wss" } else { "ws" };
+        format!("{scheme}://{}{path}", self.authority())
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scheme = if self.is_secure { "https" } else { "http" };
+        write!(f, "{scheme}://{}", self.authority())
+    }
+}
+
+/// Secrets are not repeated.
+fn without_token(text: &str) -> &str {
+    text.split('?').next().unwrap_or_default()
+}
+
+fn parted(place: &str) -> Option<(String, u16)> {
+    let (host, port) = match place.strip_prefix('[') {
+        Some(rest) => rest.split_once(']')?,
+        None => place.find(':').map_or((place, ""), |colon| place.split_at(colon)),
+    };
+    let port = match port.strip_prefix(':') {
+        Some(port) => port.parse().ok()?,
+        None if port.is_empty() => USUAL_PORT,
+        None => return None,
+    };
+    let fits = |c: char| c.is_ascii_alphanumeric() || ".-_:%".contains(c);
+    (!host.is_empty() && host.chars().all(fits)).then(|| (host.to_ascii_lowercase(), port))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Address;
+    use expect_test::{Expect, expect};
+
+    fn check(text: &str, expect: &Expect) {
+        expect.assert_eq(&match Address::parse(text) {
+            Ok((address, token)) => {
+                format!("{address} {} {token:?} {}", address.of_socket("/s"), address.is_loopback())
+            }
+            Err(error) => error,
+        });
+    }
+
+    #[test]
+    fn an_address_is_scheme_host_and_port() {
+        check(
+            "https://Rover.lan",
+            &expect![[r#"https://rover.lan:4747 wss://rover.lan:4747/s None false"#]],
+        );
+        check(
+            "http://127.0.0.1:80/",
+            &expect![[r#"http://127.0.0.1:80 ws://127.0.0.1:80/s None true"#]],
+        );
+        check("http://[::1]:4748", &expect![[r#"http://[::1]:4748 ws://[::1]:4748/s None true"#]]);
+        check(
+            "http://localhost:4747/?token=abc",
+            &expect![[r#"http://localhost:4747 ws://localhost:4747/s Some("abc") true"#]],
+        );
+    }
+
+    #[test]
+    fn what_is_no_address_is_refused_and_no_token_is_repeated() {
+        check(
+            "rover",
+            &expect!["--server rover: http:// or https:// is missing; write https://HOST:4747"],
+        );
+        check(
+            "ftp://rover",
+            &expect!["--server ftp://rover: `ftp` is not spoken here; write https://HOST:4747"],
+        );
+        check(
+            "http://rover:x/?token=abc",
+            &expect!["--server http://rover:x/: this is no host and port; write https://HOST:4747"],
+        );
+        check(
+            "http://rover:1/runs?token=abc",
+            &expect![
+                "--server http://rover:1/runs: nothing follows the port; write https://HOST:4747"
+            ],
+        );
+        check(
+            "http://",
+            &expect!["--server http://: this is no host and port; write https://HOST:4747"],
+        );
+        check(
+            "http://u:p@rover",
+            &expect![
+                "--server http://u:p@rover: this is no host and port; write https://HOST:4747"
+            ],
+        );
+    }
+}

@@ -1,0 +1,173 @@
+//! Requests and answers. Knows HTTP and JSON; must never know what is asked.
+
+use super::{Address, Fault, Fingerprint, Stream};
+use rafcon_protocol::api::Refusal;
+use serde::de::DeserializeOwned;
+use std::fmt;
+use std::io::{Read as _, Write as _};
+use std::time::Duration;
+use ureq::Agent;
+use ureq::http::{Request, Response};
+use ureq::unversioned::resolver::DefaultResolver;
+use ureq::unversioned::transport::{
+    Buffers, ConnectionDetails, Connector, LazyBuffers, NextTimeout, Transport,
+};
+
+/// How long a server may think: it answers to the start of a run when the machine is loaded.
+const PATIENCE: Duration = Duration::from_mins(2);
+/// Answers are not longer than this: a machine of 100,000 states is one of the long ones.
+const ANSWER_MAX: u64 = 512 * 1024 * 1024;
+
+/// Makes requests to one server.
+#[derive(Clone)]
+pub(super) struct Http {
+    address: Address,
+    agent: Agent,
+}
+
+impl fmt::Debug for Http {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Http({})", self.address)
+    }
+}
+
+impl Http {
+    /// To the server at this address, if it has this certificate.
+    pub(super) fn new(address: &Address, trusted: Option<Fingerprint>) -> Self {
+        let config = Agent::config_builder()
+            .http_status_as_error(false)
+            .max_redirects(0)
+            .max_idle_connections(0)
+            .proxy(None)
+            .user_agent(concat!("rafcon/", env!("CARGO_PKG_VERSION")))
+            .build();
+        let door = Door { address: address.clone(), trusted };
+        Self {
+            address: address.clone(),
+            agent: Agent::with_parts(config, door, DefaultResolver::default()),
+        }
+    }
+
+    /// Makes a request and reads the answer.
+    pub(super) fn ask<T: DeserializeOwned>(
+        &self,
+        request: Request<Vec<u8>>,
+    ) -> Result<Answer<T>, Fault> {
+        let mut response = self.agent.run(request).map_err(|error| self.fault(error))?;
+        let cookies = cookies(&response);
+        let body = response.body_mut().with_config().limit(ANSWER_MAX).read_to_vec();
+        let body = body.map_err(|error| self.fault(error))?;
+        let status = response.status();
+        if !status.is_success() {
+            return Err(refused(status.as_u16(), &body));
+        }
+        let body = if body.is_empty() { b"null" } else { body.as_slice() };
+        let body = serde_json::from_slice(body).map_err(|error| self.nonsense(&error))?;
+        Ok(Answer { body, cookies })
+    }
+
+    fn nonsense(&self, error: &impl ToString) -> Fault {
+        Fault::Nonsense { server: self.address.to_string(), what: error.to_string() }
+    }
+
+    fn fault(&self, error: ureq::Error) -> Fault {
+        match error {
+            ureq::Error::Other(error) => match error.downcast::<Fault>() {
+                Ok(fault) => *fault,
+                Err(error) => self.nonsense(&error),
+            },
+            ureq::Error::Io(source) => Fault::Lost { server: self.address.to_string(), source },
+            error @ (ureq::Error::Timeout(_)
+            | ureq::Error::ConnectionFailed
+            | ureq::Error::Protocol(_)) => {
+                let source = std::io::Error::other(error);
+                Fault::Lost { server: self.address.to_string(), source }
+            }
+            ureq::Error::HostNotFound => {
+                let source = std::io::Error::other("there is no computer of this name");
+                Fault::Unreachable { server: self.address.to_string(), source }
+            }
+            error => self.nonsense(&error),
+        }
+    }
+}
+
+/// An answer that was no refusal.
+#[derive(Debug)]
+pub(super) struct Answer<T> {
+    /// What was said.
+    pub(super) body: T,
+    /// The cookies that came with it, as they are sent back.
+    pub(super) cookies: String,
+}
+
+fn cookies<T>(response: &Response<T>) -> String {
+    let set = response.headers().get_all("set-cookie").iter();
+    let pairs = set.filter_map(|value| value.to_str().ok()?.split(';').next());
+    pairs.collect::<Vec<_>>().join("; ")
+}
+
+/// A refusal in the server's words; something between may have others.
+fn refused(status: u16, body: &[u8]) -> Fault {
+    let refusal = serde_json::from_slice(body).unwrap_or_else(|_other_words| Refusal {
+        code: "other".to_owned(),
+        message: format!("the server refused with HTTP status {status} and without a reason"),
+    });
+    Fault::Refused { status, refusal }
+}
+
+/// Opens connections in our own way.
+#[derive(Debug)]
+struct Door {
+    address: Address,
+    trusted: Option<Fingerprint>,
+}
+
+impl Connector for Door {
+    type Out = Talk;
+
+    fn connect(
+        &self,
+        details: &ConnectionDetails<'_>,
+        _chained: Option<()>,
+    ) -> Result<Option<Talk>, ureq::Error> {
+        let stream = Stream::connect(&self.address, self.trusted, PATIENCE)
+            .map_err(|fault| ureq::Error::Other(Box::new(fault)))?;
+        let config = details.config;
+        let buffers = LazyBuffers::new(config.input_buffer_size(), config.output_buffer_size());
+        Ok(Some(Talk { stream, buffers }))
+    }
+}
+
+/// A connection as the requests use it; its patience is the socket's.
+#[derive(Debug)]
+struct Talk {
+    stream: Stream,
+    buffers: LazyBuffers,
+}
+
+impl Transport for Talk {
+    fn buffers(&mut self) -> &mut dyn Buffers {
+        &mut self.buffers
+    }
+
+    fn transmit_output(&mut self, amount: usize, _: NextTimeout) -> Result<(), ureq::Error> {
+        self.stream.write_all(&self.buffers.output()[..amount])?;
+        self.stream.flush()?;
+        Ok(())
+    }
+
+    fn await_input(&mut self, _: NextTimeout) -> Result<bool, ureq::Error> {
+        let read = self.stream.read(self.buffers.input_append_buf())?;
+        self.buffers.input_appended(read);
+        Ok(read > 0)
+    }
+
+    fn is_open(&mut self) -> bool {
+        false
+    }
+
+    fn is_tls(&self) -> bool {
+        matches!(self.stream, Stream::Tls(_))
+    }
+}

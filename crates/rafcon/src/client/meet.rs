@@ -1,0 +1,117 @@
+//! Meeting a server: whether its certificate is the right one, and by which token one is let in.
+
+use super::{Address, Fault, Fingerprint, Notebook, PATIENCE, Server, Stream, Token};
+use crate::failure::Usage;
+use anyhow::Result;
+use rafcon_server::Card;
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+
+/// What is known before a server is met.
+#[derive(Debug)]
+pub(crate) struct Meeting<'a> {
+    /// The address that the user wrote.
+    pub(crate) url: &'a str,
+    /// A file with the token.
+    pub(crate) token_file: Option<&'a Path>,
+    /// The token of the environment.
+    pub(crate) token: Option<&'a str>,
+    /// The certificate that the user vouches for.
+    pub(crate) fingerprint: Option<&'a str>,
+    /// What is remembered.
+    pub(crate) notebook: &'a Notebook,
+    /// The folder of this computer's own server.
+    pub(crate) state: Option<&'a Path>,
+}
+
+impl Meeting<'_> {
+    /// The server, if it is the one that it should be.
+    pub(crate) fn meet(&self) -> Result<Server> {
+        let (address, token) = Address::parse(self.url).map_err(Usage)?;
+        if !address.is_secure && !address.is_loopback() {
+            let why = "without TLS everybody on the way could read along; write https://";
+            return Err(Usage(format!("--server {address}: {why}")).into());
+        }
+        let own = self.own(&address);
+        let trusted =
+            if address.is_secure { Some(self.trusted(&address, own.as_ref())?) } else { None };
+        let token = self.token(&address, token, own.is_some())?;
+        Ok(Server::new(address, trusted, token))
+    }
+
+    /// The card of this computer's server, if that is the one that is meant.
+    fn own(&self, address: &Address) -> Option<Card> {
+        let card = Card::read(self.state?).ok()??;
+        let (own, _) = Address::parse(&card.url).ok()?;
+        let is_it = own.port == address.port && own.is_secure == address.is_secure;
+        (is_it && address.is_loopback()).then_some(card)
+    }
+
+    fn token(&self, address: &Address, in_url: Option<String>, is_own: bool) -> Result<Token> {
+        if let Some(token) = in_url {
+            return Ok(Token::Given(token));
+        }
+        if let Some(file) = self.token_file {
+            return Ok(Token::File(file.to_path_buf()));
+        }
+        if let Some(token) = self.token {
+            return Ok(Token::Given(token.to_owned()));
+        }
+        if let Some(token) = self.notebook.token(address)? {
+            return Ok(Token::Given(token));
+        }
+        Ok(self.own_token().filter(|_| is_own).map_or(Token::None, Token::File))
+    }
+
+    fn own_token(&self) -> Option<PathBuf> {
+        self.state.map(|state| state.join("token"))
+    }
+
+    /// The certificate that the server must have. One that is named is remembered instead of any before.
+    fn trusted(&self, address: &Address, own: Option<&Card>) -> Result<Fingerprint> {
+        if let Some(text) = self.fingerprint {
+            let print = Fingerprint::parse(text).ok_or_else(|| {
+                Usage(format!("--fingerprint {text}: write 64 hexadecimal digits"))
+            })?;
+            check(address, Some(print))?;
+            self.notebook.remember(address, &print)?;
+            return Ok(print);
+        }
+        if let Some(print) = self.notebook.certificate(address)? {
+            return Ok(print);
+        }
+        if let Some(print) = own.and_then(|card| Fingerprint::parse(card.fingerprint.as_deref()?)) {
+            return Ok(print);
+        }
+        match check(address, None) {
+            Err(Fault::Unknown { seen, .. }) if may_ask() && vouched(address, &seen)? => {
+                self.notebook.remember(address, &seen)?;
+                Ok(seen)
+            }
+            Err(fault) => Err(fault.into()),
+            // Without a certificate that is trusted no connection stands.
+            Ok(()) => Err(Usage(format!("--server {address}: it shows no certificate")).into()),
+        }
+    }
+}
+
+/// Whether the server has this certificate.
+fn check(address: &Address, trusted: Option<Fingerprint>) -> Result<(), Fault> {
+    Stream::connect(address, trusted, PATIENCE).map(drop)
+}
+
+/// Whether there is somebody to ask.
+fn may_ask() -> bool {
+    io::stdin().is_terminal() && io::stderr().is_terminal()
+}
+
+fn vouched(address: &Address, seen: &Fingerprint) -> io::Result<bool> {
+    let question = format!(
+        "The server at {address} is not known here. Its certificate has the fingerprint\n  {seen}\n\
+         Is it the one that `rafcon serve` has printed there? Then it is remembered. [yes/no] "
+    );
+    io::stderr().write_all(question.as_bytes())?;
+    let mut answer = String::new();
+    io::stdin().read_line(&mut answer)?;
+    Ok(answer.trim().eq_ignore_ascii_case("yes"))
+}

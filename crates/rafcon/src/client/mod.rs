@@ -1,0 +1,202 @@
+//! A server, as this program uses it: where it is, whether it is the right one, who asks, and what it can be asked.
+//!
+//! Knows the words of `rafcon_protocol::api` and `rafcon_protocol::socket`. Must never know what they look like to the user.
+
+mod address;
+mod fault;
+mod fingerprint;
+mod follow;
+mod http;
+mod meet;
+mod notebook;
+mod session;
+mod socket;
+mod stream;
+mod token;
+mod trust;
+
+pub(crate) use address::Address;
+use anyhow::Result as Outcome;
+pub(crate) use fault::Fault;
+pub(crate) use fingerprint::Fingerprint;
+pub(crate) use follow::follow;
+use http::{Answer, Http};
+pub(crate) use meet::Meeting;
+pub(crate) use notebook::Notebook;
+use rafcon_model::Machine;
+use rafcon_protocol::api::{
+    CommandAnswer, Control, ControlMove, Login, MachineAt, MachineFile, MachineSummary, NewToken,
+    ResumeRun, RunSummary, StartRun, TokenMade,
+};
+use rafcon_protocol::document::{Document, leave};
+use rafcon_protocol::{Envelope, StateData};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use socket::Socket;
+use std::time::Duration;
+use stream::Stream;
+use token::Token;
+use ureq::http::{HeaderValue, Method, Request};
+
+/// After so long in the middle of a frame a connection is given up.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// One server and whoever asks it.
+#[derive(Debug)]
+pub(crate) struct Server {
+    pub(crate) address: Address,
+    trusted: Option<Fingerprint>,
+    token: Token,
+    http: Http,
+}
+
+impl Server {
+    fn new(address: Address, trusted: Option<Fingerprint>, token: Token) -> Self {
+        let http = Http::new(&address, trusted);
+        Self { address, trusted, token, http }
+    }
+
+    /// All runs that it knows.
+    pub(crate) fn runs(&self) -> Result<Vec<RunSummary>, Fault> {
+        self.get("/runs")
+    }
+
+    /// Starts a run, or says which one the same id has started.
+    pub(crate) fn start(&self, request: &StartRun) -> Result<RunSummary, Fault> {
+        self.send("/runs", request)
+    }
+
+    /// Takes a run up again.
+    pub(crate) fn resume(&self, run: &str, request: &ResumeRun) -> Result<RunSummary, Fault> {
+        self.send(&format!("/runs/{}/resume", escaped(run)), request)
+    }
+
+    /// Says a command to a run.
+    pub(crate) fn command(&self, run: &str, envelope: &Envelope) -> Result<CommandAnswer, Fault> {
+        self.send(&format!("/runs/{}/commands", escaped(run)), envelope)
+    }
+
+    /// Changes who commands a run.
+    pub(crate) fn control(&self, run: &str, wanted: &ControlMove) -> Result<Control, Fault> {
+        self.send(&format!("/runs/{}/control", escaped(run)), wanted)
+    }
+
+    /// Who commands a run.
+    pub(crate) fn holder(&self, run: &str) -> Result<Control, Fault> {
+        self.get(&format!("/runs/{}/control", escaped(run)))
+    }
+
+    /// What an active state holds; nothing if it is not active.
+    pub(crate) fn state(&self, run: &str, path: &str) -> Result<Option<StateData>, Fault> {
+        let data = self.get(&format!("/runs/{}/state?path={}", escaped(run), escaped(path)));
+        match data {
+            Err(Fault::Refused { refusal, .. }) if refusal.code == "not_active" => Ok(None),
+            data => data.map(Some),
+        }
+    }
+
+    /// The machine that a run goes by.
+    pub(crate) fn machine_of_run(&self, run: &str) -> Outcome<Machine> {
+        let document: Document = self.get(&format!("/runs/{}/machine", escaped(run)))?;
+        Ok(document.read(&mut leave)?)
+    }
+
+    /// The machine in a folder of a project, without the content of its libraries.
+    pub(crate) fn machine_in(&self, file: &MachineFile) -> Outcome<Machine> {
+        let open = MachineAt { file: file.clone() };
+        let summary: MachineSummary = self.send("/machines/open", &open)?;
+        let document: Document =
+            self.get(&format!("/machines/{}/document", escaped(&summary.id)))?;
+        Ok(document.read(&mut leave)?)
+    }
+
+    /// Logs in and makes a token for this program.
+    pub(crate) fn log_in(&self, login: &Login, token: &NewToken) -> Result<TokenMade, Fault> {
+        let request = self.request(Method::POST, "/session", None)?;
+        let answer: Answer<serde_json::Value> = self.http.ask(self.with_body(request, login)?)?;
+        let mut request = self.request(Method::POST, "/tokens", None)?;
+        let headers = request.headers_mut();
+        headers.insert("cookie", self.value(&answer.cookies)?);
+        headers.insert("origin", self.value(&self.address.to_string())?);
+        Ok(self.http.ask(self.with_body(request, token)?)?.body)
+    }
+
+    /// A WebSocket.
+    fn socket(&self) -> Result<Socket, Fault> {
+        let stream = Stream::connect(&self.address, self.trusted, PATIENCE)?;
+        Socket::open(stream, &self.address, self.token.text()?.as_deref())
+    }
+
+    pub(crate) fn get<T: DeserializeOwned>(&self, path: &str) -> Result<T, Fault> {
+        let token = self.token.text()?;
+        Ok(self.http.ask(self.request(Method::GET, path, token.as_deref())?)?.body)
+    }
+
+    pub(crate) fn send<T: DeserializeOwned>(
+        &self,
+        path: &str,
+        body: &impl Serialize,
+    ) -> Result<T, Fault> {
+        let token = self.token.text()?;
+        let request = self.request(Method::POST, path, token.as_deref())?;
+        Ok(self.http.ask(self.with_body(request, body)?)?.body)
+    }
+
+    fn request(
+        &self,
+        method: Method,
+        path: &str,
+        token: Option<&str>,
+    ) -> Result<Request<Vec<u8>>, Fault> {
+        let uri = format!("{}/api/v1{path}", self.address);
+        let mut request = Request::new(Vec::new());
+        *request.method_mut() = method;
+        *request.uri_mut() = uri.parse().map_err(|error| self.nonsense(&error))?;
+        if let Some(token) = token {
+            let bearer = self.value(&format!("Bearer {token}"))?;
+            request.headers_mut().insert("authorization", bearer);
+        }
+        Ok(request)
+    }
+
+    fn with_body(
+        &self,
+        mut request: Request<Vec<u8>>,
+        body: &impl Serialize,
+    ) -> Result<Request<Vec<u8>>, Fault> {
+        *request.body_mut() = serde_json::to_vec(body).map_err(|error| self.nonsense(&error))?;
+        request.headers_mut().insert("content-type", HeaderValue::from_static("application/json"));
+        Ok(request)
+    }
+
+    /// The error would not repeat the text, which may be a secret.
+    fn value(&self, text: &str) -> Result<HeaderValue, Fault> {
+        HeaderValue::from_str(text).map_err(|error| self.nonsense(&error))
+    }
+
+    fn nonsense(&self, error: &impl ToString) -> Fault {
+        Fault::Nonsense { server: self.address.to_string(), what: error.to_string() }
+    }
+}
+
+/// Text as a part of an address.
+fn escaped(text: &str) -> String {
+    let byte = |byte: u8| match byte {
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' => {
+            char::from(byte).to_string()
+        }
+        _ => format!("%{byte:02X}"),
+    };
+    text.bytes().map(byte).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::escaped;
+
+    #[test]
+    fn what_means_something_in_addresses_is_written_as_numbers() {
+        assert_eq!(escaped("20261121-pick_a.b~"), "20261121-pick_a.b~");
+        assert_eq!(escaped("A/B ?ä%"), "A%2FB%20%3F%C3%A4%25");
+    }
+}

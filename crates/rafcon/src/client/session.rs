@@ -1,0 +1,343 @@
+//! A run that is followed through a server, over as many connections as that takes. Pure: frames and the time come in, frames
+//! and causes go out.
+//!
+//! The cursor of the history and the commands without an answer outlive a connection: the next one goes on from there, and is
+//! asked for the same commands by the same ids, which are carried out once.
+
+use crate::wires::Cause;
+use rafcon_protocol::api::{CommandAnswer, LinkState, Refusal, RunNow, RunPhase};
+use rafcon_protocol::socket::{ToClient, ToServer, Topic};
+use rafcon_protocol::{
+    Answer, Command, Envelope, Event, Expiry, Hello, Join, Snapshot, ToRunner, ToViewer,
+};
+
+/// The subscription of the run's status.
+const STATUS: u32 = 1;
+/// The subscription of its history.
+const HISTORY: u32 = 2;
+/// A run that crashed is lost after this time, in ms: until then the server may take it up again.
+const TAKEN_UP_MS: u64 = 2000;
+/// For how long a command of a person is wanted, in ms.
+const WANTED_MS: u64 = 10_000;
+
+/// What is to be done.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Todo {
+    /// To be said to the server.
+    pub(super) frames: Vec<ToServer>,
+    /// To be given to whoever follows the run.
+    pub(super) causes: Vec<Told>,
+    /// States whose data is asked for, with the id of the request.
+    pub(super) inspect: Vec<(String, String)>,
+}
+
+/// A cause, as far as a session can be one.
+#[derive(Debug, PartialEq)]
+pub(super) enum Told {
+    /// Who is there.
+    Hello(Hello),
+    /// What the run says.
+    Messages(Vec<ToViewer>),
+    /// The runner is gone.
+    Silence,
+    /// The connection is.
+    Cut(String),
+    /// It is back.
+    Mended(String),
+    /// Nothing will be told.
+    Refused(String),
+}
+
+impl From<Told> for Cause {
+    fn from(told: Told) -> Self {
+        match told {
+            Told::Hello(hello) => Self::Hello(hello),
+            Told::Messages(messages) => Self::Messages(messages),
+            Told::Silence => Self::Silence,
+            Told::Cut(reason) => Self::Cut(reason),
+            Told::Mended(how) => Self::Mended(how),
+            Told::Refused(reason) => Self::Refused(reason),
+        }
+    }
+}
+
+/// How the server is heard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Connection {
+    /// Not yet.
+    Awaited,
+    /// It is.
+    Up,
+    /// Not any more, or not at all.
+    Cut,
+}
+
+/// What is known about the run that is followed.
+#[derive(Debug)]
+pub(super) struct Session {
+    run: String,
+    wanted: Option<Join>,
+    /// The first event that was not told, once that is known.
+    next: Option<u64>,
+    /// Commands without an answer, the oldest first.
+    commands: Vec<Envelope>,
+    /// Commands that the server could not bring to the runner yet.
+    held_back: bool,
+    connection: Connection,
+    is_loaded: bool,
+    is_over: bool,
+    /// Since when nobody runs it, and the last event that there is.
+    crashed: Option<(u64, u64)>,
+    /// The server's clock minus ours, in ms.
+    offset_ms: i64,
+}
+
+impl Session {
+    /// Nothing is known yet.
+    pub(super) fn new(run: String) -> Self {
+        Self {
+            run,
+            wanted: None,
+            next: None,
+            commands: Vec::new(),
+            held_back: false,
+            connection: Connection::Awaited,
+            is_loaded: false,
+            is_over: false,
+            crashed: None,
+            offset_ms: 0,
+        }
+    }
+
+    fn is_up(&self) -> bool {
+        self.connection == Connection::Up
+    }
+
+    /// Whoever follows the run says something to it.
+    pub(super) fn said(&mut self, message: ToRunner, now_ms: u64, todo: &mut Todo) {
+        match message {
+            ToRunner::Join(join) => {
+                self.next = (join.from > 0).then_some(join.from);
+                self.wanted = Some(join);
+                self.subscribe(todo);
+            }
+            ToRunner::Command(envelope) => {
+                let envelope = self.dated(envelope, now_ms);
+                if self.is_up() {
+                    todo.frames.push(self.frame_of(&envelope));
+                }
+                self.commands.push(envelope);
+            }
+            ToRunner::Inspect { id, path } => todo.inspect.push((id, path)),
+            ToRunner::Launch(_) => {}
+        }
+    }
+
+    /// A person's command is not wanted for ever, except one that stops the run.
+    fn dated(&self, envelope: Envelope, now_ms: u64) -> Envelope {
+        let is_urgent = matches!(envelope.command, Command::Stop | Command::Kill);
+        let until = now_ms.saturating_add_signed(self.offset_ms).saturating_add(WANTED_MS);
+        let expiry = envelope.expiry.or((!is_urgent).then_some(Expiry(until)));
+        let seen = self.next.map(|next| next.saturating_sub(1)).filter(|seen| *seen > 0);
+        Envelope { expiry, decided_on: envelope.decided_on.or(seen), ..envelope }
+    }
+
+    fn frame_of(&self, envelope: &Envelope) -> ToServer {
+        ToServer::Command { run: self.run.clone(), envelope: envelope.clone() }
+    }
+
+    /// The server says something.
+    pub(super) fn heard(&mut self, frame: ToClient, now_ms: u64, todo: &mut Todo) {
+        match frame {
+            ToClient::Welcome { protocol, session, now_ms: theirs, .. } => {
+                self.offset_ms = i64::try_from(theirs).unwrap_or(i64::MAX)
+                    - i64::try_from(now_ms).unwrap_or(i64::MAX);
+                self.welcome(Hello { protocol, program: session.version }, todo);
+            }
+            ToClient::Events { subscription: HISTORY, next, events } => {
+                let events = events.into_iter().map(|entry| ToViewer::Event {
+                    sequence: entry.sequence,
+                    t_ns: entry.t_ns,
+                    event: entry.event,
+                });
+                self.events(events, next, todo);
+            }
+            ToClient::RunStatus { subscription: STATUS, status } => {
+                self.crashed = match status.run.phase {
+                    RunPhase::Crashed => {
+                        Some((self.crashed.map_or(now_ms, |(since, _)| since), status.run.events))
+                    }
+                    _ => None,
+                };
+                self.status(*status, todo);
+            }
+            ToClient::Answer(CommandAnswer { id, answer }) => self.answered(id, answer, todo),
+            ToClient::Refused { id: Some(id), refusal } => self.refused(id, refusal, todo),
+            ToClient::Refused { id: None, refusal } => {
+                todo.causes.push(Told::Refused(refusal.message));
+            }
+            ToClient::Ended { subscription, refusal } => self.ended(subscription, refusal, todo),
+            _ => {}
+        }
+    }
+
+    /// When the time alone brings something about.
+    pub(super) fn wake_at_ms(&self) -> Option<u64> {
+        self.crashed.filter(|_| !self.is_over).map(|(since, _)| since + TAKEN_UP_MS)
+    }
+
+    /// The time goes on: a run that nobody takes up is lost, once everything was told.
+    pub(super) fn tick(&mut self, now_ms: u64, todo: &mut Todo) {
+        let is_due = self.wake_at_ms().is_some_and(|at| now_ms >= at);
+        let last = self.crashed.map_or(0, |(_, last)| last);
+        if is_due && self.is_up() && self.next.is_some_and(|next| next > last) {
+            self.is_over = true;
+            todo.causes.push(Told::Silence);
+        }
+    }
+
+    /// The connection is gone.
+    pub(super) fn cut(&mut self, reason: &str, todo: &mut Todo) {
+        if self.connection != Connection::Cut {
+            self.connection = Connection::Cut;
+            todo.causes.push(Told::Cut(format!("no connection ({reason}); trying again")));
+        }
+    }
+
+    fn welcome(&mut self, hello: Hello, todo: &mut Todo) {
+        if self.wanted.is_none() {
+            todo.causes.push(Told::Hello(hello));
+        }
+        if std::mem::replace(&mut self.connection, Connection::Up) == Connection::Cut {
+            todo.causes.push(Told::Mended("the connection is back".to_owned()));
+        }
+        self.subscribe(todo);
+        self.say_again(todo);
+    }
+
+    /// Once it is known from where on, and the first status was told.
+    fn subscribe(&mut self, todo: &mut Todo) {
+        if self.wanted.is_none() || !self.is_up() || self.is_over {
+            return;
+        }
+        let topic = Topic::RunStatus { run: self.run.clone() };
+        todo.frames.push(ToServer::Subscribe { subscription: STATUS, topic });
+        if self.is_loaded {
+            self.subscribe_history(todo);
+        }
+    }
+
+    fn subscribe_history(&self, todo: &mut Todo) {
+        let (run, from) = (self.run.clone(), self.next.unwrap_or(1));
+        let values = self.wanted.as_ref().is_some_and(|join| join.values);
+        let topic = Topic::RunHistory { run, from, values };
+        todo.frames.push(ToServer::Subscribe { subscription: HISTORY, topic });
+    }
+
+    fn say_again(&mut self, todo: &mut Todo) {
+        self.held_back = false;
+        todo.frames.extend(self.commands.iter().map(|envelope| self.frame_of(envelope)));
+    }
+
+    fn events(&mut self, events: impl Iterator<Item = ToViewer>, next: u64, todo: &mut Todo) {
+        let seen = self.next.unwrap_or(1);
+        let every_event = self.wanted.as_ref().is_some_and(|join| join.every_event);
+        let is_new = |message: &ToViewer| {
+            let ToViewer::Event { sequence, event, .. } = message else { return true };
+            *sequence >= seen && (every_event || is_rare(event))
+        };
+        let new: Vec<ToViewer> = events.filter(is_new).collect();
+        self.next = Some(seen.max(next));
+        let is_end = |message: &ToViewer| {
+            matches!(message, ToViewer::Event { event: Event::Finished { .. }, .. })
+        };
+        self.is_over |= new.iter().any(is_end);
+        if !new.is_empty() {
+            todo.causes.push(Told::Messages(new));
+        }
+    }
+
+    fn status(&mut self, now: RunNow, todo: &mut Todo) {
+        let mut messages = Vec::new();
+        let is_first = !self.is_loaded;
+        if is_first {
+            self.is_loaded = true;
+            self.next.get_or_insert_with(|| from_now_on(&now));
+            let (name, run) = (now.run.name.clone(), now.run.id.clone());
+            messages.push(ToViewer::Loaded { name, states: 0, problems: Vec::new(), run });
+            self.subscribe_history(todo);
+        }
+        let (is_up, phase) = (now.link == LinkState::Up, now.run.phase.clone());
+        messages.extend(aged(now).map(ToViewer::Snapshot));
+        if !messages.is_empty() {
+            todo.causes.push(Told::Messages(messages));
+        }
+        match phase {
+            RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
+                todo.causes.push(Told::Refused(reason));
+            }
+            _ if self.held_back && is_up => self.say_again(todo),
+            _ => {}
+        }
+    }
+
+    fn answered(&mut self, id: String, answer: Answer, todo: &mut Todo) {
+        self.commands.retain(|envelope| envelope.id != id);
+        todo.causes.push(Told::Messages(vec![ToViewer::Answer { id, answer }]));
+    }
+
+    /// A command that found no runner is said again when there is one; other refusals are answers.
+    fn refused(&mut self, id: String, refusal: Refusal, todo: &mut Todo) {
+        if refusal.code == "link_lost" {
+            self.held_back = true;
+            return;
+        }
+        self.answered(id, Answer::Refused { reason: refusal.message }, todo);
+    }
+
+    fn ended(&mut self, subscription: u32, refusal: Option<Refusal>, todo: &mut Todo) {
+        match refusal {
+            Some(refusal) => todo.causes.push(Told::Refused(refusal.message)),
+            None if subscription == HISTORY && !self.is_over => {
+                self.is_over = true;
+                todo.causes.push(Told::Silence);
+            }
+            None => {}
+        }
+    }
+}
+
+/// The first event that is still to come; of a run that is over, its end.
+fn from_now_on(now: &RunNow) -> u64 {
+    let told = now.snapshot.as_ref().map(|snapshot| snapshot.disk_safe);
+    match now.run.phase {
+        RunPhase::Live | RunPhase::Starting => told.unwrap_or(now.run.events) + 1,
+        _ => now.run.events.max(1),
+    }
+}
+
+/// What the runner said last, as old as it is by now.
+fn aged(now: RunNow) -> Option<Snapshot> {
+    let age = now.now_ms.saturating_sub(now.snapshot_ms.unwrap_or(now.now_ms));
+    let mut snapshot = now.snapshot?;
+    if now.link != LinkState::Over {
+        snapshot.elapsed_ms += age;
+        snapshot.active.iter_mut().for_each(|state| state.since_ms += age);
+    }
+    Some(snapshot)
+}
+
+/// Whether an event is told to viewers that do not want every one, as a runner does.
+fn is_rare(event: &Event) -> bool {
+    !matches!(
+        event,
+        Event::Entered { .. }
+            | Event::Left { .. }
+            | Event::Scoped { .. }
+            | Event::Global { .. }
+            | Event::Persistent { .. }
+    )
+}
+
+#[cfg(test)]
+mod tests;

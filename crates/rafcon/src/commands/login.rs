@@ -1,0 +1,82 @@
+//! `rafcon login`: a name and a password become a token, which is kept.
+
+use super::remote;
+use crate::cli;
+use crate::environment::Environment;
+use crate::failure::Usage;
+use anyhow::{Context as _, Result};
+use rafcon_protocol::api::{Login, NewToken};
+use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
+use std::io::{self, IsTerminal as _, Write as _};
+use std::process::ExitCode;
+
+/// For how long a token is good: 90 days, in seconds.
+const LIFETIME_S: u64 = 90 * 24 * 3600;
+
+/// Logs in.
+pub(super) fn login(raw: &cli::Login, environment: &Environment) -> Result<ExitCode> {
+    let server = remote::meet(&raw.server, &raw.access, environment)?;
+    let user = match &raw.user {
+        Some(user) => user.clone(),
+        None if io::stdin().is_terminal() => asked("user: ")?,
+        None => return Err(Usage("name the user with --user".to_owned()).into()),
+    };
+    let password = password(&user)?;
+    let computer = rustix::system::uname().nodename().to_string_lossy().into_owned();
+    let token = NewToken {
+        name: format!("rafcon on {computer}"),
+        lifetime_s: Some(LIFETIME_S),
+        role: None,
+    };
+    let made = server.log_in(&Login { user: user.clone(), password }, &token)?;
+    remote::notebook(environment)?.keep_token(&server.address, &made.token)?;
+    writeln!(io::stdout(), "{user} is known to {} from this computer now", server.address)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn password(user: &str) -> Result<String> {
+    let quiet = Quiet::new();
+    let password = if io::stdin().is_terminal() {
+        let password = asked(&format!("password of {user}: "));
+        writeln!(io::stderr())?;
+        password
+    } else {
+        line()
+    };
+    drop(quiet);
+    password
+}
+
+fn asked(what: &str) -> Result<String> {
+    write!(io::stderr(), "{what}")?;
+    line()
+}
+
+fn line() -> Result<String> {
+    let mut line = String::new();
+    io::stdin().read_line(&mut line).context("cannot read the answer")?;
+    Ok(line.trim_end_matches(['\n', '\r']).to_owned())
+}
+
+/// A terminal that does not repeat what is written, until dropped.
+struct Quiet(Option<Termios>);
+
+impl Quiet {
+    fn new() -> Self {
+        let before = tcgetattr(io::stdin()).ok();
+        if let Some(before) = &before {
+            let mut modes = before.clone();
+            modes.local_modes -= LocalModes::ECHO;
+            tcsetattr(io::stdin(), OptionalActions::Flush, &modes).unwrap_or_default();
+        }
+        Self(before)
+    }
+}
+
+impl Drop for Quiet {
+    fn drop(&mut self) {
+        if let Some(before) = &self.0 {
+            tcsetattr(io::stdin(), OptionalActions::Flush, before).unwrap_or_default();
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What the commands that work at a server have in common: which server, which run, and a machine's names.
+
+use super::serve;
+use crate::cli;
+use crate::client::{Meeting, Notebook, Server};
+use crate::environment::Environment;
+use crate::failure::Usage;
+use crate::view::Names;
+use anyhow::{Context as _, Result};
+use rafcon_protocol::api::RunSummary;
+use rafcon_supervisor::meant;
+use rustix::rand::{GetRandomFlags, getrandom};
+use std::sync::Arc;
+
+/// The server that was named, if one was.
+pub(super) fn server(raw: &cli::Remote, environment: &Environment) -> Result<Option<Arc<Server>>> {
+    let url = raw.server.as_deref();
+    url.map(|url| Ok(Arc::new(meet(url, &raw.access, environment)?))).transpose()
+}
+
+/// The server at this address.
+pub(super) fn meet(url: &str, raw: &cli::Access, environment: &Environment) -> Result<Server> {
+    let notebook = notebook(environment)?;
+    let state = serve::state(&raw.state, environment).ok();
+    let meeting = Meeting {
+        url,
+        token_file: raw.token_file.as_deref(),
+        token: environment.token.as_ref().map(|token| token.0.as_str()),
+        fingerprint: raw.fingerprint.as_deref(),
+        notebook: &notebook,
+        state: state.as_deref(),
+    };
+    meeting.meet()
+}
+
+/// What this user remembers about servers.
+pub(super) fn notebook(environment: &Environment) -> Result<Notebook> {
+    let folder = environment.config_home.as_ref().map(|folder| folder.join("rafcon"));
+    let folder = folder.context(
+        "there is no HOME to remember servers in: set HOME or XDG_CONFIG_HOME to a folder",
+    )?;
+    Ok(Notebook::new(folder))
+}
+
+/// A server has its own folder of runs.
+pub(super) fn refuse_runs(raw: &cli::Runs, environment: &Environment) -> Result<()> {
+    let [_, in_environment] = &environment.options;
+    refuse(raw.runs.is_some() && raw.runs != *in_environment, "--runs", "it has its own runs")
+}
+
+/// Refuses an option that means nothing at a server.
+pub(super) fn refuse(is_given: bool, option: &str, why: &str) -> Result<()> {
+    if !is_given {
+        return Ok(());
+    }
+    Err(Usage(format!("{option} is not for a server: {why}; leave it out")).into())
+}
+
+/// The run that the user means.
+pub(super) fn run(server: &Server, text: &str) -> Result<RunSummary> {
+    let mut runs = server.runs()?;
+    runs.sort_by(|a, b| a.id.cmp(&b.id));
+    let ids: Vec<String> = runs.iter().map(|run| run.id.clone()).collect();
+    let found = match meant(&ids, text).as_slice() {
+        [one] => (*one).clone(),
+        [] => {
+            let address = &server.address;
+            let words = format!(
+                "there is no run `{text}` at {address}: `rafcon runs --server {address}` lists them"
+            );
+            return Err(Usage(words).into());
+        }
+        many => {
+            let ids: Vec<&str> = many.iter().map(|id| id.as_str()).collect();
+            let words = format!("`{text}` could be {}: write more of it", ids.join(" or "));
+            return Err(Usage(words).into());
+        }
+    };
+    runs.into_iter().find(|run| run.id == found).context("the run has gone")
+}
+
+/// The names of a run's states.
+pub(super) fn names(server: &Arc<Server>, run: &str) -> Names {
+    let (server, run) = (Arc::clone(server), run.to_owned());
+    Names::new(move || server.machine_of_run(&run).ok())
+}
+
+/// What nobody else's ids begin with.
+pub(super) fn unique(what: &str) -> Result<String> {
+    let mut bytes = [0; 8];
+    getrandom(&mut bytes, GetRandomFlags::empty()).context("there is no randomness")?;
+    Ok(format!("{what}-{:016x}", u64::from_ne_bytes(bytes)))
+}

@@ -1,0 +1,56 @@
+//! The runs that a server knows.
+
+use super::{ended, facts, head};
+use crate::cli;
+use crate::client::Server;
+use crate::commands::kept::{out, paint};
+use crate::commands::remote::{refuse, refuse_runs};
+use crate::environment::Environment;
+use crate::view::{Line, Style, harmless};
+use anyhow::Result;
+use rafcon_protocol::api::{RunPhase, RunSummary};
+use std::io::Write as _;
+use std::process::ExitCode;
+
+/// Lists them, the newest last.
+pub(super) fn runs(
+    raw: &cli::ListRuns,
+    server: &Server,
+    environment: &Environment,
+) -> Result<ExitCode> {
+    refuse_runs(&raw.runs, environment)?;
+    refuse(raw.prune, "--prune", "what it keeps is up to whoever looks after it")?;
+    let mut found = server.runs()?;
+    found.sort_by(|a, b| a.id.cmp(&b.id));
+    let mut out = out();
+    let width = found.iter().map(|run| run.id.chars().count()).max().unwrap_or(0);
+    for run in &found {
+        if raw.json {
+            writeln!(out, "{}", serde_json::to_string(run)?)?;
+        } else {
+            writeln!(out, "{}", line(run, width).render(paint(environment)))?;
+        }
+    }
+    if found.is_empty() && !raw.json {
+        writeln!(out, "no runs at {}", server.address)?;
+    }
+    out.flush()?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn line(run: &RunSummary, width: usize) -> Line {
+    let line = head(&run.id, &run.name, width);
+    let facts = facts(run.length_ms, run.events, run.bytes);
+    match &run.phase {
+        RunPhase::Starting => line.and(Style::Good, "starting"),
+        RunPhase::Live => line.and(Style::Good, "running").and(Style::Dim, facts),
+        RunPhase::Finished { outcome, .. } => ended(line, outcome, facts),
+        RunPhase::Crashed => line.and(Style::Bad, "crashed").and(Style::Dim, facts),
+        RunPhase::NotStarted { reason } => {
+            line.and(Style::Bad, "did not start: ").and(Style::Plain, harmless(reason))
+        }
+        RunPhase::Unreadable { reason } => {
+            line.and(Style::Bad, "unreadable: ").and(Style::Plain, harmless(reason))
+        }
+    }
+}
