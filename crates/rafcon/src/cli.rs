@@ -8,7 +8,7 @@ pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, Level as LogLevel, ListRuns, Log, Replay,
 };
 pub(crate) use remote::{Access, Control, Login, Remote, Wanted};
-pub(crate) use serve::{Serve, State};
+pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
 use crate::templates;
 use clap::builder::PossibleValuesParser;
@@ -38,6 +38,7 @@ pub(crate) enum Command {
     Compare(Compare),
     Export(Export),
     Serve(Serve),
+    User(User),
     Login(Login),
     Control(Control),
     Check(Check),

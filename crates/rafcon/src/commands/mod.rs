@@ -18,6 +18,7 @@ mod serve;
 mod shell;
 mod show;
 mod tell;
+mod user;
 
 use crate::cli::{Cli, Command};
 use crate::clock::Clock;
@@ -41,6 +42,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Serve(request) => serve::serve(&request, environment),
         Command::Login(request) => login::login(&request, environment),
         Command::Control(request) => control::control(&request, environment),
+        Command::User(request) => user::user(&request, environment),
         Command::Check(request) => check::check(&request, environment),
         Command::Show(request) => show::show(&request, environment),
         Command::Fmt(request) => fmt::fmt(&request),
