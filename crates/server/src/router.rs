@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
 use crate::access::{self, guarded};
-use crate::{Failure, House, page, projects, runs};
+use crate::{Failure, House, history, page, projects, runs};
 use axum::{Json, Router};
 use rafcon_protocol::api::Health;
 use std::sync::Arc;
@@ -27,6 +27,7 @@ fn all() -> OpenApiRouter<Arc<House>> {
         .merge(access::routes())
         .merge(projects::routes())
         .merge(runs::routes())
+        .merge(history::routes())
 }
 
 /// What answers requests.

@@ -63,7 +63,9 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}/output", Right::Observe),
     // Runs: what they leave.
     (Method::GET, "/api/v1/runs/{run}/events", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/events/{sequence}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/log", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/moments", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/moments/{sequence}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/values/{value}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/machine", Right::Observe),

@@ -1,19 +1,101 @@
 //! What runs leave: their events, logs, moments, values, machines and figures, read from their journals.
 //!
-//! Knows journals. Must never know runners: whether a run goes on means nothing here but that its journal grows.
+//! Knows journals. Must never know runners: whether a run goes on means nothing here but that its journal grows, and that it
+//! cannot be deleted.
 
+mod events;
+mod export;
+mod figures;
 mod follow;
+mod log;
+mod machine;
+mod moments;
 mod readers;
 mod refusal;
+mod removal;
+mod sending;
 
-pub(crate) use follow::{HistoryPage, HistoryReader};
+pub(crate) use follow::HistoryReader;
 pub(crate) use readers::Readers;
 
+use crate::{Failure, House};
+use axum::body::Bytes;
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::IntoResponse;
+use figures::Figures;
+use machine::Machines;
+use rafcon_storage::journal::Reader;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
 
 /// What all requests about the past share.
 #[derive(Debug, Default)]
 pub(crate) struct History {
     /// Open journals.
     readers: Arc<Readers>,
+    /// Machines that runs have kept.
+    machines: Arc<Machines>,
+    /// What was counted.
+    figures: Arc<Figures>,
+    /// Runs that are being written for others.
+    exports: export::Exports,
+}
+
+/// The routes of this part.
+pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new()
+        .merge(events::routes())
+        .merge(log::routes())
+        .merge(moments::routes())
+        .merge(machine::routes())
+        .merge(figures::routes())
+        .merge(export::routes())
+        .merge(removal::routes())
+}
+
+impl History {
+    /// A run is gone, or about to go: nothing of it stays open or in memory.
+    fn forget(&self, folder: &Path) {
+        self.readers.forget(folder);
+        self.machines.forget(folder);
+        self.figures.forget(folder);
+    }
+}
+
+/// JSON that is ready to be sent.
+struct Json(Bytes);
+
+impl Json {
+    /// It is made where it may take its time.
+    fn of(answer: &impl Serialize) -> Result<Self, Failure> {
+        let failed = |error: serde_json::Error| {
+            let message = format!("what the journal says cannot be written as JSON: {error}");
+            Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "journal_damaged", message)
+        };
+        Ok(Self(serde_json::to_vec(answer).map_err(failed)?.into()))
+    }
+}
+
+impl IntoResponse for Json {
+    fn into_response(self) -> axum::response::Response {
+        ([(CONTENT_TYPE, "application/json")], self.0).into_response()
+    }
+}
+
+/// The folder of a run that there is.
+async fn folder(house: &House, run: &str) -> Result<PathBuf, Failure> {
+    Ok(house.runs.get(run).await?.folder().to_owned())
+}
+
+/// What the journal of a run says.
+async fn read(
+    house: &House,
+    run: &str,
+    work: impl FnOnce(&mut Reader) -> Result<Json, Failure> + Send + 'static,
+) -> Result<Json, Failure> {
+    let folder = folder(house, run).await?;
+    house.history.readers.read(folder, work).await
 }

@@ -1,15 +1,16 @@
 //! What is wrong with a journal, as the answer to a request. Knows both vocabularies.
 
 use crate::Failure;
+use crate::failure::reason;
 use axum::http::StatusCode;
 use rafcon_storage::journal::JournalError;
-use std::error::Error;
 
 impl From<JournalError> for Failure {
     fn from(error: JournalError) -> Self {
         let (status, code) = match &error {
             JournalError::NoRun { .. } => (StatusCode::NOT_FOUND, "no_journal"),
             JournalError::GivenUp { .. } => (StatusCode::NOT_FOUND, "given_up"),
+            JournalError::NoMachine { .. } => (StatusCode::NOT_FOUND, "no_such_machine"),
             JournalError::Going { .. } => (StatusCode::CONFLICT, "run_goes_on"),
             JournalError::Exists { .. } => (StatusCode::CONFLICT, "run_exists"),
             JournalError::Damaged { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "journal_damaged"),
@@ -21,14 +22,8 @@ impl From<JournalError> for Failure {
                 (StatusCode::SERVICE_UNAVAILABLE, "journal_unreadable")
             }
         };
-        Self::new(status, code, with_causes(&error))
+        Self::new(status, code, reason(&error))
     }
-}
-
-/// An error and what it comes from, on one line.
-pub(super) fn with_causes(error: &(dyn Error + 'static)) -> String {
-    let causes = std::iter::successors(error.source(), |cause| (*cause).source());
-    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }
 
 #[cfg(test)]

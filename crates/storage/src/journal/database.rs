@@ -3,6 +3,7 @@
 use super::error::{Doing, JournalError};
 use super::folder::{DATABASE_FILE, create_file};
 use super::group::{Block, Group};
+use super::pack::Hash;
 use super::record::{Content, Item, Items, Place, PlaceNumber, ValueNumber};
 use super::tracker::Keyframe;
 use super::{Definition, binary};
@@ -192,6 +193,11 @@ impl Database {
         self.run(|connection| {
             connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()))
         })
+    }
+
+    /// It has no machine with this hash.
+    pub(super) fn no_machine(&self, hash: Hash) -> JournalError {
+        JournalError::NoMachine { path: self.path.clone(), hash: hash.to_string() }
     }
 
     /// What is wrong with it.

@@ -109,6 +109,14 @@ pub enum JournalError {
         /// The file.
         path: PathBuf,
     },
+    /// The run has kept no such machine.
+    #[error("{} has no machine {hash}: the events `root` of the run say which it has", path.display())]
+    NoMachine {
+        /// The file.
+        path: PathBuf,
+        /// The machine's hash.
+        hash: String,
+    },
     /// The bytes are not what they should be.
     #[error("{} is damaged: {what}; `rafcon history` shows what can still be read", path.display())]
     Damaged {

@@ -26,8 +26,7 @@ pub fn unpack(run: &Path, hash: Hash, into: &Path) -> Result<Unpacked, JournalEr
     let mut database = Database::open_to_read(run)?;
     let manifest = database.run(|connection| manifest(connection, hash))?;
     let manifest = manifest.map_err(|what| database.damaged(&what))?;
-    let manifest =
-        manifest.ok_or_else(|| database.damaged(&format!("the machine {hash} was not kept")))?;
+    let manifest = manifest.ok_or_else(|| database.no_machine(hash))?;
     for (path, hash) in manifest.files() {
         let bytes = file(&mut database, path, *hash)?;
         write(&into.join(path), &bytes)?;

@@ -1,0 +1,180 @@
+//! `GET …/events`: what happened, page by page, as far as it is wanted. Knows cursors and filters.
+
+use super::{Json, read};
+use crate::extract::{Path, Query};
+use crate::{Failure, House};
+use axum::extract::State;
+use rafcon_protocol::api::{EventDetail, EventPage, EventQuery, HistoryEntry, NamedValue, Refusal};
+use rafcon_storage::journal::{
+    Entry, Filter, Found, KINDS, Looked, Reader, Search, path_of, place_of,
+};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// A page has at most so many.
+pub(super) const COUNT_MAX: u32 = 1000;
+/// At most so many events are looked at for a page.
+pub(super) const LOOK: u64 = 200_000;
+/// The same where every event is read as text.
+const LOOK_FOR_TEXT: u64 = 20_000;
+/// A page with values ends behind so many bytes of them, about.
+const BYTES_MAX: usize = 4 << 20;
+
+/// The routes of this file.
+pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(events)).routes(routes!(event))
+}
+
+/// What happened in a run.
+///
+/// A page may hold fewer events than were asked for, even none, and still not be the last: go on from `next` until it is more than
+/// `last`.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/events", tag = "history",
+    params(("run" = String, Path, description = "The run's id"), EventQuery),
+    responses(
+        (status = 200, description = "The events, in order", body = EventPage),
+        (status = 400, description = "The query makes no sense", body = Refusal),
+        (status = 404, description = "There is no such run, or it has not begun", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn events(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+    Query(query): Query<EventQuery>,
+) -> Result<Json, Failure> {
+    let (filter, count) = (filter(&query)?, count(query.count)?);
+    read(&house, &run, move |reader| Json::of(&page(reader, &query, &filter, count)?)).await
+}
+
+/// One event of a run, with all that is kept of its values.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/events/{sequence}", tag = "history",
+    params(
+        ("run" = String, Path, description = "The run's id"),
+        ("sequence" = u64, Path, description = "The event"),
+    ),
+    responses(
+        (status = 200, description = "The event", body = EventDetail),
+        (status = 400, description = "This is no number", body = Refusal),
+        (status = 404, description = "There is no such run or event", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn event(
+    State(house): State<Arc<House>>,
+    Path((run, sequence)): Path<(String, u64)>,
+) -> Result<Json, Failure> {
+    read(&house, &run, move |reader| Json::of(&detail(reader, sequence)?)).await
+}
+
+/// How many are wanted.
+pub(super) fn count(wanted: Option<u32>) -> Result<usize, Failure> {
+    let count = wanted.unwrap_or(COUNT_MAX);
+    if (1..=COUNT_MAX).contains(&count) {
+        return Ok(usize::try_from(count).unwrap_or(1));
+    }
+    let message =
+        format!("a page has 1 to {COUNT_MAX} of them: ask for {COUNT_MAX} and go on from `next`");
+    Err(Failure::bad("bad_count", message))
+}
+
+/// The first event to look at: none before the time from which on they are wanted.
+fn first(reader: &mut Reader, query: &EventQuery) -> Result<u64, Failure> {
+    match query.since_ms {
+        Some(ms) => Ok(reader.first_at(nanos(ms))?.max(query.from)),
+        None => Ok(query.from),
+    }
+}
+
+/// Where the next page begins, and the last event that there is.
+pub(super) fn cursor(reader: &Reader, looked: Looked) -> Result<(u64, u64), Failure> {
+    let last = reader.last_sequence()?;
+    let next = if looked.is_past { looked.next.max(last + 1) } else { looked.next };
+    Ok((next, last))
+}
+
+fn page(
+    reader: &mut Reader,
+    query: &EventQuery,
+    filter: &Filter,
+    count: usize,
+) -> Result<EventPage, Failure> {
+    let from = first(reader, query)?;
+    let look = if filter.text.is_some() { LOOK_FOR_TEXT } else { LOOK };
+    let search = Search { filter, from, look, values: query.values };
+    let (mut events, mut bytes) = (Vec::new(), 0);
+    let looked = reader.search(&search, |found: Found| -> Result<_, Failure> {
+        let Found { sequence, t_ns, event, .. } = found;
+        if query.values {
+            bytes += serde_json::to_string(&event).map_or(0, |text| text.len());
+        }
+        events.push(HistoryEntry { sequence, t_ns, event });
+        let is_full = events.len() >= count || bytes >= BYTES_MAX;
+        Ok(if is_full { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    })?;
+    let (next, last) = cursor(reader, looked)?;
+    Ok(EventPage { events, next, last })
+}
+
+fn filter(query: &EventQuery) -> Result<Filter, Failure> {
+    Ok(Filter {
+        state: query.state.clone(),
+        outcome: query.outcome.clone(),
+        text: query.text.clone(),
+        kinds: kinds(query.kinds.as_deref().unwrap_or_default())?,
+        level: None,
+        from_ns: query.since_ms.map(nanos),
+        to_ns: query.until_ms.map(nanos),
+    })
+}
+
+fn kinds(text: &str) -> Result<Vec<String>, Failure> {
+    let kinds = text.split(',').map(str::trim).filter(|kind| !kind.is_empty());
+    let known = |kind: &str| {
+        if KINDS.contains(&kind) {
+            return Ok(kind.to_owned());
+        }
+        let message = format!("`{kind}` is no kind of event: they are {}", KINDS.join(", "));
+        Err(Failure::bad("no_such_kind", message))
+    };
+    kinds.map(known).collect()
+}
+
+/// A time in ns, as events count it.
+pub(super) fn nanos(ms: u64) -> u64 {
+    ms.saturating_mul(1_000_000)
+}
+
+fn detail(reader: &mut Reader, sequence: u64) -> Result<EventDetail, Failure> {
+    let page = reader.page(sequence, 1)?;
+    let entry = page.first().filter(|entry| entry.sequence == sequence);
+    let entry = entry.ok_or_else(|| no_such_event(sequence))?;
+    let event = reader.event(entry, true)?;
+    let places = reader.known_places();
+    let place = place_of(&entry.record).or_else(|| places.number(path_of(&event)));
+    let names = place.and_then(|place| places.get(place)).map(|place| place.names.clone());
+    Ok(EventDetail {
+        names: names.unwrap_or_else(|| path_of(&event).to_owned()),
+        values: values(reader, entry)?,
+        entry: HistoryEntry { sequence, t_ns: entry.t_ns, event },
+    })
+}
+
+fn values(reader: &Reader, entry: &Entry) -> Result<Vec<NamedValue>, Failure> {
+    let mut values = Vec::new();
+    for (name, number) in reader.named_values(entry) {
+        let stored = reader.value(number)?;
+        values
+            .extend(stored.map(|it| NamedValue { name, value: super::moments::value(number, it) }));
+    }
+    Ok(values)
+}
+
+pub(super) fn no_such_event(sequence: u64) -> Failure {
+    let message = format!("the run has no event {sequence}: its events say which there are");
+    Failure::not_found("no_such_event", message)
+}

@@ -1,0 +1,163 @@
+//! `GET …/export`: a run in formats of other programs, as a file. Never in memory as a whole.
+//!
+//! Knows names of formats and files. How a format is written is known to storage.
+
+use super::sending::{Sending, sending};
+use super::{Readers, folder};
+use crate::extract::{Path, Query};
+use crate::failure::reason;
+use crate::{Failure, House};
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::{IntoResponse as _, Response};
+use rafcon_protocol::api::{ExportFormat, ExportQuery, Refusal};
+use rafcon_storage::journal::{ExportError, Reader, export_csv, export_jsonl, export_mcap};
+use std::fs::File;
+use std::io::{self, BufWriter, Read as _, Seek as _, Write as _};
+use std::path::{Path as FilePath, PathBuf};
+use std::sync::Arc;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// So many runs are written at a time.
+const AT_ONCE: usize = 4;
+/// So much of a file is sent at once.
+const PART_BYTES: usize = 64 << 10;
+
+/// Runs that are being written.
+#[derive(Debug, Clone)]
+pub(super) struct Exports(Arc<Semaphore>);
+
+impl Default for Exports {
+    fn default() -> Self {
+        Self(Arc::new(Semaphore::new(AT_ONCE)))
+    }
+}
+
+impl Exports {
+    fn turn(&self) -> Result<OwnedSemaphorePermit, Failure> {
+        let turn = Arc::clone(&self.0).try_acquire_owned();
+        turn.map_err(|_all_taken| {
+            let message =
+                format!("{AT_ONCE} runs are being exported already: try again when one is done");
+            Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_exports", message)
+        })
+    }
+}
+
+/// The routes of this file.
+pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(export))
+}
+
+/// A run in a format of other programs.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/export", tag = "history",
+    params(("run" = String, Path, description = "The run's id"), ExportQuery),
+    responses(
+        (status = 200, description = "The file; it ends early if the journal cannot be read to its end",
+            content((String = "application/jsonl"), (String = "text/csv"), (String = "application/octet-stream"))),
+        (status = 400, description = "There is no such format", body = Refusal),
+        (status = 404, description = "There is no such run, or it has not begun", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 429, description = "Too many runs are being exported", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn export(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+    Query(query): Query<ExportQuery>,
+) -> Result<Response, Failure> {
+    let turn = house.history.exports.turn()?;
+    let folder = folder(&house, &run).await?;
+    let readers = &house.history.readers;
+    // What is wrong from the start is an answer.
+    readers.read(folder.clone(), |reader| Ok(reader.page(1, 1)?)).await?;
+    let writing = Writing {
+        readers: Arc::clone(readers),
+        folder,
+        format: query.format,
+        scratch: house.settings.state.clone(),
+        tell: house.settings.tell,
+    };
+    let (sending, body) = sending();
+    tokio::task::spawn_blocking(move || {
+        let _turn = turn;
+        writing.write(sending);
+    });
+    Ok(file(&run, query.format, body))
+}
+
+fn file(run: &str, format: ExportFormat, body: Body) -> Response {
+    let (ending, kind) = match format {
+        ExportFormat::Jsonl => ("jsonl", "application/jsonl"),
+        ExportFormat::Csv => ("csv", "text/csv; charset=utf-8"),
+        ExportFormat::Mcap => ("mcap", "application/octet-stream"),
+    };
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let name: String = run.chars().map(|c| if plain(c) { c } else { '_' }).collect();
+    let disposition = format!("attachment; filename=\"{name}.{ending}\"");
+    ([(CONTENT_TYPE, kind), (CONTENT_DISPOSITION, &disposition)], body).into_response()
+}
+
+/// One run on its way.
+struct Writing {
+    readers: Arc<Readers>,
+    folder: PathBuf,
+    format: ExportFormat,
+    /// Where a recording lies until it is whole.
+    scratch: PathBuf,
+    tell: fn(&str),
+}
+
+impl Writing {
+    fn write(&self, mut sending: Sending) {
+        let written = self.readers.with(&self.folder, |reader| {
+            Ok(match self.format {
+                ExportFormat::Jsonl => export_jsonl(reader, &mut sending),
+                ExportFormat::Csv => export_csv(reader, &mut sending),
+                ExportFormat::Mcap => recording(reader, &mut sending, &self.scratch),
+            })
+        });
+        let what = match written {
+            Ok(Ok(())) => return,
+            Ok(Err(error)) if is_gone(&error) => return,
+            Ok(Err(error)) => reason(&error),
+            Err(failure) => failure.to_string(),
+        };
+        (self.tell)(&format!("an export of {} ended early: {what}", self.folder.display()));
+        sending.fail(what);
+    }
+}
+
+/// Whether there is nobody any more who takes what is written.
+fn is_gone(error: &ExportError) -> bool {
+    let ExportError::Write(error) = error else { return false };
+    matches!(error.kind(), io::ErrorKind::BrokenPipe | io::ErrorKind::TimedOut)
+}
+
+/// A recording has its index at its end and its length at its beginning: it is written into a file without a name.
+fn recording(
+    reader: &mut Reader,
+    sending: &mut Sending,
+    scratch: &FilePath,
+) -> Result<(), ExportError> {
+    let mut file = tempfile::tempfile_in(scratch)?;
+    export_mcap(reader, BufWriter::with_capacity(PART_BYTES, &mut file))?;
+    Ok(send(&mut file, sending)?)
+}
+
+fn send(file: &mut File, sending: &mut Sending) -> io::Result<()> {
+    file.rewind()?;
+    let mut part = vec![0; PART_BYTES];
+    loop {
+        let length = file.read(&mut part)?;
+        if length == 0 {
+            return Ok(());
+        }
+        sending.write_all(&part[..length])?;
+    }
+}

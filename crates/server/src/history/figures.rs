@@ -1,0 +1,128 @@
+//! `GET …/statistics` and `GET …/compare`: what is counted over a whole run. What was counted is kept, and gone on with.
+//!
+//! Knows figures. Must never know how they are shown.
+
+use super::{History, Json, folder};
+use crate::extract::Path;
+use crate::{Failure, House};
+use axum::extract::State;
+use axum::http::StatusCode;
+use parking_lot::Mutex;
+use rafcon_protocol::api::{Comparison, Refusal, Statistics};
+use rafcon_storage::journal::{Reader, Tally, compare};
+use std::collections::VecDeque;
+use std::path::{Path as FilePath, PathBuf};
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// So many runs stay counted.
+const COUNTED: usize = 32;
+/// Comparing takes memory for each event: longer runs are not.
+const COMPARED_MAX: u64 = 2_000_000;
+
+/// What was counted.
+#[derive(Debug, Default)]
+pub(super) struct Figures {
+    /// The run that was asked for last is at the back.
+    tallies: Mutex<VecDeque<(PathBuf, Arc<Mutex<Tally>>)>>,
+    /// Held while two runs are compared.
+    comparing: Mutex<()>,
+}
+
+/// The routes of this file.
+pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(statistics)).routes(routes!(comparison))
+}
+
+/// What the states of a run did and took.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/statistics", tag = "history",
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "Every state that ended", body = Statistics),
+        (status = 400, description = "The address makes no sense", body = Refusal),
+        (status = 404, description = "There is no such run, or it has not begun", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn statistics(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+) -> Result<Json, Failure> {
+    let folder = folder(&house, &run).await?;
+    let History { readers, figures, .. } = &house.history;
+    let figures = Arc::clone(figures);
+    readers.read(folder, move |reader| Json::of(&figures.counted(reader)?)).await
+}
+
+/// Where two runs part, which data differed before, and where they took their time.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/compare/{other}", tag = "history",
+    params(
+        ("run" = String, Path, description = "The one run's id"),
+        ("other" = String, Path, description = "The other's"),
+    ),
+    responses(
+        (status = 200, description = "Branch by branch: their order among each other means nothing", body = Comparison),
+        (status = 400, description = "The address makes no sense", body = Refusal),
+        (status = 404, description = "There is no such run, or it has not begun", body = Refusal),
+        (status = 422, description = "A journal is damaged or of a newer version, or a run is too long", body = Refusal),
+        (status = 503, description = "A journal cannot be read now", body = Refusal),
+    )
+)]
+async fn comparison(
+    State(house): State<Arc<House>>,
+    Path((run, other)): Path<(String, String)>,
+) -> Result<Json, Failure> {
+    let (one, other) = (folder(&house, &run).await?, folder(&house, &other).await?);
+    let History { readers, figures, .. } = &house.history;
+    let (others, figures) = (Arc::clone(readers), Arc::clone(figures));
+    let compared = move |one: &mut Reader| {
+        let _alone = figures.comparing.lock();
+        others.with(&other, |other| {
+            short_enough(one)?;
+            short_enough(other)?;
+            Json::of(&compare(one, other)?)
+        })
+    };
+    readers.read(one, compared).await
+}
+
+fn short_enough(reader: &Reader) -> Result<(), Failure> {
+    let events = reader.last_sequence()?;
+    if events <= COMPARED_MAX {
+        return Ok(());
+    }
+    let id = &reader.about().id;
+    let message = format!(
+        "{id} has {events} events, and up to {COMPARED_MAX} are compared here: use `rafcon compare` beside the runs"
+    );
+    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "too_long_to_compare", message))
+}
+
+impl Figures {
+    /// Forgets a run.
+    pub(super) fn forget(&self, folder: &FilePath) {
+        self.tallies.lock().retain(|(counted, _)| counted != folder);
+    }
+
+    /// What there is to say now. What was counted before is not counted again.
+    fn counted(&self, reader: &mut Reader) -> Result<Statistics, Failure> {
+        let tally = self.tally(reader.folder());
+        let mut tally = tally.lock();
+        tally.go_on(reader)?;
+        Ok(tally.told(reader.known_places()))
+    }
+
+    fn tally(&self, folder: &FilePath) -> Arc<Mutex<Tally>> {
+        let mut tallies = self.tallies.lock();
+        let known = tallies.iter().position(|(counted, _)| counted == folder);
+        let known = known.and_then(|index| tallies.remove(index));
+        let (folder, tally) = known.unwrap_or_else(|| (folder.to_owned(), Arc::default()));
+        tallies.push_back((folder, Arc::clone(&tally)));
+        if tallies.len() > COUNTED {
+            tallies.pop_front();
+        }
+        tally
+    }
+}

@@ -1,0 +1,78 @@
+//! `GET …/log`: what a run has written, page by page. Knows lines.
+
+use super::events::{LOOK, count, cursor};
+use super::{Json, read};
+use crate::extract::{Path, Query};
+use crate::{Failure, House};
+use axum::extract::State;
+use rafcon_protocol::Event;
+use rafcon_protocol::api::{LogLine, LogPage, LogQuery, Refusal};
+use rafcon_storage::journal::{Filter, Found, Reader, Search};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// A page ends behind so many bytes of text.
+const BYTES_MAX: usize = 4 << 20;
+
+/// The routes of this file.
+pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(log))
+}
+
+/// What a run has logged.
+///
+/// A page may hold fewer lines than were asked for, even none, and still not be the last: go on from `next` until it is more than
+/// `last`.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/log", tag = "history",
+    params(("run" = String, Path, description = "The run's id"), LogQuery),
+    responses(
+        (status = 200, description = "The lines, in order", body = LogPage),
+        (status = 400, description = "The query makes no sense", body = Refusal),
+        (status = 404, description = "There is no such run, or it has not begun", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn log(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+    Query(query): Query<LogQuery>,
+) -> Result<Json, Failure> {
+    let count = count(query.count)?;
+    read(&house, &run, move |reader| Json::of(&page(reader, &query, count)?)).await
+}
+
+fn page(reader: &mut Reader, query: &LogQuery, count: usize) -> Result<LogPage, Failure> {
+    let filter = Filter {
+        state: query.state.clone(),
+        kinds: vec!["log".to_owned()],
+        level: query.level,
+        ..Filter::default()
+    };
+    let wanted = query.text.as_ref().map(|text| text.to_lowercase());
+    let search = Search { filter: &filter, from: query.from, look: LOOK, values: true };
+    let (mut lines, mut bytes) = (Vec::new(), 0);
+    let looked = reader.search(&search, |found| -> Result<_, Failure> {
+        if let Some(line) = line(found).filter(|line| has(line, wanted.as_deref())) {
+            bytes += line.message.len();
+            lines.push(line);
+        }
+        let is_full = lines.len() >= count || bytes >= BYTES_MAX;
+        Ok(if is_full { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    })?;
+    let (next, last) = cursor(reader, looked)?;
+    Ok(LogPage { lines, next, last })
+}
+
+fn line(found: Found) -> Option<LogLine> {
+    let Event::Log { path, level, stream, message } = found.event else { return None };
+    let (sequence, t_ns, names) = (found.sequence, found.t_ns, found.names);
+    Some(LogLine { sequence, t_ns, path, names, level, stream, message })
+}
+
+/// Whether a line has a text in lower case in it.
+fn has(line: &LogLine, wanted: Option<&str>) -> bool {
+    wanted.is_none_or(|wanted| line.message.to_lowercase().contains(wanted))
+}

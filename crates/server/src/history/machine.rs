@@ -1,0 +1,165 @@
+//! `GET …/machine`: a machine as a run has kept it. Unpacked and read once, then in memory for whoever asks next.
+//!
+//! Knows machines by their hash. Must never know what they mean.
+
+use super::events::LOOK;
+use super::{History, Json, folder};
+use crate::extract::{Path, Query};
+use crate::failure::reason;
+use crate::{Failure, House};
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::StatusCode;
+use parking_lot::Mutex;
+use rafcon_protocol::Event;
+use rafcon_protocol::api::{KeptMachineQuery, Refusal};
+use rafcon_protocol::document::Document;
+use rafcon_storage::journal::{Filter, Found, Hash, Reader, Search, unpack};
+use rafcon_storage::{Libraries, load};
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+use std::path::{Path as FilePath, PathBuf};
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// So many machines stay in memory.
+const COUNT_MAX: usize = 8;
+/// So many bytes of them, but the last one whatever it takes.
+const BYTES_MAX: usize = 64 << 20;
+
+/// Machines of runs as JSON.
+#[derive(Debug, Default)]
+pub(super) struct Machines {
+    /// Held while one is unpacked: whoever asks for the same meanwhile finds it.
+    unpacking: Mutex<()>,
+    /// The one that was asked for last is at the back.
+    kept: Mutex<VecDeque<Kept>>,
+}
+
+#[derive(Debug)]
+struct Kept {
+    folder: PathBuf,
+    hash: Hash,
+    document: Bytes,
+}
+
+/// The routes of this file.
+pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(machine))
+}
+
+/// A machine that a run went by.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/machine", tag = "history",
+    params(("run" = String, Path, description = "The run's id"), KeptMachineQuery),
+    responses(
+        (status = 200, description = "The machine as the run has kept it", body = Document),
+        (status = 400, description = "This is no hash", body = Refusal),
+        (status = 404, description = "There is no such run, or it has kept no such machine", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now, or there is no room to unpack", body = Refusal),
+    )
+)]
+async fn machine(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+    Query(query): Query<KeptMachineQuery>,
+) -> Result<Json, Failure> {
+    let wanted = query.root.as_deref().map(parse).transpose()?;
+    let folder = folder(&house, &run).await?;
+    let History { readers, machines, .. } = &house.history;
+    let (machines, scratch) = (Arc::clone(machines), house.settings.state.clone());
+    readers
+        .read(folder, move |reader| {
+            let hash = wanted.map_or_else(|| first(reader), Ok)?;
+            machines.document(reader.folder(), hash, &scratch).map(Json)
+        })
+        .await
+}
+
+fn parse(text: &str) -> Result<Hash, Failure> {
+    Hash::parse(text).ok_or_else(|| {
+        let message =
+            format!("`{text}` is no hash of a machine: events `root` and moments say them");
+        Failure::bad("bad_hash", message)
+    })
+}
+
+/// The machine that the run began with. Of a large one it is told a little later.
+fn first(reader: &mut Reader) -> Result<Hash, Failure> {
+    let filter = Filter { kinds: vec!["root".to_owned()], ..Filter::default() };
+    let search = Search { filter: &filter, from: 1, look: LOOK, values: true };
+    let mut first = None;
+    reader.search(&search, |found: Found| -> Result<_, Failure> {
+        if let Event::Root { hash, .. } = &found.event {
+            first = Hash::parse(hash);
+        }
+        Ok(ControlFlow::Break(()))
+    })?;
+    first.ok_or_else(|| {
+        let message = "the run has not kept its machine: runs that keep everything do";
+        Failure::not_found("no_such_machine", message)
+    })
+}
+
+impl Machines {
+    /// Forgets those of a run.
+    pub(super) fn forget(&self, folder: &FilePath) {
+        self.kept.lock().retain(|kept| kept.folder != folder);
+    }
+
+    /// The machine of the run in `folder` as JSON; what is unpacked lies in `scratch` for a moment.
+    fn document(
+        &self,
+        folder: &FilePath,
+        hash: Hash,
+        scratch: &FilePath,
+    ) -> Result<Bytes, Failure> {
+        if let Some(document) = self.known(folder, hash) {
+            return Ok(document);
+        }
+        let _alone = self.unpacking.lock();
+        if let Some(document) = self.known(folder, hash) {
+            return Ok(document);
+        }
+        let document = unpacked(folder, hash, scratch)?;
+        self.keep(Kept { folder: folder.to_owned(), hash, document: document.clone() });
+        Ok(document)
+    }
+
+    fn known(&self, folder: &FilePath, hash: Hash) -> Option<Bytes> {
+        let mut kept = self.kept.lock();
+        let index = kept.iter().position(|it| it.hash == hash && it.folder == folder)?;
+        let found = kept.remove(index)?;
+        let document = found.document.clone();
+        kept.push_back(found);
+        Some(document)
+    }
+
+    fn keep(&self, fresh: Kept) {
+        let mut kept = self.kept.lock();
+        kept.push_back(fresh);
+        let bytes = |kept: &VecDeque<Kept>| kept.iter().map(|it| it.document.len()).sum::<usize>();
+        while kept.len() > COUNT_MAX || (kept.len() > 1 && bytes(&kept) > BYTES_MAX) {
+            kept.pop_front();
+        }
+    }
+}
+
+fn unpacked(folder: &FilePath, hash: Hash, scratch: &FilePath) -> Result<Bytes, Failure> {
+    let no_room = |error: std::io::Error| {
+        let message = format!("cannot unpack the machine below {}: {error}", scratch.display());
+        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_room", message)
+    };
+    let place = tempfile::Builder::new().prefix("machine-").tempdir_in(scratch).map_err(no_room)?;
+    let unpacked = unpack(folder, hash, place.path())?;
+    let unreadable = |error: &dyn std::error::Error| {
+        let message =
+            format!("the machine that the run has kept cannot be read: {}", reason(error));
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "machine_unreadable", message)
+    };
+    let loaded = load(&unpacked.machine, &Libraries::new(unpacked.roots));
+    let loaded = loaded.map_err(|error| unreadable(&error))?;
+    let text = serde_json::to_vec(&Document::of(&loaded.machine));
+    Ok(text.map_err(|error| unreadable(&error))?.into())
+}

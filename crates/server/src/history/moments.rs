@@ -1,0 +1,115 @@
+//! `GET …/moments` and `GET …/values`: how a run stood, and what it has kept of a value. Knows pictures; pickles are for runners.
+
+use super::events::{nanos, no_such_event};
+use super::{Json, read};
+use crate::extract::{Path, Query};
+use crate::{Failure, House};
+use axum::extract::State;
+use rafcon_protocol::api::{KeptAs, KeptValue, MomentQuery, Picture, Refusal};
+use rafcon_storage::journal::record::Content;
+use rafcon_storage::journal::{Reader, Stored, ValueNumber};
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// The routes of this file.
+pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(moment)).routes(routes!(moment_at)).routes(routes!(kept))
+}
+
+/// How a run stood after one event; 0: before the first.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/moments/{sequence}", tag = "history",
+    params(
+        ("run" = String, Path, description = "The run's id"),
+        ("sequence" = u64, Path, description = "The event"),
+    ),
+    responses(
+        (status = 200, description = "What was active, with which data, and what was set, asked and held", body = Picture),
+        (status = 400, description = "This is no number", body = Refusal),
+        (status = 404, description = "There is no such run or event, or the event was given up", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn moment(
+    State(house): State<Arc<House>>,
+    Path((run, sequence)): Path<(String, u64)>,
+) -> Result<Json, Failure> {
+    read(&house, &run, move |reader| {
+        if sequence > reader.last_sequence()? {
+            return Err(no_such_event(sequence));
+        }
+        picture(reader, sequence)
+    })
+    .await
+}
+
+/// How a run stood at a time, or stands in its journal now.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/moments", tag = "history",
+    params(("run" = String, Path, description = "The run's id"), MomentQuery),
+    responses(
+        (status = 200, description = "After the last event up to this time", body = Picture),
+        (status = 400, description = "The query makes no sense", body = Refusal),
+        (status = 404, description = "There is no such run, or the time was given up", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn moment_at(
+    State(house): State<Arc<House>>,
+    Path(run): Path<String>,
+    Query(query): Query<MomentQuery>,
+) -> Result<Json, Failure> {
+    read(&house, &run, move |reader| {
+        let sequence = match query.t_ms {
+            Some(ms) => reader.first_at(nanos(ms).saturating_add(1))? - 1,
+            None => reader.last_sequence()?,
+        };
+        picture(reader, sequence)
+    })
+    .await
+}
+
+fn picture(reader: &mut Reader, sequence: u64) -> Result<Json, Failure> {
+    let moment = reader.moment(sequence)?;
+    Json::of(&reader.picture(&moment)?)
+}
+
+/// What a run has kept of a value.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/values/{value}", tag = "history",
+    params(
+        ("run" = String, Path, description = "The run's id"),
+        ("value" = u64, Path, description = "The value's number, as an event by itself says it"),
+    ),
+    responses(
+        (status = 200, description = "What can be shown of it. Pickles are never sent", body = KeptValue),
+        (status = 400, description = "This is no number", body = Refusal),
+        (status = 404, description = "There is no such run or value, or the value was given up", body = Refusal),
+        (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
+        (status = 503, description = "The journal cannot be read now", body = Refusal),
+    )
+)]
+async fn kept(
+    State(house): State<Arc<House>>,
+    Path((run, number)): Path<(String, u64)>,
+) -> Result<Json, Failure> {
+    read(&house, &run, move |reader| {
+        let stored = reader.value(ValueNumber(number))?.ok_or_else(|| {
+            let message = format!("the run keeps no value {number}, or does not any more");
+            Failure::not_found("no_such_value", message)
+        })?;
+        Json::of(&value(ValueNumber(number), stored))
+    })
+    .await
+}
+
+/// A value as it is told.
+pub(super) fn value(number: ValueNumber, stored: Stored) -> KeptValue {
+    let kept = match stored.content {
+        Content::View => KeptAs::View,
+        Content::Pickle(bytes) => KeptAs::Pickle { bytes: bytes.len() as u64 },
+        Content::File { size, .. } => KeptAs::Pickle { bytes: size },
+        Content::Nothing(reason) => KeptAs::Nothing { reason },
+    };
+    KeptValue { number: number.0, type_name: stored.type_name.to_string(), view: stored.view, kept }
+}
