@@ -53,23 +53,22 @@ impl Folders {
         for folder in &plan.outside {
             self.descend(folder, &mut wanted, &|folder| !is_machine(folder), plan);
         }
-        let idle = self.watched.difference(&wanted).cloned().collect::<Vec<_>>();
-        idle.iter().for_each(|folder| self.drop(folder));
+        let idle = self.watched.difference(&wanted).cloned().collect();
+        self.leave(idle);
     }
 
     /// These folders are no more, or lie elsewhere: what is said about them would be wrong.
     pub(super) fn forget(&mut self, gone: &BTreeSet<PathBuf>) {
         for path in gone {
             let below = self.watched.range(path.clone()..).take_while(|it| it.starts_with(path));
-            let below = below.cloned().collect::<Vec<_>>();
-            below.iter().for_each(|folder| self.drop(folder));
+            let below = below.cloned().collect();
+            self.leave(below);
         }
     }
 
     /// All of them.
     pub(super) fn forget_all(&mut self) {
-        let all = std::mem::take(&mut self.watched);
-        all.iter().for_each(|folder| self.drop(folder));
+        self.leave(self.watched.clone());
     }
 
     /// Each folder is asked about before it is read: what comes into it in between is told.
@@ -123,9 +122,11 @@ impl Folders {
     }
 
     /// An answer about a folder that is gone would be no news.
-    fn drop(&mut self, folder: &Path) {
-        self.watched.remove(folder);
-        self.watcher.unwatch(folder).unwrap_or_default();
+    fn leave(&mut self, folders: BTreeSet<PathBuf>) {
+        for folder in folders {
+            self.watched.remove(&folder);
+            self.watcher.unwatch(&folder).unwrap_or_default();
+        }
     }
 }
 
@@ -155,7 +156,9 @@ mod tests {
             let place = tempfile::tempdir().unwrap();
             let watcher = notify::recommended_watcher(|_event| {}).unwrap();
             let made = Self { place, folders: Folders::new(watcher) };
-            paths.iter().for_each(|path| made.make(path));
+            for path in paths {
+                made.make(path);
+            }
             made
         }
 

@@ -1,0 +1,62 @@
+//! The description is whole: every route is there, says who may, and its examples are what they should be.
+
+use super::*;
+use crate::access::ROUTES;
+use rafcon_protocol::{Envelope, api};
+use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
+
+fn described() -> OpenApi {
+    crate::openapi()
+}
+
+#[test]
+fn every_route_with_a_right_is_described_and_no_other() {
+    let mut paths = described().paths.paths;
+    let described = paths.iter_mut().flat_map(|(path, item)| {
+        operations(item).map(|(method, _operation)| format!("{method} {path}")).collect::<Vec<_>>()
+    });
+    let rows =
+        ROUTES.iter().map(|(method, path, _)| format!("{method} {}", path.replace("{*", "{")));
+    assert_eq!(described.collect::<BTreeSet<_>>(), rows.collect::<BTreeSet<_>>());
+}
+
+#[test]
+fn every_route_has_a_tag_a_summary_and_refusals_with_a_reason() {
+    let mut api = described();
+    for (path, item) in &mut api.paths.paths {
+        for (method, operation) in operations(item) {
+            assert!(operation.tags.is_some() && operation.summary.is_some(), "{method} {path}");
+            for (status, response) in &operation.responses.responses {
+                let RefOr::T(response) = response else { continue };
+                let is_said = !response.description.is_empty();
+                let is_reasoned =
+                    !status.starts_with('4') || response.content.contains_key("application/json");
+                assert!(is_said && is_reasoned, "{method} {path} {status}");
+            }
+        }
+    }
+}
+
+#[test]
+fn examples_are_what_they_should_be() {
+    fn read<T: DeserializeOwned>(value: &Value) -> Option<String> {
+        serde_json::from_value::<T>(value.clone()).err().map(|error| error.to_string())
+    }
+    for (name, example) in examples() {
+        let wrong = match name {
+            "Login" => read::<api::Login>(&example),
+            "NewToken" => read::<api::NewToken>(&example),
+            "MachineAt" => read::<api::MachineAt>(&example),
+            "NewMachine" => read::<api::NewMachine>(&example),
+            "EditMachine" => read::<api::EditMachine>(&example),
+            "Undo" => read::<api::Undo>(&example),
+            "StartRun" => read::<api::StartRun>(&example),
+            "Envelope" => read::<Envelope>(&example),
+            "ControlMove" => read::<api::ControlMove>(&example),
+            "Retention" => read::<api::Retention>(&example),
+            _other => Some("nobody knows its type".to_owned()),
+        };
+        assert_eq!(wrong, None, "{name}");
+    }
+}
