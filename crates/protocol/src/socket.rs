@@ -10,6 +10,9 @@ use crate::api::{
 };
 use serde::{Deserialize, Serialize};
 
+/// The version of this vocabulary. New fields and frames do not change it: a client ignores what it does not know.
+pub const VERSION: u32 = 1;
+
 /// From a client to the server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]

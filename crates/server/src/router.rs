@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
 use crate::access::{self, guarded};
-use crate::{Failure, House, description, page, projects, runs};
+use crate::{Failure, House, description, page, projects, runs, socket};
 
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
@@ -21,6 +21,7 @@ fn all() -> OpenApiRouter<Arc<House>> {
         .merge(access::routes())
         .merge(projects::routes())
         .merge(runs::routes())
+        .merge(socket::routes())
 }
 
 /// What answers requests.

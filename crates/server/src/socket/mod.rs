@@ -1,10 +1,70 @@
 //! The WebSocket: subscriptions to histories and to the latest truth, commands and edits, over one connection.
 //!
-//! Knows frames, pace and room. Must never slow a runner down, nor hold more of what a client does not take than a page.
+//! Knows frames, pace and room. Must never slow a runner down, nor hold more of what a client does not take than a page for each
+//! of its subscriptions.
 
+mod connection;
+mod desk;
 mod feed;
+mod history;
+mod house;
 mod outbox;
 mod pulse;
 mod session;
 mod status;
 mod words;
+
+use crate::access::Who;
+use crate::{Failure, House};
+use axum::extract::State;
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::response::Response;
+use desk::Desk;
+use rafcon_protocol::api::Refusal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// The largest frame that is read, in bytes: an edit may bring a whole machine.
+const FRAME_BYTES_MAX: usize = 1 << 20;
+
+/// What all connections share.
+#[derive(Debug, Default)]
+pub(crate) struct Sockets {
+    /// How many connections there were.
+    count: AtomicU64,
+}
+
+pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(socket))
+}
+
+/// A WebSocket: docs/protocol.md says what is spoken there.
+#[utoipa::path(
+    get,
+    path = "/api/v1/socket",
+    tag = "house",
+    responses(
+        (status = 101, description = "From now on frames are spoken"),
+        (status = 400, description = "This is no request for a WebSocket", body = Refusal),
+        (status = 401, description = "Nobody is logged in", body = Refusal),
+        (status = 403, description = "The request comes from a strange page", body = Refusal),
+    )
+)]
+async fn socket(
+    State(house): State<Arc<House>>,
+    who: Who,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Result<Response, Failure> {
+    let upgrade = upgrade.map_err(|rejection| {
+        let message =
+            format!("a WebSocket begins here, and this is no request for one: {rejection}");
+        Failure::bad("no_websocket", message)
+    })?;
+    let connection = house.sockets.count.fetch_add(1, Ordering::Relaxed) + 1;
+    let desk = Desk::new(house, who, connection);
+    let upgrade = upgrade.max_message_size(FRAME_BYTES_MAX).max_frame_size(FRAME_BYTES_MAX);
+    Ok(upgrade.on_upgrade(move |socket| connection::serve(desk, socket)))
+}

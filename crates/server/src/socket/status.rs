@@ -4,7 +4,6 @@
 use super::feed::{Feed, Told};
 use super::outbox::Lane;
 use super::words;
-use rafcon_protocol::socket::ToClient;
 use std::time::Duration;
 use tokio::sync::watch;
 
@@ -18,7 +17,7 @@ pub(super) struct Status<T, F> {
     subscription: u32,
 }
 
-impl<T, F: FnMut(&T) -> ToClient> Status<T, F> {
+impl<T, F: FnMut(&T) -> String> Status<T, F> {
     /// The first frame tells how things stand now.
     pub(super) fn new(subscription: u32, mut watch: watch::Receiver<T>, tell: F) -> Self {
         watch.mark_changed();
@@ -26,7 +25,7 @@ impl<T, F: FnMut(&T) -> ToClient> Status<T, F> {
     }
 }
 
-impl<T: Send + Sync, F: FnMut(&T) -> ToClient + Send> Feed for Status<T, F> {
+impl<T: Send + Sync, F: FnMut(&T) -> String + Send> Feed for Status<T, F> {
     const EVERY: Duration = Duration::from_millis(100);
     const LANE: Lane = Lane::Status;
 
@@ -38,7 +37,6 @@ impl<T: Send + Sync, F: FnMut(&T) -> ToClient + Send> Feed for Status<T, F> {
         if self.is_over {
             return Told::Last(words::text(&words::ended(self.subscription, None)));
         }
-        let frame = (self.tell)(&self.watch.borrow_and_update());
-        Told::Now(words::text(&frame))
+        Told::Now((self.tell)(&self.watch.borrow_and_update()))
     }
 }

@@ -1,10 +1,27 @@
 //! Frames as text. Knows how they are spelled; must never know when they are sent.
 
 use crate::Failure;
+use rafcon_protocol::api::RunNow;
 use rafcon_protocol::socket::ToClient;
+use serde::Serialize;
 
 /// A frame as it travels.
 pub(super) fn text(frame: &ToClient) -> String {
+    spelled(frame)
+}
+
+/// How a run stands. Spelled as [`ToClient::RunStatus`] is.
+pub(super) fn run_status(subscription: u32, status: &RunNow) -> String {
+    #[derive(Serialize)]
+    struct Frame<'s> {
+        frame: &'static str,
+        subscription: u32,
+        status: &'s RunNow,
+    }
+    spelled(&Frame { frame: "run_status", subscription, status })
+}
+
+fn spelled(frame: &impl Serialize) -> String {
     serde_json::to_string(frame).unwrap_or_else(|error| {
         let message = format!("a frame could not be put into JSON, which is a defect: {error}");
         let refusal = serde_json::json!({ "code": "no_json", "message": message });

@@ -2,3 +2,6 @@
 
 mod access;
 mod harness;
+mod socket;
+mod socket_client;
+mod socket_runs;

@@ -2,6 +2,7 @@
 
 use super::super::outbox::{FULL, Lane, Outbox, length};
 use super::super::status::Status;
+use super::super::words;
 use super::{Feed, Told, tell};
 use axum::extract::ws::Message;
 use expect_test::{Expect, expect};
@@ -27,7 +28,7 @@ async fn taken(outbox: &Outbox, ms: u64, slowness: Duration) -> String {
 /// A number that is changed at these moments, as its status is told.
 async fn check(changes: &[(u64, u64)], slowness_ms: u64, expect: &Expect) {
     let (outbox, number) = (Outbox::new(), watch::Sender::new(0));
-    let frame = |number: &u64| ToClient::Pong { id: *number, now_ms: 0 };
+    let frame = |number: &u64| words::text(&ToClient::Pong { id: *number, now_ms: 0 });
     let status = Status::new(7, number.subscribe(), frame);
     let begin = Instant::now();
     let change = async {
@@ -109,7 +110,7 @@ async fn the_latest_truth_does_not_wait_for_history_to_be_read() {
     let outbox = Outbox::new();
     let _history = outbox.turn(Lane::History).await.unwrap();
     let number = watch::Sender::new(3);
-    let frame = |number: &u64| ToClient::Pong { id: *number, now_ms: 0 };
+    let frame = |number: &u64| words::text(&ToClient::Pong { id: *number, now_ms: 0 });
     let status = Status::new(7, number.subscribe(), frame);
     let told = tokio::join!(timeout(Duration::from_secs(1), tell(status, &outbox)), outbox.next());
     assert_eq!(told.1.to_text().unwrap(), r#"{"frame":"pong","id":3,"now_ms":0}"#);

@@ -1,0 +1,213 @@
+//! One client's connection: every cause of work is one [`Cause`], taken one after the other. Knows frames and whom they are
+//! for; must never know what lies behind the desk, or how a frame reaches the other side.
+
+use super::desk::Desk;
+use super::outbox::{Outbox, length};
+use super::pulse::Pulse;
+use super::session::{Act, Session, binary};
+use super::words;
+use crate::Failure;
+use axum::extract::ws::{CloseFrame, Message, close_code};
+use futures_util::future::{AbortHandle, Abortable, Aborted, BoxFuture, FutureExt as _};
+use futures_util::stream::{FuturesOrdered, FuturesUnordered};
+use futures_util::{Sink, SinkExt as _, Stream, StreamExt as _};
+use rafcon_protocol::socket::{ToClient, Topic};
+use std::collections::BTreeMap;
+use std::pin::pin;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::select;
+
+/// So many commands and edits of one client may be under way; then its frames wait.
+const UNDER_WAY_MAX: usize = 32;
+/// How long a client that is sent away may take for the reason.
+const FAREWELL: Duration = Duration::from_secs(5);
+
+/// A message from the client, or why there is none.
+type Heard = Result<Message, axum::Error>;
+
+/// Why there is something to do.
+enum Cause {
+    /// The client said something, or went.
+    Heard(Option<Heard>),
+    /// A command or an edit has its answer.
+    Answered(ToClient),
+    /// A subscription has come to its end, or was given up.
+    Told(Result<u32, Aborted>),
+}
+
+/// Serves a client until it goes, or is sent away.
+pub(super) async fn serve<S>(desk: Desk, socket: S)
+where
+    S: Stream<Item = Heard> + Sink<Message, Error = axum::Error> + Send,
+{
+    let (sink, stream) = socket.split();
+    let (outbox, pulse) = (Arc::new(Outbox::new()), Pulse::new());
+    let mut writer = pin!(write(sink, &outbox, &pulse));
+    let connection = Connection::new(desk.clone(), Arc::clone(&outbox));
+    let farewell = select! {
+        () = &mut writer => None,
+        () = pulse.end(&outbox) => None,
+        farewell = desk.unwelcome() => Some(farewell),
+        farewell = connection.run(stream, &pulse) => farewell,
+    };
+    if let Some((failure, code)) = farewell {
+        let reason = CloseFrame { code, reason: failure.refusal().code.into() };
+        outbox.farewell(words::text(&words::refused(None, &failure)), reason);
+        // Whoever does not take the reason in time goes without it.
+        drop(tokio::time::timeout(FAREWELL, writer).await);
+    }
+}
+
+/// Sends what is in the outbox, one frame after the other, until the last one or until nobody takes them.
+async fn write(
+    mut sink: impl Sink<Message, Error = axum::Error> + Unpin,
+    outbox: &Outbox,
+    pulse: &Pulse,
+) {
+    loop {
+        let frame = outbox.next().await;
+        let (length, is_text) = (length(&frame), matches!(frame, Message::Text(_)));
+        let is_last = matches!(frame, Message::Close(_));
+        if sink.send(frame).await.is_err() || is_last {
+            return;
+        }
+        outbox.sent(length);
+        // A ping only shows that nobody was there to be asked before.
+        if is_text {
+            pulse.beat();
+        }
+    }
+}
+
+struct Connection {
+    desk: Desk,
+    session: Session,
+    outbox: Arc<Outbox>,
+    answers: FuturesOrdered<BoxFuture<'static, ToClient>>,
+    feeds: FuturesUnordered<Abortable<BoxFuture<'static, u32>>>,
+    /// By which each subscription is given up.
+    handles: BTreeMap<u32, AbortHandle>,
+}
+
+impl Connection {
+    fn new(desk: Desk, outbox: Arc<Outbox>) -> Self {
+        Self {
+            desk,
+            session: Session::default(),
+            outbox,
+            answers: FuturesOrdered::new(),
+            feeds: FuturesUnordered::new(),
+            handles: BTreeMap::new(),
+        }
+    }
+
+    /// Serves until the client goes (nothing) or is sent away (why).
+    async fn run(
+        mut self,
+        stream: impl Stream<Item = Heard> + Send,
+        pulse: &Pulse,
+    ) -> Option<(Failure, u16)> {
+        let mut stream = pin!(stream);
+        self.tell(&self.desk.welcome());
+        loop {
+            let cause = self.wait(stream.as_mut()).await;
+            match cause {
+                Cause::Heard(Some(Ok(message))) => {
+                    pulse.beat();
+                    self.hear(message);
+                }
+                Cause::Heard(Some(Err(error))) => {
+                    return Some((unreadable(&error), close_code::POLICY));
+                }
+                Cause::Heard(None) => return None,
+                Cause::Answered(answer) => self.tell(&answer),
+                Cause::Told(ended) => self.forget(ended),
+            }
+        }
+    }
+
+    /// The next cause. A client that does not take what it is told, or has too much under way, is not listened to.
+    async fn wait(&mut self, mut stream: impl Stream<Item = Heard> + Unpin) -> Cause {
+        let (outbox, is_free) = (&self.outbox, self.answers.len() < UNDER_WAY_MAX);
+        let heard = async {
+            outbox.room().await;
+            stream.next().await
+        };
+        select! {
+            Some(answer) = self.answers.next() => Cause::Answered(answer),
+            Some(ended) = self.feeds.next() => Cause::Told(ended),
+            heard = heard, if is_free => Cause::Heard(heard),
+        }
+    }
+
+    fn tell(&self, frame: &ToClient) {
+        self.outbox.push(words::text(frame));
+    }
+
+    fn hear(&mut self, message: Message) {
+        match message {
+            Message::Text(text) => {
+                self.desk.heard();
+                let act = self.session.hear(&text, self.desk.who(), self.desk.now_ms());
+                self.act(act);
+            }
+            Message::Binary(_) => self.tell(&binary()),
+            Message::Ping(_) | Message::Pong(_) | Message::Close(_) => {}
+        }
+    }
+
+    fn act(&mut self, act: Act) {
+        match act {
+            Act::Tell(frame) => self.tell(&frame),
+            Act::Begin(subscription, topic) => self.begin(subscription, topic),
+            Act::GiveUp(subscription) => self.give_up(subscription),
+            Act::Command { run, envelope } => {
+                self.answers.push_back(self.desk.command(run, *envelope).boxed());
+            }
+            Act::Change { machine, step } => {
+                self.answers.push_back(self.desk.change(machine, step).boxed());
+            }
+            Act::Look { machine, selection } => {
+                if let Err(failure) = self.desk.look(&machine, selection) {
+                    self.tell(&words::refused(None, &failure));
+                }
+            }
+        }
+    }
+
+    fn begin(&mut self, subscription: u32, topic: Topic) {
+        let (desk, outbox) = (self.desk.clone(), Arc::clone(&self.outbox));
+        let told = async move {
+            if let Err(failure) = desk.tell(subscription, topic, &outbox).await {
+                outbox.push(words::text(&words::ended(subscription, Some(&failure))));
+            }
+            subscription
+        };
+        let (handle, registration) = AbortHandle::new_pair();
+        self.feeds.push(Abortable::new(told.boxed(), registration));
+        self.handles.insert(subscription, handle);
+    }
+
+    fn give_up(&mut self, subscription: u32) {
+        if let Some(handle) = self.handles.remove(&subscription) {
+            handle.abort();
+        }
+        self.tell(&words::ended(subscription, None));
+    }
+
+    /// Nothing more will come of a subscription; one that was given up is forgotten already.
+    fn forget(&mut self, ended: Result<u32, Aborted>) {
+        if let Ok(subscription) = ended {
+            self.handles.remove(&subscription);
+            self.session.ended(subscription);
+        }
+    }
+}
+
+fn unreadable(error: &axum::Error) -> Failure {
+    let message = format!(
+        "what came cannot be read ({error}): a frame is text of at most 1 MiB; connect again and go on from your cursors"
+    );
+    Failure::bad("unreadable", message)
+}

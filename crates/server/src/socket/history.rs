@@ -1,0 +1,196 @@
+//! A run's history for one client: each event once, from a cursor on, out of the journal as long as the ring has given up what
+//! comes next, then out of the ring. Knows cursors and texts; must never know what an event says.
+
+use super::feed::{Feed, Told};
+use super::outbox::Lane;
+use super::words;
+use crate::history::HistoryReader;
+use crate::runs::{self, Page, Run};
+use crate::{Failure, House};
+use rafcon_protocol::api::{RunNow, RunPhase};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::select;
+use tokio::sync::watch;
+use tokio::time::timeout;
+
+/// About so many bytes of events are told at once.
+const PAGE_BYTES: usize = 64 << 10;
+/// At most so many events are told at once.
+const PAGE_COUNT: usize = 1000;
+/// After so long a journal is read again that lacks what its run told of, if nothing happens before.
+const STALLED: Duration = Duration::from_secs(1);
+
+/// Where a reader stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Cursor {
+    subscription: u32,
+    /// The first event that it was not told.
+    next: u64,
+    values: bool,
+    /// It knows that it was told everything that there was at some time.
+    has_caught_up: bool,
+}
+
+/// What a reader is to be told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Due {
+    Events,
+    /// That it has caught up.
+    CaughtUp,
+    /// That nothing more will come.
+    End,
+    Nothing,
+}
+
+impl Cursor {
+    /// A reader that was told everything before event `from`.
+    pub(super) fn new(subscription: u32, from: u64, values: bool) -> Self {
+        Self { subscription, next: from.max(1), values, has_caught_up: false }
+    }
+
+    /// What is due when event `last` is the last, and if the run is over nothing follows it.
+    fn due(&self, last: u64, is_over: bool) -> Due {
+        match (self.next <= last, self.has_caught_up, is_over) {
+            (true, _, _) => Due::Events,
+            (false, false, _) => Due::CaughtUp,
+            (false, true, true) => Due::End,
+            (false, true, false) => Due::Nothing,
+        }
+    }
+
+    /// Goes on to before event `next`; between there are these.
+    fn tell(&mut self, events: &[impl AsRef<str>], next: u64) -> Option<String> {
+        self.next = next;
+        (!events.is_empty()).then(|| words::events(self.subscription, next, events))
+    }
+
+    fn catch_up(&mut self) -> String {
+        self.has_caught_up = true;
+        words::events(self.subscription, self.next, &[""; 0])
+    }
+
+    fn end(&self, failure: Option<&Failure>) -> Told {
+        Told::Last(words::text(&words::ended(self.subscription, failure)))
+    }
+}
+
+/// The history of a run, followed by one client.
+#[derive(Debug)]
+pub(super) struct RunHistory {
+    run: Arc<Run>,
+    now: watch::Receiver<Arc<RunNow>>,
+    last: watch::Receiver<u64>,
+    journal: HistoryReader,
+    cursor: Cursor,
+    /// The journal had not what it should have: it is about to be taken up.
+    is_stalled: bool,
+}
+
+impl RunHistory {
+    pub(super) fn new(house: &House, run: Arc<Run>, cursor: Cursor) -> Self {
+        let (now, last) = (run.now(), run.ring().last());
+        let journal = HistoryReader::new(&house.history, run.folder(), cursor.values);
+        Self { run, now, last, journal, cursor, is_stalled: false }
+    }
+
+    fn due(&self) -> Due {
+        // Asked first: once a run is over, its last event is known.
+        let is_over = self.is_over();
+        self.cursor.due(*self.last.borrow(), is_over)
+    }
+
+    fn is_over(&self) -> bool {
+        is_over(&self.now.borrow().run.phase)
+    }
+
+    /// Waits until something about the run is different.
+    async fn change(&mut self) {
+        // Whoever changes it lives as long as the run that is held here.
+        select! {
+            _ = self.now.changed() => {}
+            _ = self.last.changed() => {}
+        }
+    }
+
+    async fn events(&mut self) -> Told {
+        match self.run.ring().read(self.cursor.next, PAGE_COUNT) {
+            Page::Events(events) => self.live(&events),
+            Page::Behind => self.kept().await,
+        }
+    }
+
+    /// What only the journal has.
+    async fn kept(&mut self) -> Told {
+        let (from, is_over) = (self.cursor.next, self.is_over());
+        let page = self.journal.page(from, PAGE_COUNT, PAGE_BYTES).await;
+        match page {
+            Ok(page) if page.next > from => {
+                self.cursor.tell(&page.entries, page.next).map_or(Told::Nothing, Told::Part)
+            }
+            Ok(_) if is_over => self.cursor.end(Some(&lacks(from))),
+            Ok(_) => {
+                self.is_stalled = true;
+                Told::Nothing
+            }
+            Err(failure) => self.cursor.end(Some(&failure)),
+        }
+    }
+
+    /// What the ring has.
+    fn live(&mut self, events: &[Arc<runs::Told>]) -> Told {
+        let mut bytes = 0;
+        let page = events.iter().take_while(|told| {
+            let is_room = bytes < PAGE_BYTES;
+            bytes += told.text(self.cursor.values).map_or(0, str::len);
+            is_room
+        });
+        let page: Vec<_> = page.collect();
+        let Some(last) = page.last() else { return Told::Nothing };
+        let texts: Vec<&str> =
+            page.iter().filter_map(|told| told.text(self.cursor.values)).collect();
+        let frame = self.cursor.tell(&texts, last.sequence + 1);
+        let is_all = page.len() == events.len() && events.len() < PAGE_COUNT;
+        frame.map_or(Told::Nothing, if is_all { Told::Now } else { Told::Part })
+    }
+}
+
+impl Feed for RunHistory {
+    const EVERY: Duration = Duration::from_millis(20);
+    const LANE: Lane = Lane::History;
+
+    async fn ready(&mut self) {
+        if std::mem::take(&mut self.is_stalled) {
+            drop(timeout(STALLED, self.change()).await);
+        }
+        while self.due() == Due::Nothing {
+            self.change().await;
+        }
+    }
+
+    async fn take(&mut self) -> Told {
+        match self.due() {
+            Due::Events => self.events().await,
+            Due::CaughtUp => Told::Part(self.cursor.catch_up()),
+            Due::End => self.cursor.end(None),
+            Due::Nothing => Told::Nothing,
+        }
+    }
+}
+
+/// Whether nothing will follow in a run's history.
+fn is_over(phase: &RunPhase) -> bool {
+    match phase {
+        RunPhase::Starting | RunPhase::Live | RunPhase::Crashed => false,
+        RunPhase::Finished { .. } | RunPhase::NotStarted { .. } | RunPhase::Unreadable { .. } => {
+            true
+        }
+    }
+}
+
+fn lacks(from: u64) -> Failure {
+    let message = format!(
+        "the run's journal ends before event {from}, which its runner told of: its folder was changed, or its disk has lost something"
+    );
+    Failure::conflict("journal_too_short", message)
+}

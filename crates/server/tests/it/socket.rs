@@ -1,0 +1,261 @@
+//! What the WebSocket tells of runs, and what it answers to whatever is said.
+
+use crate::harness::House;
+use crate::socket_client::{Client, history};
+use crate::socket_runs::{self, PER_ROUND};
+use expect_test::{Expect, expect};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use rafcon_protocol::api::Role;
+use serde_json::{Value, json};
+use std::thread;
+use tungstenite::Message;
+
+/// A server with a run `r` of so many rounds.
+fn house(rounds: usize) -> House {
+    let place = tempfile::tempdir().unwrap();
+    socket_runs::make(&place.path().join("runs"), "r", rounds);
+    House::at(place, |_settings| {})
+}
+
+#[test]
+fn a_history_is_told_whole_from_every_cursor() {
+    let house = house(3);
+    let mut client = Client::connect(&house, Role::Viewer);
+    let last = 3 + 3 * PER_ROUND as u64;
+    for from in 0..last + 3 {
+        for values in [true, false] {
+            client.subscribe(7, &history("r", from, values));
+            let wanted = socket_runs::history(&house.runs(), "r", from, values);
+            assert_eq!(client.events(), wanted, "from {from}");
+        }
+    }
+}
+
+#[test]
+fn a_reader_that_breaks_off_again_and_again_loses_nothing() {
+    let house = house(2000);
+    let (mut told, mut next) = (Vec::new(), 0);
+    loop {
+        let mut client = Client::connect(&house, Role::Viewer);
+        client.subscribe(1, &history("r", next, true));
+        let frame = client.hear();
+        let events = frame["events"].as_array().unwrap().clone();
+        if events.is_empty() {
+            break;
+        }
+        told.extend(events);
+        next = frame["next"].as_u64().unwrap();
+    }
+    assert_eq!(told, socket_runs::history(&house.runs(), "r", 1, true));
+}
+
+#[test]
+fn once_all_is_told_the_reader_knows() {
+    let house = house(1);
+    let mut client = Client::connect(&house, Role::Viewer);
+    client.subscribe(3, &history("r", 7, false));
+    expect![[r#"
+        {"events":[{"event":{"globals":{},"outcome":{"id":0,"name":"done"},"outputs":{},"scoped_variables":{},"states_run":1,"type":"finished"},"sequence":7,"t_ns":4000000}],"frame":"events","next":8,"subscription":3}
+        {"events":[],"frame":"events","next":8,"subscription":3}
+        {"frame":"ended","refusal":null,"subscription":3}
+    "#]].assert_eq(&frames(&client.hear_until(|frame| frame["frame"] == "ended")));
+}
+
+/// One frame a line.
+fn frames(frames: &[Value]) -> String {
+    frames.iter().map(|frame| format!("{frame}\n")).collect()
+}
+
+/// The rest of a history, as many events as there are.
+fn count(client: &mut Client, mut wait: impl FnMut()) -> usize {
+    let (mut count, mut next) = (0, 1);
+    loop {
+        let frame = client.hear();
+        if frame["frame"] == "ended" {
+            return count;
+        }
+        for event in frame["events"].as_array().unwrap() {
+            assert_eq!(event["sequence"], next);
+            next += 1;
+            count += 1;
+        }
+        wait();
+    }
+}
+
+#[test]
+fn readers_wait_neither_for_a_slow_one_nor_for_one_that_never_reads() {
+    const ROUNDS: usize = 3000;
+    let house = house(ROUNDS);
+    let follow = || {
+        let mut client = Client::connect(&house, Role::Viewer);
+        client.subscribe(1, &history("r", 1, true));
+        client
+    };
+    let (_never, mut slow) = (follow(), follow());
+    let all = ROUNDS * PER_ROUND + 3;
+    thread::scope(|scope| {
+        let readers: Vec<_> =
+            (0..18).map(|_| scope.spawn(|| count(&mut follow(), || {}))).collect();
+        for reader in readers {
+            assert_eq!(reader.join().unwrap(), all);
+        }
+    });
+    assert_eq!(count(&mut slow, thread::yield_now), all);
+}
+
+/// What this process holds in memory, in bytes.
+fn resident() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() << 10
+}
+
+#[test]
+fn clients_that_never_read_cost_little() {
+    const CLIENTS: u64 = 50;
+    let house = house(2000);
+    let mut reader = Client::connect(&house, Role::Viewer);
+    let before = resident();
+    let never: Vec<Client> = (0..CLIENTS)
+        .map(|_| {
+            let mut client = Client::connect(&house, Role::Viewer);
+            (0..8).for_each(|number| client.subscribe(number, &history("r", 1, true)));
+            client
+        })
+        .collect();
+    reader.subscribe(1, &history("r", 1, true));
+    count(&mut reader, || {});
+    let grown = resident().saturating_sub(before);
+    eprintln!("{} KiB for each client", (grown / CLIENTS) >> 10);
+    assert!(grown < CLIENTS << 20, "{} KiB for each client", (grown / CLIENTS) >> 10);
+    drop(never);
+}
+
+/// What is answered to these frames, a line each.
+fn answers(frames: &[&str]) -> String {
+    let house = house(1);
+    let mut client = Client::connect(&house, Role::Admin);
+    for frame in frames {
+        client.say_message(Message::text((*frame).to_owned()));
+    }
+    // Who follows several things is told of them in any order.
+    let mut answers: Vec<String> = frames.iter().map(|_| format!("{}\n", client.hear())).collect();
+    answers.sort();
+    answers.concat()
+}
+
+fn check(frames: &[&str], expect: &Expect) {
+    expect.assert_eq(&answers(frames));
+}
+
+#[test]
+fn what_cannot_be_followed_is_ended_with_the_reason() {
+    check(
+        &[
+            r#"{"frame":"subscribe","subscription":1,"topic":{"topic":"run_history","run":"../r"}}"#,
+            r#"{"frame":"subscribe","subscription":2,"topic":{"topic":"run_status","run":"none"}}"#,
+            r#"{"frame":"subscribe","subscription":3,"topic":{"topic":"machine_status","machine":"m"}}"#,
+            r#"{"frame":"subscribe","subscription":4,"topic":{"topic":"machine_history","machine":"m","from":1}}"#,
+            r#"{"frame":"unsubscribe","subscription":5}"#,
+        ],
+        &expect![[r#"
+            {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `../r`: GET /api/v1/runs lists them"},"subscription":1}
+            {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `none`: GET /api/v1/runs lists them"},"subscription":2}
+            {"frame":"ended","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"},"subscription":3}
+            {"frame":"ended","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"},"subscription":4}
+            {"frame":"ended","refusal":null,"subscription":5}
+        "#]],
+    );
+}
+
+#[test]
+fn commands_and_edits_that_nobody_can_carry_out_are_refused() {
+    check(
+        &[
+            r#"{"frame":"command","run":"none","envelope":{"id":"c1","command":{"type":"pause"}}}"#,
+            r#"{"frame":"command","run":"r","envelope":{"id":"c2","command":{"type":"pause"}}}"#,
+            r#"{"frame":"undo","machine":"m","undo":{"id":"u1"}}"#,
+        ],
+        &expect![[r#"
+            {"frame":"refused","id":"c1","refusal":{"code":"no_such_run","message":"there is no run `none`: GET /api/v1/runs lists them"}}
+        "#]],
+    );
+}
+
+#[test]
+fn a_frame_is_text_and_not_too_large() {
+    let house = house(1);
+    let mut client = Client::connect(&house, Role::Viewer);
+    client.say_message(Message::binary(vec![1, 2, 3]));
+    assert_eq!(client.hear()["refusal"]["code"], "binary_frame");
+    client.say_message(Message::text("x".repeat((1 << 20) + 1)));
+    assert_eq!(client.hear()["refusal"]["code"], "unreadable");
+    assert_eq!(client.hear_or_end(), Err("1008 unreadable".to_owned()));
+}
+
+#[test]
+fn the_house_is_told_at_once_and_when_a_run_appears() {
+    let house = house(1);
+    let mut client = Client::connect(&house, Role::Viewer);
+    client.subscribe(1, &json!({ "topic": "house_status" }));
+    assert_eq!(client.hear()["status"]["runs"], json!([]));
+    socket_runs::make(&house.runs(), "s", 1);
+    let heard = client.hear_until(|frame| frame["status"]["runs"][0]["phase"] == "finished");
+    assert_eq!(heard.last().unwrap()["status"]["runs"][0]["id"], "s");
+}
+
+#[test]
+fn a_server_that_ends_says_so() {
+    let house = house(1);
+    let mut client = Client::connect(&house, Role::Viewer);
+    let _place = house.end();
+    assert_eq!(client.hear()["refusal"]["code"], "server_ends");
+    assert_eq!(client.hear_or_end(), Err("1001 server_ends".to_owned()));
+}
+
+/// Anything that looks like a frame, and anything that does not.
+fn anything() -> impl Strategy<Value = String> {
+    let word = prop::sample::select(vec![
+        r#""frame":"subscribe""#,
+        r#""frame":"unsubscribe""#,
+        r#""frame":"command""#,
+        r#""frame":"edit""#,
+        r#""frame":"presence""#,
+        r#""subscription":3"#,
+        r#""subscription":-1"#,
+        r#""topic":{"topic":"run_history","run":"r","from":18446744073709551615}"#,
+        r#""topic":{"topic":"run_status","run":"r"}"#,
+        r#""topic":{"topic":"house_status"}"#,
+        r#""run":"r""#,
+        r#""envelope":{"id":"","command":{"type":"stop"}}"#,
+        r#""envelope":{"id":"1","command":{"type":"kill"}}"#,
+        r#""machine":"../..""#,
+        r#""edit":{"id":"1","name":"","edit":[[[]]]}"#,
+        r#""selection":["","/"]"#,
+        "\u{0}",
+        "{",
+    ]);
+    let words = prop::collection::vec(word, 0..5);
+    prop_oneof![words.prop_map(|words| format!("{{{}}}", words.join(","))), any::<String>()]
+}
+
+#[test]
+fn whatever_is_said_the_connection_stays_and_answers() {
+    let house = house(1);
+    let config = Config { cases: 200, failure_persistence: None, ..Config::default() };
+    let said = prop::collection::vec(anything(), 1..8);
+    TestRunner::new(config)
+        .run(&said, |frames| {
+            let mut client = Client::connect(&house, Role::Admin);
+            for frame in frames {
+                client.say_message(Message::text(frame));
+            }
+            client.say(&json!({ "frame": "ping", "id": 99 }));
+            let heard = client.hear_until(|frame| frame["frame"] == "pong");
+            prop_assert_eq!(&heard.last().unwrap()["id"], 99);
+            Ok(())
+        })
+        .unwrap();
+}
