@@ -10,7 +10,7 @@ use anyhow::Result;
 use crate::workspace;
 
 /// The documents whose every rule names its tests.
-const DOCUMENTS: [&str; 8] = [
+const DOCUMENTS: [&str; 9] = [
     "docs/format.md",
     "docs/semantics.md",
     "docs/scripts.md",
@@ -19,6 +19,7 @@ const DOCUMENTS: [&str; 8] = [
     "docs/notation.md",
     "docs/protocol.md",
     "docs/journal.md",
+    "docs/api.md",
 ];
 
 /// A source file: its path and its text.

@@ -1,0 +1,69 @@
+"""The client that docs/api.md prints does what the document says, as it is printed there."""
+
+import subprocess
+import sys
+import unittest
+
+from house import House, REPOSITORY
+
+
+def blocks():
+    """The Python programs in the document."""
+    text = (REPOSITORY / "docs/api.md").read_text()
+    return [part.partition("\n```")[0] + "\n" for part in text.split("```python\n")[1:]]
+
+
+class TheClientInTheDocument(unittest.TestCase):
+    def setUp(self):
+        self.house = House()
+        self.addCleanup(lambda: self.house.end())
+        client, program = blocks()
+        for name, text in [("rafcon_client.py", client), ("step.py", program)]:
+            (self.house.folder / name).write_text(text)
+
+    def stepping(self):
+        command = [sys.executable, "step.py", self.house.link]
+        program = subprocess.Popen(command, cwd=self.house.folder, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(program.stdout.close)
+        self.addCleanup(program.kill)
+        return program
+
+    def check(self, told):
+        """What was told is what the run's journal has, from its beginning to its end."""
+        [run] = self.house.request("GET", "/runs")
+        self.assertEqual(run["phase"], "finished")
+        kept = [
+            f"{event['sequence']} {event['type']} {event['path']}\n"
+            for event in map(flat, self.house.history(run["id"]))
+            if event["type"] in ("entered", "left")
+        ]
+        self.assertEqual(told, kept)
+        self.assertGreater(len(told), 20)
+
+    def test_has_about_fifty_lines(self):
+        lines = [line for line in blocks()[0].splitlines() if line]
+        self.assertLessEqual(len(lines), 50)
+
+    def test_steps_a_run_to_its_end(self):
+        program = self.stepping()
+        told = list(program.stdout)
+        self.assertEqual(program.wait(), 0)
+        self.check(told)
+
+    def test_goes_on_after_the_server_was_killed(self):
+        program = self.stepping()
+        told = [program.stdout.readline() for _ in range(7)]
+        self.house.kill()
+        self.house.again()
+        told += list(program.stdout)
+        self.assertEqual(program.wait(), 0)
+        self.check(told)
+
+
+def flat(entry):
+    """An event with its number, however deep it stands in a line."""
+    return {**entry, **entry.get("event", {})}
+
+
+if __name__ == "__main__":
+    unittest.main()
