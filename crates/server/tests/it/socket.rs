@@ -128,7 +128,6 @@ fn clients_that_never_read_cost_little() {
     reader.subscribe(1, &history("r", 1, true));
     count(&mut reader, || {});
     let grown = resident().saturating_sub(before);
-    eprintln!("{} KiB for each client", (grown / CLIENTS) >> 10);
     assert!(grown < CLIENTS << 20, "{} KiB for each client", (grown / CLIENTS) >> 10);
     drop(never);
 }
@@ -161,11 +160,11 @@ fn what_cannot_be_followed_is_ended_with_the_reason() {
             r#"{"frame":"unsubscribe","subscription":5}"#,
         ],
         &expect![[r#"
-            {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `../r`: GET /api/v1/runs lists them"},"subscription":1}
-            {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `none`: GET /api/v1/runs lists them"},"subscription":2}
+            {"frame":"ended","refusal":null,"subscription":5}
             {"frame":"ended","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"},"subscription":3}
             {"frame":"ended","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"},"subscription":4}
-            {"frame":"ended","refusal":null,"subscription":5}
+            {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `../r`: GET /api/v1/runs lists them"},"subscription":1}
+            {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `none`: GET /api/v1/runs lists them"},"subscription":2}
         "#]],
     );
 }
@@ -180,6 +179,8 @@ fn commands_and_edits_that_nobody_can_carry_out_are_refused() {
         ],
         &expect![[r#"
             {"frame":"refused","id":"c1","refusal":{"code":"no_such_run","message":"there is no run `none`: GET /api/v1/runs lists them"}}
+            {"frame":"refused","id":"c2","refusal":{"code":"run_is_not_live","message":"the run is over: its history tells how it went"}}
+            {"frame":"refused","id":"u1","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"}}
         "#]],
     );
 }
