@@ -24,6 +24,6 @@ mod watch;
 
 pub use failure::Failure;
 pub use house::{House, HouseError};
-pub use listen::{Card, ServeError, Server, serve};
+pub use listen::{Card, ServeError, Server, TlsError, serve};
 pub use router::{openapi, router};
 pub use settings::Settings;

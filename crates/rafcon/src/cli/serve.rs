@@ -42,7 +42,7 @@ pub(crate) struct Serve {
 #[derive(Debug, Args)]
 pub(crate) struct State {
     /// The server's own folder (users, token, certificate); else `rafcon/server` in the user's folder for program state
-    #[arg(long = "state", value_name = "DIR", env = "RAFCON_STATE")]
+    #[arg(long = "state", value_name = "DIR", env = "RAFCON_STATE", global = true)]
     pub(crate) folder: Option<PathBuf>,
 }
 

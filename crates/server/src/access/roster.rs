@@ -238,7 +238,7 @@ mod tests {
     fn check(script: &str, expected: &Expect) {
         let mut roster = Roster::default();
         let role = |word: &str| serde_json::from_str(&format!("\"{word}\"")).unwrap();
-        let mut said = String::new();
+        let mut said = Vec::new();
         for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
             let words = line.split(' ').collect::<Vec<_>>();
             let came = match words.as_slice() {
@@ -252,12 +252,12 @@ mod tests {
                 _ => panic!("{line}"),
             };
             let came = came.err().map_or("done".to_owned(), |error| error.to_string());
-            said += &format!("{line}: {came}\n");
+            said.push(format!("{line}: {came}\n"));
         }
         let users = roster.users().into_iter().map(|user| format!("{} ", user.name));
         let tokens = roster.tokens(None).into_iter().map(|token| format!("{} ", token.id));
-        said.push_str(&users.chain(tokens).collect::<String>());
-        expected.assert_eq(&said);
+        said.extend(users.chain(tokens));
+        expected.assert_eq(&said.concat());
     }
 
     #[test]

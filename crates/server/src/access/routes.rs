@@ -44,7 +44,7 @@ async fn log_in(
     peer: Peer,
     Body(login): Body<Login>,
 ) -> Result<([(HeaderName, String); 1], Json<Session>), Failure> {
-    let from = peer.0.ip();
+    let from = peer.ip;
     let checked = house.people().check(&login.user, &login.password, from).await;
     if let Err(failure) = checked {
         if failure.status() == StatusCode::UNAUTHORIZED {
@@ -97,7 +97,7 @@ async fn change_password(
         let message = "only who has logged in with a password can change it: log in first";
         return Err(Failure::conflict("not_a_login", message));
     }
-    house.people().check(&who.user, &change.password, peer.0.ip()).await?;
+    house.people().check(&who.user, &change.password, peer.ip).await?;
     let (users, user) = (Arc::clone(house.people().users()), who.user.clone());
     blocking(move || Ok(users.change(&user, None, Some(&change.new_password))?)).await?;
     house.people().renew(&who)?;

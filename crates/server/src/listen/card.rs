@@ -18,7 +18,7 @@ pub struct Card {
     pub url: String,
     /// Its process.
     pub pid: u32,
-    /// SHA-256 of its certificate, in hexadecimal; none on the loopback.
+    /// SHA-256 of its certificate, in hexadecimal; none without TLS.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<String>,
     #[serde(skip)]
@@ -27,11 +27,15 @@ pub struct Card {
 
 impl Card {
     /// Tells where a server listens.
-    pub(super) fn write(house: &House, address: SocketAddr) -> Result<Self, PrivateError> {
+    pub(super) fn write(
+        house: &House,
+        address: SocketAddr,
+        fingerprint: Option<String>,
+    ) -> Result<Self, PrivateError> {
         let card = Self {
             url: format!("{}://{}", house.names().scheme(), near(address)),
             pid: std::process::id(),
-            fingerprint: None,
+            fingerprint,
             file: house.settings().state.join(FILE),
         };
         let text = serde_json::to_vec_pretty(&card).map_err(io::Error::from);

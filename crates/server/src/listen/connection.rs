@@ -10,7 +10,7 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use std::io;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::task::{Context, Poll};
@@ -18,11 +18,25 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+use tokio::time::timeout;
+use tokio_rustls::TlsAcceptor;
 use tower_http::add_extension::AddExtension;
 
 /// Where a request comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Peer(pub(crate) SocketAddr);
+pub(crate) struct Peer {
+    pub(crate) ip: IpAddr,
+    /// Whether that is this computer.
+    pub(crate) is_near: bool,
+}
+
+impl Peer {
+    fn of(peer: SocketAddr, stream: &TcpStream) -> Self {
+        let ip = peer.ip().to_canonical();
+        let is_own = stream.local_addr().is_ok_and(|own| own.ip().to_canonical() == ip);
+        Self { ip, is_near: is_own || ip.is_loopback() }
+    }
+}
 
 impl<S: Sync> FromRequestParts<S> for Peer {
     type Rejection = Failure;
@@ -36,21 +50,33 @@ impl<S: Sync> FromRequestParts<S> for Peer {
 }
 
 /// All connections of a server.
-#[derive(Debug)]
 pub(super) struct Connections {
     places: Arc<Semaphore>,
     places_max: u32,
+    guest: Guest,
+}
+
+/// How one connection is answered.
+#[derive(Clone)]
+struct Guest {
     http: http1::Builder,
+    tls: Option<TlsAcceptor>,
+    patience: Duration,
     closed: watch::Receiver<bool>,
 }
 
 impl Connections {
-    pub(super) fn new(listen: &Listen, closed: watch::Receiver<bool>) -> Self {
+    pub(super) fn new(
+        listen: &Listen,
+        tls: Option<TlsAcceptor>,
+        closed: watch::Receiver<bool>,
+    ) -> Self {
         let places_max = u32::try_from(listen.connections_max).unwrap_or(u32::MAX >> 4);
         let mut http = http1::Builder::new();
         http.timer(TokioTimer::new()).header_read_timeout(listen.head_patience);
         let places = Arc::new(Semaphore::new(places_max as usize));
-        Self { places, places_max, http, closed }
+        let guest = Guest { http, tls, patience: listen.head_patience, closed };
+        Self { places, places_max, guest }
     }
 
     /// Answers one connection. Where all places are taken it is closed at once.
@@ -58,35 +84,46 @@ impl Connections {
         let Ok(place) = Arc::clone(&self.places).try_acquire_owned() else { return };
         // Without it an answer in two parts waits for the other side's acknowledgement.
         stream.set_nodelay(true).unwrap_or_default();
-        let (http, closed) = (self.http.clone(), self.closed.clone());
+        let (guest, about) = (self.guest.clone(), Peer::of(peer, &stream));
         let io = Counted { io: stream, _place: place };
-        tokio::spawn(async move { answer(&http, io, peer, router, closed).await });
+        tokio::spawn(async move { guest.welcome(io, about, router).await });
     }
 
     /// Waits until all are gone, but not for ever.
     pub(super) async fn gone(&self, patience: Duration) {
         let all = self.places.acquire_many(self.places_max);
-        drop(tokio::time::timeout(patience, all).await);
+        drop(timeout(patience, all).await);
     }
 }
 
-async fn answer(
-    http: &http1::Builder,
-    io: Counted<TcpStream>,
-    peer: SocketAddr,
-    router: Router,
-    mut closed: watch::Receiver<bool>,
-) {
-    let service = TowerToHyperService::new(AddExtension::new(router, Peer(peer)));
-    let mut connection = pin!(http.serve_connection(TokioIo::new(io), service).with_upgrades());
-    // How a connection ended is the client's business: it knows what it was not answered.
-    tokio::select! {
-        ended = connection.as_mut() => return drop(ended),
-        _ = closed.wait_for(|closed| *closed) => {}
+impl Guest {
+    /// Where there is TLS, a client has so long to speak it.
+    async fn welcome(self, io: Counted<TcpStream>, peer: Peer, router: Router) {
+        let Some(tls) = &self.tls else { return self.answer(io, peer, router).await };
+        if let Ok(Ok(io)) = timeout(self.patience, tls.accept(io)).await {
+            self.answer(io, peer, router).await;
+        }
     }
-    connection.as_mut().graceful_shutdown();
-    drop(connection.await);
+
+    async fn answer(&self, io: impl Stream, peer: Peer, router: Router) {
+        let service = TowerToHyperService::new(AddExtension::new(router, peer));
+        let connection = self.http.serve_connection(TokioIo::new(io), service);
+        let mut connection = pin!(connection.with_upgrades());
+        let mut closed = self.closed.clone();
+        // How a connection ended is the client's business: it knows what it was not answered.
+        tokio::select! {
+            ended = connection.as_mut() => return drop(ended),
+            _ = closed.wait_for(|closed| *closed) => {}
+        }
+        connection.as_mut().graceful_shutdown();
+        drop(connection.await);
+    }
 }
+
+/// What requests come over.
+trait Stream: AsyncRead + AsyncWrite + Unpin + Send + 'static {}
+
+impl<T: AsyncRead + AsyncWrite + Unpin + Send + 'static> Stream for T {}
 
 /// A stream that takes a place for as long as it is there, also after it has become a WebSocket.
 #[derive(Debug)]

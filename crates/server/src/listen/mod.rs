@@ -5,9 +5,11 @@ mod card;
 mod connection;
 mod names;
 mod signals;
+mod tls;
 
 pub use card::Card;
 pub(crate) use connection::Peer;
+pub use tls::TlsError;
 
 use crate::access::private::{self, PrivateError};
 use crate::house::HouseError;
@@ -21,6 +23,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
+use tls::Identity;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
 
@@ -37,6 +40,7 @@ pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
     card: Card,
+    identity: Option<Identity>,
     /// The folder is this server's as long as this is open.
     _lock: File,
 }
@@ -72,6 +76,17 @@ pub enum ServeError {
         /// Why not.
         source: io::Error,
     },
+    /// Nobody could log in.
+    #[error(
+        "other computers reach {address}, and nobody could log in: add a user first, with `rafcon user add NAME --role admin`"
+    )]
+    Nobody {
+        /// Where it was to listen.
+        address: SocketAddr,
+    },
+    /// There is no certificate.
+    #[error(transparent)]
+    Tls(#[from] TlsError),
     /// The system gives no threads or signals.
     #[error("cannot begin to serve")]
     Begin(#[source] io::Error),
@@ -98,12 +113,17 @@ impl Server {
         let lock = only_one(&settings.state)?;
         let house = House::new(settings)?;
         let wanted = house.settings().listen.address;
+        if !wanted.ip().is_loopback() && house.people().users().roster().users().is_empty() {
+            return Err(ServeError::Nobody { address: wanted });
+        }
         let listener = listen(wanted).await?;
         let address = listener.local_addr().map_err(|source| cannot(wanted, source))?;
         house.called(names::of(&house.settings().listen, address));
-        let card = Card::write(&house, address)?;
+        let identity = identity(&house, address)?;
+        let fingerprint = identity.as_ref().map(|identity| identity.fingerprint.clone());
+        let card = Card::write(&house, address, fingerprint)?;
         house.begin();
-        Ok(Self { house, listener, address, card, _lock: lock })
+        Ok(Self { house, listener, address, card, identity, _lock: lock })
     }
 
     /// Where it listens.
@@ -121,6 +141,11 @@ impl Server {
         format!("{}/?token={}", self.card.url, self.house.people().owner().text())
     }
 
+    /// SHA-256 of its certificate, in hexadecimal; none without TLS.
+    pub fn fingerprint(&self) -> Option<&str> {
+        self.card.fingerprint.as_deref()
+    }
+
     /// What it looks after.
     pub fn house(&self) -> &Arc<House> {
         &self.house
@@ -129,7 +154,8 @@ impl Server {
     /// Answers requests until `stop`; then what is being answered is, and the card goes away.
     pub async fn run(self, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
         let (closing, closed) = watch::channel(false);
-        let connections = Connections::new(&self.house.settings().listen, closed);
+        let tls = self.identity.map(|identity| identity.acceptor);
+        let connections = Connections::new(&self.house.settings().listen, tls, closed);
         let router = router(Arc::clone(&self.house));
         tokio::select! {
             () = accept(&self.listener, &connections, &router) => {}
@@ -152,6 +178,11 @@ async fn accept(listener: &TcpListener, connections: &Connections, router: &Rout
             Err(_no_handle_or_gone) => tokio::time::sleep(BREATH).await,
         }
     }
+}
+
+fn identity(house: &House, address: SocketAddr) -> Result<Option<Identity>, TlsError> {
+    let is_needed = house.names().is_secure;
+    is_needed.then(|| tls::identity(house.settings(), address)).transpose()
 }
 
 async fn listen(address: SocketAddr) -> Result<TcpListener, ServeError> {

@@ -1,5 +1,6 @@
 //! What this server is called, from where it listens.
 
+use super::tls;
 use crate::access::Names;
 use crate::settings::Listen;
 use std::net::SocketAddr;
@@ -12,11 +13,12 @@ pub(super) fn of(listen: &Listen, address: SocketAddr) -> Names {
     if !is_loopback {
         hosts.extend(host_name());
     }
-    Names { port: address.port(), is_secure: !is_loopback, is_loopback, hosts }
+    let is_secure = tls::is_needed(listen, address);
+    Names { port: address.port(), is_secure, is_loopback, hosts }
 }
 
 /// What this computer calls itself.
-pub(super) fn host_name() -> Option<String> {
+fn host_name() -> Option<String> {
     let uname = rustix::system::uname();
     let name = uname.nodename().to_str().ok()?.to_ascii_lowercase();
     (!name.is_empty()).then_some(name)

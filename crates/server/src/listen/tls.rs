@@ -1,0 +1,129 @@
+//! TLS: the certificate that others know this server by. One is made on first use and kept, so that whoever has compared its
+//! fingerprint once need not do so again.
+
+use super::names;
+use crate::access::hex;
+use crate::access::private::{self, PrivateError};
+use crate::settings::{Listen, Settings};
+use ring::digest::{SHA256, digest};
+use std::fmt;
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tokio_rustls::TlsAcceptor;
+use tokio_rustls::rustls::crypto::ring::default_provider;
+use tokio_rustls::rustls::pki_types::pem::{Error as PemError, PemObject as _};
+use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use tokio_rustls::rustls::{Error as RustlsError, ServerConfig};
+
+/// What a server shows to those who call it.
+pub(super) struct Identity {
+    pub(super) acceptor: TlsAcceptor,
+    /// SHA-256 of the certificate, in hexadecimal.
+    pub(super) fingerprint: String,
+}
+
+impl fmt::Debug for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Identity").field(&self.fingerprint).finish()
+    }
+}
+
+/// Why there is no TLS.
+#[derive(Debug, thiserror::Error)]
+pub enum TlsError {
+    /// The server's own files cannot be written.
+    #[error(transparent)]
+    Private(#[from] PrivateError),
+    /// A file holds no certificate or key.
+    #[error("cannot read {} as PEM: name a certificate with --certificate and its key with --key", path.display())]
+    Pem {
+        /// Which file.
+        path: PathBuf,
+        /// Why not.
+        source: PemError,
+    },
+    /// A file that holds no certificate.
+    #[error("there is no certificate in {}: name a file that holds one with --certificate", path.display())]
+    Empty {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// Certificate and key cannot be used.
+    #[error("the certificate {} cannot be used with its key: name another pair", path.display())]
+    Pair {
+        /// Which certificate.
+        path: PathBuf,
+        /// Why not.
+        source: RustlsError,
+    },
+    /// None can be made.
+    #[error("cannot make a certificate: name one with --certificate and --key")]
+    Make(#[source] rcgen::Error),
+}
+
+/// Whether a server that listens there speaks TLS: always where other computers reach it.
+pub(super) fn is_needed(listen: &Listen, address: SocketAddr) -> bool {
+    !address.ip().is_loopback() || listen.certificate.is_some()
+}
+
+/// The server's identity, made if it has none.
+pub(super) fn identity(settings: &Settings, address: SocketAddr) -> Result<Identity, TlsError> {
+    let named = settings.listen.certificate.clone();
+    let (certificate, key) = match named {
+        Some(pair) => pair,
+        None => own(&settings.state, &settings.listen, address)?,
+    };
+    let chain = chain(&certificate)?;
+    let pem = |path: &Path, source| TlsError::Pem { path: path.to_owned(), source };
+    let secret = PrivateKeyDer::from_pem_file(&key).map_err(|source| pem(&key, source))?;
+    let fingerprint = chain.first().map(|first| fingerprint(first));
+    let fingerprint = fingerprint.ok_or_else(|| TlsError::Empty { path: certificate.clone() })?;
+    let config = config(chain, secret);
+    let config = config.map_err(|source| TlsError::Pair { path: certificate, source })?;
+    Ok(Identity { acceptor: TlsAcceptor::from(Arc::new(config)), fingerprint })
+}
+
+fn config(
+    chain: Vec<CertificateDer<'static>>,
+    key: PrivateKeyDer<'static>,
+) -> Result<ServerConfig, RustlsError> {
+    let builder = ServerConfig::builder_with_provider(Arc::new(default_provider()));
+    let builder = builder.with_safe_default_protocol_versions()?.with_no_client_auth();
+    let mut config = builder.with_single_cert(chain, key)?;
+    config.alpn_protocols = vec![b"http/1.1".to_vec()];
+    Ok(config)
+}
+
+fn chain(path: &Path) -> Result<Vec<CertificateDer<'static>>, TlsError> {
+    let read = CertificateDer::pem_file_iter(path);
+    let read = read.and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    read.map_err(|source| TlsError::Pem { path: path.to_owned(), source })
+}
+
+fn fingerprint(certificate: &CertificateDer<'_>) -> String {
+    hex(digest(&SHA256, certificate).as_ref())
+}
+
+/// The pair that lies in the server's folder, after it was made if it was not there.
+fn own(state: &Path, listen: &Listen, address: SocketAddr) -> Result<(PathBuf, PathBuf), TlsError> {
+    let (certificate, key) = (state.join("certificate.pem"), state.join("key.pem"));
+    if !certificate.exists() || !key.exists() {
+        let made = rcgen::generate_simple_self_signed(names_of(listen, address));
+        let made = made.map_err(TlsError::Make)?;
+        private::write(&key, made.signing_key.serialize_pem().as_bytes())?;
+        private::write(&certificate, made.cert.pem().as_bytes())?;
+    }
+    Ok((certificate, key))
+}
+
+/// Names and addresses for which a certificate is good.
+fn names_of(listen: &Listen, address: SocketAddr) -> Vec<String> {
+    let mut names = names::of(listen, address).hosts;
+    names.extend(["127.0.0.1".to_owned(), "::1".to_owned()]);
+    let ip: IpAddr = address.ip();
+    if !ip.is_unspecified() && !ip.is_loopback() {
+        names.push(ip.to_string());
+    }
+    names
+}
