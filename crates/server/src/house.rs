@@ -2,12 +2,11 @@
 
 use crate::Settings;
 use crate::access::{Audit, Names, People, PrivateError};
+use crate::documents::Documents;
 use crate::history::History;
 use crate::news::News;
 use crate::projects::Projects;
 use crate::runs::{self, Runs};
-use crate::socket::Sockets;
-use rafcon_protocol::api::HouseStatus;
 use std::sync::{Arc, OnceLock};
 use tokio::sync::watch;
 
@@ -30,10 +29,10 @@ pub struct House {
     pub(crate) history: History,
     /// The folders with machines, and the libraries.
     pub(crate) projects: Projects,
+    /// The open machines.
+    pub(crate) documents: Documents,
     /// All runs.
     pub(crate) runs: Runs,
-    /// What WebSockets share.
-    pub(crate) sockets: Sockets,
 }
 
 /// Why one of the server's parts cannot begin.
@@ -57,10 +56,10 @@ impl House {
             names: OnceLock::new(),
             closing: watch::Sender::new(false),
             runs: Runs::new(&settings, &news)?,
-            sockets: Sockets::default(),
             news,
             history: History::default(),
             projects: Projects::new(&settings),
+            documents: Documents::new(&settings),
             settings,
         }))
     }
@@ -68,15 +67,6 @@ impl House {
     /// Begins to look after what goes on without requests. To be called once, within the runtime.
     pub(crate) fn begin(self: &Arc<Self>) {
         runs::begin(self);
-    }
-
-    /// How everything stands that it looks after.
-    pub(crate) async fn status(&self) -> HouseStatus {
-        HouseStatus {
-            files_revision: self.news.files_revision(),
-            machines: Vec::new(),
-            runs: self.runs.lively().await,
-        }
     }
 
     /// Who may come in.

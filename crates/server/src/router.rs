@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
 use crate::access::{self, guarded};
-use crate::{Failure, House, description, page, projects, runs, socket};
+use crate::{Failure, House, description, page, projects, runs};
 
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
@@ -20,8 +20,8 @@ fn all() -> OpenApiRouter<Arc<House>> {
         .merge(page::routes())
         .merge(access::routes())
         .merge(projects::routes())
+        .merge(crate::documents::routes())
         .merge(runs::routes())
-        .merge(socket::routes())
 }
 
 /// What answers requests.
@@ -51,7 +51,6 @@ async fn openapi_json() -> impl IntoResponse {
     static TEXT: LazyLock<String> = LazyLock::new(|| openapi().to_json().unwrap_or_default());
     ([(CONTENT_TYPE, "application/json")], TEXT.as_str())
 }
-
 
 async fn nowhere() -> Failure {
     Failure::not_found(

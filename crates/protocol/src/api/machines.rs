@@ -13,7 +13,8 @@ pub struct MachineSummary {
     pub file: Option<MachineFile>,
     /// The root state's name.
     pub name: String,
-    /// Counts every edit, undo and redo, from 0 when it was opened.
+    /// Rises by one with every edit, undo, redo and reload. No number counts twice for a machine, also not after it was closed
+    /// or the server was started again.
     pub revision: u64,
     /// The revision that lies on disk.
     pub saved_revision: u64,
@@ -76,6 +77,66 @@ pub struct CloseMachine {
     /// Give up edits that do not lie on disk.
     #[serde(default)]
     pub discard: bool,
+}
+
+/// The whole of an open machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct MachineDocument {
+    /// As it was at this revision.
+    pub revision: u64,
+    /// The machine.
+    pub document: crate::document::Document,
+}
+
+/// Reads the files of an open machine again. What the machine was before can be had back by an undo.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct ReloadMachine {
+    /// Chosen by the sender; the same id is carried out once.
+    pub id: String,
+}
+
+/// Copies states of an open machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct CopyStates {
+    /// The path of the container around them.
+    pub path: String,
+    /// Their ids.
+    pub states: Vec<String>,
+    /// Ids of scoped variables that go with them.
+    #[serde(default)]
+    pub scoped_variables: Vec<i64>,
+}
+
+/// Something was done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Done {
+    /// The revision that it made, or that lies on disk now.
+    pub revision: u64,
+}
+
+/// Revisions of an open machine from a cursor on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct RevisionPage {
+    /// Whether those that were asked for are gone: then there are none here, and the whole machine is to be asked for.
+    pub is_reset: bool,
+    /// In order, without a gap; none if there is nothing new.
+    pub revisions: Vec<Revision>,
+    /// Where the next page begins.
+    pub next: u64,
+}
+
+/// From where on revisions are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
+#[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
+pub struct RevisionsFrom {
+    /// The first revision that has not been seen.
+    pub from: u64,
 }
 
 /// One edit.

@@ -18,8 +18,9 @@ pub use history::{
 };
 pub use house::{Health, HouseStatus};
 pub use machines::{
-    CloseMachine, DiskState, EditMachine, MachineAt, MachineProblem, MachineStatus, MachineSummary,
-    NewMachine, Presence, Revision, SaveMachine, Severity, Undo,
+    CloseMachine, CopyStates, DiskState, Done, EditMachine, MachineAt, MachineDocument,
+    MachineProblem, MachineStatus, MachineSummary, NewMachine, Presence, ReloadMachine, Revision,
+    RevisionPage, RevisionsFrom, SaveMachine, Severity, Undo,
 };
 pub use past::{
     Comparison, DataChange, DataKind, Happened, Holding, OutcomeCount, Parting, Picture,

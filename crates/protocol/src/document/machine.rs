@@ -53,7 +53,7 @@ pub struct StateDocument {
     /// The Python text of an execution state or decider.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub script: Option<String>,
-    /// By rising id.
+    /// By rising id. In what is added to a machine none means aborted (-1) and preempted (-2).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outcomes: Vec<OutcomeDocument>,
     /// By rising id.

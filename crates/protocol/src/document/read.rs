@@ -128,7 +128,10 @@ impl StateDocument {
         let (parent, id) = self.split()?;
         let mut state = State::new(StateId::new(id), &self.name, self.kind()?);
         state.description = self.description.as_deref().map(Into::into);
-        state.outcomes = self.outcomes.iter().map(|o| o.read(place)).collect::<Result<_, _>>()?;
+        if !self.outcomes.is_empty() {
+            let outcomes = self.outcomes.iter().map(|outcome| outcome.read(place));
+            state.outcomes = outcomes.collect::<Result<_, _>>()?;
+        }
         state.inputs = place.ports("inputs", &self.inputs)?;
         state.outputs = place.ports("outputs", &self.outputs)?;
         state.semantic_data =

@@ -1,0 +1,77 @@
+//! Machines as they lie on disk, and the names of their contents. Knows folders; must never know who has them open.
+
+use crate::Failure;
+use crate::failure::reason;
+use axum::http::StatusCode;
+use rafcon_model::{Header, Kind, Machine, Outcome, OutcomeId, State, StateId};
+use rafcon_protocol::document::Document;
+use rafcon_storage::config::Naming;
+use rafcon_storage::{Libraries, LoadError, LoadProblem, SaveError, Saved, load, save};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A machine that was read.
+#[derive(Debug)]
+pub(super) struct OnDisk {
+    pub(super) machine: Machine,
+    pub(super) saved: Saved,
+    /// Faults of its files.
+    pub(super) problems: Vec<LoadProblem>,
+    /// The name of its content.
+    pub(super) hash: String,
+    /// Its content: a [`Document`] as JSON.
+    pub(super) document: Vec<u8>,
+}
+
+/// Reads the machine in a folder; nothing if there is none any more.
+pub(super) fn read(folder: &Path, libraries: &Libraries) -> Result<Option<OnDisk>, Failure> {
+    let loaded = match load(folder, libraries) {
+        Ok(loaded) => loaded,
+        Err(LoadError::NotFound { .. } | LoadError::NotAMachine { .. }) => return Ok(None),
+        Err(error) => return Err(unreadable(&error)),
+    };
+    let (hash, document) = content(&loaded.machine)?;
+    let (machine, saved, problems) = (loaded.machine, loaded.saved, loaded.problems);
+    Ok(Some(OnDisk { machine, saved, problems, hash, document }))
+}
+
+/// The name of a machine's content, and the content.
+pub(super) fn content(machine: &Machine) -> Result<(String, Vec<u8>), Failure> {
+    let document = serde_json::to_vec(&Document::of(machine)).map_err(|error| {
+        let message = format!("the machine cannot be put into JSON, which is a defect: {error}");
+        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "no_json", message)
+    })?;
+    Ok((blake3::hash(&document).to_hex().to_string(), document))
+}
+
+/// Writes what of a machine differs from what is on disk.
+pub(super) fn write(
+    machine: &Machine,
+    folder: &Path,
+    previous: Option<&Saved>,
+    naming: Naming,
+) -> Result<Saved, Failure> {
+    save(machine, folder, previous, naming).map_err(|error| match error {
+        SaveError::Io { .. } => {
+            let message = format!(
+                "{}; nothing has changed there: make room, or save it elsewhere",
+                reason(&error)
+            );
+            Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_saved", message)
+        }
+        SaveError::Occupied { .. } => Failure::conflict("occupied", reason(&error)),
+    })
+}
+
+/// A machine with nothing in it but an outcome.
+pub(super) fn empty(name: &str, id: StateId, creation_time: &str) -> Machine {
+    let kind = Kind::Hierarchy(rafcon_model::Container::default());
+    let mut root = State::new(id, name, kind);
+    root.outcomes.insert(Outcome::new(OutcomeId(0), "success"));
+    let header = Header { creation_time: creation_time.into(), ..Header::default() };
+    Machine { header, root: Arc::new(root) }
+}
+
+fn unreadable(error: &LoadError) -> Failure {
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_machine", reason(error))
+}

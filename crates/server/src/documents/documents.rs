@@ -1,0 +1,314 @@
+//! All open machines: which folder is open under which name. Knows rooms; the work on files is to be done on threads that may
+//! wait.
+
+use super::disk;
+use super::draft::What;
+use super::machine::{Deed, Request};
+use super::recover::{read_edit, recover};
+use super::room::{Room, Saving, Spot, Tools, closed};
+use super::steps::Along;
+use crate::{Failure, House, Settings};
+use axum::http::StatusCode;
+use parking_lot::{Condvar, Mutex};
+use rafcon_model::{Fresh, StatePath};
+use rafcon_protocol::api::{
+    CloseMachine, CopyStates, EditMachine, MachineFile, MachineSummary, NewMachine, Presence,
+    SaveMachine, Undo,
+};
+use rafcon_protocol::document::Selection;
+use rafcon_storage::calendar::Date;
+use rafcon_storage::config::{self, Naming};
+use rafcon_supervisor::clock::{salt, since_1970_ms};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// So many machines may be open at a time.
+const OPEN_MAX: usize = 64;
+
+/// The open machines of a server.
+#[derive(Debug)]
+pub(crate) struct Documents {
+    /// The folder with all drafts.
+    drafts: PathBuf,
+    naming: Naming,
+    rooms: Mutex<BTreeMap<String, Arc<Room>>>,
+    /// Folders that somebody opens, closes or moves to.
+    claimed: Mutex<BTreeSet<PathBuf>>,
+    released: Condvar,
+}
+
+/// A folder that nobody else opens or closes meanwhile.
+struct Claim<'d> {
+    documents: &'d Documents,
+    folder: PathBuf,
+}
+
+/// A change of an open machine that somebody asks for.
+#[derive(Debug)]
+pub(crate) enum Wish {
+    /// An edit.
+    Edit(Box<EditMachine>),
+    /// One's own last step back.
+    Undo(Undo),
+    /// One's own last step again.
+    Redo(Undo),
+}
+
+impl Documents {
+    /// No machine is open.
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let found = config::find(settings.config.as_deref(), &settings.variable);
+        Self {
+            drafts: settings.state.join("drafts"),
+            naming: found.map(|(config, _file)| config.naming).unwrap_or_default(),
+            rooms: Mutex::default(),
+            claimed: Mutex::default(),
+            released: Condvar::new(),
+        }
+    }
+
+    /// Every open machine in one line.
+    pub(crate) fn summaries(&self) -> Vec<MachineSummary> {
+        self.rooms.lock().values().map(|room| room.summary()).collect()
+    }
+
+    /// The folders of open machines.
+    pub(crate) fn folders(&self) -> Vec<PathBuf> {
+        self.rooms.lock().values().map(|room| room.folder()).collect()
+    }
+
+    /// The open machine of this name.
+    pub(crate) fn room(&self, id: &str) -> Result<Arc<Room>, Failure> {
+        self.rooms.lock().get(id).cloned().ok_or_else(|| closed(id))
+    }
+
+    fn room_of(&self, folder: &Path) -> Option<Arc<Room>> {
+        self.rooms.lock().values().find(|room| room.folder() == folder).cloned()
+    }
+
+    /// Waits until nobody else opens or closes the folder.
+    fn claim(&self, folder: &Path) -> Claim<'_> {
+        let mut claimed = self.claimed.lock();
+        while !claimed.insert(folder.to_owned()) {
+            self.released.wait(&mut claimed);
+        }
+        Claim { documents: self, folder: folder.to_owned() }
+    }
+
+    fn spot(&self, house: &House, file: &MachineFile) -> Result<Spot, Failure> {
+        let folder = house.projects.resolve(file)?;
+        let draft = self.drafts.join(name_of(&folder));
+        Ok(Spot { folder, file: file.clone(), draft })
+    }
+
+    fn tools(&self, house: &House) -> Tools {
+        Tools { libraries: house.projects.libraries(), naming: self.naming }
+    }
+
+    /// Opens the machine in a folder, once for all who want it, with what a server that died had taken.
+    pub(crate) fn open(
+        &self,
+        house: &House,
+        file: &MachineFile,
+    ) -> Result<MachineSummary, Failure> {
+        let spot = self.spot(house, file)?;
+        let _claim = self.claim(&spot.folder);
+        if let Some(room) = self.room_of(&spot.folder) {
+            return Ok(room.summary());
+        }
+        self.is_room()?;
+        let libraries = house.projects.libraries();
+        let on_disk = disk::read(&spot.folder, &libraries)?.ok_or_else(|| not_there(file))?;
+        let draft = spot.draft.clone();
+        let recovered = recover(&spot.folder, draft, &on_disk, since_1970_ms(), &libraries)?;
+        let mut rooms = self.rooms.lock();
+        let id = free_name(&name_of(&spot.folder), |id| rooms.contains_key(id));
+        let room = Arc::new(Room::new(id.clone(), spot, on_disk, recovered));
+        rooms.insert(id, Arc::clone(&room));
+        drop(rooms);
+        house.news.machines();
+        Ok(room.summary())
+    }
+
+    fn is_room(&self) -> Result<(), Failure> {
+        if self.rooms.lock().len() < OPEN_MAX {
+            return Ok(());
+        }
+        let message =
+            format!("{OPEN_MAX} machines are open, and that is the most: close one first");
+        Err(Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_machines", message))
+    }
+
+    /// Makes a machine in a folder that does not exist, and opens it.
+    pub(crate) fn make(&self, house: &House, new: &NewMachine) -> Result<MachineSummary, Failure> {
+        let spot = self.spot(house, &new.file)?;
+        {
+            let _claim = self.claim(&spot.folder);
+            if spot.folder.exists() {
+                let message = format!("{} exists: choose another folder", new.file.path);
+                return Err(Failure::conflict("folder_exists", message));
+            }
+            if new.name.is_empty() || new.name.contains('/') {
+                let message = "the name is empty or has a `/` in it: give the machine another one";
+                return Err(Failure::bad("bad_name", message));
+            }
+            let now = since_1970_ms();
+            let id = Fresh::new(now << 16 | u64::from(salt(0))).id(|_| false);
+            let machine = disk::empty(&new.name, id, &Date::since_1970(now / 1000).to_string());
+            disk::write(&machine, &spot.folder, None, self.naming)?;
+        }
+        house.news.files();
+        self.open(house, &new.file)
+    }
+
+    /// Does what somebody wishes; the new revision.
+    pub(crate) fn change(
+        &self,
+        house: &House,
+        id: &str,
+        author: &str,
+        wish: Wish,
+    ) -> Result<u64, Failure> {
+        let room = self.room(id)?;
+        let (id, deed, what) = match wish {
+            Wish::Undo(undo) => (undo.id, Deed::Along(Along::Back), What::Undo),
+            Wish::Redo(redo) => (redo.id, Deed::Along(Along::Again), What::Redo),
+            Wish::Edit(wish) => {
+                let EditMachine { id, base: _, name, edit } = *wish;
+                let read = read_edit(&edit, &house.projects.libraries())?;
+                let what = What::Edit { name: name.clone(), edit: Box::new(edit) };
+                (id, Deed::Edit(name, read), what)
+            }
+        };
+        let request = Request { author: author.to_owned(), id };
+        let revision = room.perform(request, deed, what, since_1970_ms())?;
+        house.news.machines();
+        Ok(revision)
+    }
+
+    /// Saves an open machine; the revision that lies on disk now.
+    pub(crate) fn save(&self, house: &House, id: &str, wish: &SaveMachine) -> Result<u64, Failure> {
+        let room = self.room(id)?;
+        let to = wish.file.as_ref().map(|file| self.spot(house, file)).transpose()?;
+        let to = to.filter(|spot| spot.folder != room.folder());
+        let _claim = to.as_ref().map(|spot| self.claim(&spot.folder));
+        if let Some(spot) = &to
+            && self.room_of(&spot.folder).is_some()
+        {
+            let message = format!("{} is open: close it first", spot.file.path);
+            return Err(Failure::conflict("is_open", message));
+        }
+        if let Some(spot) = &to
+            && spot.draft.exists()
+        {
+            let message = format!(
+                "{} has edits that a server that ended had taken: open it and save or close it first",
+                spot.file.path
+            );
+            return Err(Failure::conflict("has_draft", message));
+        }
+        let saving = Saving { to, overwrite: wish.overwrite };
+        let revision = room.save(&saving, &self.tools(house))?;
+        house.news.machines();
+        Ok(revision)
+    }
+
+    /// Reads the files of an open machine again; the new revision.
+    pub(crate) fn reload(
+        &self,
+        house: &House,
+        id: &str,
+        author: &str,
+        request: String,
+    ) -> Result<u64, Failure> {
+        let request = Request { author: author.to_owned(), id: request };
+        let revision = self.room(id)?.reload(request, &self.tools(house), since_1970_ms())?;
+        house.news.machines();
+        Ok(revision)
+    }
+
+    /// Closes an open machine for everybody.
+    pub(crate) fn close(
+        &self,
+        house: &House,
+        id: &str,
+        wish: &CloseMachine,
+    ) -> Result<(), Failure> {
+        let room = self.room(id)?;
+        let _claim = self.claim(&room.folder());
+        room.close(wish.discard)?;
+        self.rooms.lock().remove(id);
+        house.news.machines();
+        Ok(())
+    }
+
+    /// Files in the folder of an open machine may have changed.
+    pub(crate) fn look(&self, house: &House, folder: &Path) {
+        let Some(room) = self.room_of(folder) else { return };
+        if let Err(failure) = room.look(&house.projects.libraries()) {
+            crate::log::say(&format!("{} cannot be looked at: {failure}", folder.display()));
+        }
+        house.news.machines();
+    }
+
+    /// Copies states of an open machine, as they can be pasted.
+    pub(crate) fn copy(&self, id: &str, wish: &CopyStates) -> Result<Selection, Failure> {
+        let (_, machine) = self.room(id)?.machine();
+        let state = machine.state(&StatePath::parse(&wish.path));
+        let state = state.filter(|state| state.container().is_some()).ok_or_else(|| {
+            let message =
+                format!("{} is no container: name the state around what is copied", wish.path);
+            Failure::not_found("no_such_container", message)
+        })?;
+        let states: Vec<_> = wish.states.iter().map(rafcon_model::StateId::new).collect();
+        let variables: Vec<_> =
+            wish.scoped_variables.iter().copied().map(rafcon_model::PortId).collect();
+        Ok(Selection::of(&rafcon_model::edit::copy(state, &states, &variables)))
+    }
+
+    /// Somebody looks at states of an open machine.
+    pub(crate) fn looks(&self, house: &House, id: &str, presence: Presence) -> Result<(), Failure> {
+        self.room(id)?.looks(presence);
+        house.news.machines();
+        Ok(())
+    }
+
+    /// A connection is gone, or looks elsewhere.
+    pub(crate) fn leaves(&self, connection: u64) {
+        let rooms: Vec<_> = self.rooms.lock().values().cloned().collect();
+        rooms.iter().for_each(|room| room.leaves(connection));
+    }
+}
+
+impl Drop for Claim<'_> {
+    fn drop(&mut self) {
+        self.documents.claimed.lock().remove(&self.folder);
+        self.documents.released.notify_all();
+    }
+}
+
+/// A name for a folder that stays the same from one server to the next.
+fn name_of(folder: &Path) -> String {
+    let hash = blake3::hash(folder.as_os_str().as_encoded_bytes()).to_hex();
+    hash[..16].to_owned()
+}
+
+/// Somebody may have opened a machine here that lies elsewhere now.
+fn free_name(wanted: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let mut name = wanted.to_owned();
+    let mut number = 2_u32;
+    while is_taken(&name) {
+        name = format!("{wanted}-{number}");
+        number += 1;
+    }
+    name
+}
+
+fn not_there(file: &MachineFile) -> Failure {
+    let message = format!(
+        "there is no machine in `{}` of the project {}: /api/v1/projects/{}/tree lists them",
+        file.path, file.project, file.project
+    );
+    Failure::not_found("no_such_file", message)
+}

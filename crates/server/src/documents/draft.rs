@@ -1,0 +1,270 @@
+//! What was done to an open machine since it was read, on disk before it is answered, so that a server that dies loses nothing.
+//! Knows lines and files; must never know what an edit means.
+//!
+//! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
+//! documents, named after their content: the one that was read, and those that took its place.
+
+use crate::access::{PrivateError, private};
+use rafcon_protocol::edit::Edit;
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+const OPERATIONS: &str = "operations.jsonl";
+/// The form of the lines.
+const FORMAT: u32 = 1;
+
+/// The first line of a draft.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Head {
+    /// The form of the lines.
+    format: u32,
+    /// Where the machine lies.
+    pub(super) folder: PathBuf,
+    /// The content that was read.
+    pub(super) base: String,
+    /// Its revision.
+    pub(super) revision: u64,
+}
+
+/// A later line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "line", rename_all = "snake_case")]
+pub(super) enum Line {
+    /// Something was done.
+    Done(Box<Operation>),
+    /// The machine lies on disk.
+    Saved {
+        /// As it was at this revision.
+        revision: u64,
+        /// The content of its files.
+        hash: String,
+    },
+}
+
+/// Something that somebody did.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Operation {
+    pub(super) author: String,
+    pub(super) id: String,
+    pub(super) at_ms: u64,
+    pub(super) what: What,
+}
+
+/// What somebody did.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "what", rename_all = "snake_case")]
+pub(super) enum What {
+    /// An edit.
+    Edit { name: String, edit: Box<Edit> },
+    /// One's own last step back.
+    Undo,
+    /// One's own last step again.
+    Redo,
+    /// The machine became another one, which is kept under this name.
+    Replace { document: String },
+}
+
+/// The draft of an open machine. Nothing lies on disk until there is something to lose.
+#[derive(Debug)]
+pub(super) struct Draft {
+    place: PathBuf,
+    head: Head,
+    /// The file and its length.
+    file: Option<(File, u64)>,
+}
+
+/// A draft that a server left behind.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) head: Head,
+    pub(super) lines: Vec<Line>,
+    /// How far they reach; what follows was never answered.
+    length: u64,
+}
+
+impl Head {
+    pub(super) fn new(folder: &Path, base: &str, revision: u64) -> Self {
+        Self { format: FORMAT, folder: folder.to_owned(), base: base.to_owned(), revision }
+    }
+}
+
+/// The draft that lies in `place`. One that cannot be read is not touched.
+pub(super) fn find(place: &Path) -> Result<Option<Found>, PrivateError> {
+    let path = place.join(OPERATIONS);
+    let Some(text) = private::read(&path)? else { return Ok(None) };
+    let damaged = |error: serde_json::Error| PrivateError::new("read", &path, error.into());
+    let mut length = 0;
+    let mut whole =
+        text.split_inclusive('\n').filter(|line| line.ends_with('\n')).inspect(|line| {
+            length += line.len() as u64;
+        });
+    let Some(first) = whole.next() else { return Ok(None) };
+    let head: Head = serde_json::from_str(first).map_err(damaged)?;
+    if head.format != FORMAT {
+        let newer = io::Error::other("another version of this program wrote it: use that one");
+        return Err(PrivateError::new("read", &path, newer));
+    }
+    let lines = whole.map(serde_json::from_str).collect::<Result<_, _>>().map_err(damaged)?;
+    Ok(Some(Found { head, lines, length }))
+}
+
+impl Draft {
+    /// A draft that has nothing to keep yet.
+    pub(super) fn new(place: PathBuf, head: Head) -> Self {
+        Self { place, head, file: None }
+    }
+
+    /// Goes on with what a server left behind.
+    pub(super) fn go_on(place: PathBuf, found: &Found) -> Result<Self, PrivateError> {
+        let path = place.join(OPERATIONS);
+        let file = private::open(&path)?;
+        let failed = |source| PrivateError::new("write", &path, source);
+        file.set_len(found.length).map_err(failed)?;
+        Ok(Self { place, head: found.head.clone(), file: Some((file, found.length)) })
+    }
+
+    /// Whether there is something on disk.
+    pub(super) fn is_begun(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// The name of the content that it begins with.
+    pub(super) fn base(&self) -> &str {
+        &self.head.base
+    }
+
+    /// Where it lies.
+    pub(super) fn place(&self) -> &Path {
+        &self.place
+    }
+
+    /// Writes a line. If that fails, nothing of it stays.
+    pub(super) fn append(&mut self, line: &Line) -> Result<(), PrivateError> {
+        let path = self.place.join(OPERATIONS);
+        let failed = |source: io::Error| PrivateError::new("write", &path, source);
+        let mut text = String::new();
+        let (file, length) = match &mut self.file {
+            Some(file) => file,
+            none => {
+                private::folder(&self.place)?;
+                text = as_line(&self.head).map_err(failed)?;
+                let file = private::open(&path)?;
+                file.set_len(0).map_err(failed)?;
+                none.insert((file, 0))
+            }
+        };
+        text.push_str(&as_line(line).map_err(failed)?);
+        if let Err(error) = file.write_all(text.as_bytes()) {
+            file.set_len(*length).map_err(failed)?;
+            if *length == 0 {
+                self.file = None;
+            }
+            return Err(failed(error));
+        }
+        *length += text.len() as u64;
+        Ok(())
+    }
+
+    /// Moves to the folder of a machine that lies elsewhere from now on.
+    pub(super) fn move_to(&mut self, place: PathBuf) -> Result<(), PrivateError> {
+        if self.is_begun() {
+            let failed = |source| PrivateError::new("move the draft to", &place, source);
+            fs::rename(&self.place, &place).map_err(failed)?;
+        }
+        self.place = place;
+        Ok(())
+    }
+
+    /// Gives everything up.
+    pub(super) fn discard(&mut self) -> Result<(), PrivateError> {
+        self.file = None;
+        discard(&self.place)
+    }
+}
+
+/// Removes a draft.
+pub(super) fn discard(place: &Path) -> Result<(), PrivateError> {
+    match fs::remove_dir_all(place) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(PrivateError::new("remove", place, source))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Keeps a document under the name of its content.
+pub(super) fn keep(place: &Path, hash: &str, document: &[u8]) -> Result<(), PrivateError> {
+    private::folder(place)?;
+    private::write(&place.join(format!("{hash}.json")), document)
+}
+
+/// A document that was kept.
+pub(super) fn kept(place: &Path, hash: &str) -> Result<Option<String>, PrivateError> {
+    private::read(&place.join(format!("{hash}.json")))
+}
+
+fn as_line<T: Serialize>(value: &T) -> io::Result<String> {
+    Ok(serde_json::to_string(value)? + "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Draft, Found, Head, Line, OPERATIONS, Operation, What, find};
+    use std::fs;
+    use std::io::Write as _;
+    use std::path::Path;
+
+    fn draft(place: &Path) -> Draft {
+        Draft::new(place.join("draft"), Head::new(Path::new("/m"), "abc", 5))
+    }
+
+    fn undo(id: &str) -> Line {
+        let (author, id) = ("ann".to_owned(), id.to_owned());
+        Line::Done(Box::new(Operation { author, id, at_ms: 1, what: What::Undo }))
+    }
+
+    fn found(place: &Path) -> Option<Found> {
+        find(&place.join("draft")).expect("readable")
+    }
+
+    #[test]
+    fn what_was_written_is_found() {
+        let place = tempfile::tempdir().unwrap();
+        assert!(found(place.path()).is_none());
+        let mut draft = draft(place.path());
+        assert!(!draft.is_begun());
+        let saved = Line::Saved { revision: 6, hash: "def".into() };
+        draft.append(&undo("1")).unwrap();
+        draft.append(&saved).unwrap();
+        let found = found(place.path()).unwrap();
+        assert_eq!((found.head, found.lines), (draft.head.clone(), vec![undo("1"), saved]));
+        draft.discard().unwrap();
+        assert!(find(&place.path().join("draft")).unwrap().is_none());
+    }
+
+    /// A line that was cut off was never answered: it goes.
+    #[test]
+    fn a_cut_line_goes_and_the_next_one_is_whole() {
+        let place = tempfile::tempdir().unwrap();
+        draft(place.path()).append(&undo("1")).unwrap();
+        let file = place.path().join("draft").join(OPERATIONS);
+        fs::OpenOptions::new().append(true).open(file).unwrap().write_all(b"{\"li").unwrap();
+        let left = found(place.path()).unwrap();
+        assert_eq!(left.lines, [undo("1")]);
+        let mut draft = Draft::go_on(place.path().join("draft"), &left).unwrap();
+        draft.append(&undo("2")).unwrap();
+        assert_eq!(found(place.path()).unwrap().lines, [undo("1"), undo("2")]);
+    }
+
+    #[test]
+    fn a_draft_that_cannot_be_read_stays_as_it_is() {
+        let place = tempfile::tempdir().unwrap();
+        draft(place.path()).append(&undo("1")).unwrap();
+        let file = place.path().join("draft").join(OPERATIONS);
+        fs::write(&file, "{}\n").unwrap();
+        find(&place.path().join("draft")).unwrap_err();
+        assert_eq!(fs::read_to_string(file).unwrap(), "{}\n");
+    }
+}

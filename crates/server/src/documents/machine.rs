@@ -1,0 +1,247 @@
+//! An open machine as a value with a past: edits of several people in one order, each taken once, each taken back by its own
+//! author only. Pure: what is done is prepared first, so that it can be written down, and made then.
+
+use super::log::{Log, Page, Told};
+use super::merge;
+use super::places::{Place, places};
+use super::steps::{Along, Step, Steps, Stuck, Way};
+use crate::Failure;
+use axum::http::StatusCode;
+use rafcon_model::edit::{Edit, EditError, apply};
+use rafcon_model::{BuiltinTypes, Machine, Rule};
+use rafcon_protocol::api::Revision;
+use rafcon_protocol::document::{Change, changes};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+/// So many ids of what was done are known, so that whoever asks again gets the same answer.
+const ANSWERED_MAX: usize = 100_000;
+
+/// What somebody wants to do.
+#[derive(Debug, Clone)]
+pub(super) enum Deed {
+    /// An edit, under a name for people.
+    Edit(String, Edit),
+    /// One's own last step back, or again.
+    Along(Along),
+    /// The machine becomes another one.
+    Replace(Box<Machine>),
+}
+
+/// Who does it, and under which id.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Request {
+    pub(super) author: String,
+    pub(super) id: String,
+}
+
+/// Something that can be done now.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    machine: Machine,
+    changes: Vec<Change>,
+    name: String,
+    mark: Mark,
+}
+
+#[derive(Debug)]
+enum Mark {
+    New(Step),
+    Moved(u64, Along, Step),
+}
+
+/// A machine that several people edit.
+#[derive(Debug)]
+pub(super) struct OpenMachine {
+    machine: Machine,
+    revision: u64,
+    steps: Steps,
+    answered: Answered,
+    log: Log,
+}
+
+/// What was done under which id.
+#[derive(Debug, Default)]
+struct Answered {
+    revisions: BTreeMap<Request, u64>,
+    order: VecDeque<Request>,
+}
+
+impl OpenMachine {
+    /// A machine that has no past; its next revision follows `revision`.
+    pub(super) fn new(machine: Machine, revision: u64) -> Self {
+        Self {
+            machine,
+            revision,
+            steps: Steps::default(),
+            answered: Answered::default(),
+            log: Log::after(revision),
+        }
+    }
+
+    /// The machine as it is now.
+    pub(super) fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// The number of the last revision.
+    pub(super) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// What a reader has not seen whose next revision is `from`.
+    pub(super) fn since(&self, from: u64) -> Page {
+        self.log.since(from)
+    }
+
+    /// The revision that this request has made already.
+    pub(super) fn answered(&self, request: &Request) -> Option<u64> {
+        self.answered.revisions.get(request).copied()
+    }
+
+    /// What doing it would come to. Nothing has changed yet.
+    pub(super) fn prepare(&self, author: &str, deed: Deed) -> Result<Prepared, Failure> {
+        match deed {
+            Deed::Edit(name, edit) => self.edit(author, name, edit),
+            Deed::Along(along) => self.along(author, along),
+            Deed::Replace(machine) => Ok(self.replace(author, *machine)),
+        }
+    }
+
+    fn edit(&self, author: &str, name: String, edit: Edit) -> Result<Prepared, Failure> {
+        let mut machine = self.machine.clone();
+        let back = apply(&mut machine, edit, &BuiltinTypes).map_err(|error| refused(&error))?;
+        let step = step(author, &name, Way::Edit(back), &machine, &self.machine);
+        Ok(self.prepared(machine, name, Mark::New(step)))
+    }
+
+    fn along(&self, author: &str, along: Along) -> Result<Prepared, Failure> {
+        let (number, own) =
+            self.steps.next(author, along).map_err(|stuck| hindered(along, &stuck))?;
+        let name = own.name.clone();
+        let (machine, way) = match &own.way {
+            Way::Whole(machine) => (machine.clone(), Way::Whole(self.machine.clone())),
+            Way::Edit(edit) => {
+                let mut machine = self.machine.clone();
+                let edit = merge::merged(edit, &own.layouts, &machine);
+                let edit = edit.map_err(|path| moved_meanwhile(along, &name, &path.to_string()))?;
+                let back = apply(&mut machine, edit, &BuiltinTypes);
+                let back = back.map_err(|error| no_longer_fits(along, &name, &error))?;
+                (machine, Way::Edit(back))
+            }
+        };
+        let step = step(author, &name, way, &machine, &self.machine);
+        Ok(self.prepared(machine, name, Mark::Moved(number, along, step)))
+    }
+
+    fn replace(&self, author: &str, machine: Machine) -> Prepared {
+        let name = "Reload".to_owned();
+        let way = Way::Whole(self.machine.clone());
+        let step = step(author, &name, way, &machine, &self.machine);
+        self.prepared(machine, name, Mark::New(step))
+    }
+
+    fn prepared(&self, machine: Machine, name: String, mark: Mark) -> Prepared {
+        let changes = changes(&self.machine, &machine);
+        Prepared { machine, changes, name, mark }
+    }
+
+    /// Does what was prepared, and nothing since.
+    pub(super) fn commit(&mut self, prepared: Prepared, request: Request, at_ms: u64) -> u64 {
+        let Prepared { machine, changes, name, mark } = prepared;
+        self.revision += 1;
+        self.machine = machine;
+        match mark {
+            Mark::New(step) => self.steps.done(step, self.revision),
+            Mark::Moved(number, along, step) => {
+                self.steps.moved(number, along, step, self.revision);
+            }
+        }
+        let revision = Revision {
+            revision: self.revision,
+            id: request.id.clone(),
+            author: request.author.clone(),
+            name,
+            at_ms,
+            changes,
+        };
+        // Everything in it came from JSON or from text, so that it is JSON.
+        let text = serde_json::to_string(&revision).unwrap_or_default();
+        self.log.push(Arc::new(Told { number: self.revision, text }));
+        self.answered.push(request, self.revision);
+        self.revision
+    }
+}
+
+impl Answered {
+    fn push(&mut self, request: Request, revision: u64) {
+        self.order.push_back(request.clone());
+        self.revisions.insert(request, revision);
+        if self.order.len() > ANSWERED_MAX
+            && let Some(oldest) = self.order.pop_front()
+        {
+            self.revisions.remove(&oldest);
+        }
+    }
+}
+
+/// The step that leads to `machine`, and back by `way` to what there was before.
+fn step(author: &str, name: &str, way: Way, machine: &Machine, before: &Machine) -> Step {
+    let (places, layouts) = match &way {
+        Way::Edit(back) => (places(back), merge::layouts(back, machine)),
+        Way::Whole(_) => {
+            let roots = [&before.root.id, &machine.root.id];
+            let places = roots.into_iter().flat_map(Place::everything).collect();
+            (places, merge::Layouts::new())
+        }
+    };
+    Step { author: author.to_owned(), name: name.to_owned(), places, layouts, way }
+}
+
+/// An edit that breaks a rule, or is about something that is no longer there.
+fn refused(error: &EditError) -> Failure {
+    let status = match error.rule {
+        Rule::NoSuchState | Rule::NoSuchElement | Rule::IdTaken => StatusCode::CONFLICT,
+        _ => StatusCode::UNPROCESSABLE_ENTITY,
+    };
+    Failure::new(status, "edit_refused", error.to_string())
+}
+
+fn words(along: Along) -> &'static str {
+    match along {
+        Along::Back => "taken back",
+        Along::Again => "made again",
+    }
+}
+
+fn hindered(along: Along, stuck: &Stuck) -> Failure {
+    let words = words(along);
+    match stuck {
+        Stuck::Nothing => {
+            let message = format!("there is no step of yours to be {words}");
+            Failure::conflict("nothing_to_do", message)
+        }
+        Stuck::BuiltUpon { step, by, later, place } => {
+            let message = format!(
+                "`{step}` cannot be {words}: {by} has changed {place} since (`{later}`); ask for that to be taken back first, or change it by hand"
+            );
+            Failure::conflict("built_upon", message)
+        }
+    }
+}
+
+fn moved_meanwhile(along: Along, name: &str, path: &str) -> Failure {
+    let message = format!(
+        "`{name}` cannot be {}: somebody else has moved the same part of {path} since; move it by hand",
+        words(along)
+    );
+    Failure::conflict("built_upon", message)
+}
+
+fn no_longer_fits(along: Along, name: &str, error: &EditError) -> Failure {
+    let message = format!(
+        "`{name}` cannot be {}, for others have changed the machine since: {error}",
+        words(along)
+    );
+    Failure::conflict("built_upon", message)
+}

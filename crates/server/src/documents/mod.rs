@@ -1,0 +1,28 @@
+//! Open machines: what several people edit at the same time, with everybody's own steps back, and what is needed so that
+//! nothing of it gets lost.
+//!
+//! Knows machines, their folders and who edits them. Must never know how people log in, nor what runs.
+
+mod disk;
+#[expect(
+    clippy::module_inception,
+    reason = "the type that holds all open machines stands in the file of its name"
+)]
+mod documents;
+mod draft;
+mod log;
+mod machine;
+mod merge;
+mod places;
+mod problems;
+mod recover;
+mod room;
+mod routes;
+mod steps;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use documents::{Documents, Wish};
+pub(crate) use log::{Page, Told};
+pub(crate) use room::Room;
+pub(crate) use routes::{change, routes};

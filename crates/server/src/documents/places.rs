@@ -1,0 +1,262 @@
+//! What a step of somebody changed, place by place, and whether somebody else built on it. Pure: knows the model's edits only
+//! by the smallest changes that take them back.
+
+use rafcon_model::edit::{Edit, Field, Set, Step};
+use rafcon_model::{DataFlowId, OutcomeId, PortId, PortKind, StateId, StatePath, TransitionId};
+use std::fmt;
+
+/// One place in a machine.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Place {
+    path: StatePath,
+    part: Part,
+}
+
+/// Which part of the state at the path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    /// The state with everything inside it.
+    Whole,
+    /// What its kind makes of it: children, script, connections inside.
+    Inside,
+    Id,
+    Name,
+    Description,
+    SemanticData,
+    Script,
+    Layout,
+    Extra,
+    Outcome(OutcomeId),
+    Port(PortKind, PortId),
+    Transition(TransitionId),
+    DataFlow(DataFlowId),
+    RuntimeValue(PortKind, PortId),
+    /// The machine as a whole.
+    Header,
+}
+
+impl Place {
+    /// Everything there is.
+    pub(super) fn everything(root: &StateId) -> [Self; 2] {
+        let path = StatePath::root(root.clone());
+        [Self { path: path.clone(), part: Part::Whole }, Self { path, part: Part::Header }]
+    }
+
+    fn of(step: &Step) -> Self {
+        let here = |part| Self { path: step.at.clone(), part };
+        here(match &step.set {
+            Set::Child(id, _) => {
+                return Self { path: step.at.child(id.clone()), part: Part::Whole };
+            }
+            Set::Id(_) => Part::Id,
+            Set::Kind(_) => Part::Inside,
+            Set::Field(Field::Name(_)) => Part::Name,
+            Set::Field(Field::Description(_)) => Part::Description,
+            Set::Field(Field::SemanticData(_)) => Part::SemanticData,
+            Set::Field(Field::Script(_)) => Part::Script,
+            Set::Field(Field::Layout(_)) => Part::Layout,
+            Set::Field(Field::Extra(_)) => Part::Extra,
+            Set::Outcome(id, _) => Part::Outcome(*id),
+            Set::Port(kind, id, _) => Part::Port(*kind, *id),
+            Set::Transition(id, _) => Part::Transition(*id),
+            Set::DataFlow(id, _) => Part::DataFlow(*id),
+            Set::RuntimeValue(kind, id, _) => Part::RuntimeValue(*kind, *id),
+            Set::Header(_) => Part::Header,
+        })
+    }
+
+    /// Whether both are the layout of one state.
+    pub(super) fn is_layout(&self, other: &Self) -> bool {
+        self.part == Part::Layout && self == other
+    }
+
+    /// Whether taking this place back would undo what a later step did at `later`. What moved along with a state that got
+    /// another id moves back with it.
+    pub(super) fn is_built_upon(&self, later: &Self) -> bool {
+        if self.part == Part::Header || later.part == Part::Header {
+            return self.part == later.part;
+        }
+        let same = self.path == later.path;
+        let (is_around, is_below) =
+            (self.path.0.starts_with(&later.path.0), later.path.0.starts_with(&self.path.0));
+        match (self.part, later.part) {
+            (_, Part::Whole | Part::Id) if is_around => true,
+            (Part::Whole, _) if is_below => true,
+            (mine, Part::Inside) if is_around => !same || mine.is_inside(),
+            (Part::Inside, other) if is_below => !same || other.is_inside(),
+            (mine, other) => same && mine == other,
+        }
+    }
+}
+
+impl Part {
+    /// Whether it goes when a state becomes one of another kind.
+    fn is_inside(self) -> bool {
+        match self {
+            Self::Whole
+            | Self::Inside
+            | Self::Script
+            | Self::Layout
+            | Self::Transition(_)
+            | Self::DataFlow(_)
+            | Self::RuntimeValue(..)
+            | Self::Port(PortKind::ScopedVariable, _) => true,
+            Self::Id
+            | Self::Name
+            | Self::Description
+            | Self::SemanticData
+            | Self::Extra
+            | Self::Outcome(_)
+            | Self::Port(PortKind::Input | PortKind::Output, _)
+            | Self::Header => false,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { path, part } = self;
+        match part {
+            Part::Whole => write!(f, "{path}"),
+            Part::Inside => write!(f, "the kind of {path}"),
+            Part::Id => write!(f, "the id of {path}"),
+            Part::Name => write!(f, "the name of {path}"),
+            Part::Description => write!(f, "the description of {path}"),
+            Part::SemanticData => write!(f, "the semantic data of {path}"),
+            Part::Script => write!(f, "the script of {path}"),
+            Part::Layout => write!(f, "the layout of {path}"),
+            Part::Extra => write!(f, "the unknown keys of {path}"),
+            Part::Outcome(id) => write!(f, "outcome {id} of {path}"),
+            Part::Port(kind, id) => write!(f, "{kind} {id} of {path}"),
+            Part::Transition(id) => write!(f, "transition {id} in {path}"),
+            Part::DataFlow(id) => write!(f, "data flow {id} in {path}"),
+            Part::RuntimeValue(kind, id) => write!(f, "the value for {kind} {id} of {path}"),
+            Part::Header => write!(f, "the machine's header"),
+        }
+    }
+}
+
+/// The places that an edit changed, by what takes it back.
+pub(super) fn places(back: &Edit) -> Vec<Place> {
+    let Edit::Restore(restore) = back else { return Vec::new() };
+    let mut places: Vec<Place> = restore.steps.iter().map(Place::of).collect();
+    places.sort();
+    places.dedup();
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::places;
+    use expect_test::{Expect, expect};
+    use rafcon_model::edit::{ChildrenEdit, Edit, StateEdit, apply};
+    use rafcon_model::{BuiltinTypes, KindName, StateId, StatePath, notation};
+
+    const MACHINE: &str = "
+        hierarchy ROOT
+          outcome success
+          start -> A
+          A.success -> .success
+          hierarchy A
+            outcome success
+            execution B
+        ";
+
+    fn state(path: &str, edit: StateEdit) -> Edit {
+        Edit::State(StatePath::parse(path), edit)
+    }
+
+    fn remove(path: &str, id: &str) -> Edit {
+        Edit::Children(StatePath::parse(path), ChildrenEdit::Remove(StateId::new(id)))
+    }
+
+    fn name(path: &str) -> Edit {
+        state(path, StateEdit::SetName("New".into()))
+    }
+
+    /// What the first edit changes, and what of that the second builds upon.
+    fn check(first: Edit, second: Edit, expect: &Expect) {
+        let mut machine = notation::parse(MACHINE).expect("a machine");
+        let mut changed =
+            |edit| places(&apply(&mut machine, edit, &BuiltinTypes).expect("applied"));
+        let (first, second) = (changed(first), changed(second));
+        let line = |place: &super::Place| {
+            let upon = second.iter().filter(|later| place.is_built_upon(later));
+            let upon: Vec<_> = upon.map(ToString::to_string).collect();
+            format!("{place} <- {}\n", upon.join(", "))
+        };
+        expect.assert_eq(&first.iter().map(line).collect::<String>());
+    }
+
+    #[test]
+    fn what_changes_the_same_is_built_upon() {
+        check(
+            name("ROOT/A"),
+            name("ROOT/A"),
+            &expect![[r"
+            the name of ROOT/A <- the name of ROOT/A
+        "]],
+        );
+        check(
+            name("ROOT/A"),
+            name("ROOT/A/B"),
+            &expect![[r"
+            the name of ROOT/A <- 
+        "]],
+        );
+        check(
+            name("ROOT/A/B"),
+            remove("ROOT", "A"),
+            &expect![[r"
+            the name of ROOT/A/B <- ROOT/A
+        "]],
+        );
+        check(
+            name("ROOT/A"),
+            state("ROOT/A", StateEdit::SetKind(KindName::Execution)),
+            &expect![[r"
+            the name of ROOT/A <- 
+        "]],
+        );
+        check(
+            name("ROOT/A/B"),
+            state("ROOT/A", StateEdit::SetKind(KindName::Execution)),
+            &expect![[r"
+                the name of ROOT/A/B <- the kind of ROOT/A
+            "]],
+        );
+        check(
+            state("ROOT/A", StateEdit::SetKind(KindName::Barrier)),
+            name("ROOT/A/B"),
+            &expect![[r"
+            the kind of ROOT/A <- the name of ROOT/A/B
+        "]],
+        );
+        check(
+            name("ROOT/A"),
+            state("ROOT/A", StateEdit::SetId("C".into())),
+            &expect![[r"
+            the name of ROOT/A <- 
+        "]],
+        );
+    }
+
+    #[test]
+    fn what_moves_along_is_not() {
+        let rename = state("ROOT/A", StateEdit::SetId("C".into()));
+        check(
+            rename.clone(),
+            name("ROOT/C"),
+            &expect![[r"
+            the id of ROOT/C <- 
+        "]],
+        );
+        check(
+            rename,
+            remove("ROOT", "C"),
+            &expect![[r"
+            the id of ROOT/C <- ROOT/C
+        "]],
+        );
+    }
+}

@@ -1,0 +1,169 @@
+//! From what lies on disk and what a server that died had taken to the machine as people left it. Knows drafts and how an
+//! operation is done; must never know who asks.
+
+use super::disk::OnDisk;
+use super::draft::{Draft, Found, Head, Line, Operation, What, discard, find, kept};
+use super::machine::{Deed, OpenMachine, Request};
+use super::steps::Along;
+use crate::Failure;
+use crate::access::PrivateError;
+use crate::log::say;
+use axum::http::StatusCode;
+use rafcon_model::Machine;
+use rafcon_protocol::document::Document;
+use rafcon_protocol::edit::Edit;
+use rafcon_storage::{Libraries, fill_library};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A machine as people left it.
+#[derive(Debug)]
+pub(super) struct Recovered {
+    pub(super) machine: OpenMachine,
+    pub(super) draft: Draft,
+    /// The revision that lies on disk.
+    pub(super) saved_revision: u64,
+    /// Whether edits were found that do not lie on disk.
+    pub(super) is_recovered: bool,
+    /// Whether another program changed the files since.
+    pub(super) is_changed_on_disk: bool,
+}
+
+/// The machine of `folder` with what the draft in `place` holds. `revision` is where one without a draft begins.
+pub(super) fn recover(
+    folder: &Path,
+    place: PathBuf,
+    on_disk: &OnDisk,
+    revision: u64,
+    libraries: &Libraries,
+) -> Result<Recovered, Failure> {
+    let found = find(&place).map_err(|error| kept_back(&error))?;
+    let Some(found) = found.filter(|found| unsaved(found) > 0) else {
+        discard(&place).map_err(|error| kept_back(&error))?;
+        return Ok(fresh(folder, place, on_disk, revision));
+    };
+    let (saved_revision, expected) = saved(&found);
+    let machine = match replayed(&found, &place, on_disk, libraries) {
+        Ok(machine) => machine,
+        Err(failure) => {
+            set_aside(&place, folder, revision, &failure);
+            return Ok(fresh(folder, place, on_disk, revision));
+        }
+    };
+    Ok(Recovered {
+        machine,
+        is_changed_on_disk: expected != on_disk.hash,
+        draft: Draft::go_on(place, &found).map_err(|error| kept_back(&error))?,
+        saved_revision,
+        is_recovered: true,
+    })
+}
+
+fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Recovered {
+    Recovered {
+        machine: OpenMachine::new(on_disk.machine.clone(), revision),
+        draft: Draft::new(place, Head::new(folder, &on_disk.hash, revision)),
+        saved_revision: revision,
+        is_recovered: false,
+        is_changed_on_disk: false,
+    }
+}
+
+/// The revision that was saved last, and the content of its files.
+fn saved(found: &Found) -> (u64, String) {
+    let saved = |line: &Line| match line {
+        Line::Saved { revision, hash } => Some((*revision, hash.clone())),
+        Line::Done(_) => None,
+    };
+    let last = found.lines.iter().rev().find_map(saved);
+    last.unwrap_or_else(|| (found.head.revision, found.head.base.clone()))
+}
+
+/// How many operations do not lie on disk.
+fn unsaved(found: &Found) -> u64 {
+    let done = found.lines.iter().filter(|line| matches!(line, Line::Done(_))).count() as u64;
+    (found.head.revision + done).saturating_sub(saved(found).0)
+}
+
+/// The machine that was read when the draft was begun.
+fn base(
+    found: &Found,
+    place: &Path,
+    on_disk: &OnDisk,
+    libraries: &Libraries,
+) -> Result<Machine, Failure> {
+    if found.head.base == on_disk.hash {
+        return Ok(on_disk.machine.clone());
+    }
+    document(place, &found.head.base, libraries)
+}
+
+/// A machine that was kept beside the draft.
+fn document(place: &Path, hash: &str, libraries: &Libraries) -> Result<Machine, Failure> {
+    let lost = |what: String| {
+        let message = format!("the draft in {} cannot be read: {what}", place.display());
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_draft", message)
+    };
+    let text = kept(place, hash).map_err(|error| kept_back(&error))?;
+    let text = text.ok_or_else(|| lost(format!("{hash}.json is missing")))?;
+    let document: Document =
+        serde_json::from_str(&text).map_err(|error| lost(error.to_string()))?;
+    let mut look_up = |state: &mut _| drop(fill_library(state, libraries));
+    document.read(&mut look_up).map_err(|error| lost(error.to_string()))
+}
+
+/// What was read, with everything that was done to it.
+fn replayed(
+    found: &Found,
+    place: &Path,
+    on_disk: &OnDisk,
+    libraries: &Libraries,
+) -> Result<OpenMachine, Failure> {
+    let base = base(found, place, on_disk, libraries)?;
+    let mut machine = OpenMachine::new(base, found.head.revision);
+    for line in &found.lines {
+        let Line::Done(operation) = line else { continue };
+        let Operation { author, id, at_ms, what } = &**operation;
+        let prepared = machine.prepare(author, deed(what, place, libraries)?)?;
+        let request = Request { author: author.clone(), id: id.clone() };
+        machine.commit(prepared, request, *at_ms);
+    }
+    Ok(machine)
+}
+
+fn deed(what: &What, place: &Path, libraries: &Libraries) -> Result<Deed, Failure> {
+    Ok(match what {
+        What::Edit { name, edit } => Deed::Edit(name.clone(), read_edit(edit, libraries)?),
+        What::Undo => Deed::Along(Along::Back),
+        What::Redo => Deed::Along(Along::Again),
+        What::Replace { document: hash } => {
+            Deed::Replace(Box::new(document(place, hash, libraries)?))
+        }
+    })
+}
+
+/// The model's edit, with the content of libraries as it is now.
+pub(super) fn read_edit(
+    edit: &Edit,
+    libraries: &Libraries,
+) -> Result<rafcon_model::edit::Edit, Failure> {
+    let mut look_up = |state: &mut _| drop(fill_library(state, libraries));
+    edit.read(&mut look_up).map_err(|error| Failure::bad("bad_edit", error.to_string()))
+}
+
+/// A draft that no longer fits is kept for people to look at.
+fn set_aside(place: &Path, folder: &Path, revision: u64, failure: &Failure) {
+    let aside = place.with_extension(format!("unfit-{revision}"));
+    let moved = match fs::rename(place, &aside) {
+        Ok(()) => format!("they are kept in {}", aside.display()),
+        Err(error) => format!("and cannot be kept in {}: {error}", aside.display()),
+    };
+    say(&format!("edits of {} cannot be made again: {failure}; {moved}", folder.display()));
+}
+
+fn kept_back(error: &PrivateError) -> Failure {
+    let message = format!(
+        "{error}; edits that were not saved are in it: move the folder away to open the machine without them"
+    );
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_draft", message)
+}

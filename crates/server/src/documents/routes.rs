@@ -1,0 +1,322 @@
+//! What is asked about open machines. Knows requests and answers; the work is done next door, off the threads that talk.
+
+use super::documents::Wish;
+use super::log::Page;
+use super::problems;
+use crate::access::Who;
+use crate::blocking::blocking;
+use crate::extract::{Body, Path, Query};
+use crate::{Failure, House};
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use rafcon_protocol::api::{
+    CloseMachine, CopyStates, Done, EditMachine, MachineAt, MachineDocument, MachineProblem,
+    MachineStatus, MachineSummary, NewMachine, Refusal, ReloadMachine, RevisionPage, RevisionsFrom,
+    SaveMachine, Undo,
+};
+use rafcon_protocol::document::Selection;
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// The routes of this part.
+pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new()
+        .routes(routes!(machines, make))
+        .routes(routes!(open))
+        .routes(routes!(machine))
+        .routes(routes!(document))
+        .routes(routes!(revisions))
+        .routes(routes!(machine_problems))
+        .routes(routes!(copy))
+        .routes(routes!(edit))
+        .routes(routes!(undo))
+        .routes(routes!(redo))
+        .routes(routes!(save))
+        .routes(routes!(reload))
+        .routes(routes!(close))
+}
+
+/// The open machines.
+#[utoipa::path(get, path = "/api/v1/machines", tag = "machines", responses(
+    (status = 200, description = "Each in one line", body = [MachineSummary])
+))]
+async fn machines(State(house): State<Arc<House>>) -> Json<Vec<MachineSummary>> {
+    Json(house.documents.summaries())
+}
+
+/// Makes a new machine and opens it.
+#[utoipa::path(post, path = "/api/v1/machines", tag = "machines", request_body = NewMachine, responses(
+    (status = 200, description = "It is open", body = MachineSummary),
+    (status = 400, description = "The path or the name is none", body = Refusal),
+    (status = 403, description = "The path leads out of the project", body = Refusal),
+    (status = 404, description = "There is no such project", body = Refusal),
+    (status = 409, description = "The folder exists", body = Refusal),
+    (status = 422, description = "It cannot be opened", body = Refusal),
+    (status = 429, description = "Too many machines are open", body = Refusal),
+    (status = 503, description = "It cannot be written", body = Refusal),
+))]
+async fn make(
+    State(house): State<Arc<House>>,
+    Body(new): Body<NewMachine>,
+) -> Result<Json<MachineSummary>, Failure> {
+    blocking(move || house.documents.make(&house, &new).map(Json)).await
+}
+
+/// Opens the machine in a folder; one that is open already stays as it is.
+#[utoipa::path(post, path = "/api/v1/machines/open", tag = "machines", request_body = MachineAt, responses(
+    (status = 200, description = "It is open", body = MachineSummary),
+    (status = 400, description = "The path is none", body = Refusal),
+    (status = 403, description = "The path leads out of the project", body = Refusal),
+    (status = 404, description = "There is no such machine", body = Refusal),
+    (status = 422, description = "The folder holds no machine that can be read, or its draft cannot", body = Refusal),
+    (status = 429, description = "Too many machines are open", body = Refusal),
+))]
+async fn open(
+    State(house): State<Arc<House>>,
+    Body(at): Body<MachineAt>,
+) -> Result<Json<MachineSummary>, Failure> {
+    blocking(move || house.documents.open(&house, &at.file).map(Json)).await
+}
+
+/// How an open machine stands.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}", tag = "machines",
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "How it stands", body = MachineStatus),
+        (status = 404, description = "It is not open", body = Refusal),
+    )
+)]
+async fn machine(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+) -> Result<Json<MachineStatus>, Failure> {
+    let status = house.documents.room(&machine)?.status()?;
+    let status = status.borrow().clone();
+    Ok(Json(status))
+}
+
+/// The whole of an open machine.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}/document", tag = "machines",
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "The machine and its revision", body = MachineDocument),
+        (status = 404, description = "It is not open", body = Refusal),
+    )
+)]
+async fn document(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+) -> Result<Response, Failure> {
+    let room = house.documents.room(&machine)?;
+    Ok(json(blocking(move || room.document()).await?))
+}
+
+/// What was done to an open machine, from a revision on; a page at a time.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}/revisions", tag = "machines",
+    params(("machine" = String, Path, description = "The machine's id"), RevisionsFrom),
+    responses(
+        (status = 200, description = "The next revisions", body = RevisionPage),
+        (status = 400, description = "The query does not fit", body = Refusal),
+        (status = 404, description = "It is not open", body = Refusal),
+    )
+)]
+async fn revisions(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+    Query(RevisionsFrom { from }): Query<RevisionsFrom>,
+) -> Result<Response, Failure> {
+    let room = house.documents.room(&machine)?;
+    let (is_reset, next, texts) = match room.since(from) {
+        Page::Reset(now) => (true, now + 1, String::new()),
+        Page::Revisions(told) => {
+            let next = told.last().map_or(from, |told| told.number + 1);
+            let texts: Vec<&str> = told.iter().map(|told| told.text.as_str()).collect();
+            (false, next, texts.join(","))
+        }
+    };
+    let text = format!(r#"{{"is_reset":{is_reset},"next":{next},"revisions":[{texts}]}}"#);
+    Ok(json(text.into()))
+}
+
+/// What is wrong with an open machine.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}/problems", tag = "machines",
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "Rules that it breaks, and faults of its files when they were read last", body = [MachineProblem]),
+        (status = 404, description = "It is not open", body = Refusal),
+    )
+)]
+async fn machine_problems(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+) -> Result<Json<Vec<MachineProblem>>, Failure> {
+    let room = house.documents.room(&machine)?;
+    blocking(move || {
+        let mut found = room.faults_of_files();
+        found.extend(problems::of_machine(&room.machine().1));
+        Ok(Json(found))
+    })
+    .await
+}
+
+/// Copies states of an open machine, as an edit `paste` takes them.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/copy", tag = "machines", request_body = CopyStates,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "The states, with what is between them", body = Selection),
+        (status = 400, description = "The body does not fit", body = Refusal),
+        (status = 404, description = "It is not open, or there is no such container", body = Refusal),
+    )
+)]
+async fn copy(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+    Body(wish): Body<CopyStates>,
+) -> Result<Json<Selection>, Failure> {
+    blocking(move || house.documents.copy(&machine, &wish).map(Json)).await
+}
+
+/// Edits an open machine.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/edits", tag = "machines", request_body = EditMachine,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "It was made", body = Done),
+        (status = 400, description = "It cannot be read", body = Refusal),
+        (status = 404, description = "The machine is not open", body = Refusal),
+        (status = 409, description = "What it is about is not there, or is taken", body = Refusal),
+        (status = 413, description = "The body is too large", body = Refusal),
+        (status = 422, description = "It would break a rule of the machine", body = Refusal),
+        (status = 503, description = "It cannot be written down, so that it was not made", body = Refusal),
+    )
+)]
+async fn edit(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(machine): Path<String>,
+    Body(edit): Body<EditMachine>,
+) -> Result<Json<Done>, Failure> {
+    change(house, who, machine, Wish::Edit(Box::new(edit))).await
+}
+
+/// Takes one's own last step back.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/undo", tag = "machines", request_body = Undo,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "It was taken back", body = Done),
+        (status = 400, description = "The body does not fit", body = Refusal),
+        (status = 404, description = "The machine is not open", body = Refusal),
+        (status = 409, description = "There is none, or somebody else built on it", body = Refusal),
+        (status = 503, description = "It cannot be written down, so that it was not done", body = Refusal),
+    )
+)]
+async fn undo(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(machine): Path<String>,
+    Body(undo): Body<Undo>,
+) -> Result<Json<Done>, Failure> {
+    change(house, who, machine, Wish::Undo(undo)).await
+}
+
+/// Makes one's own step again that was taken back last.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/redo", tag = "machines", request_body = Undo,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "It was made again", body = Done),
+        (status = 400, description = "The body does not fit", body = Refusal),
+        (status = 404, description = "The machine is not open", body = Refusal),
+        (status = 409, description = "There is none, or somebody else built on it", body = Refusal),
+        (status = 503, description = "It cannot be written down, so that it was not done", body = Refusal),
+    )
+)]
+async fn redo(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(machine): Path<String>,
+    Body(redo): Body<Undo>,
+) -> Result<Json<Done>, Failure> {
+    change(house, who, machine, Wish::Redo(redo)).await
+}
+
+/// Saves an open machine.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/save", tag = "machines", request_body = SaveMachine,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "This revision lies on disk", body = Done),
+        (status = 400, description = "The path is none", body = Refusal),
+        (status = 403, description = "The path leads out of the project", body = Refusal),
+        (status = 404, description = "The machine is not open, or there is no such project", body = Refusal),
+        (status = 409, description = "Another program changed the files, or something is in the way", body = Refusal),
+        (status = 422, description = "What lies there cannot be read", body = Refusal),
+        (status = 503, description = "It cannot be written", body = Refusal),
+    )
+)]
+async fn save(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+    Body(wish): Body<SaveMachine>,
+) -> Result<Json<Done>, Failure> {
+    blocking(move || house.documents.save(&house, &machine, &wish).map(done)).await
+}
+
+/// Reads the files of an open machine again.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/reload", tag = "machines", request_body = ReloadMachine,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "The machine is what lies on disk", body = Done),
+        (status = 400, description = "The body does not fit", body = Refusal),
+        (status = 404, description = "The machine is not open", body = Refusal),
+        (status = 409, description = "There are no files any more", body = Refusal),
+        (status = 422, description = "They cannot be read", body = Refusal),
+        (status = 503, description = "It cannot be written down, so that it was not done", body = Refusal),
+    )
+)]
+async fn reload(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(machine): Path<String>,
+    Body(wish): Body<ReloadMachine>,
+) -> Result<Json<Done>, Failure> {
+    blocking(move || house.documents.reload(&house, &machine, &who.user, wish.id).map(done)).await
+}
+
+/// Closes an open machine for everybody.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/close", tag = "machines", request_body = CloseMachine,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "It is closed"),
+        (status = 400, description = "The body does not fit", body = Refusal),
+        (status = 404, description = "The machine is not open", body = Refusal),
+        (status = 409, description = "It has edits that do not lie on disk", body = Refusal),
+        (status = 503, description = "Its draft cannot be removed", body = Refusal),
+    )
+)]
+async fn close(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+    Body(wish): Body<CloseMachine>,
+) -> Result<(), Failure> {
+    blocking(move || house.documents.close(&house, &machine, &wish)).await
+}
+
+/// Changes an open machine; for requests and for the socket.
+pub(crate) async fn change(
+    house: Arc<House>,
+    who: Who,
+    machine: String,
+    wish: Wish,
+) -> Result<Json<Done>, Failure> {
+    blocking(move || house.documents.change(&house, &machine, &who.user, wish).map(done)).await
+}
+
+fn done(revision: u64) -> Json<Done> {
+    Json(Done { revision })
+}
+
+fn json(text: Bytes) -> Response {
+    ([(CONTENT_TYPE, "application/json")], text).into_response()
+}
