@@ -1,12 +1,14 @@
 //! Everything that requests share.
 
 use crate::Settings;
-use crate::access::{Audit, Names, People, PrivateError};
 use crate::documents::Documents;
+use crate::access::{Audit, Names, People, PrivateError};
 use crate::history::History;
 use crate::news::News;
 use crate::projects::Projects;
 use crate::runs::{self, Runs};
+use crate::socket::Sockets;
+use rafcon_protocol::api::HouseStatus;
 use std::sync::{Arc, OnceLock};
 use tokio::sync::watch;
 
@@ -33,6 +35,8 @@ pub struct House {
     pub(crate) documents: Documents,
     /// All runs.
     pub(crate) runs: Runs,
+    /// What WebSockets share.
+    pub(crate) sockets: Sockets,
 }
 
 /// Why one of the server's parts cannot begin.
@@ -56,6 +60,7 @@ impl House {
             names: OnceLock::new(),
             closing: watch::Sender::new(false),
             runs: Runs::new(&settings, &news)?,
+            sockets: Sockets::default(),
             news,
             history: History::default(),
             projects: Projects::new(&settings),
@@ -67,6 +72,15 @@ impl House {
     /// Begins to look after what goes on without requests. To be called once, within the runtime.
     pub(crate) fn begin(self: &Arc<Self>) {
         runs::begin(self);
+    }
+
+    /// How everything stands that it looks after.
+    pub(crate) async fn status(&self) -> HouseStatus {
+        HouseStatus {
+            files_revision: self.news.files_revision(),
+            machines: Vec::new(),
+            runs: self.runs.lively().await,
+        }
     }
 
     /// Who may come in.

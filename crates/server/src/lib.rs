@@ -6,8 +6,8 @@
 
 pub mod access;
 mod blocking;
-mod description;
 mod documents;
+mod description;
 mod extract;
 mod failure;
 mod history;
@@ -25,6 +25,6 @@ mod watch;
 
 pub use failure::Failure;
 pub use house::{House, HouseError};
-pub use listen::{Card, ServeError, Server, serve};
+pub use listen::{Card, ServeError, Server, TlsError, serve};
 pub use router::{openapi, router};
 pub use settings::Settings;

@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
 use crate::access::{self, guarded};
-use crate::{Failure, House, description, page, projects, runs};
+use crate::{Failure, House, description, page, projects, runs, socket};
 
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
@@ -22,6 +22,7 @@ fn all() -> OpenApiRouter<Arc<House>> {
         .merge(projects::routes())
         .merge(crate::documents::routes())
         .merge(runs::routes())
+        .merge(socket::routes())
 }
 
 /// What answers requests.
@@ -51,6 +52,7 @@ async fn openapi_json() -> impl IntoResponse {
     static TEXT: LazyLock<String> = LazyLock::new(|| openapi().to_json().unwrap_or_default());
     ([(CONTENT_TYPE, "application/json")], TEXT.as_str())
 }
+
 
 async fn nowhere() -> Failure {
     Failure::not_found(
