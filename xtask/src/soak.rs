@@ -1,9 +1,10 @@
 //! The long form of what the tests do briefly: random runs of the engine by the hundred thousand, saves killed by the
-//! thousand. Not a part of continuous integration.
+//! thousand; or a server with hundreds of clients. Not a part of continuous integration.
 
 use anyhow::Result;
 
-use crate::{process, simulate};
+use crate::product::{Product, Profile};
+use crate::{process, simulate, torture};
 
 /// What `cargo xtask soak` can be asked for.
 #[derive(clap::Args)]
@@ -14,14 +15,34 @@ pub(crate) struct Options {
     /// How many saving processes are killed.
     #[arg(long, default_value_t = 1000)]
     kills: u32,
+    /// Instead of these: a server with many clients, one of them slow, one that never reads.
+    #[arg(long)]
+    server: bool,
+    /// How many clients the server has.
+    #[arg(long, default_value_t = 200)]
+    clients: u32,
+    /// How long the run goes on that they follow.
+    #[arg(long, default_value_t = 60)]
+    seconds: u32,
 }
 
-/// Runs both; the first failure ends it and names its seed.
+/// Runs what was asked for; the first failure ends it and names its seed.
 pub(crate) fn run(options: &Options) -> Result<()> {
+    if options.server {
+        return served(options);
+    }
     simulate::seeds(0, options.seeds)?;
     let kill = ["test", "--release", "-p", "rafcon-storage", "--test", "it"];
     let one = ["kill::a_killed_process_leaves_one_of_its_machines", "--", "--exact"];
     let mut kill_often = process::cargo();
     kill_often.args(kill).args(one).env("RAFCON_TEST_KILLS", options.kills.to_string());
     process::run(&mut kill_often)
+}
+
+fn served(options: &Options) -> Result<()> {
+    Product::build(Profile::Release)?;
+    let test = "server_soak::many_clients_lose_nothing_and_cost_a_bounded_amount_of_memory";
+    let mut soak = torture::long_form(test);
+    soak.env("RAFCON_TEST_CLIENTS", options.clients.to_string());
+    process::run(soak.env("RAFCON_TEST_SECONDS", options.seconds.to_string()))
 }

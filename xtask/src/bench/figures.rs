@@ -31,7 +31,7 @@ const fn most(name: &'static str, unit: &'static str, bar: f64, meaning: &'stati
 }
 
 /// All of them.
-pub(crate) const ALL: [Figure; 19] = [
+pub(crate) const ALL: [Figure; 25] = [
     least(
         "python_flat_states_per_s",
         "states/s",
@@ -81,6 +81,27 @@ pub(crate) const ALL: [Figure; 19] = [
     most("open_1m_page_ms", "ms", 100.0, "open a run of 1,000,000 events and read its first page"),
     most("open_1m_moment_ms", "ms", 200.0, "open it and see how it stood at any of them"),
     most("command_ms", "ms", 2.0, "a command from the socket to the script that it preempts"),
+    most(
+        "server_command_ms",
+        "ms",
+        3.0,
+        "the same from a client of the server, over HTTP or WebSocket, whichever takes longer",
+    ),
+    most("server_status_ms", "ms", 15.0, "a state's change to the status that a client is told"),
+    most("server_open_10000_ms", "ms", 300.0, "a client opens a machine of 10,000 states"),
+    most("server_edit_10000_ms", "ms", 5.0, "an edit in it, to the answer"),
+    most(
+        "server_followers_p99_ratio",
+        "ratio",
+        1.1,
+        "slowest 1 % of states' ends at 1,000 states/s, 50 clients following over none",
+    ),
+    most(
+        "server_idle_cpu_percent",
+        "%",
+        0.05,
+        "CPU of a server with 5 clients and a run that waits",
+    ),
 ];
 
 impl Bar {

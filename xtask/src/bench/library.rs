@@ -1,14 +1,27 @@
-//! Figures measured inside one program, by the bench binary of the `rafcon` package.
+//! Figures measured by the bench binaries of the `rafcon` package: inside one program, or as a client of a server.
 
 use anyhow::{Context as _, Result};
 use serde_json::Value;
 
 use super::Measured;
 use crate::process;
+use crate::product::{Product, Profile};
 
-/// Runs the bench binary, which prints one JSON object a line.
+/// What is measured inside one program.
 pub(crate) fn measure() -> Result<Vec<Measured>> {
-    let bench = ["bench", "--quiet", "--package", "rafcon", "--bench", "figures", "--", "--json"];
+    printed("figures")
+}
+
+/// What a client of a server sees.
+pub(crate) fn measure_server() -> Result<Vec<Measured>> {
+    // The server's runners need the extension beside the binary.
+    Product::build(Profile::Release)?;
+    printed("server")
+}
+
+/// Runs a bench binary, which prints one JSON object a line.
+fn printed(binary: &str) -> Result<Vec<Measured>> {
+    let bench = ["bench", "--quiet", "--package", "rafcon", "--bench", binary, "--", "--json"];
     let printed = process::text(process::cargo().args(bench))?;
     printed.lines().filter(|line| line.starts_with('{')).map(read).collect()
 }

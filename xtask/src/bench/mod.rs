@@ -28,6 +28,8 @@ enum Part {
     WholeProcess,
     /// Inside one program, by `cargo bench`.
     Library,
+    /// By clients of `rafcon serve`.
+    Server,
 }
 
 /// A measured figure by its name.
@@ -36,10 +38,14 @@ type Measured = (String, f64);
 /// Measures and prints; fails if a promised figure could not be measured, not if it is missed.
 pub(crate) fn run(options: &Options) -> Result<()> {
     let mut measured = Vec::new();
-    if options.only != Some(Part::WholeProcess) {
+    let wanted = |part| options.only.is_none_or(|only| only == part);
+    if wanted(Part::Library) {
         measured.extend(library::measure()?);
     }
-    if options.only != Some(Part::Library) {
+    if wanted(Part::Server) {
+        measured.extend(library::measure_server()?);
+    }
+    if wanted(Part::WholeProcess) {
         measured.extend(whole_process::measure()?);
     }
     for figure in ALL {

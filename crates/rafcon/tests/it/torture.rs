@@ -14,7 +14,7 @@ const LINES: u64 = 700;
 
 /// Counts to 40, each time through a barrier; whatever is aborted recovers and counts on. Data of several kinds goes round,
 /// and a script that gets other data than it should leaves by `wrong`.
-const MACHINE: &str = r#"
+pub(crate) const MACHINE: &str = r#"
 hierarchy ROOT "Torture"
   outcome success
   outcome wrong
@@ -96,10 +96,10 @@ hierarchy ROOT "Torture"
 "#;
 
 /// Numbers that look random and are the same for the same seed.
-struct Dice(u64);
+pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {
-    fn roll(&mut self, below: u64) -> u64 {
+    pub(crate) fn roll(&mut self, below: u64) -> u64 {
         self.0 =
             self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) % below
@@ -108,7 +108,7 @@ impl Dice {
 
 #[test]
 fn a_killed_runner_loses_nothing_that_was_told() {
-    let kills = env::var_os(KILLS).map_or(4, |kills| kills.to_str().unwrap().parse().unwrap());
+    let kills = number(KILLS).unwrap_or(4);
     let place = Place::with(MACHINE);
     let mut passed = 0;
     for seed in 0..kills {
@@ -116,6 +116,11 @@ fn a_killed_runner_loses_nothing_that_was_told() {
         passed += 1;
     }
     writeln!(std::io::stdout(), "{passed} of {kills} kills passed").unwrap();
+}
+
+/// A number from the environment.
+pub(crate) fn number(name: &str) -> Option<u64> {
+    env::var_os(name).map(|number| number.to_str().unwrap().parse().unwrap())
 }
 
 fn one_kill(place: &Place, seed: u64) {

@@ -1,0 +1,73 @@
+//! A machine of 10,000 states: opened by a client, and edited.
+
+use crate::clock::now_ms;
+use crate::house::House;
+use crate::{percentile, print};
+use anyhow::{Context as _, Result, bail, ensure};
+use rafcon_protocol::api::EditMachine;
+use rafcon_protocol::document::Document;
+use rafcon_protocol::socket::{ToClient, ToServer};
+use serde_json::json;
+
+/// How often it is opened.
+const TIMES: u32 = 5;
+/// How often it is edited.
+const EDITS: usize = 200;
+
+pub(crate) fn measure(house: &House) -> Result<()> {
+    house.mission("mission", 10_000)?;
+    let mut times = Vec::new();
+    for _ in 0..TIMES {
+        let begun = now_ms();
+        let (machine, _) = open(house, "mission")?;
+        times.push(now_ms() - begun);
+        let close = format!("/api/v1/machines/{machine}/close");
+        house.door().ask("POST", &close, Some(&json!({})))?;
+    }
+    print("server_open_10000_ms", percentile(times, 50)?, "ms");
+    print("server_edit_10000_ms", percentile(edits(house)?, 50)?, "ms");
+    Ok(())
+}
+
+/// As a client does it: open, and read the whole of it.
+pub(crate) fn open(house: &House, name: &str) -> Result<(String, Document)> {
+    let at = json!({ "file": house.file(name) });
+    let summary = house.door().ask("POST", "/api/v1/machines/open", Some(&at))?;
+    let machine = summary["id"].as_str().context("a machine without an id")?.to_owned();
+    let path = format!("/api/v1/machines/{machine}/document");
+    let (status, text) = house.door().answer("GET", &path, None)?;
+    ensure!(status == 200, "no document: {text}");
+    let read: Read = serde_json::from_str(&text).context("a document that makes no sense")?;
+
+    Ok((machine, read.document))
+}
+
+/// The answer, as far as it matters here.
+#[derive(serde::Deserialize)]
+struct Read {
+    document: Document,
+}
+
+fn edits(house: &House) -> Result<Vec<f64>> {
+    let (machine, document) = open(house, "mission")?;
+    let mut line = house.door().line()?;
+    let mut times = Vec::new();
+    for number in 0..EDITS {
+        let path = &document.states[number * 7919 % document.states.len()].path;
+        let edit = EditMachine {
+            id: number.to_string(),
+            base: None,
+            name: "Rename".to_owned(),
+            edit: serde_json::from_value(
+                json!({ "edit": "set_name", "path": path, "name": format!("Name {number}") }),
+            )?,
+        };
+        let begun = now_ms();
+        line.say(&ToServer::Edit { machine: machine.clone(), edit })?;
+        match line.hear()? {
+            ToClient::Edited { .. } => times.push(now_ms() - begun),
+            other => bail!("an edit was answered by {other:?}"),
+        }
+    }
+    Ok(times)
+}
