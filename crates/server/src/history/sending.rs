@@ -29,11 +29,9 @@ pub(super) struct Sending {
 
 /// Both ends. The writer needs a thread that may wait, of the runtime that this is called in.
 pub(super) fn sending() -> (Sending, Body) {
-    let (parts, received) = mpsc::channel(PARTS);
-    let next = |mut received: mpsc::Receiver<Part>| async {
-        received.recv().await.map(|part| (part, received))
-    };
-    let body = Body::from_stream(stream::unfold(received, next));
+    let (parts, mut received) = mpsc::channel::<Part>(PARTS);
+    // Whoever packs the answer asks again behind its end.
+    let body = Body::from_stream(stream::poll_fn(move |context| received.poll_recv(context)));
     (Sending { parts, runtime: Handle::current(), patience: PATIENCE }, body)
 }
 

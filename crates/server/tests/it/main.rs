@@ -2,6 +2,9 @@
 
 mod access;
 mod harness;
+mod history;
+mod leftovers;
+mod past;
 mod socket;
 mod socket_client;
 mod socket_runs;

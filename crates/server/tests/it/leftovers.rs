@@ -1,0 +1,135 @@
+//! What is made of whole runs: machines, figures, comparisons, exports; and how runs go.
+
+use crate::harness::House;
+use crate::past::{END, RUN, get, house, said, write};
+use expect_test::expect;
+use rafcon_protocol::api::Role;
+use rafcon_storage::journal::{About, Journal, Options, Packer, notation};
+use rafcon_storage::{Libraries, Loaded, Root, load};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Read as _;
+use std::path::Path;
+
+#[test]
+fn states_are_counted_and_two_runs_compared() {
+    let lost = RUN.replace("leave R/A ok", "leave R/A lost");
+    let house = house(&[("one", &format!("{RUN}{END}")), ("other", &lost)]);
+    let mut text = String::new();
+    for state in get(&house, "one/statistics")["states"].as_array().unwrap() {
+        writeln!(text, "{state}").unwrap();
+    }
+    let compared = get(&house, "one/compare/other");
+    writeln!(text, "{} alike, {}", compared["alike"], compared["parted"]).unwrap();
+    expect![[r#"
+        {"count":1,"max_ns":13000000,"median_ns":13000000,"min_ns":13000000,"names":"Root","outcomes":[{"count":1,"outcome":{"id":0,"name":"done"}}],"p95_ns":13000000,"path":"R","total_ns":13000000}
+        {"count":1,"max_ns":3000000,"median_ns":3000000,"min_ns":3000000,"names":"Root/Scan","outcomes":[{"count":1,"outcome":{"id":0,"name":"ok"}}],"p95_ns":3000000,"path":"R/A","total_ns":3000000}
+        {"count":1,"max_ns":4000000,"median_ns":4000000,"min_ns":4000000,"names":"Root/Search","outcomes":[{"count":1,"outcome":{"id":0,"name":"ok"}}],"p95_ns":4000000,"path":"R/H","total_ns":4000000}
+        {"count":1,"max_ns":2000000,"median_ns":2000000,"min_ns":2000000,"names":"Root/Search/Look","outcomes":[{"count":1,"outcome":{"id":0,"name":"ok"}}],"p95_ns":2000000,"path":"R/H/X","total_ns":2000000}
+        2 alike, {"branch":"R","one":{"backwards":false,"names":"Root/Scan","outcome":{"id":0,"name":"ok"},"path":"R/A","sequence":7,"t_ns":7000000},"other":{"backwards":false,"names":"Root/Scan","outcome":{"id":1,"name":"lost"},"path":"R/A","sequence":7,"t_ns":7000000}}
+    "#]]
+    .assert_eq(&text);
+    assert_eq!(get(&house, "one/compare/one")["parted"], Value::Null);
+}
+
+/// A run with machines: one that uses a library, and a small one that came later.
+fn with_machines(run: &Path) -> Vec<String> {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let dir = examples.join("libraries");
+    let libraries = Libraries::new(vec![Root { name: "examples".into(), dir }]);
+    let journal = Journal::create(run, &About::default(), &Options::default()).unwrap();
+    let mut text = "place R \"Root\" outcome done\nenter R\n".to_owned();
+    let mut hashes = Vec::new();
+    for name in ["library_reuse", "global_variables"] {
+        let Loaded { machine, saved, .. } = load(&examples.join(name), &libraries).unwrap();
+        let pack = Packer::default().pack(&machine, Some(&saved), &libraries);
+        let hash = journal.keep_root(&pack).unwrap().to_string();
+        writeln!(text, "told {}", json!({"type": "root", "hash": hash, "change": name})).unwrap();
+        hashes.push(hash);
+    }
+    journal.append(&notation::batch(&text, 0).unwrap()).unwrap();
+    journal.close().unwrap();
+    hashes
+}
+
+#[test]
+fn the_machines_that_a_run_went_by_are_told() {
+    let place = tempfile::tempdir().unwrap();
+    let hashes = with_machines(&place.path().join("runs/run"));
+    let house = House::at(place, |_settings| {});
+    let first = get(&house, "run/machine");
+    assert!(first["states"].as_array().unwrap().len() > 1, "{first}");
+    assert_eq!(get(&house, &format!("run/machine?root={}", hashes[0])), first);
+    assert_eq!(get(&house, "run/machine"), first);
+    let later = get(&house, &format!("run/machine?root={}", hashes[1]));
+    assert_ne!(later, first);
+    let left = std::fs::read_dir(house.state()).unwrap().flatten();
+    let names: Vec<_> = left.map(|entry| entry.file_name()).collect();
+    assert!(!names.iter().any(|name| name.to_string_lossy().starts_with("machine-")), "{names:?}");
+}
+
+/// Bytes and headers of a file.
+fn file(house: &House, path: &str) -> (Vec<u8>, [String; 2]) {
+    let url = format!("{}/api/v1/runs/{path}", house.url());
+    let token = format!("Bearer {}", house.token(Role::Viewer));
+    let answer = ureq::get(url).header("Authorization", token).call().unwrap();
+    let header = |name| answer.headers()[name].to_str().unwrap().to_owned();
+    let headers = ["content-type", "content-disposition"].map(header);
+    let mut bytes = Vec::new();
+    answer.into_body().into_reader().read_to_end(&mut bytes).unwrap();
+    (bytes, headers)
+}
+
+#[test]
+fn a_run_is_exported_as_a_file_with_a_name() {
+    let house = house(&[("run", &RUN.repeat(200))]);
+    let (lines, headers) = file(&house, "run/export?format=jsonl");
+    assert_eq!(headers, ["application/jsonl", "attachment; filename=\"run.jsonl\""]);
+    let lines = String::from_utf8(lines).unwrap();
+    let last: Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
+    assert_eq!((lines.lines().count(), &last["sequence"]), (2400, &json!(2400)));
+    assert_eq!(last["utc"], "2026-11-21T19:40:03.400Z");
+    let (table, headers) = file(&house, "run/export?format=csv");
+    assert_eq!(headers, ["text/csv; charset=utf-8", "attachment; filename=\"run.csv\""]);
+    assert!(table.starts_with(b"sequence,time_s,utc,kind,path"));
+    let (recording, headers) = file(&house, "run/export?format=mcap");
+    assert_eq!(headers[1], "attachment; filename=\"run.mcap\"");
+    let magic = b"\x89MCAP0\r\n";
+    assert!(recording.starts_with(magic) && recording.ends_with(magic));
+}
+
+#[test]
+fn a_run_is_deleted_once_it_is_over() {
+    let place = tempfile::tempdir().unwrap();
+    let runs = place.path().join("runs");
+    write(&runs, "over", RUN).close().unwrap();
+    let journal = write(&runs, "alive", RUN);
+    let house = House::at(place, |_settings| {});
+    get(&house, "over/events");
+    assert_eq!(said(&house, Role::Engineer, "DELETE", "over"), "403 not_your_right");
+    assert_eq!(said(&house, Role::Admin, "DELETE", "alive"), "409 run_goes_on");
+    assert_eq!(said(&house, Role::Admin, "DELETE", "over"), "200");
+    assert_eq!(said(&house, Role::Admin, "DELETE", "over"), "404 no_such_run");
+    assert_eq!(said(&house, Role::Viewer, "GET", "over/events"), "404 no_such_run");
+    assert!(!house.runs().join("over").exists());
+    assert!(house.runs().join("alive").exists());
+    drop(journal);
+}
+
+#[test]
+fn old_runs_are_pruned_but_the_newest_stay() {
+    let place = tempfile::tempdir().unwrap();
+    for number in 10..23 {
+        write(&place.path().join("runs"), &number.to_string(), RUN).close().unwrap();
+    }
+    let house = House::at(place, |_settings| {});
+    let prune = |role, body| house.call(Some(role), "POST", "/api/v1/runs/prune", Some(&body));
+    assert_eq!(prune(Role::Engineer, json!({"count": 1})).said(), "403 not_your_right");
+    assert_eq!(prune(Role::Admin, json!({})).json(), json!([]));
+    assert_eq!(prune(Role::Admin, json!({"count": -1})).said(), "400 bad_body");
+    let pruned = prune(Role::Admin, json!({"count": 1})).json();
+    let ids: Vec<_> = pruned.as_array().unwrap().iter().map(|run| run["id"].clone()).collect();
+    assert_eq!(ids, ["10", "11", "12"]);
+    let left = house.call(Some(Role::Viewer), "GET", "/api/v1/runs", None).json();
+    assert_eq!(left.as_array().map(Vec::len), Some(10));
+}
