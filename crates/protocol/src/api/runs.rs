@@ -238,13 +238,13 @@ pub struct HistoryEntry {
 pub struct EventPage {
     /// The events, in order.
     pub events: Vec<HistoryEntry>,
-    /// Where the next page begins.
+    /// Where the next page begins: everything before was looked at. Beyond `last`, there is no more so far.
     pub next: u64,
     /// The last event that there is so far.
     pub last: u64,
 }
 
-/// Which runs are kept; what is left out has no limit.
+/// Which runs are kept; what is left out has no limit. The 10 newest stay whatever they take, and so does every run that goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(default)]
