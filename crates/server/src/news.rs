@@ -22,11 +22,6 @@ impl News {
         count(&self.machines);
     }
 
-    /// A run is different: begun, ended, taken up, in other hands.
-    pub(crate) fn runs(&self) {
-        count(&self.runs);
-    }
-
     /// How often files changed; with `changed`, the next time.
     pub(crate) fn of_files(&self) -> watch::Receiver<u64> {
         self.files.subscribe()
@@ -42,7 +37,7 @@ impl News {
         self.runs.subscribe()
     }
 
-    /// The counter of runs, for each of them.
+    /// The counter of runs, for each of them to count when it is different: begun, ended, taken up, in other hands.
     pub(crate) fn counter_of_runs(&self) -> watch::Sender<u64> {
         self.runs.clone()
     }

@@ -32,6 +32,7 @@ pub use people::{
 };
 pub use refusal::Refusal;
 pub use runs::{
-    CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, OutputEnd, Pruned,
-    ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun, StateAt,
+    CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine,
+    OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,
+    StateAt,
 };

@@ -39,7 +39,7 @@ pub(crate) async fn command(
         return answered_before(&run, id).await;
     }
     if !is_for_everybody(&envelope.command) {
-        take(&run, who)?;
+        take(house, &run, who)?;
     }
     let envelope = Envelope { author: who.user.clone(), ..envelope };
     let answer = send(&run, envelope).await?;
@@ -52,9 +52,9 @@ fn is_for_everybody(command: &Command) -> bool {
 }
 
 /// The first who commands takes control; all but the holder are refused.
-fn take(run: &Arc<Run>, who: &Who) -> Result<(), Failure> {
+pub(super) fn take(house: &House, run: &Arc<Run>, who: &Who) -> Result<(), Failure> {
     let now_ms = clock::since_1970_ms();
-    with_control(run, who, |holding| holding.command(&who.user, now_ms, run.silence()))
+    with_control(house, run, who, |holding| holding.command(&who.user, now_ms, run.silence()))
 }
 
 /// Moves control, as somebody wants.
@@ -70,13 +70,16 @@ pub(crate) async fn control(
         return Err(Failure::conflict("run_is_not_live", message));
     }
     let now_ms = clock::since_1970_ms();
-    with_control(&run, who, |holding| holding.apply(&who.user, wanted, now_ms, run.silence()))?;
+    with_control(house, &run, who, |holding| {
+        holding.apply(&who.user, wanted, now_ms, run.silence())
+    })?;
     let control = run.now().borrow().control.clone();
     Ok(control)
 }
 
 /// Does something with who holds control. If another does then, it is kept, and told to the runner: it stands in the journal.
 fn with_control(
+    house: &House,
     run: &Arc<Run>,
     who: &Who,
     act: impl FnOnce(&mut super::control::Holding) -> Result<(), super::control::Denied>,
@@ -91,13 +94,15 @@ fn with_control(
         keep_holder(run);
     }
     if before.holder() != after.holder() {
+        let holder = after.holder().unwrap_or("nobody");
+        house.audit().note(&who.user, "control", &format!("of {} to {holder}", run.id()));
         note(run, who, after.holder());
     }
     Ok(())
 }
 
 /// Keeps who holds control, behind the back of whoever asks.
-pub(super) fn keep_holder(run: &Arc<Run>) {
+fn keep_holder(run: &Arc<Run>) {
     let run = Arc::clone(run);
     drop(tokio::task::spawn_blocking(move || run.keep_holding()));
 }

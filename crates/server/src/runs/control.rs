@@ -284,14 +284,11 @@ mod tests {
                 let what =
                     ["commands", "requests", "withdraws", "hands-to-cy", "releases", "takes-over"];
                 for what in what {
-                    let mut holding = Holding::default();
-                    for line in before.split(';').filter(|line| !line.is_empty()) {
-                        play(&mut holding, line).unwrap();
-                    }
+                    let mut holding = after(before);
                     let answer = play(&mut holding, &format!("{second} ana {what}"));
                     let answer = answer.map_or_else(|denied| denied_as(&denied), |()| "");
-                    writeln!(table, "{name}{silent} | ana {what} | {}{answer}", shown(&holding))
-                        .unwrap();
+                    let told = shown(&holding);
+                    writeln!(table, "{name}{silent} | ana {what} | {told}{answer}").unwrap();
                 }
             }
         }
@@ -370,6 +367,14 @@ mod tests {
             bob, cy asks, long ago | ana takes-over | ana ["cy"]
         "#]]
         .assert_eq(&table);
+    }
+
+    /// After these lines, with a semicolon between each.
+    fn after(lines: &str) -> Holding {
+        let mut holding = Holding::default();
+        let lines = lines.split(';').filter(|line| !line.is_empty());
+        lines.for_each(|line| play(&mut holding, line).unwrap());
+        holding
     }
 
     fn denied_as(denied: &super::Denied) -> &'static str {

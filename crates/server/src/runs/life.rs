@@ -6,12 +6,14 @@
 use super::fate;
 use super::launch::Launched;
 use super::link;
+use super::request::Request;
 use super::run::{Run, is_live};
 use super::summary::Looked;
 use super::take_up;
 use crate::House;
 use crate::failure::reason;
-use rafcon_protocol::api::RunPhase;
+use rafcon_protocol::OnCrash;
+use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_storage::journal::writer_of;
 use rafcon_supervisor::{Exit, Lives, Next, clock, policy_of};
 use std::os::unix::net::UnixStream;
@@ -61,7 +63,12 @@ struct Life {
 
 impl Life {
     async fn go_on(mut self) {
-        while self.until_it_is_dead().await && self.is_taken_up().await {}
+        loop {
+            self.until_it_is_dead().await;
+            if !self.is_taken_up().await {
+                break;
+            }
+        }
         let Self { house, run, .. } = self;
         run.is_let_go();
         // Somebody else may have taken it up in between.
@@ -72,8 +79,8 @@ impl Life {
         }
     }
 
-    /// Follows the runner for as long as it lives; false if its folder cannot be asked.
-    async fn until_it_is_dead(&mut self) -> bool {
+    /// Follows the runner for as long as it lives.
+    async fn until_it_is_dead(&mut self) {
         let mut pause = SHORTEST;
         loop {
             let held = self.control.take();
@@ -83,12 +90,10 @@ impl Life {
                 follow.await.is_ok()
             };
             pause = if linked { SHORTEST } else { (pause * 2).min(LONGEST) };
-            let folder = self.run.folder().to_path_buf();
-            match tokio::task::spawn_blocking(move || writer_of(&folder)).await {
-                Ok(Ok(None)) => return true,
-                Ok(Ok(Some(_)) | Err(_)) => tokio::time::sleep(pause).await,
-                Err(_stopped) => return false,
+            if !self.is_held().await {
+                return;
             }
+            tokio::time::sleep(pause).await;
         }
     }
 
@@ -104,39 +109,54 @@ impl Life {
         let Ok(Some((looked, policy, fate))) = tokio::task::spawn_blocking(look).await else {
             return false;
         };
-        let Some(request) = may_go_on(&looked) else {
-            self.run.is_as_found(&looked);
+        let Looked { mut summary, request } = looked;
+        let ours =
+            request.filter(|request| summary.phase == RunPhase::Crashed && request.may_go_on());
+        let Some(request) = ours else {
+            self.run.is_as_found(&summary);
             return false;
         };
-        let now = Duration::from_millis(clock::since_1970_ms());
-        let next = match fate.is_killed {
-            true => Next::Ask("somebody killed it"),
-            false => self.lives.next(now, &fate.death, policy),
+        let next = if fate.is_killed {
+            Next::Ask("somebody killed it")
+        } else {
+            let now = Duration::from_millis(clock::since_1970_ms());
+            self.lives.next(now, &fate.death, policy)
         };
-        self.run.is_as_found(&looked);
         match next {
-            Next::Ask(_) => {
-                take_up::leave_alone(&self.house, &self.run, request).await;
-                false
-            }
+            Next::Ask(_) => self.is_left(&summary, request).await,
             Next::Again(resume, crash) => {
-                self.run.is_in(RunPhase::Starting);
+                summary.phase = RunPhase::Starting;
+                self.run.is_as_found(&summary);
                 match take_up::again(&self.house, &self.run, resume, crash).await {
                     Ok(launched) => {
                         (self.control, self.exit) = (Some(launched.control), Some(launched.exit));
                         true
                     }
+                    // Somebody else has taken it up meanwhile: a server before this one, or the command line.
+                    Err(_late) if self.is_held().await => true,
                     Err(error) => {
-                        let id = self.run.id();
-                        let why = reason(&error);
+                        let (id, why) = (self.run.id(), reason(&error));
                         (self.house.settings.tell)(&format!("run {id} is not taken up: {why}"));
-                        self.run.is_as_found(&looked);
-                        take_up::leave_alone(&self.house, &self.run, request).await;
-                        false
+                        summary.phase = RunPhase::Crashed;
+                        self.is_left(&summary, request).await
                     }
                 }
             }
         }
+    }
+
+    /// Somebody has to decide what becomes of the run.
+    async fn is_left(&self, summary: &RunSummary, request: Request) -> bool {
+        take_up::leave_alone(&self.house, &self.run, request).await;
+        self.run.is_as_found(summary);
+        false
+    }
+
+    /// Whether a process writes the run.
+    async fn is_held(&self) -> bool {
+        let folder = self.run.folder().to_path_buf();
+        let writer = tokio::task::spawn_blocking(move || writer_of(&folder)).await;
+        matches!(writer, Ok(Ok(Some(_))))
     }
 
     async fn exit(&mut self) -> Option<Exit> {
@@ -145,15 +165,10 @@ impl Life {
     }
 }
 
-/// What a server was asked about a run that can go on without anybody asking: it crashed, and it is this server's own.
-fn may_go_on(looked: &Looked) -> Option<super::request::Request> {
-    let request = looked.request.as_ref()?;
-    let may = looked.summary.phase == RunPhase::Crashed && request.may_go_on();
-    may.then(|| request.clone())
-}
-
 /// Whether a run that is found when the server begins is to be looked after: it lives, or it would go on by itself.
-pub(super) fn needs_somebody(looked: &Looked, policy: rafcon_protocol::OnCrash) -> bool {
-    let goes_on = policy != rafcon_protocol::OnCrash::Ask && may_go_on(looked).is_some();
-    is_live(&looked.summary.phase) || goes_on
+pub(super) fn needs_somebody(looked: &Looked, policy: OnCrash) -> bool {
+    let Looked { summary, request } = looked;
+    let may_go_on = || request.as_ref().is_some_and(Request::may_go_on);
+    let goes_on = summary.phase == RunPhase::Crashed && policy != OnCrash::Ask && may_go_on();
+    is_live(&summary.phase) || goes_on
 }

@@ -7,6 +7,7 @@ use super::run::Run;
 use super::talk::{Connection, LinkError, open};
 use super::told::Told;
 use parking_lot::Mutex;
+use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{Answer, Envelope, Join, ToRunner, ToViewer, decode, encode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -133,13 +134,11 @@ fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<Told>) {
             run.stands(snapshot);
         }
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
+        Ok(ToViewer::Loaded { states, problems, .. }) => {
+            run.is_loaded(LoadedMachine { states, problems });
+        }
         // What a link does not ask for, and what a newer runner may say.
-        Ok(
-            ToViewer::Loaded { .. }
-            | ToViewer::LoadFailed { .. }
-            | ToViewer::Inspection { .. }
-            | ToViewer::Event { .. },
-        )
+        Ok(ToViewer::LoadFailed { .. } | ToViewer::Inspection { .. } | ToViewer::Event { .. })
         | Err(_) => {}
     }
 }

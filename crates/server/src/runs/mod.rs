@@ -143,10 +143,12 @@ impl Runs {
         if let Some(run) = all.get(&looked.summary.id) {
             let run = Arc::clone(run);
             drop(all);
-            run.is_as_found(&looked);
+            if !run.is_in_hand() {
+                run.is_as_found(&looked.summary);
+            }
             return Some(run);
         }
-        let run = Arc::new(Run::new(house, folder, &looked));
+        let run = Arc::new(Run::new(house, folder, &looked.summary));
         all.insert(looked.summary.id.clone(), Arc::clone(&run));
         drop(all);
         if let Some(start) = looked.request.and_then(|request| request.start) {

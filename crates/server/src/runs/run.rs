@@ -6,11 +6,10 @@ use super::control::Holding;
 use super::holder_file;
 use super::link::Link;
 use super::ring::Ring;
-use super::summary::Looked;
 use super::told::Told;
 use crate::house::House;
 use parking_lot::Mutex;
-use rafcon_protocol::api::{LinkState, RunNow, RunPhase, RunSummary};
+use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary};
 use rafcon_protocol::{Event, Snapshot};
 use rafcon_supervisor::clock;
 use std::path::{Path, PathBuf};
@@ -43,21 +42,22 @@ pub(crate) struct Run {
 
 impl Run {
     /// The run in `folder`, as it was found.
-    pub(super) fn new(house: &House, folder: PathBuf, looked: &Looked) -> Self {
+    pub(super) fn new(house: &House, folder: PathBuf, summary: &RunSummary) -> Self {
         let (silence, now_ms) = (house.settings.control_silence, clock::since_1970_ms());
         let holding = holder_file::read(&folder).go_on(now_ms);
         let now = RunNow {
-            run: looked.summary.clone(),
-            link: link_of(&looked.summary.phase),
+            run: summary.clone(),
+            loaded: None,
+            link: link_of(&summary.phase),
             snapshot: None,
             snapshot_ms: None,
             now_ms,
             control: holding.told(silence),
         };
         let ring = Ring::default();
-        ring.settle(looked.summary.events);
+        ring.settle(summary.events);
         Self {
-            id: looked.summary.id.clone(),
+            id: summary.id.clone(),
             folder,
             ring,
             now: watch::Sender::new(Arc::new(now)),
@@ -122,6 +122,11 @@ impl Run {
         !self.is_followed.swap(true, Ordering::AcqRel)
     }
 
+    /// Whether somebody looks after its runner, and knows better than can be found.
+    pub(super) fn is_in_hand(&self) -> bool {
+        self.is_followed.load(Ordering::Acquire)
+    }
+
     /// Nobody looks after its runner any more.
     pub(super) fn is_let_go(&self) {
         self.is_followed.store(false, Ordering::Release);
@@ -141,13 +146,11 @@ impl Run {
     }
 
     /// The run was looked at: this is what is true. Nobody is linked to it.
-    pub(super) fn is_as_found(&self, looked: &Looked) {
-        if !is_live(&looked.summary.phase) {
-            self.ring.settle(looked.summary.events);
-        }
+    pub(super) fn is_as_found(&self, summary: &RunSummary) {
+        self.ring.settle(summary.events);
         self.change(|now| {
-            now.run = looked.summary.clone();
-            now.link = link_of(&looked.summary.phase);
+            now.run = summary.clone();
+            now.link = link_of(&summary.phase);
         });
     }
 
@@ -169,6 +172,11 @@ impl Run {
                 now.run.phase = RunPhase::Finished { outcome, states_run };
             });
         }
+    }
+
+    /// This is what its runner goes by.
+    pub(super) fn is_loaded(&self, loaded: LoadedMachine) {
+        self.change(|now| now.loaded = Some(loaded));
     }
 
     /// This is how its runner says that it stands.

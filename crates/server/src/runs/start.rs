@@ -56,6 +56,7 @@ async fn once(house: &Arc<House>, author: &str, asked: StartRun) -> Result<RunSu
     match begin(house, author, asked).await {
         Ok(run) => {
             *begun = Some(run.id().to_owned());
+            house.audit().note(author, "run_started", run.id());
             Ok(run.summary())
         }
         Err(failure) => {

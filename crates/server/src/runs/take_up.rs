@@ -2,7 +2,7 @@
 //!
 //! Knows requests and launches. Must never know what the run does then.
 
-use super::control::Denied;
+use super::commands;
 use super::launch::{LaunchError, Launched, launch};
 use super::life;
 use super::request::Request;
@@ -15,7 +15,7 @@ use crate::{Failure, House};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
 use rafcon_protocol::{Crash, Launch, Resume};
-use rafcon_supervisor::{clock, resume_launch};
+use rafcon_supervisor::resume_launch;
 use std::io;
 use std::sync::Arc;
 
@@ -28,8 +28,8 @@ pub(crate) async fn resume(
 ) -> Result<RunSummary, Failure> {
     super::check_id(&asked.id)?;
     let run = house.runs.get(run).await?;
-    let (house, author) = (Arc::clone(house), who.user.clone());
-    let resumed = tokio::spawn(async move { once(&house, &author, &run, asked).await });
+    let (house, who) = (Arc::clone(house), who.clone());
+    let resumed = tokio::spawn(async move { once(&house, &who, &run, asked).await });
     resumed.await.unwrap_or_else(|_stopped| {
         let message = "the server could not finish this request: ask again with the same id";
         Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message))
@@ -38,7 +38,7 @@ pub(crate) async fn resume(
 
 async fn once(
     house: &Arc<House>,
-    author: &str,
+    who: &Who,
     run: &Arc<Run>,
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
@@ -51,16 +51,15 @@ async fn once(
         return Ok(run.summary());
     }
     may_be_resumed(&run.summary(), &asked)?;
-    run.with_holding(|holding| holding.command(author, clock::since_1970_ms(), run.silence()))
-        .map_err(|denied| not_yours(&denied))?;
-    super::commands::keep_holder(run);
+    commands::take(house, run, who)?;
     let phase = run.summary().phase;
     run.is_in(RunPhase::Starting);
-    let after = before.clone().taken_up(author, &asked.id);
+    let after = before.clone().taken_up(&who.user, &asked.id);
     let (here, there) = (Arc::clone(house), Arc::clone(run));
     match blocking(move || begun(&here, &there, &asked, &after, &before)).await {
         Ok(launched) => {
             run.is_in(RunPhase::Live);
+            house.audit().note(&who.user, "run_resumed", run.id());
             life::follow(house, run, Some(launched));
             Ok(run.summary())
         }
@@ -69,10 +68,6 @@ async fn once(
             Err(failure)
         }
     }
-}
-
-fn not_yours(denied: &Denied) -> Failure {
-    Failure::conflict("not_in_control", denied.to_string())
 }
 
 fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
