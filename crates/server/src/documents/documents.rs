@@ -277,7 +277,9 @@ impl Documents {
     /// A connection is gone, or looks elsewhere.
     pub(crate) fn leaves(&self, connection: u64) {
         let rooms: Vec<_> = self.rooms.lock().values().cloned().collect();
-        rooms.iter().for_each(|room| room.leaves(connection));
+        for room in rooms {
+            room.leaves(connection);
+        }
     }
 }
 

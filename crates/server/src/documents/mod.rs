@@ -23,6 +23,6 @@ mod steps;
 mod tests;
 
 pub(crate) use documents::{Documents, Wish};
-pub(crate) use log::{Page, Told};
+pub(crate) use log::Page;
 pub(crate) use room::Room;
 pub(crate) use routes::{change, routes};

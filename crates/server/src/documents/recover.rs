@@ -24,7 +24,7 @@ pub(super) struct Recovered {
     /// The revision that lies on disk.
     pub(super) saved_revision: u64,
     /// Whether edits were found that do not lie on disk.
-    pub(super) is_recovered: bool,
+    pub(super) has_edits: bool,
     /// Whether another program changed the files since.
     pub(super) is_changed_on_disk: bool,
 }
@@ -55,7 +55,7 @@ pub(super) fn recover(
         is_changed_on_disk: expected != on_disk.hash,
         draft: Draft::go_on(place, &found).map_err(|error| kept_back(&error))?,
         saved_revision,
-        is_recovered: true,
+        has_edits: true,
     })
 }
 
@@ -64,7 +64,7 @@ fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Reco
         machine: OpenMachine::new(on_disk.machine.clone(), revision),
         draft: Draft::new(place, Head::new(folder, &on_disk.hash, revision)),
         saved_revision: revision,
-        is_recovered: false,
+        has_edits: false,
         is_changed_on_disk: false,
     }
 }

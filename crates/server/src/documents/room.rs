@@ -96,8 +96,7 @@ pub(super) struct Saving {
 impl Room {
     /// The machine that was read, with what a draft added to it.
     pub(super) fn new(id: String, spot: Spot, on_disk: OnDisk, recovered: Recovered) -> Self {
-        let Recovered { machine, draft, saved_revision, is_recovered, is_changed_on_disk } =
-            recovered;
+        let Recovered { machine, draft, saved_revision, has_edits, is_changed_on_disk } = recovered;
         let state = if is_changed_on_disk { DiskState::Changed } else { DiskState::Same };
         let files = Files {
             saved: on_disk.saved,
@@ -113,7 +112,7 @@ impl Room {
             file: spot.file,
             draft,
             files,
-            is_recovered,
+            is_recovered: has_edits,
             people: BTreeMap::new(),
             wires: None,
         };
@@ -121,10 +120,6 @@ impl Room {
         let revision = watch::Sender::new(open.machine.revision());
         open.wires = Some(Wires { status, revision });
         Self { id, open: Mutex::new(open), files: Mutex::default(), document: Mutex::default() }
-    }
-
-    pub(super) fn id(&self) -> &str {
-        &self.id
     }
 
     /// Where it lies.
@@ -266,13 +261,12 @@ impl Room {
     pub(super) fn look(&self, libraries: &Libraries) -> Result<(), Failure> {
         let _files = self.files.lock();
         let folder = self.folder();
-        match disk::read(&folder, libraries)? {
-            Some(now) => self.compared(now),
-            None => {
-                let mut open = self.open.lock();
-                open.files.state = DiskState::Missing;
-                open.tell(&self.id);
-            }
+        if let Some(now) = disk::read(&folder, libraries)? {
+            self.compared(now);
+        } else {
+            let mut open = self.open.lock();
+            open.files.state = DiskState::Missing;
+            open.tell(&self.id);
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
-use axum::response::{IntoResponse, Response};
+use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{
     CloseMachine, CopyStates, Done, EditMachine, MachineAt, MachineDocument, MachineProblem,
     MachineStatus, MachineSummary, NewMachine, Refusal, ReloadMachine, RevisionPage, RevisionsFrom,

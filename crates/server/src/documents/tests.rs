@@ -53,7 +53,7 @@ fn done(open: &mut OpenMachine, author: &str, deed: Deed) -> String {
 /// One line a deed: the author, then `<` (back), `>` (again) or an edit as JSON.
 fn check(lines: &[&str], expect: &Expect) {
     let mut open = OpenMachine::new(machine(START), 0);
-    let mut out = String::new();
+    let mut out = Vec::new();
     for line in lines {
         let (author, what) = line.split_once(' ').expect("an author and a deed");
         let deed = match what {
@@ -65,9 +65,9 @@ fn check(lines: &[&str], expect: &Expect) {
                 Deed::Edit(name, (&edit).try_into().expect("an edit of the model"))
             }
         };
-        out.push_str(&format!("{author}: {}\n", done(&mut open, author, deed)));
+        out.push(format!("{author}: {}\n", done(&mut open, author, deed)));
     }
-    expect.assert_eq(&(out + &notation::print(open.machine())));
+    expect.assert_eq(&(out.concat() + &notation::print(open.machine())));
 }
 
 const NAME: &str = r#"ann {"edit":"set_name","path":"ROOT/AAAAAA","name":"Ann's"}"#;
@@ -146,6 +146,10 @@ fn what_somebody_built_upon_stays() {
             execution EEEEEE
     "#]],
     );
+}
+
+#[test]
+fn what_somebody_built_inside_or_around_stays() {
     let add = r#"ann {"edit":"add_state","path":"ROOT","states":[{"path":"NEWAAA","name":"New","kind":"execution"}]}"#;
     let inside = r#"bob {"edit":"set_script","path":"ROOT/NEWAAA","script":"x = 1"}"#;
     let lead = r#"bob {"edit":"add_transition","path":"ROOT","transition":9,"from":{"state":"NEWAAA","outcome":-1},"to":{"outcome":0}}"#;

@@ -1,4 +1,4 @@
-//! Changes that other programs make to machines and libraries: noticed, and told to whoever looks. Knows which part
+//! Changes that other programs make to machines and libraries: noticed, and told to whoever has them open. Knows which part
 //! of the server a changed file concerns; must never know what is in the files.
 //!
 //! The server's own saves come by here as well: whether a machine is really another one is decided by its content, by
@@ -21,6 +21,8 @@ const GATHERED: Duration = Duration::from_millis(100);
 struct Watch {
     house: Arc<House>,
     folders: Folders,
+    /// The folders of open machines that are followed.
+    open: Vec<PathBuf>,
 }
 
 /// Begins to follow the projects, libraries and open machines of a house, until it closes.
@@ -29,7 +31,11 @@ pub(crate) fn begin(house: &Arc<House>) {
     let told = Arc::clone(&inbox);
     match notify::recommended_watcher(move |event| told.put(event)) {
         Ok(watcher) => {
-            let watch = Watch { house: Arc::clone(house), folders: Folders::new(watcher) };
+            let watch = Watch {
+                house: Arc::clone(house),
+                folders: Folders::new(watcher),
+                open: Vec::new(),
+            };
             tokio::spawn(watch.run(inbox));
         }
         Err(error) => log::say(&format!(
@@ -40,7 +46,7 @@ pub(crate) fn begin(house: &Arc<House>) {
 
 impl Watch {
     async fn run(self, inbox: Arc<Inbox>) {
-        let mut closing = self.house.closing();
+        let (mut machines, mut closing) = (self.house.news.of_machines(), self.house.closing());
         // Until everything is followed for the first time, anything may have happened.
         let mut changes = Changes { is_lost: true, ..Changes::default() };
         let mut watch = self;
@@ -53,6 +59,7 @@ impl Watch {
             watch = turned;
             let is_there = tokio::select! {
                 () = inbox.something() => true,
+                changed = machines.changed() => changed.is_ok(),
                 _closed = closing.changed() => false,
             };
             if !is_there {
@@ -69,29 +76,37 @@ impl Watch {
             self.folders.forget_all();
         }
         self.folders.forget(&changes.gone);
-        if changes.is_lost || self.is_new_folder(changes) {
-            self.folders.follow(&self.plan());
+        let open = self.house.documents.folders();
+        if open != self.open || changes.is_lost || self.is_new_folder(changes) {
+            self.folders.follow(&self.plan(&open));
         }
-        self.tell(changes);
+        self.tell(changes, &open);
+        self.open = open;
     }
 
     fn is_new_folder(&self, changes: &Changes) -> bool {
         changes.touched.iter().any(|path| !self.folders.knows(path) && path.is_dir())
     }
 
-    fn plan(&self) -> Plan {
+    fn plan(&self, open: &[PathBuf]) -> Plan {
         let projects = self.house.projects.all().iter();
         let settings = &self.house.settings;
         Plan {
-            whole: self.house.projects.shelf().folders(),
+            whole: open.iter().cloned().chain(self.house.projects.shelf().folders()).collect(),
             outside: projects.map(|project| PathBuf::from(&project.folder)).collect(),
             hidden: vec![settings.runs.clone(), settings.state.clone()],
         }
     }
 
-    fn tell(&self, changes: &Changes) {
+    /// A machine that is followed from now on may have changed since it was opened.
+    fn tell(&self, changes: &Changes, open: &[PathBuf]) {
         if self.house.projects.shelf().folders().iter().any(|folder| changes.concern(folder)) {
             self.house.projects.shelf().refresh();
+        }
+        for folder in open {
+            if changes.concern(folder) || !self.open.contains(folder) {
+                self.house.documents.look(&self.house, folder);
+            }
         }
         if !changes.is_empty() {
             self.house.news.files();
