@@ -6,7 +6,7 @@
 
 use crate::wires::Cause;
 use rafcon_protocol::api::{CommandAnswer, LinkState, Refusal, RunNow, RunPhase};
-use rafcon_protocol::socket::{ToClient, ToServer, Topic};
+use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
 use rafcon_protocol::{
     Answer, Command, Envelope, Event, Expiry, Hello, Join, Snapshot, ToRunner, ToViewer,
 };
@@ -152,7 +152,11 @@ impl Session {
             ToClient::Welcome { protocol, session, now_ms: theirs, .. } => {
                 self.offset_ms = i64::try_from(theirs).unwrap_or(i64::MAX)
                     - i64::try_from(now_ms).unwrap_or(i64::MAX);
-                self.welcome(Hello { protocol, program: session.version }, todo);
+                if protocol == VERSION {
+                    self.welcome(todo);
+                } else {
+                    todo.causes.push(Told::Refused(other_version(protocol, &session.version)));
+                }
             }
             ToClient::Events { subscription: HISTORY, next, events } => {
                 let events = events.into_iter().map(|entry| ToViewer::Event {
@@ -204,9 +208,9 @@ impl Session {
         }
     }
 
-    fn welcome(&mut self, hello: Hello, todo: &mut Todo) {
+    fn welcome(&mut self, todo: &mut Todo) {
         if self.wanted.is_none() {
-            todo.causes.push(Told::Hello(hello));
+            todo.causes.push(Told::Hello(Hello::ours()));
         }
         if std::mem::replace(&mut self.connection, Connection::Up) == Connection::Cut {
             todo.causes.push(Told::Mended("the connection is back".to_owned()));
@@ -259,12 +263,11 @@ impl Session {
 
     fn status(&mut self, now: RunNow, todo: &mut Todo) {
         let mut messages = Vec::new();
-        let is_first = !self.is_loaded;
-        if is_first {
+        let is_told = now.loaded.is_some() && (self.next.is_some() || now.snapshot.is_some());
+        if !self.is_loaded && (is_told || !is_live(&now.run.phase)) {
             self.is_loaded = true;
             self.next.get_or_insert_with(|| from_now_on(&now));
-            let (name, run) = (now.run.name.clone(), now.run.id.clone());
-            messages.push(ToViewer::Loaded { name, states: 0, problems: Vec::new(), run });
+            messages.push(loaded(&now));
             self.subscribe_history(todo);
         }
         let (is_up, phase) = (now.link == LinkState::Up, now.run.phase.clone());
@@ -307,13 +310,29 @@ impl Session {
     }
 }
 
+fn other_version(protocol: u32, program: &str) -> String {
+    format!(
+        "the server (version {program}) speaks version {protocol} of the socket's frames, this program {VERSION}: install \
+         the same version of rafcon on both computers"
+    )
+}
+
+/// What a runner says first.
+fn loaded(now: &RunNow) -> ToViewer {
+    let (name, run) = (now.run.name.clone(), now.run.id.clone());
+    let (states, problems) =
+        now.loaded.clone().map_or((0, Vec::new()), |loaded| (loaded.states, loaded.problems));
+    ToViewer::Loaded { name, states, problems, run }
+}
+
+fn is_live(phase: &RunPhase) -> bool {
+    matches!(phase, RunPhase::Live | RunPhase::Starting)
+}
+
 /// The first event that is still to come; of a run that is over, its end.
 fn from_now_on(now: &RunNow) -> u64 {
     let told = now.snapshot.as_ref().map(|snapshot| snapshot.disk_safe);
-    match now.run.phase {
-        RunPhase::Live | RunPhase::Starting => told.unwrap_or(now.run.events) + 1,
-        _ => now.run.events.max(1),
-    }
+    if is_live(&now.run.phase) { told.unwrap_or(now.run.events) + 1 } else { now.run.events.max(1) }
 }
 
 /// What the runner said last, as old as it is by now.

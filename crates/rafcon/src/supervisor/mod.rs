@@ -205,15 +205,8 @@ impl Supervisor {
     fn loaded(&mut self, name: String, states: u64, problems: Vec<String>, out: &mut Vec<Action>) {
         self.phase = Phase::Running;
         out.push(Action::Loaded { name, states });
-        let warning = |message| Event::Log {
-            path: String::new(),
-            level: LogLevel::Warning,
-            stream: Stream::Engine,
-            message,
-        };
-        out.extend(
-            problems.into_iter().map(|problem| Action::Event(Duration::ZERO, warning(problem))),
-        );
+        let warnings = as_events(problems);
+        out.extend(warnings.map(|event| Action::Event(Duration::ZERO, event)));
     }
 
     fn event(&mut self, now: Duration, event: Event, out: &mut Vec<Action>) {
@@ -340,6 +333,16 @@ impl Supervisor {
         let active = self.active.paths().to_vec();
         End::Died(Death { reason, active, said, is_cut_off })
     }
+}
+
+/// Faults of a machine as they are told to whoever asked for its run: lines of the log.
+pub(crate) fn as_events(problems: Vec<String>) -> impl Iterator<Item = Event> {
+    problems.into_iter().map(|message| Event::Log {
+        path: String::new(),
+        level: LogLevel::Warning,
+        stream: Stream::Engine,
+        message,
+    })
 }
 
 #[cfg(test)]

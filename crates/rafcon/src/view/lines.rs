@@ -52,7 +52,10 @@ impl<W: Write> View for Lines<W> {
 
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()> {
         name.clone_into(&mut self.machine);
-        writeln!(self.out, "running {name} ({})", counted(states, "state"))
+        // A machine has at least one; none are told of a run that is over.
+        let size =
+            if states > 0 { format!(" ({})", counted(states, "state")) } else { String::new() };
+        writeln!(self.out, "running {name}{size}")
     }
 
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()> {

@@ -56,7 +56,7 @@ fn told(todo: &Todo) -> String {
 /// The server's clock is ahead by 100 s.
 fn welcome(connection: u64) -> Value {
     let session = json!({"user": "ana", "role": "operator", "rights": [], "version": "0.1.0", "expires_ms": null});
-    json!({"frame": "welcome", "protocol": 2, "session": session, "connection": connection, "now_ms": 101_000})
+    json!({"frame": "welcome", "protocol": 1, "session": session, "connection": connection, "now_ms": 101_000})
 }
 
 fn status(phase: &str, link: &str, safe: Option<u64>, events: u64) -> Value {
@@ -71,10 +71,11 @@ fn status(phase: &str, link: &str, safe: Option<u64>, events: u64) -> Value {
         run["outcome"] = json!({"id": 0, "name": "success"});
         run["states_run"] = json!(3);
     }
+    let loaded = safe.map(|_| json!({"states": 5, "problems": []}));
     let control =
         json!({"holder": null, "since_ms": 0, "heard_ms": 0, "silence_ms": 0, "requests": []});
     let status = json!({
-        "run": run, "link": link, "snapshot": snapshot, "snapshot_ms": 50, "now_ms": 250, "control": control
+        "run": run, "loaded": loaded, "link": link, "snapshot": snapshot, "snapshot_ms": 50, "now_ms": 250, "control": control
     });
     json!({"frame": "run_status", "subscription": 1, "status": status})
 }
@@ -100,6 +101,7 @@ fn a_run_is_joined_where_it_stands_and_goes_on_from_its_cursor() {
     check(
         true,
         vec![
+            Hear(status("live", "down", None, 9)),
             Hear(status("live", "up", Some(7), 9)),
             Hear(paused(&[8, 9], 10)),
             Cut,
@@ -114,8 +116,9 @@ fn a_run_is_joined_where_it_stands_and_goes_on_from_its_cursor() {
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
+            --
             > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":8,"values":false}}
-            Messages([Loaded { name: "Pick", states: 0, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            Messages([Loaded { name: "Pick", states: 5, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
             --
             Messages([Event { sequence: 8, t_ns: 0, event: Paused { paused: true } }, Event { sequence: 9, t_ns: 0, event: Paused { paused: true } }])
             --
@@ -158,7 +161,7 @@ fn commands_have_an_expiry_and_are_said_again_by_the_same_id() {
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
             > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":8,"values":false}}
-            Messages([Loaded { name: "Pick", states: 0, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            Messages([Loaded { name: "Pick", states: 5, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
             --
             > {"frame":"command","run":"RUN","envelope":{"id":"key-1","author":"ana","decided_on":7,"expiry":114000,"command":{"type":"pause"}}}
             --
@@ -207,7 +210,7 @@ fn only_what_is_rare_is_shown_in_a_picture() {
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
             > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":1,"values":false}}
-            Messages([Loaded { name: "Pick", states: 0, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 0, journal_problem: None, breakpoints: [], questions: [] })])
+            Messages([Loaded { name: "Pick", states: 5, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 0, journal_problem: None, breakpoints: [], questions: [] })])
             --
             Messages([Event { sequence: 2, t_ns: 0, event: Stopping }])
             --
@@ -236,7 +239,7 @@ fn a_run_that_nobody_takes_up_is_lost_once_all_was_told() {
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
             > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":2,"values":false}}
-            Messages([Loaded { name: "Pick", states: 0, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 1, journal_problem: None, breakpoints: [], questions: [] })])
+            Messages([Loaded { name: "Pick", states: 5, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 1, journal_problem: None, breakpoints: [], questions: [] })])
             --
             --
             --
@@ -279,6 +282,20 @@ fn of_a_run_that_is_over_the_end_is_told() {
             --
         "#]],
     );
+}
+
+#[test]
+fn a_server_of_another_version_is_not_spoken_with() {
+    let mut frame = welcome(1);
+    frame["protocol"] = json!(9);
+    check(true, vec![Hear(frame)], &expect![[r#"
+        Hello(Hello { protocol: 2, program: "0.1.0" })
+        --
+        > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
+        --
+        Refused("the server (version 0.1.0) speaks version 9 of the socket's frames, this program 1: install the same version of rafcon on both computers")
+        --
+    "#]]);
 }
 
 #[test]

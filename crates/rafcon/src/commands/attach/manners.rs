@@ -40,6 +40,11 @@ impl Manners {
         Self { is_host: true, deadline, ..Self::default() }
     }
 
+    /// Whether the run was begun for this visitor.
+    pub(super) fn is_host(&self) -> bool {
+        self.is_host
+    }
+
     /// Whether the machine's time is over.
     pub(super) fn timed_out(&self) -> bool {
         self.timed_out

@@ -161,6 +161,17 @@ impl Visit {
         match message {
             ToViewer::LoadFailed { reason } => self.finish(End::Refused(reason)),
             ToViewer::Answer { answer, .. } => out.extend(note(answer)),
+            ToViewer::Loaded { problems, name, states, run } => {
+                let (told, none) = (supervisor::as_events(problems), Vec::new());
+                out.push(Act::Show(ToViewer::Loaded { name, states, problems: none, run }));
+                if self.manners.is_host() {
+                    out.extend(
+                        told.map(|event| {
+                            Act::Show(ToViewer::Event { sequence: 0, t_ns: 0, event })
+                        }),
+                    );
+                }
+            }
             message => {
                 if let ToViewer::Event { event: Event::Finished { outcome, .. }, .. } = &message {
                     let timed_out = self.manners.timed_out();

@@ -92,8 +92,8 @@ fn start_run(raw: &cli::Run, server: &Arc<Server>) -> Result<StartRun> {
     let breakpoints = if raw.breakpoints.is_empty() {
         Vec::new()
     } else {
-        let (server, machine) = (Arc::clone(server), machine.clone());
-        let mut names = Names::new(move || server.machine_in(&machine).ok());
+        let found = server.machine_in(&machine)?;
+        let mut names = Names::new(move || Some(found));
         request::breakpoints(&raw.breakpoints, &mut names)?
     };
     Ok(StartRun {

@@ -129,8 +129,10 @@ impl View for Live {
 
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()> {
         self.machine = harmless(name);
-        let line = Line::of(Style::Strong, self.machine.clone())
-            .and(Style::Dim, format!("  {}", counted(states, "state")));
+        let line = Line::of(Style::Strong, self.machine.clone()).and(
+            Style::Dim,
+            if states > 0 { format!("  {}", counted(states, "state")) } else { String::new() },
+        );
         self.above.push(line);
         Ok(())
     }
