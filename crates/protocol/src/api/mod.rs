@@ -32,7 +32,7 @@ pub use people::{
 };
 pub use refusal::Refusal;
 pub use runs::{
-    CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine, LoadedMachine,
+    CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine,
     OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,
     StateAt,
 };

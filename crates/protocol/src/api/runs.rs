@@ -119,9 +119,6 @@ pub struct RunNow {
     /// What its runner goes by; none before it said so, and of a run that was over before the server began.
     #[serde(default)]
     pub loaded: Option<LoadedMachine>,
-    /// What its runner goes by; none before it said so, and of a run that was over before the server began.
-    #[serde(default)]
-    pub loaded: Option<LoadedMachine>,
     /// Between server and runner.
     pub link: LinkState,
     /// What the runner said last; none if it never did.
@@ -132,16 +129,6 @@ pub struct RunNow {
     pub now_ms: u64,
     /// Who commands.
     pub control: Control,
-}
-
-/// The machine of a run, as its runner has read it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
-pub struct LoadedMachine {
-    /// How many states it has.
-    pub states: u64,
-    /// Faults that did not keep it from being read, one line each.
-    pub problems: Vec<String>,
 }
 
 /// The machine of a run, as its runner has read it.

@@ -8,7 +8,6 @@ use super::talk::{Connection, LinkError, open};
 use super::told::Told;
 use parking_lot::Mutex;
 use rafcon_protocol::api::LoadedMachine;
-use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{Answer, Envelope, Join, ToRunner, ToViewer, decode, encode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -135,9 +134,6 @@ fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<Told>) {
             run.stands(snapshot);
         }
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
-        Ok(ToViewer::Loaded { states, problems, .. }) => {
-            run.is_loaded(LoadedMachine { states, problems });
-        }
         Ok(ToViewer::Loaded { states, problems, .. }) => {
             run.is_loaded(LoadedMachine { states, problems });
         }

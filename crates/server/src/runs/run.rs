@@ -9,7 +9,7 @@ use super::ring::Ring;
 use super::told::Told;
 use crate::house::House;
 use parking_lot::Mutex;
-use rafcon_protocol::api::{LinkState, LoadedMachine, LoadedMachine, RunNow, RunPhase, RunSummary};
+use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary};
 use rafcon_protocol::{Event, Snapshot};
 use rafcon_supervisor::clock;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,6 @@ impl Run {
         let holding = holder_file::read(&folder).go_on(now_ms);
         let now = RunNow {
             run: summary.clone(),
-            loaded: None,
             loaded: None,
             link: link_of(&summary.phase),
             snapshot: None,
@@ -173,11 +172,6 @@ impl Run {
                 now.run.phase = RunPhase::Finished { outcome, states_run };
             });
         }
-    }
-
-    /// This is what its runner goes by.
-    pub(super) fn is_loaded(&self, loaded: LoadedMachine) {
-        self.change(|now| now.loaded = Some(loaded));
     }
 
     /// This is what its runner goes by.
