@@ -78,7 +78,7 @@ impl House {
     pub(crate) async fn status(&self) -> HouseStatus {
         HouseStatus {
             files_revision: self.news.files_revision(),
-            machines: Vec::new(),
+            machines: self.documents.summaries(),
             runs: self.runs.lively().await,
         }
     }

@@ -27,7 +27,7 @@ pub use people::{OWNER, People};
 pub use private::PrivateError;
 pub use rights::{ROUTES, Row, of_command, of_frame, of_route};
 pub use roster::{Roster, RosterError};
-pub(crate) use routes::routes;
+pub(crate) use routes::{about, routes};
 pub(crate) use secret::hex;
 pub use users::{Users, UsersError};
 pub use who::{Credential, Who};

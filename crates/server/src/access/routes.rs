@@ -232,7 +232,7 @@ async fn remove_user(
 }
 
 /// Who somebody is, as it is told.
-fn about(who: Who) -> Session {
+pub(crate) fn about(who: Who) -> Session {
     let rights = [Right::Observe, Right::Command, Right::Start, Right::Edit, Right::Administer];
     let Who { user, role, expires_ms, by: _ } = who;
     let rights = rights.into_iter().filter(|right| role.grants(*right)).collect();

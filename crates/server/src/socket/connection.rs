@@ -1,7 +1,7 @@
 //! One client's connection: every cause of work is one [`Cause`], taken one after the other. Knows frames and whom they are
 //! for; must never know what lies behind the desk, or how a frame reaches the other side.
 
-use super::desk::Desk;
+use super::desk::{Desk, now_ms};
 use super::outbox::{Outbox, length};
 use super::pulse::Pulse;
 use super::session::{Act, Session, binary};
@@ -51,6 +51,7 @@ where
         farewell = desk.unwelcome() => Some(farewell),
         farewell = connection.run(stream, &pulse) => farewell,
     };
+    desk.leave();
     if let Some((failure, code)) = farewell {
         let reason = CloseFrame { code, reason: failure.refusal().code.into() };
         outbox.farewell(words::text(&words::refused(None, &failure)), reason);
@@ -115,6 +116,9 @@ impl Connection {
             match cause {
                 Cause::Heard(Some(Ok(message))) => {
                     pulse.beat();
+                    if let Err(failure) = self.desk.is_welcome() {
+                        return Some((failure, close_code::POLICY));
+                    }
                     self.hear(message);
                 }
                 Cause::Heard(Some(Err(error))) => {
@@ -149,7 +153,7 @@ impl Connection {
         match message {
             Message::Text(text) => {
                 self.desk.heard();
-                let act = self.session.hear(&text, self.desk.who(), self.desk.now_ms());
+                let act = self.session.hear(&text, self.desk.who(), now_ms());
                 self.act(act);
             }
             Message::Binary(_) => self.tell(&binary()),
@@ -165,8 +169,8 @@ impl Connection {
             Act::Command { run, envelope } => {
                 self.answers.push_back(self.desk.command(run, *envelope).boxed());
             }
-            Act::Change { machine, step } => {
-                self.answers.push_back(self.desk.change(machine, step).boxed());
+            Act::Change { machine, id, wish } => {
+                self.answers.push_back(self.desk.change(machine, id, wish).boxed());
             }
             Act::Look { machine, selection } => {
                 if let Err(failure) = self.desk.look(&machine, selection) {

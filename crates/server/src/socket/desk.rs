@@ -4,19 +4,28 @@
 use super::feed::tell;
 use super::history::{Cursor, RunHistory};
 use super::house::HouseStatus;
+use super::machine::MachineHistory;
 use super::outbox::Outbox;
-use super::session::Step;
 use super::status::Status;
 use super::words;
-use crate::access::Who;
+use crate::access::{Who, about};
+use crate::documents::{self, Wish};
 use crate::{Failure, House, runs};
+use axum::Json;
 use axum::extract::ws::close_code;
 use axum::http::StatusCode;
 use rafcon_protocol::Envelope;
-use rafcon_protocol::api::{Right, RunNow, Session};
+use rafcon_protocol::api::{Done, MachineStatus, Presence, RunNow};
 use rafcon_protocol::socket::{ToClient, Topic, VERSION};
 use rafcon_supervisor::clock;
 use std::sync::Arc;
+use std::time::Duration;
+use tokio::select;
+use tokio::sync::Mutex;
+use tokio::time::sleep;
+
+/// So often it is looked whether a client is still welcome, if nothing says that it is not.
+const ASKED_EVERY: Duration = Duration::from_secs(15);
 
 /// One client's access to the house.
 #[derive(Debug, Clone)]
@@ -24,11 +33,13 @@ pub(super) struct Desk {
     house: Arc<House>,
     who: Who,
     connection: u64,
+    /// One change of a machine after the other, in the order in which they were asked for.
+    turn: Arc<Mutex<()>>,
 }
 
 impl Desk {
     pub(super) fn new(house: Arc<House>, who: Who, connection: u64) -> Self {
-        Self { house, who, connection }
+        Self { house, who, connection, turn: Arc::default() }
     }
 
     /// Who the client is.
@@ -36,27 +47,45 @@ impl Desk {
         &self.who
     }
 
-    /// The time: ms since 1970, UTC.
-    pub(super) fn now_ms(&self) -> u64 {
-        clock::since_1970_ms()
-    }
-
     /// The first frame.
     pub(super) fn welcome(&self) -> ToClient {
         ToClient::Welcome {
             protocol: VERSION,
-            session: session(&self.who),
+            session: about(self.who.clone()),
             connection: self.connection,
-            now_ms: self.now_ms(),
+            now_ms: now_ms(),
         }
     }
 
     /// Waits until the client has to go: why, and the code that says so.
     pub(super) async fn unwelcome(&self) -> (Failure, u16) {
-        let mut closing = self.house.closing();
-        // The house keeps the sender as long as it stands.
-        drop(closing.wait_for(|is_closing| *is_closing).await);
-        (closes(), close_code::AWAY)
+        let (mut closing, mut people) = (self.house.closing(), self.house.people().revision());
+        loop {
+            if let Err(failure) = self.is_welcome() {
+                return (failure, close_code::POLICY);
+            }
+            // The house keeps what sends as long as it stands.
+            select! {
+                _ = closing.wait_for(|is_closing| *is_closing) => return (closes(), close_code::AWAY),
+                _ = people.changed() => {}
+                () = sleep(self.patience()) => {}
+            }
+        }
+    }
+
+    /// Whether the client is still who it was when it was let in.
+    pub(super) fn is_welcome(&self) -> Result<(), Failure> {
+        match self.house.people().still(&self.who) {
+            Some(who) if who.role == self.who.role => Ok(()),
+            Some(who) => Err(other_role(&who)),
+            None => Err(not_known_any_more()),
+        }
+    }
+
+    /// How long it may be relied upon that the client is still the same: others may change who is known, and logins end.
+    fn patience(&self) -> Duration {
+        let end = self.who.expires_ms.map(|end| end.saturating_sub(now_ms()) + 1);
+        end.map_or(ASKED_EVERY, |end| ASKED_EVERY.min(Duration::from_millis(end)))
     }
 
     /// The client said something.
@@ -79,22 +108,33 @@ impl Desk {
         }
     }
 
-    /// Changes an open machine.
+    /// Changes an open machine, once the changes before are made.
     pub(super) fn change(
         &self,
         machine: String,
-        step: Step,
+        id: String,
+        wish: Wish,
     ) -> impl Future<Output = ToClient> + Send + 'static + use<> {
-        let id = match step {
-            Step::Edit(edit) => edit.id,
-            Step::Undo(step) | Step::Redo(step) => step.id,
-        };
-        async move { words::refused(Some(id), &not_open(&machine)) }
+        let (house, who, turn) = (Arc::clone(&self.house), self.who.clone(), self.turn.clone());
+        async move {
+            let _turn = turn.lock().await;
+            match documents::change(house, who, machine, wish).await {
+                Ok(Json(Done { revision })) => ToClient::Edited { id, revision },
+                Err(failure) => words::refused(Some(id), &failure),
+            }
+        }
     }
 
     /// The client looks at these states of an open machine.
-    pub(super) fn look(&self, machine: &str, _selection: Vec<String>) -> Result<(), Failure> {
-        Err(not_open(machine))
+    pub(super) fn look(&self, machine: &str, selection: Vec<String>) -> Result<(), Failure> {
+        let (connection, user) = (self.connection, self.who.user.clone());
+        let presence = Presence { connection, user, selection };
+        self.house.documents.looks(&self.house, machine, presence)
+    }
+
+    /// The client is gone, and looks at nothing any more.
+    pub(super) fn leave(&self) {
+        self.house.documents.leaves(self.connection);
     }
 
     /// Tells a subscription until nothing more will come, or says why it cannot be told.
@@ -115,8 +155,17 @@ impl Desk {
                 let frame = move |now: &Arc<RunNow>| words::run_status(subscription, now);
                 tell(Status::new(subscription, now, frame), outbox).await;
             }
-            Topic::MachineHistory { machine, .. } | Topic::MachineStatus { machine } => {
-                return Err(not_open(&machine));
+            Topic::MachineHistory { machine, from } => {
+                let room = self.house.documents.room(&machine)?;
+                tell(MachineHistory::new(room, subscription, from)?, outbox).await;
+            }
+            Topic::MachineStatus { machine } => {
+                let now = self.house.documents.room(&machine)?.status()?;
+                let frame = move |status: &MachineStatus| {
+                    let status = status.clone();
+                    words::text(&ToClient::MachineStatus { subscription, status })
+                };
+                tell(Status::new(subscription, now, frame), outbox).await;
             }
             Topic::HouseStatus => {
                 tell(HouseStatus::new(Arc::clone(&self.house), subscription), outbox).await;
@@ -126,15 +175,9 @@ impl Desk {
     }
 }
 
-fn session(who: &Who) -> Session {
-    let rights = [Right::Observe, Right::Command, Right::Start, Right::Edit, Right::Administer];
-    Session {
-        user: who.user.clone(),
-        role: who.role,
-        rights: rights.into_iter().filter(|right| who.role.grants(*right)).collect(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        expires_ms: who.expires_ms,
-    }
+/// The time: ms since 1970, UTC.
+pub(super) fn now_ms() -> u64 {
+    clock::since_1970_ms()
 }
 
 fn closes() -> Failure {
@@ -142,7 +185,13 @@ fn closes() -> Failure {
     Failure::new(StatusCode::SERVICE_UNAVAILABLE, "server_ends", message)
 }
 
-fn not_open(machine: &str) -> Failure {
-    let message = format!("no machine `{machine}` is open: POST /api/v1/machines/open opens one");
-    Failure::not_found("no_such_machine", message)
+fn not_known_any_more() -> Failure {
+    let message = "the login or token with which this connection began does not count any more: log in, and connect again";
+    Failure::new(StatusCode::UNAUTHORIZED, "not_known_any_more", message)
+}
+
+fn other_role(who: &Who) -> Failure {
+    let role = format!("{:?}", who.role).to_lowercase();
+    let message = format!("{} is {role} now: connect again to go on as such", who.user);
+    Failure::forbidden("other_role", message)
 }

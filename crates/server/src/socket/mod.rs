@@ -8,6 +8,7 @@ mod desk;
 mod feed;
 mod history;
 mod house;
+mod machine;
 mod outbox;
 mod pulse;
 mod session;

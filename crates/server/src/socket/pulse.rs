@@ -8,7 +8,7 @@ use tokio::time::{Instant, sleep_until};
 /// After so much silence the client is asked.
 const ASKED_AFTER: Duration = Duration::from_secs(20);
 /// After so much silence nobody is there.
-const GONE_AFTER: Duration = Duration::from_secs(60);
+const GONE_AFTER: Duration = Duration::from_mins(1);
 
 /// Signs of life of a client.
 #[derive(Debug)]

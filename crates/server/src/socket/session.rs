@@ -4,9 +4,9 @@
 use super::words::{ended, refused};
 use crate::Failure;
 use crate::access::{Who, of_frame};
+use crate::documents::Wish;
 use axum::http::StatusCode;
 use rafcon_protocol::Envelope;
-use rafcon_protocol::api::{EditMachine, Undo};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ pub(super) const SUBSCRIPTIONS_MAX: usize = 64;
 const SELECTION_MAX: usize = 1000;
 
 /// What is to be done about a frame.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub(super) enum Act {
     /// Tell the client this.
     Tell(ToClient),
@@ -35,8 +35,10 @@ pub(super) enum Act {
     Change {
         /// The machine's id.
         machine: String,
+        /// The change's id.
+        id: String,
         /// How.
-        step: Step,
+        wish: Wish,
     },
     /// Tell the others what this client looks at.
     Look {
@@ -45,17 +47,6 @@ pub(super) enum Act {
         /// Paths of the selected states.
         selection: Vec<String>,
     },
-}
-
-/// A change of an open machine.
-#[derive(Debug, PartialEq)]
-pub(super) enum Step {
-    /// An edit.
-    Edit(EditMachine),
-    /// One's own last step back.
-    Undo(Undo),
-    /// One's own last step again.
-    Redo(Undo),
 }
 
 /// What one client has asked for so far.
@@ -83,9 +74,11 @@ impl Session {
             ToServer::Command { run, envelope } => {
                 Act::Command { run, envelope: Box::new(envelope) }
             }
-            ToServer::Edit { machine, edit } => Act::Change { machine, step: Step::Edit(edit) },
-            ToServer::Undo { machine, undo } => Act::Change { machine, step: Step::Undo(undo) },
-            ToServer::Redo { machine, redo } => Act::Change { machine, step: Step::Redo(redo) },
+            ToServer::Edit { machine, edit } => {
+                change(machine, edit.id.clone(), Wish::Edit(Box::new(edit)))
+            }
+            ToServer::Undo { machine, undo } => change(machine, undo.id.clone(), Wish::Undo(undo)),
+            ToServer::Redo { machine, redo } => change(machine, redo.id.clone(), Wish::Redo(redo)),
             ToServer::Presence { machine, selection } => look(machine, selection),
             ToServer::Ping { id } => Act::Tell(ToClient::Pong { id, now_ms }),
         }
@@ -112,6 +105,10 @@ impl Session {
 pub(super) fn binary() -> ToClient {
     let message = "this was a binary frame: send each JSON object as a text frame";
     refused(None, &Failure::bad("binary_frame", message))
+}
+
+fn change(machine: String, id: String, wish: Wish) -> Act {
+    Act::Change { machine, id, wish }
 }
 
 fn look(machine: String, selection: Vec<String>) -> Act {

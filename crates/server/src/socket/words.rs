@@ -13,12 +13,12 @@ pub(super) fn text(frame: &ToClient) -> String {
 /// How a run stands. Spelled as [`ToClient::RunStatus`] is.
 pub(super) fn run_status(subscription: u32, status: &RunNow) -> String {
     #[derive(Serialize)]
+    #[serde(tag = "frame", rename = "run_status")]
     struct Frame<'s> {
-        frame: &'static str,
         subscription: u32,
         status: &'s RunNow,
     }
-    spelled(&Frame { frame: "run_status", subscription, status })
+    spelled(&Frame { subscription, status })
 }
 
 fn spelled(frame: &impl Serialize) -> String {
@@ -41,16 +41,26 @@ pub(super) fn ended(subscription: u32, failure: Option<&Failure>) -> ToClient {
 
 /// Events of a run, which are text already. Spelled as [`ToClient::Events`] is.
 pub(super) fn events(subscription: u32, next: u64, events: &[impl AsRef<str>]) -> String {
-    let length: usize = events.iter().map(|event| event.as_ref().len() + 1).sum();
-    let mut text = String::with_capacity(length + 80);
-    text.push_str(&format!(
-        r#"{{"frame":"events","subscription":{subscription},"next":{next},"events":["#
-    ));
-    for (index, event) in events.iter().enumerate() {
+    let head =
+        format!(r#"{{"frame":"events","subscription":{subscription},"next":{next},"events":["#);
+    list(&head, events)
+}
+
+/// Revisions of a machine, which are text already. Spelled as [`ToClient::Revisions`] is.
+pub(super) fn revisions(subscription: u32, revisions: &[impl AsRef<str>]) -> String {
+    let head = format!(r#"{{"frame":"revisions","subscription":{subscription},"revisions":["#);
+    list(&head, revisions)
+}
+
+fn list(head: &str, items: &[impl AsRef<str>]) -> String {
+    let length: usize = items.iter().map(|item| item.as_ref().len() + 1).sum();
+    let mut text = String::with_capacity(head.len() + length + 2);
+    text.push_str(head);
+    for (index, item) in items.iter().enumerate() {
         if index > 0 {
             text.push(',');
         }
-        text.push_str(event.as_ref());
+        text.push_str(item.as_ref());
     }
     text.push_str("]}");
     text
@@ -58,9 +68,9 @@ pub(super) fn events(subscription: u32, next: u64, events: &[impl AsRef<str>]) -
 
 #[cfg(test)]
 mod tests {
-    use super::{events, text};
+    use super::{events, revisions, text};
     use rafcon_protocol::Event;
-    use rafcon_protocol::api::HistoryEntry;
+    use rafcon_protocol::api::{HistoryEntry, Revision};
     use rafcon_protocol::socket::ToClient;
 
     fn check(entries: Vec<HistoryEntry>) {
@@ -69,6 +79,23 @@ mod tests {
         let next = entries.last().map_or(1, |entry| entry.sequence + 1);
         let frame = ToClient::Events { subscription: 7, next, events: entries };
         assert_eq!(events(7, next, &texts), text(&frame));
+    }
+
+    #[test]
+    fn revisions_that_are_put_together_are_spelled_as_the_frame_is() {
+        let revision = |revision| Revision {
+            revision,
+            id: "e".to_owned(),
+            author: "ana".to_owned(),
+            name: "Rename".to_owned(),
+            at_ms: 5,
+            changes: Vec::new(),
+        };
+        let two = vec![revision(3), revision(4)];
+        let texts: Vec<String> =
+            two.iter().map(|one| serde_json::to_string(one).unwrap()).collect();
+        let frame = ToClient::Revisions { subscription: 7, revisions: two };
+        assert_eq!(revisions(7, &texts), text(&frame));
     }
 
     #[test]

@@ -86,7 +86,7 @@ fn count(client: &mut Client, mut wait: impl FnMut()) -> usize {
 
 #[test]
 fn readers_wait_neither_for_a_slow_one_nor_for_one_that_never_reads() {
-    const ROUNDS: usize = 3000;
+    const ROUNDS: usize = 1500;
     let house = house(ROUNDS);
     let follow = || {
         let mut client = Client::connect(&house, Role::Viewer);
@@ -115,7 +115,7 @@ fn resident() -> u64 {
 #[test]
 fn clients_that_never_read_cost_little() {
     const CLIENTS: u64 = 50;
-    let house = house(2000);
+    let house = house(1000);
     let mut reader = Client::connect(&house, Role::Viewer);
     let before = resident();
     let never: Vec<Client> = (0..CLIENTS)

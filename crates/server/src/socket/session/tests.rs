@@ -60,9 +60,9 @@ fn subscriptions_are_limited() {
     "#]]
     .assert_eq(&hear(&mut session, Role::Viewer, &subscribe(900)));
     session.ended(3);
-    expect![[r#"
+    expect![["
         Begin(900, HouseStatus)
-    "#]]
+    "]]
     .assert_eq(&hear(&mut session, Role::Viewer, &subscribe(900)));
 }
 
@@ -84,13 +84,13 @@ fn what_is_no_frame_is_refused_with_its_id() {
         r#"
             hallo
             {"frame":"dance"}
-            {"frame":"command","run":"r","envelope":{"id":"c1","command":{"type":"fly"}}}
+            {"frame":"command","run":"r","envelope":{"id":"c1","command":{"type":"run_to"}}}
             {"frame":"edit","machine":"m","edit":{"id":"e1"}}
         "#,
         &expect![[r#"
             {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: expected value at line 1 column 1, in \"hallo\"; docs/protocol.md lists the frames that there are"}}
             {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: unknown variant `dance`, expected one of `subscribe`, `unsubscribe`, `command`, `edit`, `undo`, `redo`, `presence`, `ping` at line 1 column 16, in \"{\\\"frame\\\":\\\"dance\\\"}\"; docs/protocol.md lists the frames that there are"}}
-            {"frame":"refused","id":"c1","refusal":{"code":"bad_frame","message":"not a frame: unknown variant `fly`, expected one of `start`, `pause`, `resume`, `stop`, `kill`, `step_mode`, `step_into`, `step_over`, `step_out`, `step_back`, `run_to`, `run_selected`, `run_only_selected`, `start_from_history`, `force_outcome`, `preempt`, `set_breakpoint`, `remove_breakpoint`, `answer_question`, `recover`, `reload`, `edit_script`, in \"{\\\"frame\\\":\\\"command\\\",\\\"run\\\":\\\"r\\\",\\\"envelope\\\":{\\\"id\\\":\\\"c1\\\",\\\"command\\\":{\\\"type\\\":\\\"fly\\\"}}}\"; docs/protocol.md lists the frames that there are"}}
+            {"frame":"refused","id":"c1","refusal":{"code":"bad_frame","message":"not a frame: missing field `path`, in \"{\\\"frame\\\":\\\"command\\\",\\\"run\\\":\\\"r\\\",\\\"envelope\\\":{\\\"id\\\":\\\"c1\\\",\\\"command\\\":{\\\"type\\\":\\\"run_to\\\"}}}\"; docs/protocol.md lists the frames that there are"}}
             {"frame":"refused","id":"e1","refusal":{"code":"bad_frame","message":"not a frame: missing field `name`, in \"{\\\"frame\\\":\\\"edit\\\",\\\"machine\\\":\\\"m\\\",\\\"edit\\\":{\\\"id\\\":\\\"e1\\\"}}\"; docs/protocol.md lists the frames that there are"}}
         "#]],
     );
@@ -128,11 +128,11 @@ fn commands_and_edits_need_their_rights() {
         Role::Engineer,
         frames,
         &expect![[r#"
-        Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, command: Pause } }
-        Command { run: "r", envelope: Envelope { id: "c2", author: "", decided_on: None, expiry: None, command: EditScript { path: "a", script: "" } } }
-        Change { machine: "m", step: Undo(Undo { id: "u1" }) }
-        Look { machine: "m", selection: ["a/b"] }
-    "#]],
+            Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, command: Pause } }
+            Command { run: "r", envelope: Envelope { id: "c2", author: "", decided_on: None, expiry: None, command: EditScript { path: "a", script: "" } } }
+            Change { machine: "m", id: "u1", wish: Undo(Undo { id: "u1" }) }
+            Look { machine: "m", selection: ["a/b"] }
+        "#]],
     );
 }
 

@@ -1,0 +1,61 @@
+//! An open machine's history for one client: each revision once, from a cursor on. Knows cursors and texts; must never know
+//! what a revision says.
+
+use super::feed::{Feed, Told};
+use super::outbox::Lane;
+use super::words;
+use crate::Failure;
+use crate::documents::{Page, Room};
+use rafcon_protocol::socket::ToClient;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::watch;
+
+/// The history of an open machine, followed by one client.
+#[derive(Debug)]
+pub(super) struct MachineHistory {
+    room: Arc<Room>,
+    last: watch::Receiver<u64>,
+    subscription: u32,
+    /// The first revision that the client was not told.
+    next: u64,
+    /// The machine was closed: what there is now is all there will be.
+    is_over: bool,
+}
+
+impl MachineHistory {
+    /// A client that has seen everything before revision `from`.
+    pub(super) fn new(room: Arc<Room>, subscription: u32, from: u64) -> Result<Self, Failure> {
+        let mut last = room.revisions()?;
+        last.mark_changed();
+        Ok(Self { room, last, subscription, next: from, is_over: false })
+    }
+}
+
+impl Feed for MachineHistory {
+    const EVERY: Duration = Duration::ZERO;
+    const LANE: Lane = Lane::History;
+
+    async fn ready(&mut self) {
+        let is_there = self.next <= *self.last.borrow();
+        if !is_there {
+            self.is_over = self.last.changed().await.is_err();
+        }
+    }
+
+    async fn take(&mut self) -> Told {
+        let subscription = self.subscription;
+        match self.room.since(self.next) {
+            Page::Reset(revision) if !self.is_over => {
+                Told::Last(words::text(&ToClient::Reset { subscription, revision }))
+            }
+            Page::Revisions(told) if !told.is_empty() => {
+                self.next += told.len() as u64;
+                let texts: Vec<&str> = told.iter().map(|told| told.text.as_str()).collect();
+                Told::Part(words::revisions(subscription, &texts))
+            }
+            _ if self.is_over => Told::Last(words::text(&words::ended(subscription, None))),
+            _ => Told::Nothing,
+        }
+    }
+}
