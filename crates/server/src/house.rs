@@ -88,6 +88,11 @@ impl House {
         &self.people
     }
 
+    /// Somebody asks for something: who holds control of a run is not silent.
+    pub(crate) fn heard(&self, user: &str) {
+        self.runs.heard(user);
+    }
+
     /// The record of who came in and who changed whose rights.
     pub fn audit(&self) -> &Audit {
         &self.audit

@@ -32,6 +32,7 @@ pub(crate) async fn door(
 ) -> Response {
     match admit(&house, &request) {
         Ok(Some(who)) => {
+            house.heard(&who.user);
             request.extensions_mut().insert(who);
             next.run(request).await
         }

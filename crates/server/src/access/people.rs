@@ -107,6 +107,11 @@ impl People {
         self.users.register().revision().subscribe()
     }
 
+    /// Reads users and tokens again if they are different.
+    pub(crate) fn look(&self) {
+        self.users.roster();
+    }
+
     /// Whether this is the user's password. A few tries are free, others have to wait.
     pub(crate) async fn check(
         &self,

@@ -11,11 +11,13 @@ pub use card::Card;
 pub(crate) use connection::Peer;
 pub use tls::TlsError;
 
+use crate::access::notice;
 use crate::access::private::{self, PrivateError};
 use crate::house::HouseError;
 use crate::{House, Settings, router};
 use axum::Router;
 use connection::Connections;
+use notify::RecommendedWatcher;
 use std::fs::{File, TryLockError};
 use std::future::Future;
 use std::io;
@@ -41,6 +43,8 @@ pub struct Server {
     address: SocketAddr,
     card: Card,
     identity: Option<Identity>,
+    /// Sees what other programs change about users.
+    _notice: Option<RecommendedWatcher>,
     /// The folder is this server's as long as this is open.
     _lock: File,
 }
@@ -123,7 +127,8 @@ impl Server {
         let fingerprint = identity.as_ref().map(|identity| identity.fingerprint.clone());
         let card = Card::write(&house, address, fingerprint)?;
         house.begin();
-        Ok(Self { house, listener, address, card, identity, _lock: lock })
+        let notice = notice(&house);
+        Ok(Self { house, listener, address, card, identity, _notice: notice, _lock: lock })
     }
 
     /// Where it listens.

@@ -127,3 +127,37 @@ fn names_of(listen: &Listen, address: SocketAddr) -> Vec<String> {
     }
     names
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{identity, names_of};
+    use crate::settings::Settings;
+    use std::fs;
+
+    #[test]
+    fn a_certificate_is_made_once_and_is_good_for_the_names_of_the_server() {
+        let place = tempfile::tempdir().unwrap();
+        let mut settings = Settings::new(place.path().to_owned(), place.path().join("runs"));
+        settings.listen.hosts = vec!["Rover.lan".to_owned()];
+        let address = "192.168.0.7:4747".parse().unwrap();
+        let first = identity(&settings, address).unwrap().fingerprint;
+        assert_eq!(identity(&settings, address).unwrap().fingerprint, first);
+        let names = names_of(&settings.listen, address);
+        for name in ["rover.lan", "localhost", "127.0.0.1", "::1", "192.168.0.7"] {
+            assert!(names.iter().any(|other| other == name), "{name}: {names:?}");
+        }
+        fs::remove_file(place.path().join("key.pem")).unwrap();
+        assert_ne!(identity(&settings, address).unwrap().fingerprint, first);
+    }
+
+    #[test]
+    fn a_file_without_a_certificate_is_named() {
+        let place = tempfile::tempdir().unwrap();
+        let mut settings = Settings::new(place.path().to_owned(), place.path().join("runs"));
+        let file = place.path().join("empty.pem");
+        fs::write(&file, "").unwrap();
+        settings.listen.certificate = Some((file.clone(), file.clone()));
+        let error = identity(&settings, settings.listen.address).unwrap_err();
+        assert!(error.to_string().contains(&file.display().to_string()), "{error}");
+    }
+}

@@ -121,15 +121,28 @@ impl House {
         path: &str,
         body: Option<&Value>,
     ) -> Answer {
+        let bearer = token.map(|token| format!("Bearer {token}"));
+        let head = bearer.as_ref().map(|bearer| ("Authorization", bearer.as_str()));
+        self.send(method, path, head.as_slice(), body)
+    }
+
+    /// Asks with these lines in the head.
+    pub(crate) fn send(
+        &self,
+        method: &str,
+        path: &str,
+        head: &[(&str, &str)],
+        body: Option<&Value>,
+    ) -> Answer {
         let uri = format!("{}{path}", self.url);
         let mut request = ureq::http::Request::builder().method(method).uri(uri);
-        if let Some(token) = token {
-            request = request.header("Authorization", format!("Bearer {token}"));
+        for (name, value) in head {
+            request = request.header(*name, *value);
         }
-        let text = body.map(Value::to_string).unwrap_or_default();
         if body.is_some() {
             request = request.header("Content-Type", "application/json");
         }
+        let text = body.map(Value::to_string).unwrap_or_default();
         Answer::of(agent().run(request.body(text).unwrap()).unwrap())
     }
 

@@ -1,10 +1,16 @@
 //! The server as its clients meet it: over HTTP, in a process of its own kind.
 
+#![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
+
 mod access;
+mod attacks;
 mod harness;
 mod history;
 mod leftovers;
 mod past;
+mod raw;
+mod rights;
 mod socket;
 mod socket_client;
 mod socket_runs;
+mod tls;

@@ -1,0 +1,252 @@
+//! What strangers try: other names, other pages, bodies without end, heads that never come, paths that lead out, guessing.
+
+use crate::harness::{House, PASSWORD, name};
+use crate::raw::{Raw, ask, login_from, status};
+use rafcon_protocol::api::Role;
+use serde_json::json;
+use std::time::Duration;
+
+/// How a stranger's page makes a browser ask.
+fn asked_by(house: &House, line: &str, host: &str, origin: Option<&str>) -> u16 {
+    let bearer = format!("Bearer {}", house.token(Role::Admin));
+    let mut head = vec![("Host", host), ("Authorization", &bearer)];
+    head.extend(origin.map(|origin| ("Origin", origin)));
+    status(&ask(house, line, &head))
+}
+
+#[test]
+fn a_name_that_leads_here_by_a_trick_is_not_answered() {
+    let house = House::new();
+    let own = house.address().to_string();
+    for line in ["GET /api/v1/projects", "GET /", "GET /nothing", "GET /api/v1/health"] {
+        let foreign = format!("evil.example:{}", house.address().port());
+        assert_eq!(asked_by(&house, line, &foreign, None), 421, "{line}");
+        assert_eq!(asked_by(&house, line, "", None), 421, "{line}");
+        assert_ne!(asked_by(&house, line, &own, None), 421, "{line}");
+    }
+    assert_eq!(asked_by(&house, "GET /api/v1/health", "127.0.0.1", None), 421);
+}
+
+#[test]
+fn a_page_of_somebody_else_changes_nothing_and_opens_no_socket() {
+    let house = House::new();
+    let own = house.address().to_string();
+    let post = |origin: Option<&str>| asked_by(&house, "POST /api/v1/runs/prune", &own, origin);
+    assert_eq!(post(Some("http://evil.example")), 403);
+    assert_eq!(post(Some("null")), 403);
+    assert_eq!(post(Some(&format!("https://{own}"))), 403);
+    assert_eq!(post(Some(&format!("http://{own}"))), 400);
+    assert_eq!(post(None), 400);
+    let socket = |origin: &str| {
+        let token = house.token(Role::Viewer);
+        let mut raw = Raw::to(&house);
+        raw.say(format!(
+            "GET /api/v1/socket?token={token} HTTP/1.1\r\nHost: {own}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nOrigin: {origin}\r\n\r\n"
+        ));
+        status(&raw.head())
+    };
+    assert_eq!(socket("http://evil.example"), 403);
+    assert_eq!(socket(&format!("http://{own}")), 101);
+}
+
+#[test]
+fn a_cookie_counts_on_pages_of_this_server_only() {
+    let house = House::new();
+    let own = house.address().to_string();
+    let login = json!({"user": "engineer", "password": PASSWORD});
+    let answer = house.call(None, "POST", "/api/v1/session", Some(&login));
+    let cookie = answer.header("set-cookie").unwrap().split(';').next().unwrap().to_owned();
+    let ask = |line: &str, origin: Option<&str>| {
+        let mut head = vec![("Host", own.as_str()), ("Cookie", cookie.as_str())];
+        head.extend(origin.map(|origin| ("Origin", origin)));
+        status(&ask(&house, line, &head))
+    };
+    assert_eq!(ask("GET /api/v1/session", None), 200);
+    assert_eq!(ask("DELETE /api/v1/session", None), 403);
+    assert_eq!(ask("DELETE /api/v1/session", Some("http://evil.example")), 403);
+    assert_eq!(ask("DELETE /api/v1/session", Some(&format!("http://{own}"))), 204);
+    assert_eq!(ask("GET /api/v1/session", None), 401);
+}
+
+#[test]
+fn a_body_of_a_hundred_megabytes_is_refused() {
+    let house = House::new();
+    for (path, role) in [("/api/v1/session", None), ("/api/v1/users", Some(Role::Admin))] {
+        let mut raw = Raw::to(&house);
+        raw.say(head(&house, path, role, "Content-Length: 100000000"));
+        let mega = vec![b' '; 1 << 20];
+        let taken = (0..100).take_while(|_| raw.say(&mega)).count();
+        let answer = raw.rest();
+        // A server that has answered and hung up may reset the connection before the answer is read.
+        assert!([0, 413].contains(&status(&answer)), "{answer}");
+        assert!(taken < 100, "all of it was taken");
+    }
+    assert_eq!(house.call(None, "GET", "/api/v1/health", None).status, 200);
+}
+
+#[test]
+fn a_body_that_is_just_too_large_is_told_so() {
+    let house = House::new();
+    let body = json!({"user": "x".repeat(9 << 20), "password": ""});
+    let answer = house.call(None, "POST", "/api/v1/session", Some(&body));
+    assert_eq!(answer.said(), "413 body_too_large");
+}
+
+#[test]
+fn a_body_without_end_is_refused() {
+    let house = House::new();
+    let mut raw = Raw::to(&house);
+    raw.say(head(&house, "/api/v1/session", None, "Transfer-Encoding: chunked"));
+    let chunk = [b"100000\r\n".as_slice(), &vec![b' '; 1 << 20], b"\r\n"].concat();
+    let taken = (0..100).take_while(|_| raw.say(&chunk)).count();
+    assert!(taken < 100, "all of it was taken");
+    assert!([0, 413].contains(&status(&raw.rest())));
+}
+
+/// The head of a request with a body.
+fn head(house: &House, path: &str, role: Option<Role>, length: &str) -> String {
+    let bearer = role.map(|role| format!("Authorization: Bearer {}\r\n", house.token(role)));
+    format!(
+        "POST {path} HTTP/1.1\r\nHost: {}\r\n{}Content-Type: application/json\r\n{length}\r\n\r\n",
+        house.address(),
+        bearer.unwrap_or_default()
+    )
+}
+
+/// A server that waits for nobody.
+fn impatient() -> House {
+    House::with(|settings| {
+        settings.listen.head_patience = Duration::from_millis(100);
+        settings.listen.body_patience = Duration::from_millis(100);
+    })
+}
+
+#[test]
+fn a_head_that_never_ends_is_hung_up_on() {
+    let house = impatient();
+    for begun in ["", "GET /api/v1/health HTTP/1.1\r\nHost: 127", "G"] {
+        let mut raw = Raw::to(&house);
+        raw.say(begun);
+        assert!([0, 408].contains(&status(&raw.rest())), "{begun}");
+    }
+}
+
+#[test]
+fn a_connection_that_stays_for_nothing_is_hung_up_on() {
+    let house = impatient();
+    let mut raw = Raw::to(&house);
+    raw.say(format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n\r\n", house.address()));
+    assert_eq!(status(&raw.rest()), 200);
+}
+
+#[test]
+fn a_body_that_stops_coming_is_hung_up_on() {
+    let house = impatient();
+    let mut raw = Raw::to(&house);
+    raw.say(head(&house, "/api/v1/session", None, "Content-Length: 100"));
+    raw.say("{\"user\":");
+    assert_eq!(status(&raw.rest()), 400);
+}
+
+#[test]
+fn a_head_without_bounds_is_refused() {
+    let house = House::new();
+    let mut raw = Raw::to(&house);
+    raw.say(format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n", house.address()));
+    let line = format!("X-Long: {}\r\n", "x".repeat(10_000));
+    let taken = (0..1000).take_while(|_| raw.say(&line)).count();
+    assert!(taken < 1000, "all of it was taken");
+    assert!([0, 431].contains(&status(&raw.rest())));
+}
+
+#[test]
+fn there_is_room_for_so_many_and_who_comes_later_is_hung_up_on() {
+    let house = House::with(|settings| settings.listen.connections_max = 2);
+    let health = format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n\r\n", house.address());
+    let mut guests = [Raw::to(&house), Raw::to(&house)];
+    for guest in &mut guests {
+        guest.say(&health);
+        assert_eq!(status(&guest.head()), 200);
+    }
+    let mut late = Raw::to(&house);
+    late.say(&health);
+    assert_eq!(status(&late.rest()), 0);
+    for guest in &mut guests {
+        guest.say("GET / HTTP/1.0\r\n\r\n");
+    }
+    drop(guests.map(Raw::rest));
+}
+
+#[test]
+fn no_path_leads_out_of_a_project() {
+    let house = House::new();
+    let outside = house.state().join("secret");
+    std::fs::create_dir_all(&outside).unwrap();
+    std::os::unix::fs::symlink(&outside, house.project().join("link")).unwrap();
+    let bearer = format!("Bearer {}", house.token(Role::Admin));
+    let host = house.address().to_string();
+    let head = [("Host", host.as_str()), ("Authorization", bearer.as_str())];
+    let ways = [
+        "..",
+        "../state",
+        "%2e%2e/state",
+        "..%2fstate",
+        "a/../../state",
+        "/etc",
+        "link",
+        "%00",
+        "link/..",
+    ];
+    for way in ways {
+        let addresses = [
+            format!("GET /api/v1/projects/project/tree?path={way}"),
+            format!("GET /api/v1/projects/{way}/tree"),
+            format!("GET /api/v1/libraries/project/{way}"),
+            format!("GET /api/v1/runs/{way}/output"),
+            format!("GET /api/v1/runs/{way}"),
+        ];
+        for line in addresses {
+            let answer = ask(&house, &line, &head);
+            assert!((400..500).contains(&status(&answer)), "{line}: {answer}");
+            assert!(!answer.contains("secret"), "{line}: {answer}");
+        }
+        let file = json!({"file": {"project": "project", "path": way}, "name": "x"});
+        for path in ["/api/v1/machines/open", "/api/v1/machines"] {
+            let answer = house.call(Some(Role::Admin), "POST", path, Some(&file));
+            let is_plain = way.starts_with('%') || way.starts_with("..%");
+            assert!(is_plain || (400..500).contains(&answer.status), "{path} {way}: {answer:?}");
+        }
+    }
+    assert_eq!(std::fs::read_dir(&outside).unwrap().count(), 0);
+}
+
+#[test]
+fn ten_thousand_wrong_logins_open_nothing_and_lock_nobody_out() {
+    let house = House::new();
+    let engineer = name(Role::Engineer);
+    let right = json!({"user": engineer, "password": PASSWORD});
+    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
+    let guess = json!({"user": engineer, "password": "wrong"}).to_string();
+    let request = |guess: &str| {
+        format!(
+            "POST /api/v1/session HTTP/1.1\r\nHost: {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{guess}",
+            house.address(),
+            guess.len()
+        )
+    };
+    let mut guesses = Raw::to(&house);
+    let mut counts = std::collections::BTreeMap::new();
+    for _ in 0..10_000 {
+        guesses.say(request(&guess));
+        let head = guesses.head();
+        guesses.skip_body(&head);
+        *counts.entry(status(&head)).or_insert(0) += 1;
+    }
+    let (tried, refused) = (counts[&401], counts[&429]);
+    assert_eq!(tried + refused, 10_000, "{counts:?}");
+    assert!((5..100).contains(&tried), "{counts:?}");
+    // Whoever was let in from an address before is let in there meanwhile, and who has a token is not asked.
+    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
+    assert_eq!(house.call(Some(Role::Engineer), "GET", "/api/v1/session", None).status, 200);
+}

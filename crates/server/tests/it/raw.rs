@@ -1,0 +1,86 @@
+//! Requests byte by byte, for what no decent client sends.
+
+use crate::harness::House;
+use rustix::net::{AddressFamily, SocketType, bind, connect, socket};
+use serde_json::Value;
+use std::io::{Read as _, Write as _};
+use std::net::{SocketAddr, TcpStream};
+use std::time::Duration;
+
+/// A connection that says what it is told to.
+pub(crate) struct Raw(TcpStream);
+
+impl Raw {
+    pub(crate) fn to(house: &House) -> Self {
+        Self::over(TcpStream::connect(house.address()).unwrap())
+    }
+
+    /// From another address of this computer.
+    pub(crate) fn from(ip: [u8; 4], house: &House) -> Self {
+        let socket = socket(AddressFamily::INET, SocketType::STREAM, None).unwrap();
+        bind(&socket, &SocketAddr::from((ip, 0))).unwrap();
+        connect(&socket, &house.address()).unwrap();
+        Self::over(TcpStream::from(socket))
+    }
+
+    fn over(stream: TcpStream) -> Self {
+        // Far beyond what any answer takes: a test fails instead of hanging.
+        stream.set_read_timeout(Some(Duration::from_secs(15))).unwrap();
+        Self(stream)
+    }
+
+    /// Whether the other side took it.
+    pub(crate) fn say(&mut self, bytes: impl AsRef<[u8]>) -> bool {
+        self.0.write_all(bytes.as_ref()).is_ok()
+    }
+
+    /// All that the other side says until it closes. One that breaks off says no more.
+    pub(crate) fn rest(mut self) -> String {
+        let (mut bytes, mut part) = (Vec::new(), [0; 4096]);
+        while let Ok(count @ 1..) = self.0.read(&mut part) {
+            bytes.extend_from_slice(&part[..count]);
+        }
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+
+    /// Reads past the body that this head announces.
+    pub(crate) fn skip_body(&mut self, head: &str) {
+        let mut lines = head.lines().filter_map(|line| line.strip_prefix("content-length: "));
+        let length = lines.next().map_or(0, |length| length.trim().parse().unwrap());
+        self.0.read_exact(&mut vec![0; length]).unwrap();
+    }
+
+    /// The next head, when the connection is to stay.
+    pub(crate) fn head(&mut self) -> String {
+        let (mut bytes, mut one) = (Vec::new(), [0; 1]);
+        while !bytes.ends_with(b"\r\n\r\n") && matches!(self.0.read(&mut one), Ok(1)) {
+            bytes.push(one[0]);
+        }
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+/// The status of a login from another address of this computer.
+pub(crate) fn login_from(ip: [u8; 4], house: &House, login: &Value) -> u16 {
+    let (mut raw, text) = (Raw::from(ip, house), login.to_string());
+    raw.say(format!(
+        "POST /api/v1/session HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Type: application/json\r\n\
+         Content-Length: {}\r\n\r\n{text}",
+        house.address(),
+        text.len()
+    ));
+    status(&raw.rest())
+}
+
+/// The status of an answer's text; 0 if there was none.
+pub(crate) fn status(text: &str) -> u16 {
+    text.split(' ').nth(1).and_then(|word| word.parse().ok()).unwrap_or_default()
+}
+
+/// A whole request, with lines of the head that the caller chooses, and its status.
+pub(crate) fn ask(house: &House, line: &str, head: &[(&str, &str)]) -> String {
+    let mut raw = Raw::to(house);
+    let head = head.iter().map(|(name, value)| format!("{name}: {value}\r\n"));
+    raw.say(format!("{line} HTTP/1.1\r\n{}Connection: close\r\n\r\n", head.collect::<String>()));
+    raw.rest()
+}

@@ -1,0 +1,135 @@
+//! The tables of rights: every role, and nobody, against every route and every command.
+
+use crate::harness::House;
+use expect_test::expect;
+use rafcon_protocol::Command;
+use rafcon_protocol::api::{Right, Role};
+use rafcon_server::access::{ROUTES, of_command};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use utoipa::PartialSchema as _;
+
+/// What stands in the table but in no description: it is for browsers only.
+const NOT_DESCRIBED: [(&str, &str); 1] = [("GET", "/")];
+
+/// An address of a route, about things that do not exist.
+fn address(path: &str) -> String {
+    let part = |part: &str| if part.starts_with('{') { "none".to_owned() } else { part.to_owned() };
+    path.split('/').map(part).collect::<Vec<_>>().join("/")
+}
+
+#[test]
+fn every_route_is_open_to_who_has_its_right_and_to_nobody_else() {
+    let house = House::new();
+    let everybody = [None].into_iter().chain(Role::ALL.map(Some)).collect::<Vec<_>>();
+    for (method, path, right) in ROUTES {
+        let body = (method.as_str() != "GET").then(|| json!({}));
+        for role in &everybody {
+            let answer = house.call(*role, method.as_str(), &address(path), body.as_ref());
+            let said = answer.said();
+            let is_refused = ["401 not_logged_in", "403 not_your_right"].contains(&said.as_str());
+            let may = *right == Right::Anyone || role.is_some_and(|role| role.grants(*right));
+            assert_eq!(is_refused, !may, "{method} {path} as {role:?}: {said}");
+            assert!(answer.status < 500, "{method} {path} as {role:?}: {answer:?}");
+            assert_ne!(said, "404 no_such_route", "{method} {path}: a row without a route");
+        }
+    }
+}
+
+#[test]
+fn the_table_and_the_description_have_the_same_routes() {
+    let document: Value = serde_json::to_value(rafcon_server::openapi()).unwrap();
+    let verbs = ["get", "post", "put", "patch", "delete"];
+    let paths = document["paths"].as_object().unwrap().iter();
+    let described = paths.flat_map(|(path, item)| {
+        let verbs = verbs.iter().filter(|verb| item.get(**verb).is_some());
+        verbs.map(move |verb| (verb.to_uppercase(), path.clone()))
+    });
+    let row = |(method, path): (&str, &str)| (method.to_owned(), path.replace("{*", "{"));
+    let table = ROUTES.iter().map(|row| (row.0.as_str(), row.1));
+    let table = table.filter(|route| !NOT_DESCRIBED.contains(route)).map(row);
+    let (described, table) = (described.collect::<BTreeSet<_>>(), table.collect::<BTreeSet<_>>());
+    let missing = |these: &BTreeSet<_>, those: &BTreeSet<_>| -> Vec<(String, String)> {
+        these.difference(those).cloned().collect()
+    };
+    assert_eq!(missing(&described, &table), [], "routes without a row in the table of rights");
+    assert_eq!(missing(&table, &described), [], "rows without a route");
+}
+
+/// One of each command, and those whose right depends on what they say.
+fn commands() -> Vec<(String, Command)> {
+    let fields = json!({
+        "path": "A", "outcome": 0, "id": 1, "question": 1, "value": 0, "sequence": 1, "script": "",
+        "policy": "abort",
+    });
+    let plain = json!({"id": 1, "path": "A"});
+    let conditional = json!({"id": 1, "path": "A", "condition": "True"});
+    let mut all = Vec::new();
+    for tag in tags() {
+        let mut words = fields.clone();
+        words["type"] = json!(tag);
+        words["breakpoint"] = plain.clone();
+        all.push((tag.clone(), serde_json::from_value(words.clone()).unwrap()));
+        if tag == "set_breakpoint" {
+            words["breakpoint"] = conditional.clone();
+            let name = format!("{tag} with a condition");
+            all.push((name, serde_json::from_value(words).unwrap()));
+        }
+    }
+    all
+}
+
+/// The name of every command, from the description of the protocol.
+fn tags() -> Vec<String> {
+    let schema = serde_json::to_value(Command::schema()).unwrap();
+    let kinds = schema["oneOf"].as_array().unwrap().iter();
+    let tag = |kind: &Value| kind["properties"]["type"]["enum"][0].as_str().unwrap().to_owned();
+    kinds.map(tag).collect()
+}
+
+fn table() -> String {
+    let head =
+        "| command | viewer | operator | engineer | admin |\n| --- | --- | --- | --- | --- |\n";
+    let word = |role: Role, right| if role.grants(right) { "yes" } else { "no" };
+    let row = |(name, command): (String, Command)| {
+        let right = of_command(&command);
+        let words = Role::ALL.map(|role| word(role, right)).join(" | ");
+        format!("| {name} | {words} |\n")
+    };
+    head.to_owned() + &commands().into_iter().map(row).collect::<String>()
+}
+
+#[test]
+fn every_command_is_for_who_may_and_the_handbook_says_so() {
+    expect![[r#"
+        | command | viewer | operator | engineer | admin |
+        | --- | --- | --- | --- | --- |
+        | start | no | yes | yes | yes |
+        | pause | no | yes | yes | yes |
+        | resume | no | yes | yes | yes |
+        | stop | no | yes | yes | yes |
+        | kill | no | yes | yes | yes |
+        | step_mode | no | yes | yes | yes |
+        | step_into | no | yes | yes | yes |
+        | step_over | no | yes | yes | yes |
+        | step_out | no | yes | yes | yes |
+        | step_back | no | yes | yes | yes |
+        | run_to | no | yes | yes | yes |
+        | run_selected | no | yes | yes | yes |
+        | run_only_selected | no | yes | yes | yes |
+        | start_from_history | no | yes | yes | yes |
+        | force_outcome | no | yes | yes | yes |
+        | preempt | no | yes | yes | yes |
+        | set_breakpoint | no | yes | yes | yes |
+        | set_breakpoint with a condition | no | no | yes | yes |
+        | remove_breakpoint | no | yes | yes | yes |
+        | answer_question | no | yes | yes | yes |
+        | recover | no | yes | yes | yes |
+        | reload | no | no | yes | yes |
+        | edit_script | no | no | yes | yes |
+        | control | no | yes | yes | yes |
+    "#]]
+    .assert_eq(&table());
+    let handbook = include_str!("../../../../docs/operations.md");
+    assert!(handbook.contains(&table()), "docs/operations.md has another table of commands");
+}
