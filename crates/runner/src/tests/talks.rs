@@ -2,7 +2,7 @@
 
 use super::house::{House, Viewer};
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Command, Join, ToRunner, ToViewer};
+use rafcon_protocol::{Answer, Command, Envelope, Expiry, Join, ToRunner, ToViewer};
 use serde_json::json;
 use std::io::Write as _;
 use std::os::unix::net::UnixStream;
@@ -165,6 +165,31 @@ fn what_is_no_command_is_answered_or_noted() {
     first
         .until_text("log : a viewer sent not a message of this protocol: nonsense; it was ignored");
     assert_eq!(first.command("stop", Command::Stop), "applied");
+    drop(first);
+    runner.join().unwrap();
+}
+
+#[test]
+fn a_command_that_nobody_wants_any_more_is_not_carried_out() {
+    let house = House::new(WAITS);
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("+ROOT/A");
+    let mut asked = |id: &str, expiry| {
+        first.send(&ToRunner::Command(Envelope {
+            id: id.to_owned(),
+            author: "test".to_owned(),
+            decided_on: Some(1),
+            expiry: Some(Expiry(expiry)),
+            command: Command::Stop,
+        }));
+        first.until(|message| match message {
+            ToViewer::Answer { id: answered, answer } if answered == id => Some(answer.clone()),
+            _ => None,
+        })
+    };
+    assert_eq!(asked("late", 1), Answer::Expired);
+    assert_eq!(asked("late", u64::MAX), Answer::Expired);
+    assert_eq!(asked("in time", u64::MAX), Answer::Applied);
     drop(first);
     runner.join().unwrap();
 }
