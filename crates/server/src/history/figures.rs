@@ -13,21 +13,28 @@ use rafcon_storage::journal::{Reader, Tally, compare};
 use std::collections::VecDeque;
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
+use tokio::sync::Semaphore;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// So many runs stay counted.
 const COUNTED: usize = 32;
 /// Comparing takes memory for each event: longer runs are not.
-const COMPARED_MAX: u64 = 2_000_000;
+const COMPARED_MAX: u64 = 1_000_000;
 
 /// What was counted.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Figures {
     /// The run that was asked for last is at the back.
     tallies: Mutex<VecDeque<(PathBuf, Arc<Mutex<Tally>>)>>,
-    /// Held while two runs are compared.
-    comparing: Mutex<()>,
+    /// Two runs are compared at a time, and no more.
+    comparing: Arc<Semaphore>,
+}
+
+impl Default for Figures {
+    fn default() -> Self {
+        Self { tallies: Mutex::default(), comparing: Arc::new(Semaphore::new(1)) }
+    }
 }
 
 /// The routes of this file.
@@ -53,7 +60,7 @@ async fn statistics(
     let folder = folder(&house, &run).await?;
     let History { readers, figures, .. } = &house.history;
     let figures = Arc::clone(figures);
-    readers.read(folder, move |reader| Json::of(&figures.counted(reader)?)).await
+    readers.read_slowly(folder, move |reader| Json::of(&figures.counted(reader)?)).await
 }
 
 /// Where two runs part, which data differed before, and where they took their time.
@@ -76,16 +83,17 @@ async fn comparison(
 ) -> Result<Json, Failure> {
     let (one, other) = (folder(&house, &run).await?, folder(&house, &other).await?);
     let History { readers, figures, .. } = &house.history;
-    let (others, figures) = (Arc::clone(readers), Arc::clone(figures));
+    let alone = Arc::clone(&figures.comparing).acquire_owned().await.ok();
+    let others = Arc::clone(readers);
     let compared = move |one: &mut Reader| {
-        let _alone = figures.comparing.lock();
+        let _alone = alone;
         others.with(&other, |other| {
             short_enough(one)?;
             short_enough(other)?;
             Json::of(&compare(one, other)?)
         })
     };
-    readers.read(one, compared).await
+    readers.read_slowly(one, compared).await
 }
 
 fn short_enough(reader: &Reader) -> Result<(), Failure> {

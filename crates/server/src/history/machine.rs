@@ -70,7 +70,7 @@ async fn machine(
     let History { readers, machines, .. } = &house.history;
     let (machines, scratch) = (Arc::clone(machines), house.settings.state.clone());
     readers
-        .read(folder, move |reader| {
+        .read_slowly(folder, move |reader| {
             let hash = wanted.map_or_else(|| first(reader), Ok)?;
             machines.document(reader.folder(), hash, &scratch).map(Json)
         })

@@ -18,6 +18,8 @@ use tokio::sync::Semaphore;
 
 /// So many read at a time; others wait for their turn.
 const AT_ONCE: usize = 8;
+/// So many do what takes long, beside the others.
+const SLOW_AT_ONCE: usize = 2;
 /// So many journals stay open for the next who asks.
 const IDLE: usize = 16;
 
@@ -25,6 +27,7 @@ const IDLE: usize = 16;
 #[derive(Debug)]
 pub(crate) struct Readers {
     turns: Arc<Semaphore>,
+    slow_turns: Arc<Semaphore>,
     /// The one that was used last is at the back.
     idle: Mutex<VecDeque<Open>>,
 }
@@ -57,7 +60,8 @@ impl Mark {
 
 impl Default for Readers {
     fn default() -> Self {
-        Self { turns: Arc::new(Semaphore::new(AT_ONCE)), idle: Mutex::default() }
+        let turns = |count| Arc::new(Semaphore::new(count));
+        Self { turns: turns(AT_ONCE), slow_turns: turns(SLOW_AT_ONCE), idle: Mutex::default() }
     }
 }
 
@@ -68,8 +72,26 @@ impl Readers {
         folder: PathBuf,
         work: impl FnOnce(&mut Reader) -> Result<T, Failure> + Send + 'static,
     ) -> Result<T, Failure> {
+        self.in_turn(&self.turns, folder, work).await
+    }
+
+    /// The same for what takes long: those who follow a run do not wait for it.
+    pub(crate) async fn read_slowly<T: Send + 'static>(
+        self: &Arc<Self>,
+        folder: PathBuf,
+        work: impl FnOnce(&mut Reader) -> Result<T, Failure> + Send + 'static,
+    ) -> Result<T, Failure> {
+        self.in_turn(&self.slow_turns, folder, work).await
+    }
+
+    async fn in_turn<T: Send + 'static>(
+        self: &Arc<Self>,
+        turns: &Arc<Semaphore>,
+        folder: PathBuf,
+        work: impl FnOnce(&mut Reader) -> Result<T, Failure> + Send + 'static,
+    ) -> Result<T, Failure> {
         // Kept by the work, not by the request: this may be given up in the middle.
-        let turn = Arc::clone(&self.turns).acquire_owned().await.ok();
+        let turn = Arc::clone(turns).acquire_owned().await.ok();
         let readers = Arc::clone(self);
         blocking(move || {
             let _turn = turn;

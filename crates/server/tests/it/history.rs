@@ -262,7 +262,8 @@ impl Asked {
             to_ns: self.times.1.map(nanos),
             ..Filter::default()
         };
-        let search = Search { from: self.from, values: self.values, ..Search::all(&filter) };
+        let search =
+            Search { filter: &filter, from: self.from, look: u64::MAX, values: self.values };
         let mut whole = Vec::new();
         let show = |found: Found| -> Result<_, rafcon_storage::journal::JournalError> {
             let Found { sequence, t_ns, event, .. } = found;

@@ -82,13 +82,13 @@ fn file(house: &House, path: &str) -> (Vec<u8>, [String; 2]) {
 
 #[test]
 fn a_run_is_exported_as_a_file_with_a_name() {
-    let house = house(&[("run", &RUN.repeat(200))]);
+    let house = house(&[("run", &RUN.repeat(400))]);
     let (lines, headers) = file(&house, "run/export?format=jsonl");
     assert_eq!(headers, ["application/jsonl", "attachment; filename=\"run.jsonl\""]);
     let lines = String::from_utf8(lines).unwrap();
     let last: Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
-    assert_eq!((lines.lines().count(), &last["sequence"]), (2400, &json!(2400)));
-    assert_eq!(last["utc"], "2026-11-21T19:40:03.400Z");
+    assert_eq!((lines.lines().count(), &last["sequence"]), (4800, &json!(4800)));
+    assert_eq!(last["utc"], "2026-11-21T19:40:05.800Z");
     let (table, headers) = file(&house, "run/export?format=csv");
     assert_eq!(headers, ["text/csv; charset=utf-8", "attachment; filename=\"run.csv\""]);
     assert!(table.starts_with(b"sequence,time_s,utc,kind,path"));

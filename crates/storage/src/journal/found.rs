@@ -24,12 +24,8 @@ pub struct Search<'f> {
     pub values: bool,
 }
 
-impl<'f> Search<'f> {
-    /// A search of the whole run, with values.
-    pub fn all(filter: &'f Filter) -> Self {
-        Self { filter, from: 1, look: u64::MAX, values: true }
-    }
-}
+/// So many events are read before they are shown to somebody who may take their time.
+const PAGE: usize = 4096;
 
 /// How far a search came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,6 +75,28 @@ pub fn without_values(event: &mut Event) {
 }
 
 impl Reader {
+    /// Shows everything that is found in the run so far, with values. However long that takes: nothing of the journal is held
+    /// meanwhile, so that a runner can tidy it up.
+    pub fn find_all<E: From<JournalError>>(
+        &mut self,
+        filter: &Filter,
+        mut show: impl FnMut(Found) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let search = Search { filter, from: 1, look: self.last_sequence()?, values: true };
+        let mut looking = Looking::new(&search);
+        while !looking.is_over() {
+            let page = self.page(looking.looked.next, PAGE)?;
+            if page.is_empty() {
+                break;
+            }
+            for entry in page {
+                let found = if looking.is_over() { None } else { looking.take(self, &entry)? };
+                found.map_or(Ok(()), &mut show)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Shows what is found until `show` has enough, and says how far the search came.
     pub fn search<E: From<JournalError>>(
         &mut self,

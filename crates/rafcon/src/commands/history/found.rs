@@ -2,10 +2,9 @@
 
 use anyhow::Result;
 use rafcon_protocol::Event;
-use rafcon_storage::journal::{Filter, Found, Reader, Search, without_values};
+use rafcon_storage::journal::{Filter, Found, Reader, without_values};
 use serde::Serialize;
 use std::collections::VecDeque;
-use std::ops::ControlFlow;
 
 /// An event as a line of JSON; without `values`, inputs, outputs and errors of states are left out.
 pub(super) fn json(found: &Found, values: bool) -> Vec<String> {
@@ -32,9 +31,9 @@ pub(super) fn each_found(
     last: Option<usize>,
     mut show: impl FnMut(&Found) -> Result<()>,
 ) -> Result<()> {
-    let Some(count) = last else { return search(reader, filter, |found| show(&found)) };
+    let Some(count) = last else { return reader.find_all(filter, |found| show(&found)) };
     let mut found_last = VecDeque::new();
-    search(reader, filter, |found| {
+    reader.find_all(filter, |found| -> Result<()> {
         found_last.push_back(found);
         if found_last.len() > count {
             found_last.pop_front();
@@ -42,14 +41,4 @@ pub(super) fn each_found(
         Ok(())
     })?;
     found_last.iter().try_for_each(show)
-}
-
-fn search(
-    reader: &mut Reader,
-    filter: &Filter,
-    mut show: impl FnMut(Found) -> Result<()>,
-) -> Result<()> {
-    let shown = |found| show(found).map(ControlFlow::Continue);
-    reader.search::<anyhow::Error>(&Search::all(filter), shown)?;
-    Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::states::States;
 use super::{ExportError, csv, schemas};
-use crate::journal::filter::{kind_of, path_of};
+use crate::journal::filter::{Filter, kind_of, path_of};
 use crate::journal::found::Found;
 use crate::journal::reader::Reader;
 use ::mcap::records::MessageHeader;
@@ -30,7 +30,7 @@ fn write(reader: &mut Reader, out: impl Write + Seek, can_seek: bool) -> Result<
         .disable_seeking(!can_seek);
     let writer = options.create(out)?;
     let mut recording = Recording::new(writer, reader.about().started_ms)?;
-    super::each(reader, |found| recording.event(&found))?;
+    reader.find_all(&Filter::default(), |found| recording.event(&found))?;
     recording.writer.finish()?;
     Ok(())
 }

@@ -12,12 +12,11 @@ pub use self::mcap::{export_mcap, export_mcap_forwards};
 
 use super::error::JournalError;
 use super::filter::Filter;
-use super::found::{Found, Search};
+use super::found::Found;
 use super::reader::Reader;
 use crate::calendar::Date;
 use ::mcap::McapError;
 use std::io::{self, BufWriter, Write};
-use std::ops::ControlFlow;
 
 /// So much is gathered before it is written, in bytes.
 const WRITTEN_AT_ONCE: usize = 64 * 1024;
@@ -59,7 +58,9 @@ fn lines(
     let started_ms = reader.about().started_ms;
     let mut out = BufWriter::with_capacity(WRITTEN_AT_ONCE, out);
     out.write_all(head.as_bytes())?;
-    each(reader, |found| Ok(writeln!(out, "{}", line(&found, started_ms)?)?))?;
+    reader.find_all(&Filter::default(), |found| -> Result<(), ExportError> {
+        Ok(writeln!(out, "{}", line(&found, started_ms)?)?)
+    })?;
     Ok(out.flush()?)
 }
 
@@ -67,16 +68,6 @@ fn lines(
 fn utc_at(ms: u64) -> String {
     let date = Date::since_1970(ms / 1000).to_string();
     format!("{}.{:03}Z", date.replace(' ', "T"), ms % 1000)
-}
-
-/// Shows every event of the run.
-fn each(
-    reader: &mut Reader,
-    mut show: impl FnMut(Found) -> Result<(), ExportError>,
-) -> Result<(), ExportError> {
-    let filter = Filter::default();
-    reader.search(&Search::all(&filter), |found| show(found).map(ControlFlow::Continue))?;
-    Ok(())
 }
 
 #[cfg(test)]
