@@ -212,7 +212,7 @@ pub(crate) fn one_script(script: &str) -> String {
 }
 
 /// Fails with words that help if the extension was not built.
-fn assert_extension() {
+pub(crate) fn assert_extension() {
     let binary = Path::new(env!("CARGO_BIN_EXE_rafcon"));
     let extension = binary.with_file_name("librafcon_python.so");
     assert!(extension.exists(), "build the extension first: cargo build --workspace");

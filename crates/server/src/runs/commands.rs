@@ -123,7 +123,7 @@ fn note(run: &Run, who: &Who, holder: Option<&str>) {
 }
 
 async fn send(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
-    let link = run.link().ok_or_else(link_lost)?;
+    let link = run.linked().await.ok_or_else(link_lost)?;
     let ends = matches!(envelope.command, Command::Kill);
     let sent = timeout(PATIENCE, sent(run, &link, envelope));
     match sent.await {

@@ -20,7 +20,6 @@ use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::oneshot;
 
 /// After a link broke, the runner is looked for again after this time, then after twice as much, and so on up to the longest.
 const SHORTEST: Duration = Duration::from_millis(2);
@@ -39,15 +38,22 @@ pub(super) async fn look(house: &Arc<House>, folder: PathBuf) -> Option<Arc<Run>
 }
 
 /// Looks after the runner of a run from now on, if nobody does yet.
-pub(super) fn follow(house: &Arc<House>, run: &Arc<Run>, launched: Option<Launched>) {
+pub(super) fn follow(house: &Arc<House>, run: &Arc<Run>) {
     if !run.is_taken_in_hand() {
         return;
     }
     let (house, run) = (Arc::clone(house), Arc::clone(run));
-    let (control, exit) =
-        launched.map_or((None, None), |launched| (Some(launched.control), Some(launched.exit)));
-    let life = Life { house, run, lives: Lives::default(), control, exit };
+    let life = Life { house, run, lives: Lives::default(), control: None };
     tokio::spawn(life.go_on());
+}
+
+/// Looks after a runner that was just started, and waits until it can be commanded: until then it knows that somebody looks on.
+pub(super) async fn follow_ours(house: &Arc<House>, run: &Arc<Run>, launched: Launched) {
+    let Launched { control, exit } = launched;
+    run.is_ours(exit);
+    follow(house, run);
+    run.linked().await;
+    drop(control);
 }
 
 /// The runners of one run, one after the other.
@@ -57,8 +63,6 @@ struct Life {
     lives: Lives,
     /// Our first connection to a runner that we started: closed when the next one stands.
     control: Option<UnixStream>,
-    /// How a process of our own ended.
-    exit: Option<oneshot::Receiver<Exit>>,
 }
 
 impl Life {
@@ -75,7 +79,7 @@ impl Life {
         if let Some(run) = Box::pin(look(&house, run.folder().to_path_buf())).await
             && is_live(&run.summary().phase)
         {
-            follow(&house, &run, None);
+            follow(&house, &run);
         }
     }
 
@@ -129,7 +133,8 @@ impl Life {
                 self.run.is_as_found(&summary);
                 match take_up::again(&self.house, &self.run, resume, crash).await {
                     Ok(launched) => {
-                        (self.control, self.exit) = (Some(launched.control), Some(launched.exit));
+                        self.control = Some(launched.control);
+                        self.run.is_ours(launched.exit);
                         true
                     }
                     // Somebody else has taken it up meanwhile: a server before this one, or the command line.
@@ -159,8 +164,8 @@ impl Life {
         matches!(writer, Ok(Ok(Some(_))))
     }
 
-    async fn exit(&mut self) -> Option<Exit> {
-        let exit = self.exit.take()?;
+    async fn exit(&self) -> Option<Exit> {
+        let exit = self.run.take_exit()?;
         tokio::time::timeout(LAST_BREATH, exit).await.ok()?.ok()
     }
 }

@@ -7,7 +7,6 @@ use super::run::Run;
 use super::talk::{Connection, LinkError, open};
 use super::told::Told;
 use parking_lot::Mutex;
-use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{Answer, Envelope, Join, ToRunner, ToViewer, decode, encode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -45,7 +44,10 @@ pub(super) enum NotSent {
 /// Connects to the runner and follows it until the connection ends; `is_up` is called when it stands.
 pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkError> {
     let join = Join { from: run.ring().next(), every_event: true, values: true };
-    let Connection { lines, out } = open(run.folder().to_path_buf(), join).await?;
+    let Connection { loaded, lines, out } = open(run.folder().to_path_buf(), join).await?;
+    if let Some(loaded) = loaded {
+        run.is_loaded(loaded);
+    }
     let (sender, outgoing) = mpsc::channel(COMMANDS_MAX);
     let link = Arc::new(Link { out: sender, waiting: Mutex::default() });
     let writer = tokio::spawn(write(out, outgoing));
@@ -134,11 +136,13 @@ fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<Told>) {
             run.stands(snapshot);
         }
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
-        Ok(ToViewer::Loaded { states, problems, .. }) => {
-            run.is_loaded(LoadedMachine { states, problems });
-        }
         // What a link does not ask for, and what a newer runner may say.
-        Ok(ToViewer::LoadFailed { .. } | ToViewer::Inspection { .. } | ToViewer::Event { .. })
+        Ok(
+            ToViewer::Loaded { .. }
+            | ToViewer::LoadFailed { .. }
+            | ToViewer::Inspection { .. }
+            | ToViewer::Event { .. },
+        )
         | Err(_) => {}
     }
 }

@@ -105,7 +105,9 @@ impl Runs {
     pub(crate) fn heard(&self, user: &str) {
         let now_ms = clock::since_1970_ms();
         let runs: Vec<_> = self.all.lock().values().filter(|run| run.is_live()).cloned().collect();
-        runs.iter().for_each(|run| run.heard(user, now_ms));
+        for run in runs {
+            run.heard(user, now_ms);
+        }
     }
 
     fn known(&self, id: &str) -> Option<Arc<Run>> {
@@ -168,8 +170,10 @@ impl Runs {
     /// The folder of a run is there no more.
     pub(crate) fn is_gone(&self, folder: &Path) {
         let id = folder.file_name().unwrap_or_default().to_string_lossy();
-        if self.all.lock().remove(&*id).is_some() {
-            self.news.send_modify(|revision| *revision += 1);
+        let gone = self.all.lock().remove(&*id);
+        if let Some(run) = gone {
+            // Whoever follows it still is told.
+            run.is_in(RunPhase::Unreadable { reason: "its folder is gone".to_owned() });
         }
     }
 }
@@ -206,7 +210,7 @@ async fn look_through(house: &Arc<House>) {
         if let Some(run) = house.runs.found(house, folder, Some(looked))
             && is_to_follow
         {
-            life::follow(house, &run, None);
+            life::follow(house, &run);
         }
     }
 }

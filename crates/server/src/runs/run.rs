@@ -11,12 +11,16 @@ use crate::house::House;
 use parking_lot::Mutex;
 use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary};
 use rafcon_protocol::{Event, Snapshot};
-use rafcon_supervisor::clock;
+use rafcon_supervisor::{Exit, clock};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
-use tokio::sync::watch;
+use tokio::sync::{oneshot, watch};
+use tokio::time::timeout;
+
+/// How long the way to a runner is waited for by those who need it.
+const LINK_PATIENCE: Duration = Duration::from_secs(3);
 
 /// One run.
 #[derive(Debug)]
@@ -26,6 +30,8 @@ pub(crate) struct Run {
     ring: Ring,
     now: watch::Sender<Arc<RunNow>>,
     link: Mutex<Option<Arc<Link>>>,
+    /// How its process ends, if it is one of ours.
+    exit: Mutex<Option<oneshot::Receiver<Exit>>>,
     holding: Mutex<Holding>,
     silence: Duration,
     /// For what goes wrong and nobody asked for.
@@ -62,6 +68,7 @@ impl Run {
             ring,
             now: watch::Sender::new(Arc::new(now)),
             link: Mutex::new(None),
+            exit: Mutex::new(None),
             holding: Mutex::new(holding),
             silence,
             tell: house.settings.tell,
@@ -115,6 +122,28 @@ impl Run {
     /// The way to its runner, if there is one.
     pub(super) fn link(&self) -> Option<Arc<Link>> {
         self.link.lock().clone()
+    }
+
+    /// The way to its runner, as soon as there is one; none if the run is over, or it takes too long.
+    pub(super) async fn linked(&self) -> Option<Arc<Link>> {
+        if let Some(link) = self.link() {
+            return Some(link);
+        }
+        let mut now = self.now();
+        let is_up = |now: &Arc<RunNow>| now.link == LinkState::Up || !is_live(&now.run.phase);
+        // Too late, or never: there is no link then.
+        drop(timeout(LINK_PATIENCE, now.wait_for(is_up)).await);
+        self.link()
+    }
+
+    /// Its process is one of ours, and ends like this.
+    pub(super) fn is_ours(&self, exit: oneshot::Receiver<Exit>) {
+        *self.exit.lock() = Some(exit);
+    }
+
+    /// How its process ends, for whoever waits for that.
+    pub(super) fn take_exit(&self) -> Option<oneshot::Receiver<Exit>> {
+        self.exit.lock().take()
     }
 
     /// From now on somebody looks after its runner; false if somebody does already.

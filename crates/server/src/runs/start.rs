@@ -79,7 +79,7 @@ async fn begin(house: &Arc<House>, author: &str, asked: StartRun) -> Result<Arc<
     let (folder, launched) = blocking(move || made(&here, &asked, &request)).await?;
     let found = life::look(house, folder.clone()).await;
     let run = found.ok_or_else(|| not_kept(&folder))?;
-    life::follow(house, &run, Some(launched));
+    life::follow_ours(house, &run, launched).await;
     let here = Arc::clone(house);
     // Old runs make room behind the back of whoever asks.
     drop(tokio::task::spawn_blocking(move || {

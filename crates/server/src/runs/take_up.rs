@@ -60,7 +60,7 @@ async fn once(
         Ok(launched) => {
             run.is_in(RunPhase::Live);
             house.audit().note(&who.user, "run_resumed", run.id());
-            life::follow(house, run, Some(launched));
+            life::follow_ours(house, run, launched).await;
             Ok(run.summary())
         }
         Err(failure) => {

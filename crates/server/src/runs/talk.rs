@@ -3,6 +3,7 @@
 //!
 //! Knows how a run is joined. Must never know what the words lead to.
 
+use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{
     Answer, Envelope, FrameError, Hello, Join, StateData, ToRunner, ToViewer, VersionMismatch,
     decode, encode,
@@ -44,6 +45,8 @@ pub(super) enum LinkError {
 /// A run that was joined.
 #[derive(Debug)]
 pub(super) struct Connection {
+    /// What the runner goes by, if it said so.
+    pub(super) loaded: Option<LoadedMachine>,
     pub(super) lines: BufReader<OwnedReadHalf>,
     pub(super) out: OwnedWriteHalf,
 }
@@ -61,7 +64,11 @@ pub(super) async fn open(folder: PathBuf, join: Join) -> Result<Connection, Link
     message::<Hello>(&mut lines).await?.check()?;
     match message::<ToViewer>(&mut lines).await? {
         ToViewer::LoadFailed { reason } => Err(LinkError::Refused(reason)),
-        _loaded => Ok(Connection { lines, out }),
+        ToViewer::Loaded { states, problems, .. } => {
+            let loaded = Some(LoadedMachine { states, problems });
+            Ok(Connection { loaded, lines, out })
+        }
+        _other => Ok(Connection { loaded: None, lines, out }),
     }
 }
 
@@ -90,7 +97,7 @@ async fn ask<T>(
     question: &ToRunner,
     answer: impl Fn(ToViewer) -> Option<T>,
 ) -> Result<T, LinkError> {
-    let Connection { mut lines, mut out } = open(folder, Join::default()).await?;
+    let Connection { mut lines, mut out, .. } = open(folder, Join::default()).await?;
     out.write_all(&encode(question)?).await?;
     loop {
         if let Some(answer) = answer(message(&mut lines).await?) {

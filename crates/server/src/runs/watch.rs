@@ -65,7 +65,7 @@ pub(super) async fn serve(house: &Arc<House>, mut noticed: mpsc::Receiver<PathBu
         if let Some(run) = life::look(house, folder).await
             && run::is_live(&run.summary().phase)
         {
-            life::follow(house, &run, None);
+            life::follow(house, &run);
         }
     }
 }

@@ -1,0 +1,226 @@
+//! Control of a run as text: who does what when, and who holds it then.
+
+use super::Holding;
+use expect_test::{Expect, expect};
+use proptest::prelude::*;
+use rafcon_protocol::api::ControlMove;
+use std::fmt::Write as _;
+use std::time::Duration;
+
+const SILENCE: Duration = Duration::from_secs(30);
+
+fn wanted(word: &str) -> Option<ControlMove> {
+    Some(match word {
+        "requests" => ControlMove::Request,
+        "withdraws" => ControlMove::Withdraw,
+        "hands-to-cy" => ControlMove::HandOver { to: "cy".to_owned() },
+        "releases" => ControlMove::Release,
+        "takes-over" => ControlMove::TakeOver,
+        _ => return None,
+    })
+}
+
+/// Lines of `second user what`; `commands` is a command.
+fn play(holding: &mut Holding, line: &str) -> Result<(), super::Denied> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [second, user, what] = words[..] else { panic!("{line}") };
+    let now_ms = second.parse::<u64>().unwrap() * 1000;
+    match wanted(what) {
+        Some(wanted) => holding.apply(user, &wanted, now_ms, SILENCE),
+        None if what == "commands" => holding.command(user, now_ms, SILENCE),
+        None => {
+            holding.heard(user, now_ms);
+            Ok(())
+        }
+    }
+}
+
+fn shown(holding: &Holding) -> String {
+    let control = holding.told(SILENCE);
+    format!("{} {:?}", control.holder.as_deref().unwrap_or("nobody"), control.requests)
+}
+
+fn check(script: &str, expect: &Expect) {
+    let mut holding = Holding::default();
+    let mut seen = String::new();
+    for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
+        let answer = play(&mut holding, line);
+        let answer = answer.map_or_else(|denied| format!(": {denied}"), |()| String::new());
+        writeln!(seen, "{line} -> {}{answer}", shown(&holding)).unwrap();
+    }
+    expect.assert_eq(&seen);
+}
+
+/// What every move in every situation comes to.
+fn table() -> String {
+    let situations = [
+        ("nobody", ""),
+        ("ana", "0 ana commands"),
+        ("ana, bob asks", "0 ana commands; 1 bob requests"),
+        ("bob", "0 bob commands"),
+        ("bob, ana asks", "0 bob commands; 1 ana requests"),
+        ("bob, cy asks", "0 bob commands; 1 cy requests"),
+    ];
+    let mut table = String::new();
+    for (name, before) in situations {
+        for (second, silent) in [(10, ""), (40, ", long ago")] {
+            let what =
+                ["commands", "requests", "withdraws", "hands-to-cy", "releases", "takes-over"];
+            for what in what {
+                let mut holding = after(before);
+                let answer = play(&mut holding, &format!("{second} ana {what}"));
+                let answer = answer.map_or_else(|denied| denied_as(&denied), |()| "");
+                let told = shown(&holding);
+                writeln!(table, "{name}{silent} | ana {what} | {told}{answer}").unwrap();
+            }
+        }
+    }
+    table
+}
+
+#[test]
+fn every_move_has_an_answer_in_every_situation() {
+    expect![[r#"
+        nobody | ana commands | ana []
+        nobody | ana requests | ana []
+        nobody | ana withdraws | nobody []
+        nobody | ana hands-to-cy | nobody [], denied: nobody holds it
+        nobody | ana releases | nobody [], denied: nobody holds it
+        nobody | ana takes-over | ana []
+        nobody, long ago | ana commands | ana []
+        nobody, long ago | ana requests | ana []
+        nobody, long ago | ana withdraws | nobody []
+        nobody, long ago | ana hands-to-cy | nobody [], denied: nobody holds it
+        nobody, long ago | ana releases | nobody [], denied: nobody holds it
+        nobody, long ago | ana takes-over | ana []
+        ana | ana commands | ana []
+        ana | ana requests | ana []
+        ana | ana withdraws | ana []
+        ana | ana hands-to-cy | cy []
+        ana | ana releases | nobody []
+        ana | ana takes-over | ana []
+        ana, long ago | ana commands | ana []
+        ana, long ago | ana requests | ana []
+        ana, long ago | ana withdraws | ana []
+        ana, long ago | ana hands-to-cy | cy []
+        ana, long ago | ana releases | nobody []
+        ana, long ago | ana takes-over | ana []
+        ana, bob asks | ana commands | ana ["bob"]
+        ana, bob asks | ana requests | ana ["bob"]
+        ana, bob asks | ana withdraws | ana ["bob"]
+        ana, bob asks | ana hands-to-cy | cy ["bob"]
+        ana, bob asks | ana releases | bob []
+        ana, bob asks | ana takes-over | ana ["bob"]
+        ana, bob asks, long ago | ana commands | ana ["bob"]
+        ana, bob asks, long ago | ana requests | ana ["bob"]
+        ana, bob asks, long ago | ana withdraws | ana ["bob"]
+        ana, bob asks, long ago | ana hands-to-cy | cy ["bob"]
+        ana, bob asks, long ago | ana releases | bob []
+        ana, bob asks, long ago | ana takes-over | ana ["bob"]
+        bob | ana commands | bob [], denied: held
+        bob | ana requests | bob ["ana"]
+        bob | ana withdraws | bob []
+        bob | ana hands-to-cy | bob [], denied: held
+        bob | ana releases | bob [], denied: held
+        bob | ana takes-over | bob [], denied: heard
+        bob, long ago | ana commands | bob [], denied: held
+        bob, long ago | ana requests | bob ["ana"]
+        bob, long ago | ana withdraws | bob []
+        bob, long ago | ana hands-to-cy | bob [], denied: held
+        bob, long ago | ana releases | bob [], denied: held
+        bob, long ago | ana takes-over | ana []
+        bob, ana asks | ana commands | bob ["ana"], denied: held
+        bob, ana asks | ana requests | bob ["ana"]
+        bob, ana asks | ana withdraws | bob []
+        bob, ana asks | ana hands-to-cy | bob ["ana"], denied: held
+        bob, ana asks | ana releases | bob ["ana"], denied: held
+        bob, ana asks | ana takes-over | bob ["ana"], denied: heard
+        bob, ana asks, long ago | ana commands | bob ["ana"], denied: held
+        bob, ana asks, long ago | ana requests | bob ["ana"]
+        bob, ana asks, long ago | ana withdraws | bob []
+        bob, ana asks, long ago | ana hands-to-cy | bob ["ana"], denied: held
+        bob, ana asks, long ago | ana releases | bob ["ana"], denied: held
+        bob, ana asks, long ago | ana takes-over | ana []
+        bob, cy asks | ana commands | bob ["cy"], denied: held
+        bob, cy asks | ana requests | bob ["cy", "ana"]
+        bob, cy asks | ana withdraws | bob ["cy"]
+        bob, cy asks | ana hands-to-cy | bob ["cy"], denied: held
+        bob, cy asks | ana releases | bob ["cy"], denied: held
+        bob, cy asks | ana takes-over | bob ["cy"], denied: heard
+        bob, cy asks, long ago | ana commands | bob ["cy"], denied: held
+        bob, cy asks, long ago | ana requests | bob ["cy", "ana"]
+        bob, cy asks, long ago | ana withdraws | bob ["cy"]
+        bob, cy asks, long ago | ana hands-to-cy | bob ["cy"], denied: held
+        bob, cy asks, long ago | ana releases | bob ["cy"], denied: held
+        bob, cy asks, long ago | ana takes-over | ana ["cy"]
+    "#]]
+    .assert_eq(&table());
+}
+
+/// After these lines, with a semicolon between each.
+fn after(lines: &str) -> Holding {
+    let mut holding = Holding::default();
+    let lines = lines.split(';').filter(|line| !line.is_empty());
+    lines.for_each(|line| play(&mut holding, line).unwrap());
+    holding
+}
+
+fn denied_as(denied: &super::Denied) -> &'static str {
+    match denied {
+        super::Denied::Held { .. } => ", denied: held",
+        super::Denied::Heard { .. } => ", denied: heard",
+        super::Denied::Nobody => ", denied: nobody holds it",
+        super::Denied::NoName => ", denied: no name",
+        super::Denied::TooMany => ", denied: too many",
+    }
+}
+
+#[test]
+fn control_changes_hands() {
+    check(
+        "0 ana commands
+         1 bob commands
+         2 bob requests
+         3 ana hands-to-cy
+         4 cy releases
+         5 bob takes-over
+         20 bob heard
+         40 ana takes-over
+         50 ana takes-over",
+        &expect![[r#"
+            0 ana commands -> ana []
+            1 bob commands -> ana []: ana holds control of this run: request it (POST …/control with "move": "request"), or take it over when they have been silent for 30 s; stop and pause need no control
+            2 bob requests -> ana ["bob"]
+            3 ana hands-to-cy -> cy ["bob"]
+            4 cy releases -> bob []
+            5 bob takes-over -> bob []
+            20 bob heard -> bob []
+            40 ana takes-over -> bob []: bob was heard 20 s ago: control can be taken over after 30 s of silence; request it meanwhile
+            50 ana takes-over -> ana []
+        "#]],
+    );
+}
+
+proptest! {
+    /// Whoever does what when: nobody loses control who was heard in time and did not give it away.
+    #[test]
+    fn control_is_only_lost_by_silence(moves in prop::collection::vec((0..3_usize, 0..7_usize, 0..20_u64), 0..60)) {
+        let words = ["commands", "requests", "withdraws", "hands-to-cy", "releases", "takes-over", "heard"];
+        let users = ["ana", "bob", "cy"];
+        let (mut holding, mut now, mut heard) = (Holding::default(), 0, 0);
+        for (user, word, later) in moves {
+            now += later;
+            let before = holding.holder().map(str::to_owned);
+            let answer = play(&mut holding, &format!("{now} {} {}", users[user], words[word]));
+            let after = holding.holder().map(str::to_owned);
+            if before.is_some() && before != after {
+                let given = before.as_deref() == Some(users[user]);
+                prop_assert!(answer.is_ok() && (given || now - heard >= 30));
+            }
+            if after.as_deref() == Some(users[user]) || before != after {
+                heard = now;
+            }
+            prop_assert!(after.is_some() || holding.requests.is_empty());
+        }
+    }
+}
