@@ -38,7 +38,13 @@ const LAYERS: [(&str, &[&str]); 10] = [
 ];
 
 /// The crates that only one package may name.
-const OWNED: [(&str, &str); 2] = [("pyo3", "rafcon-python"), ("clap", "rafcon xtask")];
+const OWNED: [(&str, &str); 5] = [
+    ("pyo3", "rafcon-python"),
+    ("clap", "rafcon xtask"),
+    ("axum", "rafcon-server"),
+    ("hyper", "rafcon-server"),
+    ("argon2", "rafcon-server"),
+];
 
 fn packages() -> Vec<Value> {
     let cargo = option_env!("CARGO").unwrap_or("cargo");

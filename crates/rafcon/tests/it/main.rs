@@ -22,3 +22,4 @@ mod signals;
 mod strangers;
 mod terminal;
 mod torture;
+mod users;

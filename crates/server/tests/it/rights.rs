@@ -101,7 +101,7 @@ fn table() -> String {
 
 #[test]
 fn every_command_is_for_who_may_and_the_handbook_says_so() {
-    expect![[r#"
+    expect![[r"
         | command | viewer | operator | engineer | admin |
         | --- | --- | --- | --- | --- |
         | start | no | yes | yes | yes |
@@ -128,7 +128,7 @@ fn every_command_is_for_who_may_and_the_handbook_says_so() {
         | reload | no | no | yes | yes |
         | edit_script | no | no | yes | yes |
         | control | no | yes | yes | yes |
-    "#]]
+    "]]
     .assert_eq(&table());
     let handbook = include_str!("../../../../docs/operations.md");
     assert!(handbook.contains(&table()), "docs/operations.md has another table of commands");

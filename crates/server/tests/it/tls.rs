@@ -62,7 +62,8 @@ fn the_card_tells_the_fingerprint() {
     let house = house(place.path(), &["localhost"]);
     let der = CertificateDer::from_pem_file(place.path().join("certificate.pem")).unwrap();
     let bytes = digest(&SHA256, &der);
-    let expected = bytes.as_ref().iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let digits = bytes.as_ref().iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
+    let expected = digits.concat();
     let card = rafcon_server::Card::read(&house.state()).unwrap().unwrap();
     assert_eq!(card.fingerprint.as_deref(), Some(expected.as_str()));
     assert_eq!(
