@@ -48,3 +48,60 @@ impl Pulse {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Outbox, Pulse};
+    use expect_test::{Expect, expect};
+    use std::fmt::Write as _;
+    use std::time::Duration;
+    use tokio::time::{Instant, sleep_until};
+
+    /// When a client is asked, and when it is gone, that was heard at these seconds.
+    async fn check(heard: &[u64], expect: &Expect) {
+        let (outbox, pulse, begin) = (Outbox::new(), Pulse::new(), Instant::now());
+        let mut text = String::new();
+        let beat = async {
+            for at in heard {
+                sleep_until(begin + Duration::from_secs(*at)).await;
+                pulse.beat();
+            }
+        };
+        let watch = async {
+            let mut end = std::pin::pin!(pulse.end(&outbox));
+            loop {
+                tokio::select! {
+                    () = &mut end => break writeln!(text, "{} gone", begin.elapsed().as_secs()).unwrap(),
+                    _ping = outbox.next() => writeln!(text, "{} asked", begin.elapsed().as_secs()).unwrap(),
+                }
+            }
+        };
+        tokio::join!(beat, watch);
+        expect.assert_eq(&text);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn who_is_silent_is_asked_once_and_then_gone() {
+        check(
+            &[],
+            &expect![[r#"
+            20 asked
+            60 gone
+        "#]],
+        )
+        .await;
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn who_answers_stays() {
+        check(
+            &[5, 26, 90, 91],
+            &expect![[r#"
+            25 asked
+            65 asked
+            86 gone
+        "#]],
+        )
+        .await;
+    }
+}

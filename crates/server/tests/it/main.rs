@@ -12,5 +12,6 @@ mod raw;
 mod rights;
 mod socket;
 mod socket_client;
+mod socket_machines;
 mod socket_runs;
 mod tls;

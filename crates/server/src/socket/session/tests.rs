@@ -141,7 +141,7 @@ const RIGHT: [&str; 5] = [
     r#"{"frame":"subscribe","subscription":1,"topic":{"topic":"run_history","run":"r","from":7}}"#,
     r#"{"frame":"unsubscribe","subscription":1}"#,
     r#"{"frame":"command","run":"r","envelope":{"id":"c1","command":{"type":"pause"}}}"#,
-    r#"{"frame":"edit","machine":"m","edit":{"id":"e1","name":"Rename","edit":{}}}"#,
+    r#"{"frame":"edit","machine":"m","edit":{"id":"e1","name":"Rename","edit":{"edit":"set_name","path":"a","name":"b"}}}"#,
     r#"{"frame":"ping","id":3}"#,
 ];
 
