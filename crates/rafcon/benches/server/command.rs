@@ -23,7 +23,7 @@ hierarchy ROOT "Commanded"
       import time
       def execute(self, inputs, outputs, gvm):
           self.preemptive_wait(20)
-          woken = time.perf_counter_ns()
+          woken = time.time_ns()
           gvm.set_variable("woken", gvm.get_variable("woken", default=[]) + [woken])
           return 0
   execution TALLYX "Tally"

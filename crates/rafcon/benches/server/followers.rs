@@ -12,8 +12,7 @@ use rafcon_protocol::socket::{ToServer, Topic};
 use rustix::event::{PollFd, PollFlags, poll};
 use serde_json::Value;
 use std::fs;
-use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Write as _, stdin, stdout};
-use std::net::TcpStream;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _, stdin, stdout};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -44,7 +43,7 @@ hierarchy ROOT "Ticks"
     script |
       import json, os, sys, time
       def execute(self, inputs, outputs, gvm):
-          now = time.perf_counter_ns()
+          now = time.time_ns()
           ticks = getattr(sys, "bench_ticks", None)
           if ticks is None:
               ticks = sys.bench_ticks = {"next": now, "end": now, "times": []}
@@ -55,8 +54,8 @@ hierarchy ROOT "Ticks"
                   json.dump(ticks["times"], file)
               return "enough"
           ticks["next"] = max(ticks["next"] + 1_000_000, now)
-          time.sleep(max(0, ticks["next"] - time.perf_counter_ns()) / 1e9)
-          ticks["end"] = time.perf_counter_ns()
+          time.sleep(max(0, ticks["next"] - time.time_ns()) / 1e9)
+          ticks["end"] = time.time_ns()
           return "more"
 "#;
 
@@ -77,12 +76,9 @@ pub(crate) fn follow(words: &[String]) -> Result<()> {
     writeln!(stdout(), "ready")?;
     let mut bytes = vec![0; lines.len()];
     let mut buffer = vec![0; 1 << 20];
-    loop {
-        if !is_going_on(&lines)? {
-            break;
-        }
-        for (line, bytes) in lines.iter().zip(&mut bytes) {
-            *bytes += drained(line.socket.get_ref(), &mut buffer)?;
+    while let Some(ready) = ready(&lines)? {
+        for number in ready {
+            bytes[number] += lines[number].socket.get_ref().read(&mut buffer)?;
         }
     }
     ensure!(bytes.iter().all(|bytes| *bytes > 100_000), "somebody was told too little: {bytes:?}");
@@ -93,30 +89,19 @@ fn subscribed(door: &Door, run: &str, from: u64) -> Result<Line> {
     let mut line = door.line()?;
     let topic = Topic::RunHistory { run: run.to_owned(), from, values: true };
     line.say(&ToServer::Subscribe { subscription: 1, topic })?;
-    line.socket.get_ref().set_nonblocking(true)?;
     Ok(line)
 }
 
-/// Waits until somebody is told something; false when the input has ended.
-fn is_going_on(lines: &[Line]) -> Result<bool> {
+/// Waits until somebody is told something, and says who; nobody when the input has ended.
+fn ready(lines: &[Line]) -> Result<Option<Vec<usize>>> {
     let input = stdin();
     let mut wanted = vec![PollFd::new(&input, PollFlags::IN)];
-    wanted.extend(lines.iter().map(|line| PollFd::new(line.socket.get_ref(), PollFlags::IN)));
+    let sockets = lines.iter().map(|line| line.socket.get_ref());
+    wanted.extend(sockets.map(|socket| PollFd::new(socket, PollFlags::IN)));
     poll(&mut wanted, None)?;
-    Ok(wanted[0].revents().is_empty())
-}
-
-/// Takes what has come, as it is.
-fn drained(mut stream: &TcpStream, buffer: &mut [u8]) -> Result<usize> {
-    let mut bytes = 0;
-    loop {
-        match stream.read(buffer) {
-            Ok(0) => anyhow::bail!("the server hung up"),
-            Ok(read) => bytes += read,
-            Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(bytes),
-            Err(error) => return Err(error.into()),
-        }
-    }
+    let is_ready = |fd: &PollFd<'_>| !fd.revents().is_empty();
+    let ready = wanted[1..].iter().enumerate().filter(|(_, fd)| is_ready(fd));
+    Ok((!is_ready(&wanted[0])).then(|| ready.map(|(number, _)| number).collect()))
 }
 
 pub(crate) fn measure(house: &House) -> Result<()> {

@@ -4,8 +4,9 @@ use crate::clock::now_ms;
 use crate::house::House;
 use crate::{percentile, print};
 use anyhow::{Context as _, Result, bail, ensure};
-use rafcon_protocol::api::EditMachine;
+use rafcon_protocol::api::{EditMachine, MachineDocument};
 use rafcon_protocol::document::Document;
+use rafcon_protocol::edit::Edit;
 use rafcon_protocol::socket::{ToClient, ToServer};
 use serde_json::json;
 
@@ -37,15 +38,10 @@ pub(crate) fn open(house: &House, name: &str) -> Result<(String, Document)> {
     let path = format!("/api/v1/machines/{machine}/document");
     let (status, text) = house.door().answer("GET", &path, None)?;
     ensure!(status == 200, "no document: {text}");
-    let read: Read = serde_json::from_str(&text).context("a document that makes no sense")?;
+    let read: MachineDocument =
+        serde_json::from_str(&text).context("a document that makes no sense")?;
 
     Ok((machine, read.document))
-}
-
-/// The answer, as far as it matters here.
-#[derive(serde::Deserialize)]
-struct Read {
-    document: Document,
 }
 
 fn edits(house: &House) -> Result<Vec<f64>> {
@@ -58,9 +54,7 @@ fn edits(house: &House) -> Result<Vec<f64>> {
             id: number.to_string(),
             base: None,
             name: "Rename".to_owned(),
-            edit: serde_json::from_value(
-                json!({ "edit": "set_name", "path": path, "name": format!("Name {number}") }),
-            )?,
+            edit: Edit::SetName { path: path.clone(), name: format!("Name {number}") },
         };
         let begun = now_ms();
         line.say(&ToServer::Edit { machine: machine.clone(), edit })?;

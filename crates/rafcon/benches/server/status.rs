@@ -21,7 +21,7 @@ hierarchy ROOT "Changes"
     script |
       import time
       def execute(self, inputs, outputs, gvm):
-          began = gvm.get_variable("began", default=[]) + [time.perf_counter_ns()]
+          began = gvm.get_variable("began", default=[]) + [time.time_ns()]
           self.preemptive_wait(0.25)
           gvm.set_variable("began", began)
           return "more" if len(began) < 24 else "enough"
@@ -31,7 +31,7 @@ hierarchy ROOT "Changes"
     script |
       import time
       def execute(self, inputs, outputs, gvm):
-          began = gvm.get_variable("began", default=[]) + [time.perf_counter_ns()]
+          began = gvm.get_variable("began", default=[]) + [time.time_ns()]
           self.preemptive_wait(0.25)
           gvm.set_variable("began", began)
           return "more" if len(began) < 24 else "enough"

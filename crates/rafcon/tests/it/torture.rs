@@ -96,6 +96,7 @@ hierarchy ROOT "Torture"
 "#;
 
 /// Numbers that look random and are the same for the same seed.
+#[derive(Debug)]
 pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {

@@ -10,6 +10,7 @@ use rafcon_protocol::{
     Answer, Breakpoint, Command, Envelope, Expiry, RunStatus, Scope, Unattended, When,
 };
 use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
 
 const HISTORY: u32 = 1;
 const STATUS: u32 = 2;
@@ -34,6 +35,7 @@ pub(super) struct Kill {
 }
 
 /// Somebody who follows and commands.
+#[derive(Debug)]
 pub(super) struct Client<'s, 'p> {
     site: &'s Site<'p>,
     name: &'static str,
@@ -53,14 +55,24 @@ pub(super) struct Client<'s, 'p> {
 }
 
 /// What a client knows in the end.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Seen {
     pub(super) told: Vec<HistoryEntry>,
     pub(super) answers: BTreeMap<String, Answer>,
     /// Every command that it ever sent.
     pub(super) sent: BTreeMap<String, Envelope>,
     /// How many it killed.
-    pub(super) killed: u32,
+    pub(super) killed: u64,
+}
+
+impl fmt::Debug for Seen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let last = &self.told[self.told.len().saturating_sub(8)..];
+        f.debug_struct("Seen")
+            .field("last", &last)
+            .field("answers", &self.answers.len())
+            .finish_non_exhaustive()
+    }
 }
 
 /// What comes of a connection.
@@ -106,7 +118,11 @@ impl<'s, 'p> Client<'s, 'p> {
             };
             // Whoever kills holds the site until the next server listens.
             let (_, now) = self.site.door();
-            assert_ne!(now, generation, "{}: the server lives and hung up: {lost:#}", self.name);
+            assert_ne!(
+                now, generation,
+                "{}: {lost:#}, though the server lives; {self:#?}",
+                self.name
+            );
         }
     }
 

@@ -5,6 +5,7 @@ use crate::served::{Door, Served};
 use rafcon_storage::journal::writer_of;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
+use std::fmt;
 use std::fs::OpenOptions;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -101,6 +102,14 @@ impl<'p> Site<'p> {
             // It may have ended by itself in the meantime.
             kill_process(runner, Signal::KILL).unwrap_or_default();
         }
+    }
+}
+
+impl fmt::Debug for Site<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let about =
+            self.now().served.door().ask("GET", &format!("/api/v1/runs/{}", self.run), None);
+        f.debug_struct("Site").field("run", &about).field("has_runner", &self.is_alive()).finish()
     }
 }
 
