@@ -25,8 +25,8 @@ pub(crate) use meet::Meeting;
 pub(crate) use notebook::Notebook;
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
-    CommandAnswer, Control, ControlMove, Login, MachineAt, MachineFile, MachineSummary, NewToken,
-    ResumeRun, RunSummary, StartRun, TokenMade,
+    CommandAnswer, Control, ControlMove, Login, MachineAt, MachineDocument, MachineFile,
+    MachineSummary, NewToken, ResumeRun, RunSummary, StartRun, TokenMade,
 };
 use rafcon_protocol::document::{Document, leave};
 use rafcon_protocol::{Envelope, StateData};
@@ -105,9 +105,9 @@ impl Server {
     pub(crate) fn machine_in(&self, file: &MachineFile) -> Outcome<Machine> {
         let open = MachineAt { file: file.clone() };
         let summary: MachineSummary = self.send("/machines/open", &open)?;
-        let document: Document =
+        let whole: MachineDocument =
             self.get(&format!("/machines/{}/document", escaped(&summary.id)))?;
-        Ok(document.read(&mut leave)?)
+        Ok(whole.document.read(&mut leave)?)
     }
 
     /// Logs in and makes a token for this program.

@@ -263,7 +263,7 @@ impl Session {
 
     fn status(&mut self, now: RunNow, todo: &mut Todo) {
         let mut messages = Vec::new();
-        let is_told = now.loaded.is_some() && (self.next.is_some() || now.snapshot.is_some());
+        let is_told = now.link == LinkState::Up && (self.next.is_some() || now.snapshot.is_some());
         if !self.is_loaded && (is_told || !is_live(&now.run.phase)) {
             self.is_loaded = true;
             self.next.get_or_insert_with(|| from_now_on(&now));

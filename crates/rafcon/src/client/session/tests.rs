@@ -288,14 +288,18 @@ fn of_a_run_that_is_over_the_end_is_told() {
 fn a_server_of_another_version_is_not_spoken_with() {
     let mut frame = welcome(1);
     frame["protocol"] = json!(9);
-    check(true, vec![Hear(frame)], &expect![[r#"
+    check(
+        true,
+        vec![Hear(frame)],
+        &expect![[r#"
         Hello(Hello { protocol: 2, program: "0.1.0" })
         --
         > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
         --
         Refused("the server (version 0.1.0) speaks version 9 of the socket's frames, this program 1: install the same version of rafcon on both computers")
         --
-    "#]]);
+    "#]],
+    );
 }
 
 #[test]
