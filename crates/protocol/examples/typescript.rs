@@ -89,6 +89,7 @@ fn in_requests(words: &mut Words) {
 fn in_answers(words: &mut Words) {
     words.visit::<Document>();
     words.visit::<api::Comparison>();
+    words.visit::<api::EventDetail>();
     words.visit::<api::EventPage>();
     words.visit::<api::FileNode>();
     words.visit::<api::Health>();

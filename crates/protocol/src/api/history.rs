@@ -98,6 +98,8 @@ pub struct MomentQuery {
 pub struct KeptMachineQuery {
     /// Its hash, as an event `root` or a moment says it; if it is left out, the one that the run began with.
     pub root: Option<String>,
+    /// Instead of the machine itself, the content of a library that it uses: path and name of the library, joined by `/`.
+    pub library: Option<String>,
 }
 
 /// How a run is written.

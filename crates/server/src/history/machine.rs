@@ -24,7 +24,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// So many machines stay in memory.
-const COUNT_MAX: usize = 8;
+const COUNT_MAX: usize = 64;
 /// So many bytes of them, but the last one whatever it takes.
 const BYTES_MAX: usize = 64 << 20;
 
@@ -39,9 +39,16 @@ pub(super) struct Machines {
 
 #[derive(Debug)]
 struct Kept {
+    which: Which,
+    document: Bytes,
+}
+
+/// Which machine of which run, or which library of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Which {
     folder: PathBuf,
     hash: Hash,
-    document: Bytes,
+    library: Option<String>,
 }
 
 /// The routes of this file.
@@ -49,13 +56,13 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     OpenApiRouter::new().routes(routes!(machine))
 }
 
-/// A machine that a run went by.
+/// A machine that a run went by, or a library that it used, as the run has kept them.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/machine", tag = "history",
     params(("run" = String, Path, description = "The run's id"), KeptMachineQuery),
     responses(
-        (status = 200, description = "The machine as the run has kept it", body = Document),
+        (status = 200, description = "What the run has kept", body = Document),
         (status = 400, description = "This is no hash", body = Refusal),
-        (status = 404, description = "There is no such run, or it has kept no such machine", body = Refusal),
+        (status = 404, description = "There is no such run, or it has kept no such machine or library", body = Refusal),
         (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
         (status = 503, description = "The journal cannot be read now, or there is no room to unpack", body = Refusal),
     )
@@ -72,7 +79,8 @@ async fn machine(
     readers
         .read_slowly(folder, move |reader| {
             let hash = wanted.map_or_else(|| first(reader), Ok)?;
-            machines.document(reader.folder(), hash, &scratch).map(Json)
+            let folder = reader.folder().to_owned();
+            machines.document(&Which { folder, hash, library: query.library }, &scratch).map(Json)
         })
         .await
 }
@@ -105,31 +113,26 @@ fn first(reader: &mut Reader) -> Result<Hash, Failure> {
 impl Machines {
     /// Forgets those of a run.
     pub(super) fn forget(&self, folder: &FilePath) {
-        self.kept.lock().retain(|kept| kept.folder != folder);
+        self.kept.lock().retain(|kept| kept.which.folder != folder);
     }
 
-    /// The machine of the run in `folder` as JSON; what is unpacked lies in `scratch` for a moment.
-    fn document(
-        &self,
-        folder: &FilePath,
-        hash: Hash,
-        scratch: &FilePath,
-    ) -> Result<Bytes, Failure> {
-        if let Some(document) = self.known(folder, hash) {
+    /// A machine as JSON; what is unpacked lies in `scratch` for a moment.
+    fn document(&self, which: &Which, scratch: &FilePath) -> Result<Bytes, Failure> {
+        if let Some(document) = self.known(which) {
             return Ok(document);
         }
         let _alone = self.unpacking.lock();
-        if let Some(document) = self.known(folder, hash) {
+        if let Some(document) = self.known(which) {
             return Ok(document);
         }
-        let document = unpacked(folder, hash, scratch)?;
-        self.keep(Kept { folder: folder.to_owned(), hash, document: document.clone() });
+        let document = unpacked(which, scratch)?;
+        self.keep(Kept { which: which.clone(), document: document.clone() });
         Ok(document)
     }
 
-    fn known(&self, folder: &FilePath, hash: Hash) -> Option<Bytes> {
+    fn known(&self, which: &Which) -> Option<Bytes> {
         let mut kept = self.kept.lock();
-        let index = kept.iter().position(|it| it.hash == hash && it.folder == folder)?;
+        let index = kept.iter().position(|it| it.which == *which)?;
         let found = kept.remove(index)?;
         let document = found.document.clone();
         kept.push_back(found);
@@ -146,20 +149,35 @@ impl Machines {
     }
 }
 
-fn unpacked(folder: &FilePath, hash: Hash, scratch: &FilePath) -> Result<Bytes, Failure> {
+fn unpacked(which: &Which, scratch: &FilePath) -> Result<Bytes, Failure> {
     let no_room = |error: std::io::Error| {
         let message = format!("cannot unpack the machine below {}: {error}", scratch.display());
         Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_room", message)
     };
     let place = tempfile::Builder::new().prefix("machine-").tempdir_in(scratch).map_err(no_room)?;
-    let unpacked = unpack(folder, hash, place.path())?;
+    let unpacked = unpack(&which.folder, which.hash, place.path())?;
+    let libraries = Libraries::new(unpacked.roots);
+    let machine = match &which.library {
+        None => unpacked.machine,
+        Some(library) => library_folder(&libraries, library)?,
+    };
     let unreadable = |error: &dyn std::error::Error| {
-        let message =
-            format!("the machine that the run has kept cannot be read: {}", reason(error));
+        let message = format!("what the run has kept cannot be read: {}", reason(error));
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "machine_unreadable", message)
     };
-    let loaded = load(&unpacked.machine, &Libraries::new(unpacked.roots));
-    let loaded = loaded.map_err(|error| unreadable(&error))?;
+    let loaded = load(&machine, &libraries).map_err(|error| unreadable(&error))?;
     let text = serde_json::to_vec(&Document::of(&loaded.machine));
     Ok(text.map_err(|error| unreadable(&error))?.into())
+}
+
+/// Where a library lies that was unpacked.
+fn library_folder(libraries: &Libraries, library: &str) -> Result<PathBuf, Failure> {
+    let leads_inside = |part: &str| !matches!(part, "" | "." | "..");
+    let parts = library.rsplit_once('/').filter(|_| library.split('/').all(leads_inside));
+    let folder = parts.and_then(|(path, name)| libraries.folder(path, name).ok());
+    folder.filter(|folder| folder.is_dir()).ok_or_else(|| {
+        let message =
+            format!("the run has kept no library `{library}`: a library state says path and name");
+        Failure::not_found("no_such_library", message)
+    })
 }

@@ -63,6 +63,17 @@ fn the_machines_that_a_run_went_by_are_told() {
     assert_eq!(get(&house, "run/machine"), first);
     let later = get(&house, &format!("run/machine?root={}", hashes[1]));
     assert_ne!(later, first);
+    let state =
+        first["states"].as_array().unwrap().iter().find(|state| state["library"] != Value::Null);
+    let library = &state.unwrap()["library"];
+    let path =
+        format!("{}/{}", library["path"].as_str().unwrap(), library["name"].as_str().unwrap());
+    let inside = get(&house, &format!("run/machine?library={path}"));
+    assert!(!inside["states"].as_array().unwrap().is_empty(), "{inside}");
+    for nothing in ["nowhere", "nowhere/at_all", "examples/../../../run", "/etc/passwd"] {
+        let path = format!("run/machine?library={nothing}");
+        assert_eq!(said(&house, Role::Viewer, "GET", &path), "404 no_such_library");
+    }
     let left = std::fs::read_dir(house.state()).unwrap().flatten();
     let names: Vec<_> = left.map(|entry| entry.file_name()).collect();
     assert!(!names.iter().any(|name| name.to_string_lossy().starts_with("machine-")), "{names:?}");
