@@ -17,6 +17,7 @@ mod script_check;
 mod served;
 mod server_runs;
 mod server_soak;
+mod server_socket;
 mod server_torture;
 mod signals;
 mod strangers;

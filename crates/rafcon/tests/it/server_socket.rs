@@ -1,0 +1,181 @@
+//! What the WebSocket tells of a run that goes on, with a real runner: whoever follows it is told what its journal has.
+
+use crate::harness::{Place, assert_extension};
+use crate::served::{Door, Line, Served};
+use rafcon_model::notation;
+use rafcon_protocol::api::{HistoryEntry, RunPhase};
+use rafcon_protocol::socket::{ToClient, ToServer, Topic};
+use rafcon_protocol::{Answer, Command, Envelope, Event};
+use rafcon_storage::journal::Reader;
+use rafcon_storage::{Naming, save};
+use serde_json::json;
+use std::thread;
+
+/// So many rounds, a thousand a second, each with a value that only those are told who ask for values.
+const MACHINE: &str = r#"
+hierarchy ROOT "Ticks"
+  outcome success
+  var n: int = 0
+  start -> TICKXX
+  TICKXX.more -> TICKXX ; TICKXX.enough -> .success
+  flow .n -> TICKXX.n
+  flow TICKXX.n -> .n
+  execution TICKXX "Tick"
+    outcome more
+    outcome enough
+    in n: int = 0
+    out n: int
+    script |
+      import sys, time
+      def execute(self, inputs, outputs, gvm):
+          n = outputs["n"] = inputs["n"] + 1
+          if n == 1:
+              sys.began = time.perf_counter()
+          time.sleep(max(0, sys.began + n / 1000 - time.perf_counter()))
+          return "more" if n < 1500 else "enough"
+"#;
+
+/// A server with a run that is held before its first state.
+struct Site {
+    place: Place,
+    served: Served,
+    run: String,
+}
+
+impl Site {
+    fn new() -> Self {
+        assert_extension();
+        let place = Place::empty();
+        let machine = notation::parse(MACHINE).unwrap();
+        save(&machine, &place.path("project/machine"), None, Naming::default()).unwrap();
+        let words = "serve project --bind 127.0.0.1:0 --state state --runs runs";
+        let served = Served::start(place.command(words)).unwrap();
+        let projects = served.door().ask("GET", "/api/v1/projects", None).unwrap();
+        let machine = json!({ "project": projects[0]["id"], "path": "machine" });
+        let start = json!({ "id": "1", "machine": machine, "hold": true });
+        let run = served.door().ask("POST", "/api/v1/runs", Some(&start)).unwrap();
+        let run = run["id"].as_str().unwrap().to_owned();
+        Self { place, served, run }
+    }
+
+    fn door(&self) -> &Door {
+        self.served.door()
+    }
+
+    fn follow(&self, from: u64, values: bool) -> Line {
+        let mut line = self.door().line().unwrap();
+        let topic = Topic::RunHistory { run: self.run.clone(), from, values };
+        line.say(&ToServer::Subscribe { subscription: 1, topic }).unwrap();
+        line
+    }
+
+    /// The run's journal.
+    fn history(&self, values: bool) -> Vec<HistoryEntry> {
+        let mut reader = Reader::open(&self.place.path("runs").join(&self.run)).unwrap();
+        let page = reader.page(1, usize::MAX).unwrap();
+        let entries = page.iter().map(|entry| HistoryEntry {
+            sequence: entry.sequence,
+            t_ns: entry.t_ns,
+            event: reader.event(entry, values).unwrap(),
+        });
+        entries.filter(|entry| values || !is_about_values(&entry.event)).collect()
+    }
+
+    fn command(&self, id: &str, command: Command) -> ToServer {
+        let id = id.to_owned();
+        let envelope =
+            Envelope { id, author: String::new(), decided_on: None, expiry: None, command };
+        ToServer::Command { run: self.run.clone(), envelope }
+    }
+}
+
+fn is_about_values(event: &Event) -> bool {
+    matches!(event, Event::Scoped { .. } | Event::Global { .. } | Event::Persistent { .. })
+}
+
+/// All that a client is told up to the end, and how often it was told that this is all so far.
+fn all(mut line: Line) -> (Vec<HistoryEntry>, usize) {
+    let (mut told, mut caught_up) = (Vec::new(), 0);
+    loop {
+        match line.hear().unwrap() {
+            ToClient::Events { events, .. } => {
+                caught_up += usize::from(events.is_empty());
+                told.extend(events);
+            }
+            ToClient::Ended { refusal: None, .. } => return (told, caught_up),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// The same for a client that breaks off after so many frames, again and again.
+fn in_pieces(site: &Site, frames: usize) -> Vec<HistoryEntry> {
+    let (mut told, mut cursor) = (Vec::new(), 1);
+    loop {
+        let mut line = site.follow(cursor, true);
+        for _ in 0..frames {
+            match line.hear().unwrap() {
+                ToClient::Events { events, next, .. } => {
+                    told.extend(events);
+                    cursor = next;
+                }
+                ToClient::Ended { refusal: None, .. } => return told,
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn whoever_follows_a_run_is_told_what_its_journal_has() {
+    let site = Site::new();
+    let mut line = site.door().line().unwrap();
+    let (with, without) = (site.follow(1, true), site.follow(1, false));
+    thread::scope(|scope| {
+        let pieces = [3, 7].map(|frames| (frames, &site));
+        let pieces = pieces.map(|(frames, site)| scope.spawn(move || in_pieces(site, frames)));
+        line.say(&site.command("go", Command::Resume { branch: None })).unwrap();
+        let with = scope.spawn(|| all(with));
+        let without = scope.spawn(|| all(without));
+        let late = scope.spawn(|| all(site.follow(1, true)));
+        let (with, without) = (with.join().unwrap(), without.join().unwrap());
+        assert_eq!(with, (site.history(true), 1));
+        assert_eq!(without, (site.history(false), 1));
+        assert_eq!(late.join().unwrap(), with);
+        for told in pieces {
+            assert_eq!(told.join().unwrap(), with.0);
+        }
+    });
+}
+
+#[test]
+fn commands_are_answered_in_their_order_and_the_status_ends_with_the_run() {
+    let site = Site::new();
+    let mut line = site.door().line().unwrap();
+    let topic = Topic::RunStatus { run: site.run.clone() };
+    for number in 0..20 {
+        let step = Command::StepInto { branch: None };
+        line.say(&site.command(&number.to_string(), step)).unwrap();
+    }
+    for number in 0..20 {
+        match line.hear().unwrap() {
+            ToClient::Answer(answer) => assert_eq!(answer.id, number.to_string()),
+            other => panic!("{other:?}"),
+        }
+    }
+    line.say(&ToServer::Subscribe { subscription: 1, topic }).unwrap();
+    line.say(&site.command("end", Command::Stop)).unwrap();
+    let mut is_stopped = false;
+    loop {
+        match line.hear().unwrap() {
+            ToClient::Answer(answer) => is_stopped = answer.answer == Answer::Applied,
+            ToClient::RunStatus { status, .. } => match status.run.phase {
+                RunPhase::Finished { .. } => break,
+                RunPhase::Live | RunPhase::Starting => {}
+                phase => panic!("{phase:?}"),
+            },
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(is_stopped);
+}
