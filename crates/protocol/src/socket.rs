@@ -25,7 +25,7 @@ pub enum ToServer {
         /// What about.
         topic: Topic,
     },
-    /// Tell me no more.
+    /// Tell me no more; answered by [`ToClient::Ended`].
     Unsubscribe {
         /// The number.
         subscription: u32,
@@ -141,7 +141,8 @@ pub enum ToClient {
         /// In order.
         revisions: Vec<Revision>,
     },
-    /// The revisions that were asked for are gone: get the whole machine, and subscribe again from there.
+    /// The revisions that were asked for are gone, and so the subscription has come to its end: get the whole machine, and
+    /// subscribe again from there.
     Reset {
         /// Of this subscription.
         subscription: u32,
@@ -169,7 +170,7 @@ pub enum ToClient {
         /// The truth.
         status: HouseStatus,
     },
-    /// Nothing more will come: a run is over and told, a machine closed, or the subscription was refused.
+    /// Nothing more will come: a run is over and told, a machine closed, the subscription was given up or refused.
     Ended {
         /// Of this subscription.
         subscription: u32,
