@@ -20,7 +20,7 @@ const CLIENTS: &str = "RAFCON_TEST_CLIENTS";
 /// For how long the run goes on.
 const SECONDS: &str = "RAFCON_TEST_SECONDS";
 /// How long the slow client thinks about a frame.
-const SLOWNESS: Duration = Duration::from_millis(100);
+const SLOWNESS: Duration = Duration::from_millis(40);
 /// What the server may take beyond what it takes with one client, and for each other.
 const MEMORY_KB: u64 = 48 * 1024;
 /// See [`MEMORY_KB`].
