@@ -58,7 +58,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 
 impl History {
     /// A run is gone, or about to go: nothing of it stays open or in memory.
-    fn forget(&self, folder: &Path) {
+    pub(crate) fn forget(&self, folder: &Path) {
         self.readers.forget(folder);
         self.machines.forget(folder);
         self.figures.forget(folder);

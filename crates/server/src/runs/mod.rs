@@ -139,6 +139,7 @@ impl Runs {
     fn found(&self, house: &House, folder: PathBuf, looked: Option<Looked>) -> Option<Arc<Run>> {
         let Some(looked) = looked else {
             self.is_gone(&folder);
+            house.history.forget(&folder);
             return None;
         };
         let mut all = self.all.lock();
