@@ -34,7 +34,8 @@ pub(super) fn login(raw: &cli::Login, environment: &Environment) -> Result<ExitC
     Ok(ExitCode::SUCCESS)
 }
 
-fn password(user: &str) -> Result<String> {
+/// A password: one line of a pipe, or typed on a terminal that does not show it.
+pub(super) fn password(user: &str) -> Result<String> {
     let quiet = Quiet::new();
     let password = if io::stdin().is_terminal() {
         let password = asked(&format!("password of {user}: "));

@@ -1,14 +1,13 @@
 //! `rafcon user`: who may log in to the server. Knows how a password is asked for; users and tokens, `rafcon-server` knows.
 
-use super::serve;
+use super::{login, serve};
 use crate::cli::{self, UserAction};
 use crate::environment::Environment;
 use anyhow::{Context as _, Result, bail};
 use rafcon_protocol::api::{NewToken, Role};
 use rafcon_server::access::{OWNER, Users};
 use rafcon_server::settings::HashCost;
-use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
-use std::io::{self, BufRead as _, IsTerminal as _, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
 /// Does what was asked about users.
@@ -64,49 +63,11 @@ fn word(role: Role) -> &'static str {
     }
 }
 
-/// A password: one line of a pipe, or typed twice on a terminal that does not show it.
+/// A new password; whoever types it does so twice.
 fn password(name: &str) -> Result<String> {
-    if !io::stdin().is_terminal() {
-        return line();
-    }
-    let hidden = Hidden::new()?;
-    let password = asked(&format!("Password for {name}: "))?;
-    let again = asked("The same again: ")?;
-    drop(hidden);
-    if password != again {
+    let password = login::password(name)?;
+    if io::stdin().is_terminal() && login::password(&format!("{name} again"))? != password {
         bail!("the two passwords are not the same: try again");
     }
     Ok(password)
-}
-
-fn asked(question: &str) -> Result<String> {
-    io::stderr().write_all(question.as_bytes())?;
-    let line = line();
-    io::stderr().write_all(b"\n")?;
-    line
-}
-
-fn line() -> Result<String> {
-    let mut text = String::new();
-    io::stdin().lock().read_line(&mut text).context("cannot read the password")?;
-    Ok(text.trim_end_matches(['\n', '\r']).to_owned())
-}
-
-/// A terminal that shows nothing of what is typed, until dropped.
-struct Hidden(Termios);
-
-impl Hidden {
-    fn new() -> Result<Self> {
-        let before = tcgetattr(io::stdin())?;
-        let mut modes = before.clone();
-        modes.local_modes.remove(LocalModes::ECHO);
-        tcsetattr(io::stdin(), OptionalActions::Flush, &modes)?;
-        Ok(Self(before))
-    }
-}
-
-impl Drop for Hidden {
-    fn drop(&mut self) {
-        tcsetattr(io::stdin(), OptionalActions::Flush, &self.0).unwrap_or_default();
-    }
 }

@@ -162,7 +162,8 @@ fn strange_page() -> Failure {
 
 fn unknown() -> Failure {
     let message = "this token or login is not known here, or its time is over: log in again, or make a new token";
-    Failure::new(StatusCode::UNAUTHORIZED, "not_known", message)
+    let failure = Failure::new(StatusCode::UNAUTHORIZED, "not_known", message);
+    failure.with_header("www-authenticate", "Bearer".to_owned())
 }
 
 /// Whether a request comes from this computer.

@@ -22,6 +22,7 @@ mod who;
 pub use audit::Audit;
 pub(crate) use door::in_link;
 pub(crate) use layers::guarded;
+pub(crate) use limiter::network;
 pub(crate) use notice::notice;
 pub(crate) use origin::Names;
 pub use passwords::HashError;

@@ -4,6 +4,7 @@
 use super::private::{self, PrivateError};
 use super::roster::{Roster, RosterError};
 use super::users::UsersError;
+use crate::log;
 use parking_lot::RwLock;
 use std::fs;
 use std::io;
@@ -49,9 +50,10 @@ impl Register {
         if read.stamp == now {
             return read.roster;
         }
-        self.again(
-            load(&self.file).unwrap_or_else(|_broken| Read { stamp: now, ..Read::default() }),
-        )
+        self.again(load(&self.file).unwrap_or_else(|broken| {
+            log::say(&format!("nobody but the owner can come in: {broken}"));
+            Read { stamp: now, ..Read::default() }
+        }))
     }
 
     /// Becomes another number with every roster.

@@ -66,5 +66,6 @@ impl<S: Sync> OptionalFromRequestParts<S> for Who {
 /// The answer to a request that says nothing about who makes it.
 pub(crate) fn nobody() -> Failure {
     let message = "nobody is logged in: send a token, or log in at /api/v1/session";
-    Failure::new(StatusCode::UNAUTHORIZED, "not_logged_in", message)
+    let failure = Failure::new(StatusCode::UNAUTHORIZED, "not_logged_in", message);
+    failure.with_header("www-authenticate", "Bearer".to_owned())
 }

@@ -1,6 +1,7 @@
 //! Connections: so many at a time, each with a limit on how long it may take to say something. Knows streams; must never know
 //! what is asked over them.
 
+use super::places::{Place, Places};
 use crate::Failure;
 use crate::settings::Listen;
 use axum::Router;
@@ -12,12 +13,11 @@ use hyper_util::service::TowerToHyperService;
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 use std::pin::{Pin, pin};
-use std::sync::Arc;
 use std::task::{Context, Poll};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+use tokio::sync::watch;
 use tokio::time::timeout;
 use tokio_rustls::TlsAcceptor;
 use tower_http::add_extension::AddExtension;
@@ -51,8 +51,7 @@ impl<S: Sync> FromRequestParts<S> for Peer {
 
 /// All connections of a server.
 pub(super) struct Connections {
-    places: Arc<Semaphore>,
-    places_max: u32,
+    places: Places,
     guest: Guest,
 }
 
@@ -71,28 +70,26 @@ impl Connections {
         tls: Option<TlsAcceptor>,
         closed: watch::Receiver<bool>,
     ) -> Self {
-        let places_max = u32::try_from(listen.connections_max).unwrap_or(u32::MAX >> 4);
         let mut http = http1::Builder::new();
         http.timer(TokioTimer::new()).header_read_timeout(listen.head_patience);
-        let places = Arc::new(Semaphore::new(places_max as usize));
+        let places = Places::new(listen.connections_max);
         let guest = Guest { http, tls, patience: listen.head_patience, closed };
-        Self { places, places_max, guest }
+        Self { places, guest }
     }
 
-    /// Answers one connection. Where all places are taken it is closed at once.
+    /// Answers one connection. Where no place is free it is closed at once.
     pub(super) fn begin(&self, stream: TcpStream, peer: SocketAddr, router: Router) {
-        let Ok(place) = Arc::clone(&self.places).try_acquire_owned() else { return };
+        let peer = Peer::of(peer, &stream);
+        let Some(place) = self.places.take(peer) else { return };
         // Without it an answer in two parts waits for the other side's acknowledgement.
         stream.set_nodelay(true).unwrap_or_default();
-        let (guest, about) = (self.guest.clone(), Peer::of(peer, &stream));
-        let io = Counted { io: stream, _place: place };
-        tokio::spawn(async move { guest.welcome(io, about, router).await });
+        let (guest, io) = (self.guest.clone(), Counted { io: stream, _place: place });
+        tokio::spawn(async move { guest.welcome(io, peer, router).await });
     }
 
     /// Waits until all are gone, but not for ever.
     pub(super) async fn gone(&self, patience: Duration) {
-        let all = self.places.acquire_many(self.places_max);
-        drop(timeout(patience, all).await);
+        self.places.are_free(patience).await;
     }
 }
 
@@ -129,7 +126,7 @@ impl<T: AsyncRead + AsyncWrite + Unpin + Send + 'static> Stream for T {}
 #[derive(Debug)]
 struct Counted<T> {
     io: T,
-    _place: OwnedSemaphorePermit,
+    _place: Place,
 }
 
 impl<T: AsyncRead + Unpin> AsyncRead for Counted<T> {

@@ -4,6 +4,7 @@
 mod card;
 mod connection;
 mod names;
+mod places;
 mod signals;
 mod tls;
 
