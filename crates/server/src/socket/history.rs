@@ -172,7 +172,7 @@ impl Feed for RunHistory {
         match self.due() {
             Due::Events => self.events().await,
             Due::CaughtUp => Told::Part(self.cursor.catch_up()),
-            Due::End => self.cursor.end(None),
+            Due::End => self.cursor.end(lacking(&self.now.borrow().run.phase).as_ref()),
             Due::Nothing => Told::Nothing,
         }
     }
@@ -185,6 +185,16 @@ fn is_over(phase: &RunPhase) -> bool {
         RunPhase::Finished { .. } | RunPhase::NotStarted { .. } | RunPhase::Unreadable { .. } => {
             true
         }
+    }
+}
+
+/// Why there is no history.
+fn lacking(phase: &RunPhase) -> Option<Failure> {
+    match phase {
+        RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
+            Some(Failure::conflict("no_history", format!("the run has no history: {reason}")))
+        }
+        RunPhase::Starting | RunPhase::Live | RunPhase::Crashed | RunPhase::Finished { .. } => None,
     }
 }
 

@@ -31,6 +31,9 @@ use utoipa_axum::routes;
 /// The largest frame that is read, in bytes: an edit may bring a whole machine.
 const FRAME_BYTES_MAX: usize = 1 << 20;
 
+/// So much is read at once, in bytes: clients say little, and each has a buffer of its own.
+const READ_BYTES: usize = 16 << 10;
+
 /// What all connections share.
 #[derive(Debug, Default)]
 pub(crate) struct Sockets {
@@ -67,5 +70,6 @@ async fn socket(
     let connection = house.sockets.count.fetch_add(1, Ordering::Relaxed) + 1;
     let desk = Desk::new(house, who, connection);
     let upgrade = upgrade.max_message_size(FRAME_BYTES_MAX).max_frame_size(FRAME_BYTES_MAX);
+    let upgrade = upgrade.read_buffer_size(READ_BYTES);
     Ok(upgrade.on_upgrade(move |socket| connection::serve(desk, socket)))
 }

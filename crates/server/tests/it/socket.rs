@@ -208,6 +208,19 @@ fn the_house_is_told_at_once_and_when_a_run_appears() {
 }
 
 #[test]
+fn a_run_without_a_history_is_ended_with_the_reason() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("runs").join("r");
+    socket_runs::make(&place.path().join("runs"), "r", 1);
+    std::fs::write(folder.join("journal.db"), "no database").unwrap();
+    let house = House::at(place, |_settings| {});
+    let mut client = Client::connect(&house, Role::Viewer);
+    client.subscribe(1, &history("r", 1, true));
+    let heard = client.hear_until(|frame| frame["frame"] == "ended");
+    assert_eq!(heard.last().unwrap()["refusal"]["code"], "no_history");
+}
+
+#[test]
 fn a_server_that_ends_says_so() {
     let house = house(1);
     let mut client = Client::connect(&house, Role::Viewer);
