@@ -25,8 +25,8 @@ pub(super) struct Recovered {
     pub(super) saved_revision: u64,
     /// Whether edits were found that do not lie on disk.
     pub(super) has_edits: bool,
-    /// Whether another program changed the files since.
-    pub(super) is_changed_on_disk: bool,
+    /// The content of the files as they were read or written last.
+    pub(super) hash: String,
 }
 
 /// The machine of `folder` with what the draft in `place` holds. `revision` is where one without a draft begins.
@@ -52,7 +52,7 @@ pub(super) fn recover(
     };
     Ok(Recovered {
         machine,
-        is_changed_on_disk: expected != on_disk.hash,
+        hash: expected,
         draft: Draft::go_on(place, &found).map_err(|error| kept_back(&error))?,
         saved_revision,
         has_edits: true,
@@ -65,7 +65,7 @@ fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Reco
         draft: Draft::new(place, Head::new(folder, &on_disk.hash, revision)),
         saved_revision: revision,
         has_edits: false,
-        is_changed_on_disk: false,
+        hash: on_disk.hash.clone(),
     }
 }
 

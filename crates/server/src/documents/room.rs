@@ -96,15 +96,15 @@ pub(super) struct Saving {
 impl Room {
     /// The machine that was read, with what a draft added to it.
     pub(super) fn new(id: String, spot: Spot, on_disk: OnDisk, recovered: Recovered) -> Self {
-        let Recovered { machine, draft, saved_revision, has_edits, is_changed_on_disk } = recovered;
-        let state = if is_changed_on_disk { DiskState::Changed } else { DiskState::Same };
+        let Recovered { machine, draft, saved_revision, has_edits, hash } = recovered;
+        let is_changed = hash != on_disk.hash;
         let files = Files {
             saved: on_disk.saved,
             machine: on_disk.machine,
             revision: saved_revision,
-            hash: on_disk.hash,
+            hash,
             problems: on_disk.problems,
-            state,
+            state: if is_changed { DiskState::Changed } else { DiskState::Same },
         };
         let mut open = Open {
             machine,

@@ -1,0 +1,395 @@
+//! Open machines over HTTP: edited by two people, saved, reloaded, closed, and found again by a server that takes over.
+
+use crate::harness::{Answer, House};
+use crate::socket_client::Client;
+use expect_test::{Expect, expect};
+use rafcon_model::notation;
+use rafcon_protocol::api::Role;
+use rafcon_storage::config::Naming;
+use rafcon_storage::{Libraries, load, save};
+use serde_json::{Value, json};
+use std::path::Path;
+
+pub(crate) const MACHINE: &str = "
+    hierarchy ROOT
+      outcome success
+      start -> AAAAAA
+      AAAAAA.success -> .success
+      execution AAAAAA
+        outcome success
+        script \"x = 1\"
+      execution BBBBBB
+        outcome success
+";
+
+/// Writes a machine of the notation into a folder of the project.
+pub(crate) fn write(house: &House, path: &str, text: &str) {
+    let machine = notation::parse(text).unwrap();
+    save(&machine, &house.project().join(path), None, Naming::default()).unwrap();
+}
+
+/// A machine in the notation, as it lies in a folder.
+fn read(folder: &Path) -> String {
+    notation::print(&load(folder, &Libraries::default()).unwrap().machine)
+}
+
+fn file(path: &str) -> Value {
+    json!({ "file": { "project": "project", "path": path } })
+}
+
+pub(crate) fn post(house: &House, role: Role, path: &str, body: &Value) -> Answer {
+    house.call(Some(role), "POST", &format!("/api/v1/machines{path}"), Some(body))
+}
+
+pub(crate) fn get(house: &House, path: &str) -> Value {
+    house.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines{path}"), None).json()
+}
+
+/// Opens a machine; its id.
+pub(crate) fn open(house: &House, path: &str) -> String {
+    let opened = post(house, Role::Viewer, "/open", &file(path));
+    opened.json()["id"].as_str().unwrap_or_else(|| panic!("{opened:?}")).to_owned()
+}
+
+/// Gives a state another name.
+fn rename(house: &House, role: Role, machine: &str, id: &str, name: &str) -> String {
+    let edit = json!({ "edit": "set_name", "path": "ROOT/AAAAAA", "name": name });
+    let edit = json!({ "id": id, "name": format!("Rename to {name}"), "edit": edit });
+    deed(house, role, machine, "edits", &edit)
+}
+
+fn deed(house: &House, role: Role, machine: &str, deed: &str, body: &Value) -> String {
+    let answer = post(house, role, &format!("/{machine}/{deed}"), body);
+    format!("{deed}: {}\n", answer.said())
+}
+
+/// How an open machine stands; revisions as steps since it was opened.
+fn stands(house: &House, machine: &str, first: u64) -> String {
+    let status = get(house, &format!("/{machine}"));
+    let summary = &status["summary"];
+    let step = |name: &str| summary[name].as_u64().unwrap().saturating_sub(first);
+    let flag = |name: &'static str| {
+        if summary[name] == true { name.trim_start_matches("is_") } else { "" }
+    };
+    let name = get(house, &format!("/{machine}/document"))["document"]["states"][1]["name"].clone();
+    let (now, saved) = (step("revision"), step("saved_revision"));
+    let (changed, recovered) = (flag("is_changed"), flag("is_recovered"));
+    let line = format!("{now} saved {saved} disk {} {changed} {recovered}", summary["disk"]);
+    format!("  {name} {}\n", line.trim_end())
+}
+
+fn revision(house: &House, machine: &str) -> u64 {
+    get(house, &format!("/{machine}"))["summary"]["revision"].as_u64().unwrap()
+}
+
+#[test]
+fn a_machine_is_opened_edited_saved_and_closed() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    assert_eq!(open(&house, "one"), id);
+    let first = revision(&house, &id);
+    let (ann, bob) = (Role::Engineer, Role::Admin);
+    let none = json!({});
+    let mut said = vec![stands(&house, &id, first)];
+    said.push(rename(&house, ann, &id, "a1", "Ann's"));
+    said.push(rename(&house, ann, &id, "a1", "Never"));
+    said.push(stands(&house, &id, first));
+    said.push(rename(&house, bob, &id, "b1", "Bob's"));
+    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a2" })));
+    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b2" })));
+    said.push(deed(&house, bob, &id, "redo", &json!({ "id": "b3" })));
+    said.push(deed(&house, bob, &id, "close", &none));
+    said.push(deed(&house, bob, &id, "save", &none));
+    said.push(stands(&house, &id, first));
+    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b4" })));
+    said.push(stands(&house, &id, first));
+    said.push(deed(&house, bob, &id, "close", &json!({ "discard": true })));
+    said.push(deed(&house, bob, &id, "save", &none));
+    expect![[r#"
+          "AAAAAA" 0 saved 0 disk "same"
+        edits: 200
+        edits: 200
+          "Ann's" 1 saved 0 disk "same" changed
+        edits: 200
+        undo: 409 built_upon
+        undo: 200
+        redo: 200
+        close: 409 unsaved
+        save: 200
+          "Bob's" 4 saved 4 disk "same"
+        undo: 200
+          "Ann's" 5 saved 4 disk "same" changed
+        close: 200
+        save: 404 no_such_machine
+    "#]]
+    .assert_eq(&said.concat());
+    assert!(read(&house.project().join("one")).contains("Bob's"));
+    assert_eq!(std::fs::read_dir(house.state().join("drafts")).unwrap().count(), 0);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_with_a_reason() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    write(&house, "two", MACHINE);
+    let id = open(&house, "one");
+    open(&house, "two");
+    let ann = Role::Engineer;
+    let say = |answer: Answer| {
+        let message = answer.json()["message"].as_str().unwrap_or_default().to_owned();
+        let message = message.replace(&*house.project().to_string_lossy(), "…");
+        format!("{}: {message}\n", answer.said())
+    };
+    let edit = |edit: &Value| {
+        let edit = json!({ "id": "x", "name": "x", "edit": edit });
+        say(post(&house, ann, &format!("/{id}/edits"), &edit))
+    };
+    let save_as = |path: &str| say(post(&house, ann, &format!("/{id}/save"), &file(path)));
+    let said = [
+        say(post(&house, ann, "/open", &file("none"))),
+        say(post(&house, ann, "/open", &file("../other"))),
+        say(post(&house, ann, "/nobody/undo", &json!({ "id": "x" }))),
+        say(post(&house, ann, &format!("/{id}/undo"), &json!({ "id": "x" }))),
+        edit(&json!({ "edit": "set_name", "path": "ROOT/GONE", "name": "x" })),
+        edit(&json!({ "edit": "set_name", "path": "ROOT", "name": "" })),
+        edit(&json!({ "edit": "add_state", "path": "ROOT", "states": [] })),
+        edit(&json!({ "edit": "explode" })),
+        save_as("two"),
+        say(post(
+            &house,
+            ann,
+            "",
+            &json!({ "name": "x", "file": { "project": "project", "path": "one" } }),
+        )),
+        say(post(
+            &house,
+            ann,
+            "",
+            &json!({ "name": "", "file": { "project": "project", "path": "new" } }),
+        )),
+        say(post(&house, Role::Operator, &format!("/{id}/save"), &json!({}))),
+    ];
+    expect![[r#"
+        404 no_such_file: there is no machine in `none` of the project project: /api/v1/projects/project/tree lists them
+        400 bad_path: `../other` is not a path in a project: names joined by `/`, none of them empty, `.` or `..`, no `/` at the beginning, 4096 bytes at most
+        404 no_such_machine: no machine `nobody` is open: POST /api/v1/machines/open opens one
+        409 nothing_to_do: there is no step of yours to be taken back
+        409 edit_refused: ROOT/GONE, state: there is no such state; look at the machine again: it may have changed
+        422 edit_refused: ROOT, state: the name is empty; give the state a name
+        400 bad_edit: `states` of the edit: an empty list, path: one state and what stands inside it is wanted, each below the one before
+        400 bad_body: the body does not fit: Failed to deserialize the JSON body into the target type: edit.edit: unknown variant `explode`, expected one of `set_name`, `set_id`, `set_description`, `set_semantic_data`, `set_script`, `set_kind`, `add_outcome`, `rename_outcome`, `remove_outcome`, `add_port`, `rename_port`, `set_port_type`, `set_port_default`, `remove_port`, `add_transition`, `set_transition_origin`, `set_transition_target`, `remove_transition`, `add_data_flow`, `set_data_flow_source`, `set_data_flow_target`, `remove_data_flow`, `set_runtime_value`, `use_runtime_value`, `remove_runtime_value`, `set_position`, `set_size`, `set_waypoints`, `set_layout`, `add_state`, `remove_state`, `set_start`, `group`, `ungroup`, `substitute_state`, `move_states`, `paste`, `set_version`, `set_machine_layout`, `set_header`, `batch` at line 1 column 25
+        409 is_open: two is open: close it first
+        409 folder_exists: one exists: choose another folder
+        400 bad_name: the name is empty or has a `/` in it: give the machine another one
+        403 not_your_right: operator is operator here, and this needs the right to edit: ask an admin for another role
+    "#]].assert_eq(&said.concat());
+}
+
+#[test]
+fn a_new_machine_is_saved_and_a_copy_lies_elsewhere() {
+    let house = House::new();
+    let new = json!({ "name": "Mission", "file": { "project": "project", "path": "new/mission" } });
+    let made = post(&house, Role::Engineer, "", &new).json();
+    let id = made["id"].as_str().unwrap();
+    let edit = json!({ "edit": "set_version", "version": "2" });
+    let edit = json!({ "id": "1", "name": "Version", "edit": edit });
+    assert_eq!(post(&house, Role::Engineer, &format!("/{id}/edits"), &edit).status, 200);
+    assert_eq!(post(&house, Role::Engineer, &format!("/{id}/save"), &file("copy")).status, 200);
+    let summary = get(&house, &format!("/{id}"))["summary"].clone();
+    assert_eq!(summary["file"]["path"], "copy");
+    assert_eq!(summary["is_changed"], false);
+    let version = |path: &str| {
+        load(&house.project().join(path), &Libraries::default()).unwrap().machine.header.version
+    };
+    assert_eq!((version("new/mission"), version("copy")), (None, Some("2".into())));
+    assert_ne!(open(&house, "new/mission"), id);
+    assert_eq!(open(&house, "copy"), id);
+}
+
+#[test]
+fn what_is_copied_can_be_pasted_elsewhere() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    write(&house, "two", "hierarchy OTHERR\n  outcome success");
+    let (one, two) = (open(&house, "one"), open(&house, "two"));
+    let wish = json!({ "path": "ROOT", "states": ["AAAAAA", "BBBBBB"] });
+    let selection = post(&house, Role::Viewer, &format!("/{one}/copy"), &wish).json();
+    let paste = json!({ "edit": "paste", "path": "OTHERR", "selection": selection });
+    let paste = json!({ "id": "1", "name": "Paste", "edit": paste });
+    assert_eq!(post(&house, Role::Engineer, &format!("/{two}/edits"), &paste).status, 200);
+    let document = get(&house, &format!("/{two}/document"));
+    let states = document["document"]["states"].as_array().unwrap();
+    let paths: Vec<_> = states.iter().map(|state| state["path"].as_str().unwrap()).collect();
+    assert_eq!(paths, ["OTHERR", "OTHERR/AAAAAA", "OTHERR/BBBBBB"]);
+}
+
+/// The answers and how the machine stands, before and after another server took over.
+fn check_taken_over(between: impl FnOnce(&Path), expect: &Expect) {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    let first = revision(&house, &id);
+    let (ann, bob) = (Role::Engineer, Role::Admin);
+    let mut said = vec![rename(&house, ann, &id, "a1", "Saved")];
+    said.push(deed(&house, ann, &id, "save", &json!({})));
+    said.push(rename(&house, ann, &id, "a2", "Ann's"));
+    said.push(rename(&house, bob, &id, "b1", "Bob's"));
+    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b2" })));
+    said.push(stands(&house, &id, first));
+    let project = house.project();
+    let place = house.end();
+    between(&project);
+    let house = House::at(place, |_settings| {});
+    assert_eq!(open(&house, "one"), id);
+    said.push(stands(&house, &id, first));
+    said.push(rename(&house, ann, &id, "a2", "Never"));
+    said.push(deed(&house, bob, &id, "redo", &json!({ "id": "b3" })));
+    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b4" })));
+    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a3" })));
+    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a4" })));
+    said.push(stands(&house, &id, first));
+    said.push(deed(&house, ann, &id, "save", &json!({})));
+    said.push(deed(&house, ann, &id, "save", &json!({ "overwrite": true })));
+    said.push(stands(&house, &id, first));
+    expect.assert_eq(&said.concat());
+}
+
+#[test]
+fn edits_that_were_answered_outlive_the_server() {
+    check_taken_over(
+        |_project| {},
+        &expect![[r#"
+            edits: 200
+            save: 200
+            edits: 200
+            edits: 200
+            undo: 200
+              "Ann's" 4 saved 1 disk "same" changed
+              "Ann's" 4 saved 1 disk "same" changed recovered
+            edits: 200
+            redo: 200
+            undo: 200
+            undo: 200
+            undo: 200
+              "AAAAAA" 8 saved 1 disk "same" changed recovered
+            save: 200
+            save: 200
+              "AAAAAA" 8 saved 8 disk "same"
+        "#]],
+    );
+}
+
+#[test]
+fn edits_that_were_answered_outlive_the_server_though_the_files_changed() {
+    let change = |project: &Path| {
+        let theirs = MACHINE.replace("execution AAAAAA", "execution AAAAAA \"Theirs\"");
+        let theirs = notation::parse(&theirs).unwrap();
+        save(&theirs, &project.join("one"), None, Naming::default()).unwrap();
+    };
+    check_taken_over(
+        change,
+        &expect![[r#"
+            edits: 200
+            save: 200
+            edits: 200
+            edits: 200
+            undo: 200
+              "Ann's" 4 saved 1 disk "same" changed
+              "Ann's" 4 saved 1 disk "changed" changed recovered
+            edits: 200
+            redo: 200
+            undo: 200
+            undo: 200
+            undo: 200
+              "AAAAAA" 8 saved 1 disk "changed" changed recovered
+            save: 409 changed_on_disk
+            save: 200
+              "AAAAAA" 8 saved 8 disk "same"
+        "#]],
+    );
+}
+
+#[test]
+fn a_change_by_another_program_is_told_and_loses_nothing() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    let first = revision(&house, &id);
+    let ann = Role::Engineer;
+    let mut client = Client::connect(&house, Role::Viewer);
+    client.subscribe(1, &json!({ "topic": "machine_status", "machine": id }));
+    let mut said = vec![rename(&house, ann, &id, "a1", "Ann's")];
+    write(&house, "one", &MACHINE.replace("execution AAAAAA", "execution AAAAAA \"Theirs\""));
+    client.hear_until(|frame| frame["status"]["summary"]["disk"] == "changed");
+    said.push(stands(&house, &id, first));
+    said.push(deed(&house, ann, &id, "save", &json!({})));
+    said.push(deed(&house, ann, &id, "reload", &json!({ "id": "a2" })));
+    said.push(stands(&house, &id, first));
+    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a3" })));
+    said.push(stands(&house, &id, first));
+    said.push(deed(&house, ann, &id, "save", &json!({})));
+    std::fs::remove_dir_all(house.project().join("one")).unwrap();
+    client.hear_until(|frame| frame["status"]["summary"]["disk"] == "missing");
+    said.push(deed(&house, ann, &id, "save", &json!({})));
+    said.push(stands(&house, &id, first));
+    expect![[r#"
+        edits: 200
+          "Ann's" 1 saved 0 disk "changed" changed
+        save: 409 changed_on_disk
+        reload: 200
+          "Theirs" 2 saved 2 disk "same"
+        undo: 200
+          "Ann's" 3 saved 2 disk "same" changed
+        save: 200
+        save: 200
+          "Ann's" 3 saved 3 disk "same"
+    "#]]
+    .assert_eq(&said.concat());
+    assert!(read(&house.project().join("one")).contains("Ann's"));
+}
+
+#[test]
+fn problems_are_told_with_the_way_out() {
+    let house = House::new();
+    write(
+        &house,
+        "one",
+        "hierarchy ROOT\n  outcome success\n  AAAAAA.success -> GONE\n  execution AAAAAA\n    outcome success",
+    );
+    let id = open(&house, "one");
+    let problems = get(&house, &format!("/{id}/problems"));
+    let lines = problems.as_array().unwrap().iter().map(|problem| problem.to_string() + "\n");
+    expect![[r#"
+        {"message":"ROOT, state: no child is where it starts; connect the income with a child","part":"state","path":"ROOT","rule":"StartMissing","severity":"note"}
+        {"message":"ROOT, transition 1: it leads to GONE, which does not exist; connect the end with a child or an outcome of the container, or remove the transition","part":"transition 1","path":"ROOT","rule":"TargetState","severity":"error"}
+        {"message":"ROOT/AAAAAA, state: there is no script; write a script","part":"state","path":"ROOT/AAAAAA","rule":"ScriptMissing","severity":"note"}
+    "#]].assert_eq(&lines.collect::<String>());
+}
+
+#[test]
+fn revisions_come_in_pages_from_a_cursor() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    let first = revision(&house, &id);
+    for number in 0..3 {
+        let name = format!("Name {number}");
+        rename(&house, Role::Engineer, &id, &number.to_string(), &name);
+    }
+    let page = |from: u64| {
+        let page = get(&house, &format!("/{id}/revisions?from={from}"));
+        let ids = page["revisions"].as_array().unwrap().iter().map(|revision| &revision["id"]);
+        let ids: Vec<_> = ids.collect();
+        format!("{} {ids:?} next {}\n", page["is_reset"], page["next"].as_u64().unwrap() - first)
+    };
+    let pages = [page(first + 1), page(first + 3), page(first + 4), page(first + 5), page(0)];
+    expect![[r#"
+        false [String("0"), String("1"), String("2")] next 4
+        false [String("2")] next 4
+        false [] next 4
+        true [] next 4
+        true [] next 4
+    "#]]
+    .assert_eq(&pages.concat());
+}
