@@ -465,3 +465,18 @@ fn what_cannot_begin_is_refused_and_leaves_nothing() {
     );
     assert_eq!(std::fs::read_dir(site.place.path("runs")).unwrap().count(), 0);
 }
+
+#[test]
+fn what_a_server_did_not_get_to_begin_is_removed_by_the_next() {
+    let mut site = Site::new(WAITS);
+    site.served = None;
+    let folder = site.place.path("runs/20260101-000000-machine-0001");
+    std::fs::create_dir_all(&folder).unwrap();
+    let start = json!({ "id": "r1", "machine": { "project": "project", "path": "machine" } });
+    let request = json!({ "author": "owner", "boot": "", "start": start });
+    std::fs::write(folder.join("request.json"), request.to_string()).unwrap();
+    site.serve();
+    assert_eq!(site.door().ask("GET", "/api/v1/runs", None).unwrap(), json!([]));
+    assert!(!folder.exists());
+    assert_eq!(site.start("r1", &json!({}))["phase"], "live");
+}

@@ -42,3 +42,73 @@ fn is_kill(event: &Event) -> bool {
     let Event::Commanded { envelope, answer } = event else { return false };
     envelope.command == Command::Kill && *answer == Answer::Applied
 }
+
+#[cfg(test)]
+mod tests {
+    use super::of;
+    use crate::runs::launch::OUTPUT_FILE;
+    use expect_test::{Expect, expect};
+    use rafcon_storage::journal::{About, Journal, Options, notation};
+    use rafcon_supervisor::Exit;
+    use std::os::unix::process::ExitStatusExt as _;
+    use std::process::ExitStatus;
+
+    const PLACE: &str = "place R \"Root\" outcome done\nenter R\n";
+    const KILL: &str = r#"told {"type":"commanded","envelope":{"id":"1","command":{"type":"kill"}},"answer":{"answer":"applied"}}"#;
+
+    fn check(run: &str, exit: Option<i32>, expect: &Expect) {
+        let folder = tempfile::tempdir().unwrap();
+        let journal =
+            Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
+        journal.append(&notation::batch(&format!("{PLACE}{run}"), 0).unwrap()).unwrap();
+        drop(journal);
+        std::fs::write(folder.path().join(OUTPUT_FILE), "one\ntwo\n").unwrap();
+        let fate = of(folder.path(), exit.map(|raw| Exit(ExitStatus::from_raw(raw))));
+        expect.assert_eq(&format!("{fate:?}"));
+    }
+
+    #[test]
+    fn a_runner_that_died_by_itself_says_how_and_what_it_said_last() {
+        check(
+            "",
+            Some(11),
+            &expect![[
+                r#"Fate { death: Death { reason: "killed by signal 11 (SIGSEGV)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
+            ]],
+        );
+        check(
+            "",
+            None,
+            &expect![[
+                r#"Fate { death: Death { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
+            ]],
+        );
+    }
+
+    #[test]
+    fn who_killed_it_or_cut_a_script_off_stands_in_the_journal() {
+        check(
+            KILL,
+            Some(137 << 8),
+            &expect![[
+                r#"Fate { death: Death { reason: "exit status 137", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: true }"#
+            ]],
+        );
+        let resumed =
+            r#"told {"type":"resumed","life":2,"crash":{"reason":"","active":[]},"policy":"ask"}"#;
+        check(
+            &format!("{KILL}\n{resumed}"),
+            Some(9),
+            &expect![[
+                r#"Fate { death: Death { reason: "killed by signal 9 (SIGKILL)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
+            ]],
+        );
+        check(
+            r#"told {"type":"cut_off","path":"R","grace_ms":5}"#,
+            None,
+            &expect![[
+                r#"Fate { death: Death { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: true }, is_killed: false }"#
+            ]],
+        );
+    }
+}

@@ -7,7 +7,7 @@ use super::fate;
 use super::launch::Launched;
 use super::link;
 use super::request::Request;
-use super::run::{Run, is_live};
+use super::run::Run;
 use super::summary::Looked;
 use super::take_up;
 use crate::House;
@@ -77,7 +77,7 @@ impl Life {
         run.is_let_go();
         // Somebody else may have taken it up in between.
         if let Some(run) = Box::pin(look(&house, run.folder().to_path_buf())).await
-            && is_live(&run.summary().phase)
+            && run.summary().phase == RunPhase::Live
         {
             follow(&house, &run);
         }
@@ -170,10 +170,26 @@ impl Life {
     }
 }
 
+/// Waits until a run begins that a server before this one was starting when it ended; of one that never does nothing is left.
+pub(super) fn await_beginning(house: &Arc<House>, folder: PathBuf) {
+    let house = Arc::clone(house);
+    tokio::spawn(async move {
+        let mut pause = SHORTEST;
+        while let Some(run) = look(&house, folder.clone()).await {
+            match run.summary().phase {
+                RunPhase::Starting => tokio::time::sleep(pause).await,
+                RunPhase::NotStarted { .. } => return super::watch::remove(&house, folder).await,
+                _ => return follow(&house, &run),
+            }
+            pause = (pause * 2).min(LONGEST);
+        }
+    });
+}
+
 /// Whether a run that is found when the server begins is to be looked after: it lives, or it would go on by itself.
 pub(super) fn needs_somebody(looked: &Looked, policy: OnCrash) -> bool {
     let Looked { summary, request } = looked;
     let may_go_on = || request.as_ref().is_some_and(Request::may_go_on);
     let goes_on = summary.phase == RunPhase::Crashed && policy != OnCrash::Ask && may_go_on();
-    is_live(&summary.phase) || goes_on
+    summary.phase == RunPhase::Live || goes_on
 }

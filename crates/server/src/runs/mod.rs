@@ -203,15 +203,17 @@ async fn look_through(house: &Arc<House>) {
         folders.into_iter().filter_map(look).collect::<Vec<_>>()
     });
     for (folder, looked, policy) in all.await.unwrap_or_default() {
-        if let RunPhase::NotStarted { .. } = looked.summary.phase {
+        let phase = looked.summary.phase.clone();
+        if let RunPhase::NotStarted { .. } = phase {
             watch::remove(house, folder).await;
             continue;
         }
         let is_to_follow = life::needs_somebody(&looked, policy);
-        if let Some(run) = house.runs.found(house, folder, Some(looked))
-            && is_to_follow
-        {
+        let Some(run) = house.runs.found(house, folder.clone(), Some(looked)) else { continue };
+        if is_to_follow {
             life::follow(house, &run);
+        } else if phase == RunPhase::Starting {
+            life::await_beginning(house, folder);
         }
     }
 }

@@ -278,7 +278,7 @@ impl Run {
 }
 
 /// Whether a run in this phase goes on, or is about to.
-pub(super) fn is_live(phase: &RunPhase) -> bool {
+fn is_live(phase: &RunPhase) -> bool {
     matches!(phase, RunPhase::Live | RunPhase::Starting)
 }
 

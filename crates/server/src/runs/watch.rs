@@ -1,11 +1,12 @@
 //! What changes in the folder of all runs: folders that come and go, runs that begin or are taken up there. So runs that the
 //! command line starts appear. Knows names of files; nothing is asked again and again.
 
-use super::{life, run};
+use super::life;
 use crate::House;
 use crate::failure::reason;
 use notify::event::{EventKind, ModifyKind};
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
+use rafcon_protocol::api::RunPhase;
 use rafcon_storage::journal::folder::{ABOUT_FILE, SOCKET_FILE};
 use std::collections::BTreeSet;
 use std::fs;
@@ -63,7 +64,7 @@ pub(super) async fn serve(house: &Arc<House>, mut noticed: mpsc::Receiver<PathBu
     while let Some(folder) = noticed.recv().await {
         keep_an_eye_on(house, &folder);
         if let Some(run) = life::look(house, folder).await
-            && run::is_live(&run.summary().phase)
+            && run.summary().phase == RunPhase::Live
         {
             life::follow(house, &run);
         }
