@@ -52,14 +52,15 @@ fn events_are_told_with_and_without_values_as_far_as_they_are_wanted() {
             next 16 last 15
         "#]],
     );
-    check(
-        &house,
-        "run/events?from=99",
-        "events",
-        &expect![[r"
-        next 99 last 15
-    "]],
-    );
+}
+
+#[test]
+fn a_cursor_beyond_the_end_waits_there() {
+    let house = house(&[("run", RUN)]);
+    for from in [13, 99, i64::MAX.cast_unsigned() + 7, u64::MAX] {
+        let page = get(&house, &format!("run/events?from={from}&text=room"));
+        assert_eq!(page, json!({"events": [], "next": from, "last": 12}));
+    }
 }
 
 #[test]

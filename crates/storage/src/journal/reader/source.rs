@@ -97,7 +97,8 @@ impl Source {
 
     fn visit(&self, query: &str, parameter: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
         self.ask(query, |statement| {
-            let mut rows = statement.query([parameter.cast_signed()])?;
+            let parameter = i64::try_from(parameter).unwrap_or(i64::MAX);
+            let mut rows = statement.query([parameter])?;
             while let Some(row) = rows.next()? {
                 let [first, t_before] = [row.get(0)?, row.get(1)?].map(i64::cast_unsigned);
                 let data = row.get_ref(2)?.as_blob()?;
