@@ -1,16 +1,22 @@
-//! All tests: Rust, documentation, Python side with every interpreter found, conformance with the reference.
+//! All tests: Rust, documentation, Python side with every interpreter found, the server's interface, conformance with the
+//! reference.
 
-use std::process::Stdio;
+use std::path::Path;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context as _, Result};
 
 use crate::conformance;
 use crate::product::{Product, Profile};
 use crate::reference::Reference;
-use crate::{process, python, workspace};
+use crate::{process, python, types, workspace};
 
 /// What the Python-side tests need besides the extension.
 const CONTENTS: python::Contents = python::Contents { bare: &[], full: &["numpy"] };
+
+/// What the tests of the server's interface need: a client's WebSocket, and a tool that tries what a description promises.
+const INTERFACE: python::Contents =
+    python::Contents { bare: &[], full: &["websockets==17.4", "schemathesis==4.32.5"] };
 
 /// What `cargo xtask test` can be asked for.
 #[derive(clap::Args, Default)]
@@ -27,6 +33,8 @@ enum Part {
     Rust,
     /// Tests of the Python package, with every interpreter found.
     Python,
+    /// The server's interface: its document, its description, the types made of it.
+    Api,
     /// The same machines in both engines.
     Conformance,
 }
@@ -40,6 +48,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     }
     if wanted(Part::Python) {
         python_side(&product)?;
+    }
+    if wanted(Part::Api) {
+        types::run(types::Options::CHECK)?;
+        interface(&product)?;
     }
     if wanted(Part::Conformance) {
         conformance::run(&conformance::Options::default())?;
@@ -72,14 +84,26 @@ fn python_side(product: &Product) -> Result<()> {
     for interpreter in python::all() {
         let folder = workspace::target()?.join("python-venvs").join(&interpreter.version);
         let python = python::environment(&interpreter, &folder, CONTENTS)?;
-        let discover = ["-m", "unittest", "discover", "--start-directory", "crates/python/tests"];
-        let mut command = python::command(&python);
-        command
-            .args(discover)
-            .env("RAFCON_EXTENSION", &product.extension)
-            .env("RAFCON_BINARY", &product.binary)
-            .env("RAFCON_REFERENCE_PYTHON", &reference.python);
+        let mut command = discover(&python, "crates/python/tests", product);
+        command.env("RAFCON_REFERENCE_PYTHON", &reference.python);
         process::run(&mut command).with_context(|| format!("Python {}", interpreter.version))?;
     }
     Ok(())
+}
+
+/// `crates/server/tests/api/test_*.py`, against the real server.
+fn interface(product: &Product) -> Result<()> {
+    let folder = workspace::target()?.join("interface-venv");
+    let python = python::environment(&python::default()?, &folder, INTERFACE)?;
+    process::run(&mut discover(&python, "crates/server/tests/api", product))
+}
+
+/// All tests in a folder.
+fn discover(python: &Path, folder: &str, product: &Product) -> Command {
+    let mut command = python::command(python);
+    command
+        .args(["-m", "unittest", "discover", "--start-directory", folder])
+        .env("RAFCON_EXTENSION", &product.extension)
+        .env("RAFCON_BINARY", &product.binary);
+    command
 }

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
+use serde_json::Value;
 
 use crate::{process, workspace};
 
@@ -13,6 +14,11 @@ pub(crate) struct Options {
     /// Change nothing; fail if a file is not what it should be, or the types are not TypeScript.
     #[arg(long)]
     check: bool,
+}
+
+impl Options {
+    /// To check the files.
+    pub(crate) const CHECK: Self = Self { check: true };
 }
 
 /// A file and the example that prints it.
@@ -42,8 +48,9 @@ const COMPILER: &str = "typescript@7.0.2";
 
 /// Writes the files, or checks them.
 pub(crate) fn run(options: Options) -> Result<()> {
-    for generated in [TYPESCRIPT, OPENAPI] {
-        let text = generated.text()?;
+    let (types, description) = (TYPESCRIPT.text()?, OPENAPI.text()?);
+    compare(&types, &description)?;
+    for (generated, text) in [(TYPESCRIPT, types), (OPENAPI, description)] {
         if options.check {
             generated.check(&text)?;
         } else {
@@ -73,6 +80,22 @@ impl Generated {
         let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&file, text));
         written.with_context(|| format!("cannot write {}", file.display()))
     }
+}
+
+/// Every word of the description is a type as well: one that is forgotten in the list of types is found here.
+fn compare(types: &str, description: &str) -> Result<()> {
+    let description: Value =
+        serde_json::from_str(description).context("the description is no JSON")?;
+    let words = description["components"]["schemas"].as_object().context("it has no schemas")?;
+    let is_missing = |word: &&String| !types.contains(&format!("export type {word} "));
+    let missing = words.keys().filter(is_missing).map(String::as_str).collect::<Vec<_>>();
+    if !missing.is_empty() {
+        bail!(
+            "no TypeScript for {}: add it to crates/protocol/examples/typescript.rs",
+            missing.join(", ")
+        );
+    }
+    Ok(())
 }
 
 /// Whether the types are TypeScript of the strictest kind.

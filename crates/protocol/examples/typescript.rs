@@ -5,7 +5,7 @@
 use rafcon_protocol::document::{Change, Document};
 use rafcon_protocol::edit::Edit;
 use rafcon_protocol::socket::{ToClient, ToServer};
-use rafcon_protocol::{Envelope, api};
+use rafcon_protocol::{Envelope, StateData, api};
 use std::collections::BTreeMap;
 use ts_rs::{Config, TS, TypeVisitor};
 
@@ -39,6 +39,7 @@ fn main() {
     let mut words = Words { config, found: BTreeMap::new() };
     on_the_socket(&mut words);
     in_requests(&mut words);
+    in_queries(&mut words);
     in_answers(&mut words);
     let declared = words.found.values().map(|text| laid_out(text)).collect::<Vec<_>>();
     println!("{HEAD}\n{}", declared.join("\n").trim_end());
@@ -75,33 +76,52 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::ChangeUser>();
     words.visit::<api::CloseMachine>();
     words.visit::<api::ControlMove>();
+    words.visit::<api::CopyStates>();
     words.visit::<api::Login>();
     words.visit::<api::MachineAt>();
     words.visit::<api::NewMachine>();
     words.visit::<api::NewToken>();
     words.visit::<api::NewUser>();
+    words.visit::<api::ReloadMachine>();
     words.visit::<api::ResumeRun>();
     words.visit::<api::Retention>();
     words.visit::<api::SaveMachine>();
     words.visit::<api::StartRun>();
 }
 
+fn in_queries(words: &mut Words) {
+    words.visit::<api::EventQuery>();
+    words.visit::<api::ExportQuery>();
+    words.visit::<api::KeptMachineQuery>();
+    words.visit::<api::LogQuery>();
+    words.visit::<api::MomentQuery>();
+    words.visit::<api::OutputEnd>();
+    words.visit::<api::RevisionsFrom>();
+    words.visit::<api::StateAt>();
+    words.visit::<api::TreeFrom>();
+}
+
 fn in_answers(words: &mut Words) {
     words.visit::<Document>();
     words.visit::<api::Comparison>();
     words.visit::<api::EventDetail>();
+    words.visit::<api::Done>();
     words.visit::<api::EventPage>();
     words.visit::<api::FileNode>();
     words.visit::<api::Health>();
+    words.visit::<api::KeptAs>();
     words.visit::<api::KeptValue>();
     words.visit::<api::LibraryRoot>();
     words.visit::<api::LogPage>();
+    words.visit::<api::MachineDocument>();
     words.visit::<api::MachineProblem>();
     words.visit::<api::Picture>();
     words.visit::<api::Project>();
     words.visit::<api::Pruned>();
+    words.visit::<api::RevisionPage>();
     words.visit::<api::RunOutput>();
-    words.visit::<api::StateAt>();
+    words.visit::<api::RunPhase>();
+    words.visit::<StateData>();
     words.visit::<api::Statistics>();
     words.visit::<api::TokenAbout>();
     words.visit::<api::TokenMade>();

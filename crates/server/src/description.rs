@@ -3,9 +3,9 @@
 
 use crate::access;
 use axum::http::Method;
-use rafcon_protocol::api::{Refusal, Right};
+use rafcon_protocol::api::{LibraryNodeKind, NodeKind, Refusal, Right};
 use rafcon_protocol::document::Change;
-use rafcon_protocol::edit::Edit;
+use rafcon_protocol::edit::{Edit, Element, Goal, OutcomeOf, PortList, PortOf};
 use rafcon_protocol::socket::{ToClient, ToServer};
 use serde_json::{Value, json};
 use utoipa::OpenApi as _;
@@ -25,7 +25,10 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
         description = "Projects, open machines, runs and people. docs/api.md says what the words mean and how to use the \
                        WebSocket, whose frames are the schemas ToServer and ToClient."
     ),
-    components(schemas(Refusal, ToServer, ToClient, Edit, Change)),
+    // The last ones are named by types that name themselves, whose parts are not followed.
+    components(schemas(
+        Refusal, ToServer, ToClient, Edit, Change, NodeKind, LibraryNodeKind, Element, Goal, OutcomeOf, PortList, PortOf,
+    )),
     tags(
         (name = "house", description = "The server itself"),
         (name = "people", description = "Who asks, and who may"),
@@ -143,7 +146,7 @@ fn add_example(schema: &mut Schema, example: Value) {
 
 /// What the main requests look like, by schema.
 fn examples() -> [(&'static str, Value); 10] {
-    let machine = json!({"project": "examples", "path": "hello"});
+    let machine = json!({"project": "examples", "path": "hierarchy_and_data"});
     [
         ("Login", json!({"user": "anna", "password": "correct horse battery"})),
         (

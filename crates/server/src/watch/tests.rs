@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Settings;
+use rafcon_protocol::api::{DiskState, MachineFile, NewMachine, SaveMachine};
 use std::fs;
 use std::path::Path;
 use tokio::sync::watch::Receiver;
@@ -74,4 +75,32 @@ async fn a_changed_library_is_read_again() {
     fs::write(place.path("libraries/one/STATE_A/script.py"), "").unwrap();
     place.news().await;
     assert!(!Arc::ptr_eq(&before, &place.house.projects.libraries()));
+}
+
+/// A machine that was made by the server, and its id while it is open.
+fn made(place: &Place) -> String {
+    let file = MachineFile { project: "project".to_owned(), path: "one".to_owned() };
+    let new = NewMachine { file, name: "Mission".to_owned() };
+    place.house.documents.make(&place.house, &new).unwrap().id
+}
+
+#[tokio::test]
+async fn what_another_program_does_to_an_open_machine_is_told_and_what_the_server_does_is_not() {
+    let mut place = Place::new(&[]).await;
+    let id = made(&place);
+    place.house.documents.save(&place.house, &id, &SaveMachine::default()).unwrap();
+    fs::write(place.path("project/one/notes.txt"), "").unwrap();
+    place.news().await;
+    let mut status = place.house.documents.room(&id).unwrap().status().unwrap();
+    assert_eq!(status.borrow_and_update().summary.disk, DiskState::Same);
+
+    let core = place.path("project/one/core_data.json");
+    let text = fs::read_to_string(&core).unwrap();
+    fs::write(&core, text.replace("Mission", "Errand")).unwrap();
+    let is_changed = status.wait_for(|status| status.summary.disk == DiskState::Changed);
+    timeout(PATIENCE, is_changed).await.expect("a change").unwrap();
+
+    fs::remove_dir_all(place.path("project/one")).unwrap();
+    let is_missing = status.wait_for(|status| status.summary.disk == DiskState::Missing);
+    timeout(PATIENCE, is_missing).await.expect("a change").unwrap();
 }

@@ -1,0 +1,78 @@
+"""The interface does what its OpenAPI document says: no server error, no answer that is not described, whatever is asked."""
+
+import pathlib
+import subprocess
+import sys
+import time
+import unittest
+
+from house import House
+
+# A route is asked so often with made-up parameters, and so often with those of things that are there.
+EXAMPLES = 12
+
+CHECKS = [
+    "not_a_server_error",
+    "status_code_conformance",
+    "content_type_conformance",
+    "response_headers_conformance",
+    "response_schema_conformance",
+    "unsupported_method",
+]
+
+# Would end what the other requests ask about.
+DESTRUCTIVE = [
+    "DELETE /api/v1/runs/{run}",
+    "POST /api/v1/runs/prune",
+    "POST /api/v1/machines/{machine}/close",
+]
+
+TOOL = pathlib.Path(sys.executable).with_name("st")
+
+
+class TheDescription(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.house = House()
+        cls.addClassCleanup(cls.house.end)
+
+    def started(self, number, **more):
+        machine = {"project": "examples", "path": "hierarchy_and_data"}
+        body = {"id": f"schema-{number}", "machine": machine, **more}
+        return self.house.request("POST", "/runs", body)["id"]
+
+    def finished(self, number):
+        run = self.started(number)
+        while self.house.request("GET", f"/runs/{run}")["run"]["phase"] != "finished":
+            time.sleep(0.05)
+        return run
+
+    def check(self, *options, parameters=""):
+        config = self.house.folder / "schemathesis.toml"
+        config.write_text(parameters)
+        command = [TOOL, f"--config-file={config}", "run", f"{self.house.url}/api/v1/openapi.json"]
+        command += ["--header", f"Authorization: Bearer {self.house.token}"]
+        command += ["--checks", ",".join(CHECKS), "--phases=examples,coverage,fuzzing"]
+        command += [f"--max-examples={EXAMPLES}", "--seed=1", "--continue-on-failure", "--no-color"]
+        ended = subprocess.run(
+            command + list(options), cwd=self.house.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        self.assertEqual(ended.returncode, 0, ended.stdout)
+
+    def test_holds_for_made_up_parameters(self):
+        self.check()
+
+    def test_holds_for_what_is_there(self):
+        first, second = self.finished(1), self.finished(2)
+        held = self.started(3, hold=True)
+        where = {"project": "examples", "path": "mission"}
+        machine = self.house.request("POST", "/machines/open", {"file": where})["id"]
+        for run in (first, held):
+            names = {"run": run, "other": second, "machine": machine, "project": "examples"}
+            lines = [f'"path.{name}" = "{value}"' for name, value in names.items()]
+            without = [f"--exclude-name={name}" for name in DESTRUCTIVE]
+            self.check(*without, parameters="\n".join(["[parameters]", *lines, ""]))
+
+
+if __name__ == "__main__":
+    unittest.main()
