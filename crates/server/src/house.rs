@@ -1,13 +1,14 @@
 //! Everything that requests share.
 
 use crate::Settings;
-use crate::documents::Documents;
 use crate::access::{Audit, Names, People, PrivateError};
+use crate::documents::Documents;
 use crate::history::History;
 use crate::news::News;
 use crate::projects::Projects;
 use crate::runs::{self, Runs};
 use crate::socket::Sockets;
+use crate::watch as files;
 use rafcon_protocol::api::HouseStatus;
 use std::sync::{Arc, OnceLock};
 use tokio::sync::watch;
@@ -72,6 +73,7 @@ impl House {
     /// Begins to look after what goes on without requests. To be called once, within the runtime.
     pub(crate) fn begin(self: &Arc<Self>) {
         runs::begin(self);
+        files::begin(self);
     }
 
     /// How everything stands that it looks after.

@@ -6,8 +6,8 @@
 
 pub mod access;
 mod blocking;
-mod documents;
 mod description;
+mod documents;
 mod extract;
 mod failure;
 mod history;

@@ -1,12 +1,12 @@
 //! All routes as one, and their description.
 
 use crate::access::{self, guarded};
-use crate::{Failure, House, description, page, projects, runs, socket};
-
+use crate::{Failure, House, description, history, page, projects, runs, socket};
+use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
 use axum::{Json, Router};
-use rafcon_protocol::api::Health;
+use rafcon_protocol::api::{Health, HouseStatus};
 use std::sync::{Arc, LazyLock};
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
@@ -17,11 +17,13 @@ fn all() -> OpenApiRouter<Arc<House>> {
     OpenApiRouter::with_openapi(description::head())
         .routes(routes!(health))
         .routes(routes!(openapi_json))
+        .routes(routes!(status))
         .merge(page::routes())
         .merge(access::routes())
         .merge(projects::routes())
         .merge(crate::documents::routes())
         .merge(runs::routes())
+        .merge(history::routes())
         .merge(socket::routes())
 }
 
@@ -53,6 +55,13 @@ async fn openapi_json() -> impl IntoResponse {
     ([(CONTENT_TYPE, "application/json")], TEXT.as_str())
 }
 
+/// How everything stands that the server looks after.
+#[utoipa::path(get, path = "/api/v1/status", tag = "house", responses(
+    (status = 200, description = "The latest truth", body = HouseStatus)
+))]
+async fn status(State(house): State<Arc<House>>) -> Json<HouseStatus> {
+    Json(house.status().await)
+}
 
 async fn nowhere() -> Failure {
     Failure::not_found(
