@@ -42,8 +42,8 @@ impl<S: Scripts> Desk<S> {
     fn read(&self, text: &str, sender: &Sender) {
         match decode::<ToRunner>(text) {
             Ok(ToRunner::Command(envelope)) => {
-                let id = envelope.id.clone();
-                let answer = self.answer(envelope);
+                let answer = self.answer(&envelope);
+                let id = envelope.id;
                 sender.send(&ToViewer::Answer { id, answer });
             }
             Ok(ToRunner::Inspect { id, path }) => {
@@ -69,12 +69,12 @@ impl<S: Scripts> Desk<S> {
     }
 
     /// The answer of a command that was sent before, from whomever; else it is carried out.
-    fn answer(&self, envelope: Envelope) -> Answer {
-        let id = envelope.id.clone();
-        if let Some(answer) = self.earlier(&id) {
+    fn answer(&self, envelope: &Envelope) -> Answer {
+        let id = envelope.id.as_str();
+        if let Some(answer) = self.earlier(id) {
             return answer;
         }
-        let answer = self.driver.obey(&envelope);
+        let answer = self.driver.obey(envelope);
         let mut known = self.known.lock();
         if let Some(entry) = known.iter_mut().find(|(known, _)| *known == id) {
             entry.1 = Some(answer.clone());
