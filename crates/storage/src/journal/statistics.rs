@@ -121,6 +121,9 @@ impl Spans {
     /// The span that so many of a hundred do not exceed.
     fn at(&self, percent: u64) -> u64 {
         let rank = (u128::from(self.count) * u128::from(percent)).div_ceil(100);
+        if rank == u128::from(self.count) {
+            return self.max;
+        }
         let mut seen = 0;
         let found = self.classes.iter().find(|(_, count)| {
             seen += u128::from(**count);
