@@ -102,13 +102,13 @@ mod tests {
     fn an_address_is_scheme_host_and_port() {
         check(
             "https://Rover.lan",
-            &expect![[r#"https://rover.lan:4747 wss://rover.lan:4747/s None false"#]],
+            &expect![[r"https://rover.lan:4747 wss://rover.lan:4747/s None false"]],
         );
         check(
             "http://127.0.0.1:80/",
-            &expect![[r#"http://127.0.0.1:80 ws://127.0.0.1:80/s None true"#]],
+            &expect![[r"http://127.0.0.1:80 ws://127.0.0.1:80/s None true"]],
         );
-        check("http://[::1]:4748", &expect![[r#"http://[::1]:4748 ws://[::1]:4748/s None true"#]]);
+        check("http://[::1]:4748", &expect![[r"http://[::1]:4748 ws://[::1]:4748/s None true"]]);
         check(
             "http://localhost:4747/?token=abc",
             &expect![[r#"http://localhost:4747 ws://localhost:4747/s Some("abc") true"#]],

@@ -4,20 +4,35 @@ use rafcon_protocol::{Event, ToViewer};
 
 /// Paths of the states that are active.
 #[derive(Debug, Default)]
-pub(crate) struct Active(Vec<String>);
+pub(crate) struct Active {
+    paths: Vec<String>,
+    /// The last event that is known.
+    last: u64,
+}
 
 impl Active {
     /// Takes in what the run says.
     pub(crate) fn told(&mut self, message: &ToViewer) {
         match message {
-            ToViewer::Event { event: Event::Entered { path, .. }, .. } => self.0.push(path.clone()),
-            ToViewer::Event { event: Event::Left { path, .. }, .. } => {
-                if let Some(index) = self.0.iter().rposition(|active| active == path) {
-                    self.0.remove(index);
-                }
+            ToViewer::Event { sequence, event, .. } => {
+                self.last = self.last.max(*sequence);
+                self.happened(event);
             }
-            ToViewer::Snapshot(snapshot) => {
-                self.0 = snapshot.active.iter().map(|state| state.path.clone()).collect();
+            // A picture may come later than what happened after it.
+            ToViewer::Snapshot(snapshot) if snapshot.sequence >= self.last => {
+                self.paths = snapshot.active.iter().map(|state| state.path.clone()).collect();
+            }
+            _ => {}
+        }
+    }
+
+    fn happened(&mut self, event: &Event) {
+        match event {
+            Event::Entered { path, .. } => self.paths.push(path.clone()),
+            Event::Left { path, .. } => {
+                if let Some(index) = self.paths.iter().rposition(|active| active == path) {
+                    self.paths.remove(index);
+                }
             }
             _ => {}
         }
@@ -25,6 +40,6 @@ impl Active {
 
     /// The paths, a parent before its children.
     pub(crate) fn paths(&self) -> &[String] {
-        &self.0
+        &self.paths
     }
 }

@@ -15,6 +15,7 @@ mod kept_runs;
 mod readme;
 mod script_check;
 mod served;
+mod server_cli;
 mod server_drafts;
 mod server_runs;
 mod server_soak;

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 /// What happens; the time goes on by a second with each.
 enum Turn {
     /// The run is to be told something.
-    Say(ToRunner),
+    Say(Box<ToRunner>),
     /// The server says this.
     Hear(Value),
     /// The connection breaks.
@@ -23,12 +23,12 @@ fn check(every_event: bool, turns: Vec<Turn>, expect: &Expect) {
     let mut session = Session::new("RUN".to_owned());
     let (mut now_ms, mut text) = (0, String::new());
     let join = ToRunner::Join(Join { from: 0, every_event, values: false });
-    let first = [Hear(welcome(0)), Say(join)];
+    let first = [Hear(welcome(0)), Say(Box::new(join))];
     for turn in first.into_iter().chain(turns) {
         let mut todo = Todo::default();
         now_ms += 1000;
         match turn {
-            Say(message) => session.said(message, now_ms, &mut todo),
+            Say(message) => session.said(*message, now_ms, &mut todo),
             Hear(frame) => {
                 let frame: ToClient = serde_json::from_value(frame).unwrap();
                 session.heard(frame, now_ms, &mut todo);
@@ -88,7 +88,13 @@ fn paused(sequences: &[u64], next: u64) -> Value {
 
 fn command(id: &str, command: Command) -> Turn {
     let (id, author) = (id.to_owned(), "ana".to_owned());
-    Say(ToRunner::Command(Envelope { id, author, decided_on: None, expiry: None, command }))
+    Say(Box::new(ToRunner::Command(Envelope {
+        id,
+        author,
+        decided_on: None,
+        expiry: None,
+        command,
+    })))
 }
 
 fn refused(id: &str, code: &str) -> Turn {
@@ -308,7 +314,7 @@ fn what_the_server_does_not_want_ends_the_visit() {
     check(
         true,
         vec![
-            Say(ToRunner::Inspect { id: "1".to_owned(), path: "A".to_owned() }),
+            Say(Box::new(ToRunner::Inspect { id: "1".to_owned(), path: "A".to_owned() })),
             Hear(json!({"frame": "ended", "subscription": 1, "refusal": refusal})),
         ],
         &expect![[r#"

@@ -108,7 +108,7 @@ mod tests {
                 now += Duration::from_secs(word.parse().unwrap());
                 manners.watch(now)
             };
-            text += &format!("{word}: {step:?}\n");
+            text.extend([word, ": ", &format!("{step:?}"), "\n"]);
         }
         expect.assert_eq(&text);
     }

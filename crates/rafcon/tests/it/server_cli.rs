@@ -1,0 +1,480 @@
+//! The command line at a server: what it does over the network is what it does on this computer.
+
+use crate::harness::{Answer, Place, Run};
+use expect_test::{Expect, expect};
+use rafcon_model::notation;
+use rafcon_storage::{Naming, save};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::process::{Child, ChildStdout, Stdio};
+
+/// Three states, a log line and a value.
+const MACHINE: &str = r#"
+hierarchy ROOT "Root"
+  outcome success
+  in n: int = 1
+  out n: int
+  start -> ONEXXX
+  ONEXXX.success -> TWOXXX ; TWOXXX.success -> .success
+  flow .n -> ONEXXX.n ; ONEXXX.n -> TWOXXX.n ; TWOXXX.n -> .n
+  execution ONEXXX "One"
+    outcome success
+    in n: int
+    out n: int
+    script |
+      def execute(self, inputs, outputs, gvm):
+          outputs["n"] = inputs["n"] + 1
+          self.logger.info("one more than %s" % inputs["n"])
+          return 0
+  execution TWOXXX "Two"
+    outcome success
+    in n: int
+    out n: int
+    script |
+      def execute(self, inputs, outputs, gvm):
+          outputs["n"] = inputs["n"] * 10
+          return 0
+"#;
+
+/// A script that goes on until it is asked to end.
+const WAITS: &str = r#"
+def execute(self, inputs, outputs, gvm):
+    self.logger.info("here")
+    self.wait_for_interruption(60)
+    return 1
+"#;
+
+/// `rafcon serve` on a folder `robots` with the machine `pick`, until dropped.
+struct House {
+    place: Place,
+    child: Child,
+    stdout: BufReader<ChildStdout>,
+    port: String,
+}
+
+impl House {
+    fn with(machine: &str) -> Self {
+        let place = Place::empty();
+        let machine = notation::parse(machine).unwrap();
+        save(&machine, &place.path("robots/pick"), None, Naming::default()).unwrap();
+        Self::open(place, "--bind 127.0.0.1:0")
+    }
+
+    fn open(place: Place, words: &str) -> Self {
+        let mut serve = place.command(&format!("serve robots {words}"));
+        let mut child = serve.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut stdout = BufReader::new(child.stdout.take().unwrap());
+        let mut link = String::new();
+        stdout.read_line(&mut link).unwrap();
+        if link.is_empty() {
+            let mut said = String::new();
+            child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+            panic!("the server did not begin: {said}");
+        }
+        let port = link.split(':').nth(2).unwrap();
+        let port = port.split(|c: char| !c.is_ascii_digit()).next().unwrap().to_owned();
+        Self { place, child, stdout, port }
+    }
+
+    /// Killed, and begun again on the same port.
+    fn again(mut self) -> Self {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+        let words = format!("--bind 127.0.0.1:{}", self.port);
+        let place = std::mem::replace(&mut self.place, Place::empty());
+        Self::open(place, &words)
+    }
+
+    fn words(&self, words: &str) -> String {
+        words.replace("SERVER", &format!("--server http://127.0.0.1:{}", self.port))
+    }
+
+    fn call(&self, words: &str) -> Answer {
+        let mut answer = self.place.call(&self.words(words));
+        answer.stderr = self.without_names(&answer.stderr);
+        answer.stdout = self.without_names(&answer.stdout);
+        answer
+    }
+
+    /// A text without what differs from test to test.
+    fn without_names(&self, text: &str) -> String {
+        let runs = std::fs::read_dir(self.place.path(".local/state/rafcon/runs"));
+        let runs = runs.into_iter().flatten().flatten();
+        let names = runs.map(|run| run.file_name().to_string_lossy().into_owned());
+        names.fold(text.replace(&self.port, "PORT"), |text, run| text.replace(&run, "RUN"))
+    }
+
+    fn start(&self, words: &str) -> Run {
+        Run::of(self.place.command(&self.words(words)))
+    }
+}
+
+impl Drop for House {
+    /// Runs outlive the server; none outlives the test.
+    fn drop(&mut self) {
+        let runs = std::fs::read_dir(self.place.path(".local/state/rafcon/runs"));
+        for run in runs.into_iter().flatten().flatten() {
+            let run = run.file_name().to_string_lossy().into_owned();
+            drop(self.place.call(&format!("tell {run} kill")));
+        }
+        self.child.kill().unwrap_or_default();
+        self.child.wait().map(drop).unwrap_or_default();
+    }
+}
+
+fn shown(answer: &Answer) -> String {
+    format!("{}\n{}{}", answer.code.unwrap_or(-1), answer.stdout, answer.stderr)
+}
+
+fn check(house: &House, words: &str, expect: &Expect) {
+    expect.assert_eq(&shown(&house.call(words)));
+}
+
+#[test]
+fn a_run_at_a_server_tells_what_one_on_this_computer_does() {
+    let house = House::with(MACHINE);
+    for words in ["", "--input n=4", "--input n=4 --keep status", "--start-from ROOT/TWOXXX"] {
+        let here = house.place.call(&format!("run robots/pick --output json {words}"));
+        let there = house.call(&format!("run SERVER robots/pick --output json {words}"));
+        assert_eq!(shown(&there), shown(&here), "{words}");
+        assert!(here.stdout.contains("finished"), "{}", shown(&here));
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_machine_is_told_as_on_this_computer() {
+    let house = House::with(MACHINE);
+    let file = house.place.path("robots/pick/Two_TWOXXX/core_data.json");
+    std::fs::write(file, "{").unwrap();
+    let words = "robots/pick --output json";
+    let here = house.place.call(&format!("run {words}"));
+    let there = house.call(&format!("run SERVER {words}"));
+    assert!(here.stdout.contains("is not JSON"), "{}", shown(&here));
+    assert_eq!(shown(&there), shown(&here));
+}
+
+#[test]
+fn a_machine_that_does_not_load_is_told_as_on_this_computer() {
+    let house = House::with(MACHINE);
+    check(
+        &house,
+        "run SERVER robots/nothing --output json",
+        &expect![[r#"
+        1
+        {"type":"load_failed","reason":"PLACE/robots/nothing does not exist; give the folder of a state machine or a file in it"}
+        error: PLACE/robots/nothing does not exist; give the folder of a state machine or a file in it
+    "#]],
+    );
+}
+
+#[test]
+fn what_a_server_decides_itself_is_refused() {
+    let house = House::with(MACHINE);
+    check(
+        &house,
+        "run SERVER robots/pick --library-path a=b",
+        &expect![[r"
+        2
+        error: --library-path is not for a server: it was started with its own libraries (`rafcon serve --library-path`); leave it out
+
+        For more information, try '--help'.
+    "]],
+    );
+    check(
+        &house,
+        "run SERVER robots/pick --python python3",
+        &expect![[r"
+        2
+        error: --python is not for a server: it was started with its own (`rafcon serve --python`); leave it out
+
+        For more information, try '--help'.
+    "]],
+    );
+    check(
+        &house,
+        "run SERVER robots/pick --keep off",
+        &expect![[r"
+        2
+        error: --keep off is not for a server: a run that is followed over the network is kept; --keep status keeps little; leave it out
+
+        For more information, try '--help'.
+    "]],
+    );
+    check(
+        &house,
+        "run SERVER pick",
+        &expect![[r"
+        2
+        error: pick: write the project and the folder in it, such as robots/pick
+
+        For more information, try '--help'.
+    "]],
+    );
+    check(
+        &house,
+        "attach SERVER nobody",
+        &expect![[r"
+        2
+        error: there is no run `nobody` at http://127.0.0.1:PORT: `rafcon runs --server http://127.0.0.1:PORT` lists them
+
+        For more information, try '--help'.
+    "]],
+    );
+    check(
+        &house,
+        "run --server http://rover:1 robots/pick",
+        &expect![[r"
+        2
+        error: --server http://rover:1: without TLS everybody on the way could read along; write https://
+
+        For more information, try '--help'.
+    "]],
+    );
+}
+
+#[test]
+fn a_run_is_joined_stepped_and_followed_to_its_end() {
+    let house = House::with(MACHINE);
+    let mut run = house.start("run SERVER robots/pick --hold --break Two --output json");
+    run.wait_for("\"held\"");
+    let mut guest = house.start("attach SERVER last --from 1 --output json");
+    guest.wait_for("\"held\"");
+    check(
+        &house,
+        "tell SERVER last resume",
+        &expect![[r"
+        0
+        applied
+    "]],
+    );
+    guest.wait_for("\"hit\"");
+    check(
+        &house,
+        "tell SERVER last step_back",
+        &expect![[r"
+        0
+        applied
+    "]],
+    );
+    let control = house.call("control SERVER last").stdout;
+    assert!(control.starts_with("owner commands it, heard "), "{control}");
+    check(
+        &house,
+        "control SERVER last release",
+        &expect![[r"
+        0
+        nobody commands it: the first command takes control
+    "]],
+    );
+    check(
+        &house,
+        "tell SERVER last force_outcome path=ROOT outcome=7",
+        &expect![[r"
+        1
+        refused: 'ROOT' has no outcome 7; its description lists those that it has
+    "]],
+    );
+    guest.wait_for("back");
+    check(
+        &house,
+        "tell SERVER last resume",
+        &expect![[r"
+        0
+        applied
+    "]],
+    );
+    guest.wait_for("\"hit\"");
+    check(
+        &house,
+        "tell SERVER last resume",
+        &expect![[r"
+        0
+        applied
+    "]],
+    );
+    let (code, lines, said) = guest.end();
+    assert_eq!((code, &*said), (Some(0), ""), "{lines:?}");
+    let (code, more, said) = run.end();
+    assert_eq!((code, &*said), (Some(0), ""));
+    assert_eq!(more.last(), lines.last());
+}
+
+#[test]
+fn a_server_that_is_killed_leaves_no_gap_in_what_is_told() {
+    let house = House::with(MACHINE);
+    let mut run = house.start("run SERVER robots/pick --hold --output json");
+    let held = run.wait_for("\"held\"");
+    let house = house.again();
+    assert_eq!(shown(&house.call("tell SERVER last step_into")), "0\napplied\n");
+    let mut lines = vec![held];
+    let to_two = |line: &String| line.contains("held") && line.contains("TWOXXX");
+    while !lines.last().is_some_and(to_two) {
+        lines.push(run.next_line().unwrap());
+    }
+    let house = house.again();
+    assert_eq!(shown(&house.call("tell SERVER last resume")), "0\napplied\n");
+    let (code, rest, said) = run.end();
+    lines.extend(rest);
+    assert_eq!(code, Some(0), "{said}");
+    let all = house.call("attach SERVER last --from 1 --output json").stdout;
+    let from_held: Vec<&str> = all.lines().skip_while(|line| !line.contains("held")).collect();
+    assert_eq!(lines, from_held);
+    let entries = lines.iter().filter(|line| line.contains("entered"));
+    expect![[r#"
+        {"type":"entered","path":"ROOT/ONEXXX"}
+        {"type":"entered","path":"ROOT/TWOXXX"}
+    "#]]
+    .assert_eq(&entries.flat_map(|line| [line, "\n"]).collect::<String>());
+    assert_eq!(said.matches("no connection").count(), 2, "{said}");
+    assert_eq!(said.matches("the connection is back").count(), 2, "{said}");
+}
+
+#[test]
+fn ctrl_c_stops_a_run_at_a_server_and_kills_it_the_second_time() {
+    use rustix::process::Signal;
+    let house = House::with(&crate::harness::one_script(WAITS));
+    let mut run = house.start("run SERVER robots/pick --output json");
+    run.wait_for("here");
+    run.signal(Signal::INT);
+    run.wait_for("\"stopping\"");
+    let (code, lines, said) = run.end();
+    assert_eq!(code, Some(5), "{said}");
+    assert!(lines.last().unwrap().contains("finished"), "{lines:?}");
+    assert_eq!(said, "rafcon: stopping; press Ctrl-C again to kill\n");
+}
+
+#[test]
+fn a_run_whose_runner_dies_is_told_with_the_way_out() {
+    let script =
+        "def execute(self, inputs, outputs, gvm):\n    import os\n    os.kill(os.getpid(), 9)";
+    let house = House::with(&crate::harness::one_script(script));
+    let mut run = house.start("run SERVER robots/pick --hold --output json");
+    run.wait_for("held");
+    house.call("tell SERVER last resume");
+    let (code, lines, said) = run.end();
+    assert_eq!(code, Some(7), "{lines:?} {said}");
+    expect![[r#"
+        {"type":"died","reason":"its runner is gone","active":["LONELY"],"stderr":[]}
+        error: the Python process that ran the machine died: its runner is gone
+          what was running:
+            Lonely (LONELY)
+          everything up to there is kept; to go on:
+            rafcon resume RUN --server http://127.0.0.1:PORT --policy abort   (the recovery transitions of what was running take over)
+            rafcon resume RUN --server http://127.0.0.1:PORT                  (nothing moves until you decide)
+    "#]].assert_eq(&house.without_names(&format!("{}\n{said}", lines.last().unwrap())));
+    let answer = house.call("resume SERVER last --policy abort --output json");
+    expect![[r#"
+        4
+        {"type":"root","hash":"b534230a8ec69090c459ac8ecfe855dd0a4b7c905bc2f817eb286a4da807262a","change":""}
+        {"type":"resumed","life":2,"crash":{"reason":"its runner ended before the run did","active":["LONELY"]},"policy":"abort"}
+        {"type":"entered","path":"LONELY"}
+        {"type":"left","path":"LONELY","outcome":{"id":-1,"name":"aborted"}}
+        {"type":"finished","outcome":{"id":-1,"name":"aborted"},"outputs":{"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: its runner ended before the run did; the scripts of LONELY were running"}},"globals":{},"scoped_variables":{},"states_run":1}
+    "#]].assert_eq(&shown(&answer));
+}
+
+#[test]
+fn only_who_is_known_is_let_in() {
+    let house = House::with(MACHINE);
+    std::fs::write(house.place.path("wrong"), "wrong").unwrap();
+    check(
+        &house,
+        "runs SERVER --token-file wrong",
+        &expect![[r"
+        1
+        error: this token or login is not known here, or its time is over: log in again, or make a new token (`rafcon login --server URL` gets a token; --token-file and RAFCON_TOKEN name one)
+    "]],
+    );
+    check(
+        &house,
+        "attach SERVER --token-file nowhere",
+        &expect![[r"
+        1
+        error: cannot read the token in nowhere
+          because: No such file or directory (os error 2)
+    "]],
+    );
+    let token = std::fs::read_to_string(house.place.path(".local/state/rafcon/server/token"));
+    std::fs::write(house.place.path("right"), token.unwrap()).unwrap();
+    check(
+        &house,
+        "runs SERVER --token-file right",
+        &expect![[r"
+        0
+        no runs at http://127.0.0.1:PORT
+    "]],
+    );
+}
+
+/// Runs a command that reads `input`.
+fn piped(place: &Place, words: &str, input: &str) -> Answer {
+    let mut command = place.command(words);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+    place.answer(&child.wait_with_output().unwrap())
+}
+
+#[test]
+fn a_server_with_a_certificate_of_its_own_is_known_again_and_lets_users_in() {
+    let place = Place::empty();
+    let machine = notation::parse(MACHINE).unwrap();
+    save(&machine, &place.path("robots/pick"), None, Naming::default()).unwrap();
+    let added = piped(&place, "user add ana --role operator", "correct horse\n");
+    assert_eq!(added.code, Some(0), "{}", shown(&added));
+    let mut house = House::open(place, "--bind 0.0.0.0:0");
+    let fingerprint = fingerprint(&mut house.stdout);
+    let words = |words: &str| {
+        // Another folder for the server's state: as on another computer.
+        let there = format!("--server https://127.0.0.1:{} --state elsewhere", house.port);
+        words.replace("SERVER", &there).replace("FINGERPRINT", &fingerprint)
+    };
+    let hidden = |answer: Answer| {
+        let text = shown(&answer).replace(&house.port, "PORT").replace(&fingerprint, "FINGERPRINT");
+        text.lines()
+            .filter(|line| !line.contains(':') || line.contains("error"))
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    let unknown = house.place.call(&words("runs SERVER"));
+    expect![[r"
+        1
+        error: the server at https://127.0.0.1:PORT is not known here; its certificate has the fingerprint
+        Compare it with what `rafcon serve` has printed, and name it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(unknown));
+    let wrong = house.place.call(&words(&format!("runs SERVER --fingerprint {}", "ab".repeat(32))));
+    expect![[r"
+        1
+        error: THE CERTIFICATE OF https://127.0.0.1:PORT IS NOT THE ONE THAT IT SHOULD BE: somebody may be listening in. Nothing was sent.
+        If whoever looks after the server confirms the new one, name it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(wrong));
+    let nobody = house.place.call(&words("runs SERVER --fingerprint FINGERPRINT"));
+    expect![[r"
+        1
+        error: nobody is logged in: send a token, or log in at /api/v1/session (`rafcon login --server URL` gets a token; --token-file and RAFCON_TOKEN name one)"]].assert_eq(&hidden(nobody));
+    let failed = piped(&house.place, &words("login SERVER --user ana"), "wrong horse\n");
+    expect![[r"
+        1
+        error: this is not a user and their password: try again, or ask an admin for another (`rafcon login --server URL` gets a token; --token-file and RAFCON_TOKEN name one)"]].assert_eq(&hidden(failed));
+    let known = piped(&house.place, &words("login SERVER --user ana"), "correct horse\n");
+    assert_eq!(known.code, Some(0), "{}", shown(&known));
+    let run = house.place.call(&words("run SERVER robots/pick --input n=1 --output json"));
+    assert_eq!(
+        (run.code, run.last()["outputs"]["n"].as_i64()),
+        (Some(0), Some(20)),
+        "{}",
+        shown(&run)
+    );
+}
+
+/// What the server prints about its certificate.
+fn fingerprint(stdout: &mut BufReader<ChildStdout>) -> String {
+    let hex = |line: &str| {
+        let digits: String = line.trim().chars().filter(|c| *c != ':').collect();
+        (digits.len() == 64 && digits.chars().all(|c| c.is_ascii_hexdigit())).then_some(digits)
+    };
+    loop {
+        let mut line = String::new();
+        assert!(stdout.read_line(&mut line).unwrap() > 0, "no fingerprint");
+        if let Some(found) = hex(&line) {
+            return found.to_ascii_lowercase();
+        }
+    }
+}
