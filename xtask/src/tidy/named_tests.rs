@@ -83,17 +83,17 @@ fn holds((file, text): &Source, home: &str, modules: &[&str], test: &str) -> boo
     file.starts_with(folder) && modules.iter().all(named) && defines(text, test)
 }
 
-/// Whether the text defines the test: in Rust behind a `#[test]`, in Python by its name.
+/// Whether the text defines the test: in Rust behind a `#[test]` or `#[tokio::test]`, in Python by its name.
 fn defines(text: &str, test: &str) -> bool {
     let mut marked = false;
     for line in text.lines().map(str::trim_start) {
         if line.starts_with(&format!("def {test}("))
-            || marked && line.starts_with(&format!("fn {test}("))
+            || marked && line.trim_start_matches("async ").starts_with(&format!("fn {test}("))
         {
             return true;
         }
-        marked = line.starts_with("#[test]")
-            || marked && (line.starts_with("#[") || line.starts_with("//"));
+        let is_mark = line.starts_with("#[test]") || line.starts_with("#[tokio::test");
+        marked = is_mark || marked && (line.starts_with("#[") || line.starts_with("//"));
     }
     false
 }
@@ -110,10 +110,11 @@ mod tests {
 
     #[test]
     fn a_test_is_found_by_its_crate_module_and_mark() {
-        let text =
-            "mod tests {\n    #[test]\n    fn replay() {}\n    fn helper() {}\n}\n".to_owned();
-        let sources = [(PathBuf::from("crates/engine/src/walk.rs"), text)];
+        let text = "mod tests {\n    #[test]\n    fn replay() {}\n    fn helper() {}\n    \
+                    #[tokio::test(start_paused = true)]\n    async fn later() {}\n}\n";
+        let sources = [(PathBuf::from("crates/engine/src/walk.rs"), text.to_owned())];
         assert!(exists(&sources, "engine::walk::tests::replay"));
+        assert!(exists(&sources, "engine::walk::tests::later"));
         assert!(!exists(&sources, "engine::walk::tests::helper"));
         assert!(!exists(&sources, "model::walk::tests::replay"));
         assert!(!exists(&sources, "engine::other::tests::replay"));
