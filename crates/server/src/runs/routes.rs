@@ -4,11 +4,9 @@ use super::{commands, output, start, take_up};
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
-use crate::failure::reason;
 use crate::{Failure, House};
 use axum::Json;
 use axum::extract::State;
-use axum::http::StatusCode;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, OutputEnd, Picture, Refusal, ResumeRun, RunNow, RunOutput,
     RunSummary, StartRun, StateAt,
@@ -189,7 +187,8 @@ async fn state(
     params(("run" = String, Path, description = "The run's id")),
     responses(
         (status = 200, description = "As they are, or were at the end", body = [Breakpoint]),
-        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 404, description = "There is no such run, or it keeps no journal yet", body = Refusal),
+        (status = 422, description = "Its journal is damaged, or too new", body = Refusal),
         (status = 503, description = "Its journal cannot be read", body = Refusal),
     )
 )]
@@ -228,7 +227,8 @@ async fn questions(
     params(("run" = String, Path, description = "The run's id")),
     responses(
         (status = 200, description = "Their values by name", body = Object),
-        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 404, description = "There is no such run, or it keeps no journal yet", body = Refusal),
+        (status = 422, description = "Its journal is damaged, or too new", body = Refusal),
         (status = 503, description = "Its journal cannot be read", body = Refusal),
     )
 )]
@@ -267,10 +267,5 @@ async fn picture(folder: PathBuf) -> Result<Picture, Failure> {
         let moment = reader.moment(u64::MAX)?;
         reader.picture(&moment)
     };
-    blocking(move || read().map_err(|error| unreadable(&error))).await
-}
-
-fn unreadable(error: &JournalError) -> Failure {
-    let message = format!("the journal of this run cannot be read: {}", reason(error));
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "journal_unreadable", message)
+    blocking(move || read().map_err(|error: JournalError| error.into())).await
 }
