@@ -27,7 +27,9 @@ class House:
     def begin(self, bind):
         """Starts a server and waits until it says where it listens."""
         folders = [f"--state={self.folder}/state", f"--runs={self.folder}/runs"]
-        command = [BINARY, "serve", self.folder / "examples", "--keep-token", "--bind", bind]
+        examples = self.folder / "examples"
+        command = [BINARY, "serve", examples, "--keep-token", "--bind", bind]
+        command += ["--library-path", f"library={examples}/libraries"]
         self.process = subprocess.Popen(command + folders, stdout=subprocess.PIPE, text=True)
         self.link = self.process.stdout.readline().strip()
         self.url, _, self.token = self.link.partition("/?token=")

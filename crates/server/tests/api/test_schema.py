@@ -1,5 +1,6 @@
 """The interface does what its OpenAPI document says: no server error, no answer that is not described, whatever is asked."""
 
+import json
 import pathlib
 import subprocess
 import sys
@@ -67,11 +68,28 @@ class TheDescription(unittest.TestCase):
         held = self.started(3, hold=True)
         where = {"project": "examples", "path": "mission"}
         machine = self.house.request("POST", "/machines/open", {"file": where})["id"]
-        for run in (first, held):
-            names = {"run": run, "other": second, "machine": machine, "project": "examples"}
-            lines = [f'"path.{name}" = "{value}"' for name, value in names.items()]
-            without = [f"--exclude-name={name}" for name in DESTRUCTIVE]
-            self.check(*without, parameters="\n".join(["[parameters]", *lines, ""]))
+        things = {"other": second, "machine": machine, "project": "examples", "root": "library"}
+        things |= {"path": library(self.house), "value": 1, "sequence": 5}
+        without = [f"--exclude-name={name}" for name in DESTRUCTIVE]
+        self.check(*without, parameters=given({**things, "run": first}))
+        runs = "--include-path-regex=/runs/"
+        self.check(runs, *without, parameters=given({**things, "run": held}))
+
+
+def given(things):
+    """Parameters of routes that are not made up."""
+    lines = [f'"path.{name}" = {json.dumps(value)}' for name, value in things.items()]
+    return "\n".join(["[parameters]", *lines, ""])
+
+
+def library(house):
+    """The path of a library below its root."""
+    [node] = house.request("GET", "/libraries")
+    path = []
+    while node.get("kind") != "library":
+        node = node["children"][0]
+        path.append(node["name"])
+    return "/".join(path)
 
 
 if __name__ == "__main__":
