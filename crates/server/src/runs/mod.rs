@@ -152,6 +152,9 @@ impl Runs {
             return Some(run);
         }
         let run = Arc::new(Run::new(house, folder, &looked.summary));
+        if *self.known.borrow() {
+            run.has_come();
+        }
         all.insert(looked.summary.id.clone(), Arc::clone(&run));
         drop(all);
         if let Some(start) = looked.request.and_then(|request| request.start) {

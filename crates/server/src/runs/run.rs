@@ -109,6 +109,11 @@ impl Run {
         self.is_live() || self.has_changed.load(Ordering::Relaxed)
     }
 
+    /// It was not there when the server began; it may be over already.
+    pub(super) fn has_come(&self) {
+        self.has_changed.store(true, Ordering::Relaxed);
+    }
+
     /// Whether it goes on, or is about to.
     pub(crate) fn is_live(&self) -> bool {
         is_live(&self.now.borrow().run.phase)
