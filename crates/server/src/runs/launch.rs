@@ -2,6 +2,7 @@
 //! started. Takes its time: never on a thread that talks.
 
 use crate::Settings;
+use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode};
 use rafcon_supervisor::{
     BeginError, Exit, Interpreter, NoExtension, NoInterpreter, Process, Start, StartError, begin,
@@ -23,6 +24,8 @@ const PATIENCE: Duration = Duration::from_mins(2);
 /// A runner whose run begins.
 #[derive(Debug)]
 pub(super) struct Launched {
+    /// What it goes by, if it said so.
+    pub(super) loaded: Option<LoadedMachine>,
     /// While it is open, the run knows that somebody looks on.
     pub(super) control: UnixStream,
     /// How its process ended, once it has.
@@ -75,7 +78,7 @@ fn last(said: &str) -> String {
 
 /// What a runner said first.
 enum Heard {
-    Loaded,
+    Begun(Option<LoadedMachine>),
     Refused(String),
     Gone,
 }
@@ -99,7 +102,7 @@ pub(super) fn launch(
         Ok((hear(&control)?, control, exit))
     });
     match begun {
-        Ok((Heard::Loaded, control, exit)) => Ok(Launched { control, exit }),
+        Ok((Heard::Begun(loaded), control, exit)) => Ok(Launched { loaded, control, exit }),
         Ok((Heard::Refused(reason), ..)) => Err(LaunchError::Load(reason)),
         Ok((Heard::Gone, _, exit)) => {
             group.kill();
@@ -133,7 +136,10 @@ fn hear(control: &UnixStream) -> Result<Heard, LaunchError> {
     let Some(first) = line(&mut lines)? else { return Ok(Heard::Gone) };
     match decode::<ToViewer>(&first)? {
         ToViewer::LoadFailed { reason } => Ok(Heard::Refused(reason)),
-        _loaded => Ok(Heard::Loaded),
+        ToViewer::Loaded { states, problems, .. } => {
+            Ok(Heard::Begun(Some(LoadedMachine { states, problems })))
+        }
+        _other => Ok(Heard::Begun(None)),
     }
 }
 

@@ -49,7 +49,10 @@ pub(super) fn follow(house: &Arc<House>, run: &Arc<Run>) {
 
 /// Looks after a runner that was just started, and waits until it can be commanded: until then it knows that somebody looks on.
 pub(super) async fn follow_ours(house: &Arc<House>, run: &Arc<Run>, launched: Launched) {
-    let Launched { control, exit } = launched;
+    let Launched { loaded, control, exit } = launched;
+    if let Some(loaded) = loaded {
+        run.is_loaded(loaded);
+    }
     run.is_ours(exit);
     follow(house, run);
     run.linked().await;
