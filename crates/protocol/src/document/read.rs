@@ -8,6 +8,7 @@ use super::{
 };
 use rafcon_model::edit;
 use rafcon_model::port::Extra;
+use rafcon_model::rules::MAX_NESTING;
 use rafcon_model::{
     Container, DataFlow, DataFlowId, DataType, Header, Kind, Layout, Library, LibraryContent,
     Machine, Outcome, OutcomeId, Port, PortId, Ports, RuntimeValue, RuntimeValues, Script, State,
@@ -83,7 +84,7 @@ fn forest(
     documents: &[StateDocument],
     library: &mut OnLibrary<'_>,
 ) -> Result<Vec<Arc<State>>, DocumentError> {
-    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut places: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     let mut open: Vec<(Option<usize>, State)> = Vec::with_capacity(documents.len());
     for (index, document) in documents.iter().enumerate() {
         let place = Place(&document.path);
@@ -94,9 +95,15 @@ fn forest(
             })?),
             None => None,
         };
-        if places.insert(&document.path, index).is_some() {
+        let depth = parent.map_or(1, |(_, depth)| depth + 1);
+        if depth > MAX_NESTING {
+            let what = format!("it is nested deeper than {MAX_NESTING} levels; take levels out");
+            return Err(place.wrong("path", what));
+        }
+        if places.insert(&document.path, (index, depth)).is_some() {
             return Err(place.wrong("path", "it stands here twice"));
         }
+        let parent = parent.map(|(index, _)| index);
         open.push((parent, state));
     }
     join(open)

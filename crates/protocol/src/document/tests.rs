@@ -138,6 +138,18 @@ fn what_is_no_machine_is_refused_with_state_and_field() {
     );
 }
 
+#[test]
+fn what_is_nested_too_deep_is_refused() {
+    let mut document = Document::of(&machine("hierarchy ROOT"));
+    for level in 0..1100 {
+        let mut inner = document.states[level].clone();
+        inner.path += "/X";
+        document.states.push(inner);
+    }
+    let refused = document.read(&mut leave).expect_err("refused");
+    assert_eq!(refused.what, "it is nested deeper than 1024 levels; take levels out");
+}
+
 /// Ids that no path can hold are said beside it, and depth is no danger.
 #[test]
 fn faulty_ids_and_deep_machines_come_back() {
