@@ -121,7 +121,7 @@ impl Documents {
         let libraries = house.projects.libraries();
         let on_disk = disk::read(&spot.folder, &libraries)?.ok_or_else(|| not_there(file))?;
         let draft = spot.draft.clone();
-        let recovered = recover(&spot.folder, draft, &on_disk, since_1970_ms(), &libraries)?;
+        let recovered = recover(&spot.folder, draft, &on_disk, first_revision(), &libraries)?;
         let mut rooms = self.rooms.lock();
         let id = free_name(&name_of(&spot.folder), |id| rooms.contains_key(id));
         let room = Arc::new(Room::new(id.clone(), spot, on_disk, recovered));
@@ -288,6 +288,11 @@ impl Drop for Claim<'_> {
         self.documents.claimed.lock().remove(&self.folder);
         self.documents.released.notify_all();
     }
+}
+
+/// Where the revisions of a machine begin that is opened now: above all that it ever had, and small enough for JavaScript.
+fn first_revision() -> u64 {
+    since_1970_ms() * 1000
 }
 
 /// A name for a folder that stays the same from one server to the next.
