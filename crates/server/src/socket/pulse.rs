@@ -84,10 +84,10 @@ mod tests {
     async fn who_is_silent_is_asked_once_and_then_gone() {
         check(
             &[],
-            &expect![[r#"
+            &expect![["
             20 asked
             60 gone
-        "#]],
+        "]],
         )
         .await;
     }
@@ -96,11 +96,11 @@ mod tests {
     async fn who_answers_stays() {
         check(
             &[5, 26, 90, 91],
-            &expect![[r#"
+            &expect![["
             25 asked
             65 asked
             86 gone
-        "#]],
+        "]],
         )
         .await;
     }

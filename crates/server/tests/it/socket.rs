@@ -58,13 +58,13 @@ fn once_all_is_told_the_reader_knows() {
     expect![[r#"
         {"events":[{"event":{"globals":{},"outcome":{"id":0,"name":"done"},"outputs":{},"scoped_variables":{},"states_run":1,"type":"finished"},"sequence":7,"t_ns":4000000}],"frame":"events","next":8,"subscription":3}
         {"events":[],"frame":"events","next":8,"subscription":3}
-        {"frame":"ended","refusal":null,"subscription":3}
-    "#]].assert_eq(&frames(&client.hear_until(|frame| frame["frame"] == "ended")));
+        {"frame":"ended","refusal":null,"subscription":3}"#]].assert_eq(&frames(&client.hear_until(|frame| frame["frame"] == "ended")));
 }
 
 /// One frame a line.
 fn frames(frames: &[Value]) -> String {
-    frames.iter().map(|frame| format!("{frame}\n")).collect()
+    let lines: Vec<String> = frames.iter().map(Value::to_string).collect();
+    lines.join("\n")
 }
 
 /// The rest of a history, as many events as there are.

@@ -54,11 +54,11 @@ fn heard(client: &mut Client, opened: u64, lines: usize) -> String {
         let frame = client.hear();
         match frame["frame"].as_str().unwrap() {
             "edited" => {
-                heard.push(format!("{} made {}", frame["id"], count(&frame["revision"], opened)))
+                heard.push(format!("{} made {}", frame["id"], count(&frame["revision"], opened)));
             }
             "reset" => heard.push(format!("reset to {}", count(&frame["revision"], opened))),
             "refused" => {
-                heard.push(format!("{} refused: {}", frame["id"], frame["refusal"]["code"]))
+                heard.push(format!("{} refused: {}", frame["id"], frame["refusal"]["code"]));
             }
             "revisions" => {
                 for told in frame["revisions"].as_array().unwrap() {
@@ -74,7 +74,7 @@ fn heard(client: &mut Client, opened: u64, lines: usize) -> String {
             other => heard.push(format!("{other} {}", frame["refusal"])),
         }
     }
-    heard.iter().map(|line| format!("{line}\n")).collect()
+    heard.join("\n") + "\n"
 }
 
 fn check(client: &mut Client, opened: u64, lines: usize, expect: &Expect) {
@@ -140,9 +140,9 @@ fn revisions_that_never_were_are_a_reason_to_begin_again() {
         &mut client,
         opened,
         1,
-        &expect![[r#"
+        &expect![["
         reset to 0
-    "#]],
+    "]],
     );
     // Its number is free again.
     client.subscribe(1, &history(&machine, opened + 1));
@@ -152,9 +152,9 @@ fn revisions_that_never_were_are_a_reason_to_begin_again() {
         &mut client,
         opened,
         1,
-        &expect![[r#"
+        &expect![["
         ended null
-    "#]],
+    "]],
     );
 }
 
