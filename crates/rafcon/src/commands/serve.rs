@@ -59,14 +59,13 @@ fn greet(server: &Server, raw: &cli::Serve) {
     if raw.projects.is_empty() {
         complain("warning: no folder with machines was named, so only runs are served");
     }
-    let mut text = format!("{}\n", server.link());
-    if let Some(fingerprint) = server.fingerprint() {
-        text += &format!(
-            "Others log in at port {}. The certificate's SHA-256 fingerprint is\n{fingerprint}\n",
-            server.address().port()
-        );
-    }
-    text += "Ctrl-C ends the server; runs go on.\n";
+    let fingerprint = server.fingerprint().map(|fingerprint| {
+        let port = server.address().port();
+        format!("Others log in at port {port}. The certificate's SHA-256 fingerprint is\n{fingerprint}\n")
+    });
+    let link = server.link();
+    let fingerprint = fingerprint.unwrap_or_default();
+    let text = format!("{link}\n{fingerprint}Ctrl-C ends the server; runs go on.\n");
     io::stdout().write_all(text.as_bytes()).unwrap_or_default();
     io::stdout().flush().unwrap_or_default();
 }
