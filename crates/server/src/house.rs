@@ -36,7 +36,7 @@ pub struct House {
     pub(crate) documents: Documents,
     /// All runs.
     pub(crate) runs: Runs,
-    /// What WebSockets share.
+    /// What the connections of clients share.
     pub(crate) sockets: Sockets,
 }
 
