@@ -20,6 +20,8 @@ const UNDER_WAY_MAX: usize = 4;
 const COMMANDS_MAX: u32 = 60;
 /// How often a killing hand trembles at most.
 const TREMBLES: u64 = 300_000;
+/// What lets a run go on.
+const RESUME: Command = Command::Resume { branch: None };
 /// States of the machine that a breakpoint can stand at.
 const STATES: [&str; 5] =
     ["ROOT/COUNTX", "ROOT/FORKED", "ROOT/RECOVR", "ROOT/FORKED/LEFTXX", "ROOT/FORKED/RIGHTX"];
@@ -158,7 +160,7 @@ impl<'s, 'p> Client<'s, 'p> {
             }
             ToClient::Answer(CommandAnswer { id, answer }) => {
                 self.answered(&id, &answer);
-                self.let_go(line)?;
+                self.go_on_after(line, &id, &answer)?;
             }
             ToClient::Refused { id: Some(id), refusal } => self.refused(line, &id, &refusal)?,
             ToClient::Ended { subscription: HISTORY, refusal: None } => return Ok(Then::Over),
@@ -265,17 +267,33 @@ impl<'s, 'p> Client<'s, 'p> {
         line.say(&ToServer::Command { run: self.site.run.clone(), envelope })
     }
 
+    /// A run that does not resume is not held any more, and its status is about to say so.
+    fn go_on_after(&mut self, line: &mut Line, id: &str, answer: &Answer) -> anyhow::Result<()> {
+        let is_refused = matches!(answer, Answer::Refused { .. });
+        let resumes = matches!(self.seen.sent[id].command, Command::Resume { .. });
+        if !is_refused {
+            return self.let_go(line);
+        }
+        if resumes || !self.is_held() {
+            return Ok(());
+        }
+        self.command(line, RESUME, None)
+    }
+
+    fn is_held(&self) -> bool {
+        self.status.as_deref().is_some_and(is_held) && self.under_way.len() < UNDER_WAY_MAX
+    }
+
     /// A run that is held goes on, at once or step by step.
     fn let_go(&mut self, line: &mut Line) -> anyhow::Result<()> {
-        let is_held = self.status.as_deref().is_some_and(is_held);
-        if !is_held || self.under_way.len() >= UNDER_WAY_MAX {
+        if !self.is_held() {
             return Ok(());
         }
         let command = match self.dice.roll(6) {
             0 => Command::StepInto { branch: None },
             1 => Command::StepOver { branch: None },
             2 => Command::StepOut { branch: None },
-            _ => Command::Resume { branch: None },
+            _ => RESUME,
         };
         self.command(line, command, None)
     }
@@ -283,7 +301,7 @@ impl<'s, 'p> Client<'s, 'p> {
     fn invent(&mut self) -> Command {
         match self.dice.roll(9) {
             0 | 1 => Command::Pause,
-            2 => Command::Resume { branch: None },
+            2 => RESUME,
             3 => Command::StepMode,
             4 => Command::StepOver { branch: None },
             5 => Command::RemoveBreakpoint { id: self.dice.roll(3) },
