@@ -98,6 +98,9 @@ impl Room {
     pub(super) fn new(id: String, spot: Spot, on_disk: OnDisk, recovered: Recovered) -> Self {
         let Recovered { machine, draft, saved_revision, has_edits, hash } = recovered;
         let is_changed = hash != on_disk.hash;
+        let revision = machine.revision();
+        // Who opens it asks for it next.
+        let document = (!has_edits).then(|| (revision, whole(revision, &on_disk.document)));
         let files = Files {
             saved: on_disk.saved,
             machine: on_disk.machine,
@@ -119,7 +122,8 @@ impl Room {
         let status = watch::Sender::new(open.status(&id));
         let revision = watch::Sender::new(open.machine.revision());
         open.wires = Some(Wires { status, revision });
-        Self { id, open: Mutex::new(open), files: Mutex::default(), document: Mutex::default() }
+        let document = Mutex::new(document);
+        Self { id, open: Mutex::new(open), files: Mutex::default(), document }
     }
 
     /// Where it lies.
@@ -314,10 +318,7 @@ impl Room {
             return Ok(document.clone());
         }
         let (_, document) = disk::content(&machine)?;
-        let mut text = format!(r#"{{"revision":{revision},"document":"#).into_bytes();
-        text.extend_from_slice(&document);
-        text.push(b'}');
-        let text = Bytes::from(text);
+        let text = whole(revision, &document);
         *self.document.lock() = Some((revision, text.clone()));
         Ok(text)
     }
@@ -342,6 +343,12 @@ impl Room {
             open.tell(&self.id);
         }
     }
+}
+
+/// A [`rafcon_protocol::api::MachineDocument`] as JSON.
+fn whole(revision: u64, document: &[u8]) -> Bytes {
+    let head = format!(r#"{{"revision":{revision},"document":"#);
+    [head.as_bytes(), document, b"}"].concat().into()
 }
 
 impl Open {
