@@ -85,7 +85,7 @@ impl Settings {
             surroundings: Surroundings::default(),
             control_silence: Duration::from_secs(30),
             variable: |_| None,
-            tell: |_| {},
+            tell: crate::log::say,
             listen: Listen::default(),
             access: Access::default(),
         }
