@@ -1,7 +1,7 @@
 //! `rafcon serve`: from the words of the command line to a server's settings. What a server does, `rafcon-server` knows.
 
 use crate::cli;
-use crate::environment::Environment;
+use crate::environment::{self, Environment};
 use crate::failure::complain;
 use crate::{machine, runs};
 use anyhow::{Context as _, Result, bail};
@@ -22,6 +22,7 @@ fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {
     settings.projects = raw.projects.iter().map(|folder| project(folder)).collect::<Result<_>>()?;
     settings.libraries = machine::library_roots(&raw.libraries)?;
     settings.config = raw.libraries.config.as_deref().map(std::path::absolute).transpose()?;
+    settings.variable = environment::variable;
     settings.python.clone_from(&raw.python.python);
     settings.surroundings = environment.surroundings.clone();
     settings.access.keep_token = raw.keep_token;
