@@ -2,15 +2,23 @@
 
 use super::serve;
 use crate::cli;
-use crate::client::{Meeting, Notebook, Server};
+use crate::client::{Fault, Meeting, Notebook, Server};
 use crate::environment::Environment;
 use crate::failure::Usage;
 use crate::view::Names;
 use anyhow::{Context as _, Result};
+use rafcon_model::Machine;
 use rafcon_protocol::api::RunSummary;
 use rafcon_supervisor::meant;
 use rustix::rand::{GetRandomFlags, getrandom};
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// How often it is asked for the machine of a run that has just begun.
+const MACHINE_TRIES: u32 = 20;
+/// The time between.
+const MACHINE_PAUSE: Duration = Duration::from_millis(100);
 
 /// The server that was named, if one was.
 pub(super) fn server(raw: &cli::Remote, environment: &Environment) -> Result<Option<Arc<Server>>> {
@@ -82,7 +90,24 @@ pub(super) fn run(server: &Server, text: &str) -> Result<RunSummary> {
 /// The names of a run's states.
 pub(super) fn names(server: &Arc<Server>, run: &str) -> Names {
     let (server, run) = (Arc::clone(server), run.to_owned());
-    Names::new(move || server.machine_of_run(&run).ok())
+    Names::new(move || machine(&server, &run))
+}
+
+/// The machine of a run; that of a run that has just begun is kept a little later.
+fn machine(server: &Server, run: &str) -> Option<Machine> {
+    for _try in 0..MACHINE_TRIES {
+        match server.machine_of_run(run) {
+            Ok(machine) => return Some(machine),
+            Err(error) if is_kept_later(&error) => thread::park_timeout(MACHINE_PAUSE),
+            Err(_other) => return None,
+        }
+    }
+    None
+}
+
+fn is_kept_later(error: &anyhow::Error) -> bool {
+    let fault = error.downcast_ref();
+    matches!(fault, Some(Fault::Refused { refusal, .. }) if refusal.code == "no_such_machine")
 }
 
 /// What nobody else's ids begin with.
