@@ -150,9 +150,9 @@ impl Connection {
     }
 
     fn hear(&mut self, message: Message) {
+        self.desk.heard();
         match message {
             Message::Text(text) => {
-                self.desk.heard();
                 let act = self.session.hear(&text, self.desk.who(), now_ms());
                 self.act(act);
             }

@@ -35,11 +35,13 @@ pub(super) struct Desk {
     connection: u64,
     /// One change of a machine after the other, in the order in which they were asked for.
     turn: Arc<Mutex<()>>,
+    /// The machine that the client looks at.
+    looks_at: Arc<parking_lot::Mutex<Option<String>>>,
 }
 
 impl Desk {
     pub(super) fn new(house: Arc<House>, who: Who, connection: u64) -> Self {
-        Self { house, who, connection, turn: Arc::default() }
+        Self { house, who, connection, turn: Arc::default(), looks_at: Arc::default() }
     }
 
     /// Who the client is.
@@ -61,34 +63,29 @@ impl Desk {
     pub(super) async fn unwelcome(&self) -> (Failure, u16) {
         let (mut closing, mut people) = (self.house.closing(), self.house.people().revision());
         loop {
-            if let Err(failure) = self.is_welcome() {
-                return (failure, close_code::POLICY);
-            }
+            let who = match self.is_welcome() {
+                Ok(who) => who,
+                Err(failure) => return (failure, close_code::POLICY),
+            };
             // The house keeps what sends as long as it stands.
             select! {
                 _ = closing.wait_for(|is_closing| *is_closing) => return (closes(), close_code::AWAY),
                 _ = people.changed() => {}
-                () = sleep(self.patience()) => {}
+                () = sleep(patience(&who)) => {}
             }
         }
     }
 
-    /// Whether the client is still who it was when it was let in.
-    pub(super) fn is_welcome(&self) -> Result<(), Failure> {
+    /// Who the client is now, if that is still who it was when it was let in.
+    pub(super) fn is_welcome(&self) -> Result<Who, Failure> {
         match self.house.people().still(&self.who) {
-            Some(who) if who.role == self.who.role => Ok(()),
+            Some(who) if who.role == self.who.role => Ok(who),
             Some(who) => Err(other_role(&who)),
             None => Err(not_known_any_more()),
         }
     }
 
-    /// How long it may be relied upon that the client is still the same: others may change who is known, and logins end.
-    fn patience(&self) -> Duration {
-        let end = self.who.expires_ms.map(|end| end.saturating_sub(now_ms()) + 1);
-        end.map_or(ASKED_EVERY, |end| ASKED_EVERY.min(Duration::from_millis(end)))
-    }
-
-    /// The client said something.
+    /// The client showed that it is there.
     pub(super) fn heard(&self) {
         self.house.runs.heard(&self.who.user);
     }
@@ -125,10 +122,15 @@ impl Desk {
         }
     }
 
-    /// The client looks at these states of an open machine.
+    /// The client looks at these states of an open machine, and at no other machine any more.
     pub(super) fn look(&self, machine: &str, selection: Vec<String>) -> Result<(), Failure> {
         let (connection, user) = (self.connection, self.who.user.clone());
         let presence = Presence { connection, user, selection };
+        let mut looks_at = self.looks_at.lock();
+        if looks_at.as_deref().is_some_and(|before| before != machine) {
+            self.leave();
+        }
+        *looks_at = Some(machine.to_owned());
         self.house.documents.looks(&self.house, machine, presence)
     }
 
@@ -175,6 +177,12 @@ impl Desk {
     }
 }
 
+/// How long it may be relied upon that somebody is still the same: others may change who is known, and logins end.
+fn patience(who: &Who) -> Duration {
+    let end = who.expires_ms.map(|end| end.saturating_sub(now_ms()) + 1);
+    end.map_or(ASKED_EVERY, |end| ASKED_EVERY.min(Duration::from_millis(end)))
+}
+
 /// The time: ms since 1970, UTC.
 pub(super) fn now_ms() -> u64 {
     clock::since_1970_ms()
@@ -194,4 +202,23 @@ fn other_role(who: &Who) -> Failure {
     let role = format!("{:?}", who.role).to_lowercase();
     let message = format!("{} is {role} now: connect again to go on as such", who.user);
     Failure::forbidden("other_role", message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ASKED_EVERY, Desk, patience};
+    use crate::access::OWNER;
+    use crate::{House, Settings};
+
+    #[tokio::test]
+    async fn a_login_that_was_used_meanwhile_ends_later_than_it_did() {
+        let place = tempfile::tempdir().unwrap();
+        let settings = Settings::new(place.path().join("state"), place.path().join("runs"));
+        std::fs::create_dir(&settings.state).unwrap();
+        let house = House::new(settings).unwrap();
+        let (_secret, mut who) = house.people().begin(OWNER).unwrap();
+        who.expires_ms = Some(1);
+        let desk = Desk::new(house, who, 1);
+        assert_eq!(patience(&desk.is_welcome().unwrap()), ASKED_EVERY);
+    }
 }

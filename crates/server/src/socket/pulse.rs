@@ -5,8 +5,8 @@ use parking_lot::Mutex;
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
-/// After so much silence the client is asked.
-const ASKED_AFTER: Duration = Duration::from_secs(20);
+/// So often the client is asked, whatever else it is told: an answer shows that it is there though it wants nothing.
+const ASKED_EVERY: Duration = Duration::from_secs(10);
 /// After so much silence nobody is there.
 const GONE_AFTER: Duration = Duration::from_mins(1);
 
@@ -30,21 +30,18 @@ impl Pulse {
         *self.last.lock()
     }
 
-    /// Waits until nobody is there: a client that says nothing is asked, and has its time to answer.
+    /// Waits until nobody is there; meanwhile the client is asked again and again.
     pub(super) async fn end(&self, outbox: &Outbox) {
-        let mut asked = None;
+        let mut ask_at = Instant::now() + ASKED_EVERY;
         loop {
-            let last = self.last();
-            let is_asked = asked == Some(last);
-            sleep_until(last + if is_asked { GONE_AFTER } else { ASKED_AFTER }).await;
-            if self.last() != last {
-                continue;
-            }
-            if is_asked {
+            sleep_until(ask_at.min(self.last() + GONE_AFTER)).await;
+            if Instant::now() >= self.last() + GONE_AFTER {
                 return;
             }
-            outbox.ping();
-            asked = Some(last);
+            if Instant::now() >= ask_at {
+                outbox.ping();
+                ask_at = Instant::now() + ASKED_EVERY;
+            }
         }
     }
 }
@@ -81,13 +78,17 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn who_is_silent_is_asked_once_and_then_gone() {
+    async fn who_is_silent_is_asked_and_then_gone() {
         check(
             &[],
             &expect![["
-            20 asked
-            60 gone
-        "]],
+                10 asked
+                20 asked
+                30 asked
+                40 asked
+                50 asked
+                60 gone
+            "]],
         )
         .await;
     }
@@ -97,10 +98,16 @@ mod tests {
         check(
             &[5, 26, 90, 91],
             &expect![["
-            25 asked
-            65 asked
-            86 gone
-        "]],
+                10 asked
+                20 asked
+                30 asked
+                40 asked
+                50 asked
+                60 asked
+                70 asked
+                80 asked
+                86 gone
+            "]],
         )
         .await;
     }

@@ -14,6 +14,8 @@ use std::collections::BTreeSet;
 pub(super) const SUBSCRIPTIONS_MAX: usize = 64;
 /// So many states somebody may have selected, as the others are told.
 const SELECTION_MAX: usize = 1000;
+/// So many bytes their paths may have together.
+const SELECTION_BYTES_MAX: usize = 64 << 10;
 
 /// What is to be done about a frame.
 #[derive(Debug)]
@@ -112,11 +114,13 @@ fn change(machine: String, id: String, wish: Wish) -> Act {
 }
 
 fn look(machine: String, selection: Vec<String>) -> Act {
-    if selection.len() <= SELECTION_MAX {
+    let bytes: usize = selection.iter().map(String::len).sum();
+    if selection.len() <= SELECTION_MAX && bytes <= SELECTION_BYTES_MAX {
         return Act::Look { machine, selection };
     }
     let message = format!(
-        "{} states are selected in machine {machine}: tell of at most {SELECTION_MAX}",
+        "{} states are selected in machine {machine}, with paths of {bytes} bytes: tell of at most {SELECTION_MAX} \
+         states and {SELECTION_BYTES_MAX} bytes",
         selection.len()
     );
     Act::Tell(refused(None, &Failure::bad("too_many_selected", message)))

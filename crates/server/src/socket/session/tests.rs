@@ -67,6 +67,20 @@ fn subscriptions_are_limited() {
 }
 
 #[test]
+fn a_selection_is_not_longer_than_others_can_be_told() {
+    let look = |bytes: usize| {
+        let path = "S".repeat(bytes);
+        let frame = format!(r#"{{"frame":"presence","machine":"m","selection":["{path}"]}}"#);
+        hear(&mut Session::default(), Role::Viewer, &frame)
+    };
+    assert!(look(64 << 10).starts_with("Look"));
+    expect![[r#"
+        {"frame":"refused","id":null,"refusal":{"code":"too_many_selected","message":"1 states are selected in machine m, with paths of 65537 bytes: tell of at most 1000 states and 65536 bytes"}}
+    "#]]
+    .assert_eq(&look((64 << 10) + 1));
+}
+
+#[test]
 fn a_ping_is_answered_with_the_time() {
     check(
         Role::Viewer,
