@@ -73,5 +73,8 @@ pub(super) fn empty(name: &str, id: StateId, creation_time: &str) -> Machine {
 }
 
 fn unreadable(error: &LoadError) -> Failure {
+    if let LoadError::Outside { .. } = error {
+        return Failure::forbidden("outside_project", error.to_string());
+    }
     Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_machine", reason(error))
 }

@@ -25,13 +25,16 @@ struct Stock {
 /// The libraries of the server.
 #[derive(Debug, Default)]
 pub(crate) struct Shelf {
+    /// The folders of projects.
+    projects: Vec<PathBuf>,
     stock: RwLock<Arc<Stock>>,
 }
 
 impl Shelf {
-    /// Those of these settings.
-    pub(super) fn open(settings: &Settings) -> Self {
-        Self { stock: RwLock::new(Arc::new(Stock::new(super::library_roots::find(settings)))) }
+    /// Those of these settings, for machines in these folders.
+    pub(super) fn open(settings: &Settings, projects: Vec<PathBuf>) -> Self {
+        let stock = Stock::new(super::library_roots::find(settings), &projects);
+        Self { projects, stock: RwLock::new(Arc::new(stock)) }
     }
 
     /// What machines are loaded with now. Whoever keeps it reads no later changes.
@@ -48,7 +51,7 @@ impl Shelf {
     /// Files of libraries changed. Whoever is reading keeps what it reads to itself.
     pub(crate) fn refresh(&self) {
         let roots = self.stock().libraries.roots().to_vec();
-        *self.stock.write() = Arc::new(Stock::new(roots));
+        *self.stock.write() = Arc::new(Stock::new(roots, &self.projects));
     }
 
     /// The roots with what lies below them now.
@@ -67,8 +70,12 @@ impl Shelf {
 }
 
 impl Stock {
-    fn new(roots: Vec<Root>) -> Self {
-        Self { libraries: Arc::new(Libraries::new(roots)), documents: Mutex::default() }
+    /// Nothing is loaded that does not lie in one of the projects or below one of the roots.
+    fn new(roots: Vec<Root>, projects: &[PathBuf]) -> Self {
+        let homes = roots.iter().map(|root| super::at_home(&root.dir));
+        let homes = homes.chain(projects.iter().cloned()).collect();
+        let libraries = Arc::new(Libraries::new(roots).within(homes));
+        Self { libraries, documents: Mutex::default() }
     }
 
     fn document(&self, path: &str) -> Result<Bytes, Failure> {
@@ -103,7 +110,12 @@ fn unloaded(path: &str, error: &LoadError) -> Failure {
             let message = format!("there is no library {path}: /api/v1/libraries lists them");
             Failure::not_found("no_such_library", message)
         }
-        LoadError::NotAMachine { .. }
+        LoadError::Outside { .. } => {
+            let message = format!("the library {path} cannot be read: {error}");
+            Failure::forbidden("outside_project", message)
+        }
+        LoadError::Unfit { .. }
+        | LoadError::NotAMachine { .. }
         | LoadError::Yaml { .. }
         | LoadError::NoRoot { .. }
         | LoadError::Io { .. }

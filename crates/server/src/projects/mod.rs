@@ -28,8 +28,9 @@ pub(crate) struct Projects {
 impl Projects {
     /// The projects of these settings.
     pub(crate) fn new(settings: &Settings) -> Self {
-        let folders = settings.projects.iter().map(|folder| at_home(folder));
-        Self { known: names::named(folders), shelf: Shelf::open(settings) }
+        let folders: Vec<_> = settings.projects.iter().map(|folder| at_home(folder)).collect();
+        let known = names::named(folders.iter().cloned());
+        Self { known, shelf: Shelf::open(settings, folders) }
     }
 
     /// The libraries that machines are loaded with now. Whoever keeps them reads no later changes.

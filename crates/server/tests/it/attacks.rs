@@ -1,6 +1,7 @@
 //! What strangers try: other names, other pages, bodies without end, heads that never come, paths that lead out, guessing.
 
 use crate::harness::{House, PASSWORD, name};
+use crate::machines::{MACHINE, write};
 use crate::raw::{Raw, ask, login_from, status};
 use rafcon_protocol::api::Role;
 use serde_json::json;
@@ -219,6 +220,23 @@ fn no_path_leads_out_of_a_project() {
         }
     }
     assert_eq!(std::fs::read_dir(&outside).unwrap().count(), 0);
+}
+
+#[test]
+fn no_link_in_a_machine_leads_out_of_the_project() {
+    let house = House::new();
+    let outside = house.state().join("secret.py");
+    std::fs::write(&outside, "secret = 1").unwrap();
+    write(&house, "one", MACHINE);
+    let script = std::fs::read_dir(house.project().join("one")).unwrap();
+    let script = script.map(|entry| entry.unwrap().path().join("script.py"));
+    let script = script.into_iter().find(|script| script.exists()).unwrap();
+    std::fs::remove_file(&script).unwrap();
+    std::os::unix::fs::symlink(&outside, &script).unwrap();
+    let file = json!({"file": {"project": "project", "path": "one"}});
+    let answer = house.call(Some(Role::Viewer), "POST", "/api/v1/machines/open", Some(&file));
+    assert_eq!(answer.said(), "403 outside_project");
+    assert!(answer.text.contains("script.py leads out"), "{answer:?}");
 }
 
 #[test]

@@ -20,6 +20,7 @@ const MAX_NESTING: usize = 100;
 #[derive(Debug, Default)]
 pub struct Libraries {
     roots: Vec<Root>,
+    homes: Option<Vec<PathBuf>>,
     known: Mutex<BTreeMap<PathBuf, Arc<Parsed>>>,
     answers: Mutex<BTreeMap<(SmolStr, SmolStr), Answer>>,
 }
@@ -62,6 +63,18 @@ impl Libraries {
     /// Libraries below these roots; of two roots with one name the first counts.
     pub fn new(roots: Vec<Root>) -> Self {
         Self { roots, ..Self::default() }
+    }
+
+    /// The same for one who loads for others: machines and libraries, and every file of theirs, have to lie in these folders,
+    /// whatever links and paths say. Folders without links in them.
+    #[must_use]
+    pub fn within(self, homes: Vec<PathBuf>) -> Self {
+        Self { homes: Some(homes), ..self }
+    }
+
+    /// Where everything has to lie; nothing: anywhere.
+    pub(crate) fn homes(&self) -> Option<&[PathBuf]> {
+        self.homes.as_deref()
     }
 
     /// The roots, in the order in which they were given.

@@ -2,6 +2,7 @@
 //! thing itself is done elsewhere.
 
 use super::assemble::{Assembled, assemble};
+use super::confine;
 use super::folder::{self, FileReader};
 use super::header;
 use super::walk::{Node, compact_layout, parse, walk};
@@ -67,6 +68,21 @@ pub enum LoadError {
         /// What the system says.
         source: io::Error,
     },
+    /// Whoever loads for others reads in some folders only.
+    #[error(
+        "{} leads out of the folders that may be read; put there what it leads to, or give the folder in which that lies",
+        link.display()
+    )]
+    Outside {
+        /// The link.
+        link: PathBuf,
+    },
+    /// Whoever loads for others reads no such file.
+    #[error("{} is not a regular file of at most 64 MiB; put one there", file.display())]
+    Unfit {
+        /// The file.
+        file: PathBuf,
+    },
     /// A save was interrupted and cannot be finished.
     #[error("cannot finish the interrupted save in {}", path.display())]
     Recovery {
@@ -98,6 +114,9 @@ pub(crate) fn load_folder(
     libraries: &Libraries,
     loading: &Loading<'_>,
 ) -> Result<Loaded, LoadError> {
+    if let Some(homes) = libraries.homes() {
+        confine::check(dir, homes)?;
+    }
     let fd = folder::open(dir).map_err(|error| LoadError::io(dir, error))?;
     let settled = settle_before_reading(&fd, dir);
     settled.map_err(|source| LoadError::Recovery { path: dir.to_owned(), source })?;

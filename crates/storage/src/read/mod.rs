@@ -3,6 +3,7 @@
 
 mod assemble;
 mod compact;
+mod confine;
 mod decode;
 mod elements;
 mod folder;
