@@ -7,6 +7,7 @@ use parking_lot::{Condvar, Mutex};
 use rafcon_protocol::{Answer, Envelope, LogLevel, ToRunner, ToViewer, decode};
 use rafcon_storage::journal::ANSWERS_MAX;
 use std::collections::VecDeque;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::sync::Arc;
 
 /// Commands by their ids, with their answers.
@@ -16,16 +17,27 @@ pub(crate) type Answers = VecDeque<(String, Answer)>;
 #[derive(Debug)]
 pub(crate) struct Desk<S: Scripts> {
     driver: Arc<Driver<S>>,
-    /// The latest commands by id, with their answers; none yet where one is being carried out.
-    known: Mutex<VecDeque<(String, Option<Answer>)>>,
+    /// The latest commands.
+    known: Mutex<VecDeque<Known>>,
     answered: Condvar,
+}
+
+/// A command that came.
+#[derive(Debug)]
+struct Known {
+    id: String,
+    /// What it asks for, as far as it tells it from others; not known of those that runners before have answered.
+    asks: Option<u64>,
+    /// None yet while it is being carried out.
+    answer: Option<Answer>,
 }
 
 impl<S: Scripts> Desk<S> {
     /// A desk at which these commands were answered: by the runners before, if there were any.
     pub(crate) fn new(driver: Arc<Driver<S>>, answers: Answers) -> Self {
-        let known = answers.into_iter().map(|(id, answer)| (id, Some(answer))).collect();
-        Self { driver, known: Mutex::new(known), answered: Condvar::new() }
+        let known = |(id, answer)| Known { id, asks: None, answer: Some(answer) };
+        let known = Mutex::new(answers.into_iter().map(known).collect());
+        Self { driver, known, answered: Condvar::new() }
     }
 
     /// Serves one viewer until it goes away. `answering` is held from a command to its answer.
@@ -71,35 +83,51 @@ impl<S: Scripts> Desk<S> {
     /// The answer of a command that was sent before, from whomever; else it is carried out.
     fn answer(&self, envelope: &Envelope) -> Answer {
         let id = envelope.id.as_str();
-        if let Some(answer) = self.earlier(id) {
+        if let Some(answer) = self.earlier(envelope) {
             return answer;
         }
         let answer = self.driver.obey(envelope);
         let mut known = self.known.lock();
-        if let Some(entry) = known.iter_mut().find(|(known, _)| *known == id) {
-            entry.1 = Some(answer.clone());
+        if let Some(entry) = known.iter_mut().find(|known| known.id == id) {
+            entry.answer = Some(answer.clone());
         }
         self.answered.notify_all();
         answer
     }
 
     /// The answer to this id, waited for if need be; without one the id is taken.
-    fn earlier(&self, id: &str) -> Option<Answer> {
+    fn earlier(&self, envelope: &Envelope) -> Option<Answer> {
+        let (id, asks) = (envelope.id.as_str(), asks(envelope));
         let mut known = self.known.lock();
-        while let Some((_, answer)) = known.iter().find(|(known, _)| known == id) {
-            if let Some(answer) = answer {
+        while let Some(entry) = known.iter().find(|known| known.id == id) {
+            if entry.asks.is_some() && entry.asks != asks {
+                return Some(taken(id));
+            }
+            if let Some(answer) = &entry.answer {
                 return Some(answer.clone());
             }
             self.answered.wait(&mut known);
         }
         if known.len() >= ANSWERS_MAX
-            && let Some(oldest) = known.iter().position(|(_, answer)| answer.is_some())
+            && let Some(oldest) = known.iter().position(|known| known.answer.is_some())
         {
             known.remove(oldest);
         }
-        known.push_back((id.to_owned(), None));
+        known.push_back(Known { id: id.to_owned(), asks, answer: None });
         None
     }
+}
+
+/// What tells the command from others; nothing if it cannot be told.
+fn asks(envelope: &Envelope) -> Option<u64> {
+    let mut hasher = DefaultHasher::new();
+    serde_json::to_string(&envelope.command).ok()?.hash(&mut hasher);
+    Some(hasher.finish())
+}
+
+fn taken(id: &str) -> Answer {
+    let reason = format!("the id {id} came with another command before: choose a new id for each");
+    Answer::Refused { reason }
 }
 
 /// The id of a command that does not decode.

@@ -3,6 +3,10 @@
 use rafcon_protocol::{FrameError, Hello, Launch, ToRunner, encode};
 use std::io::{self, Write as _};
 use std::os::unix::net::UnixStream;
+use std::time::Duration;
+
+/// How long a runner may take to read its first words.
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// Why a runner was not told what to run.
 #[derive(Debug, thiserror::Error)]
@@ -10,9 +14,12 @@ pub enum BeginError {
     /// The launch is no message.
     #[error("the launch cannot be said to the runner")]
     Launch(#[from] FrameError),
-    /// The runner does not listen.
+    /// The runner is gone.
     #[error("the runner ended before it was told what to run; its output says why")]
-    Gone(#[from] io::Error),
+    Gone(#[source] io::Error),
+    /// The runner does not listen.
+    #[error("the runner did not read what it is to run within {} s; its output may say why", PATIENCE.as_secs())]
+    Silent(#[source] io::Error),
 }
 
 /// Says hello and what to run. What the runner says comes from the socket that is handed back, its own hello first, which is
@@ -20,8 +27,17 @@ pub enum BeginError {
 pub fn begin(mut control: UnixStream, launch: Launch) -> Result<UnixStream, BeginError> {
     let mut words = encode(&Hello::ours())?;
     words.extend(encode(&ToRunner::Launch(launch))?);
-    control.write_all(&words)?;
+    control.set_write_timeout(Some(PATIENCE)).map_err(BeginError::Gone)?;
+    control.write_all(&words).map_err(untold)?;
+    control.set_write_timeout(None).map_err(BeginError::Gone)?;
     Ok(control)
+}
+
+fn untold(error: io::Error) -> BeginError {
+    match error.kind() {
+        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => BeginError::Silent(error),
+        _ => BeginError::Gone(error),
+    }
 }
 
 #[cfg(test)]

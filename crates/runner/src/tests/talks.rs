@@ -69,7 +69,11 @@ fn an_id_counts_once_for_all_viewers() {
     first.until_text("+ROOT/A");
     let mut second = house.join(Join::default());
     assert_eq!(first.command("pause", Command::Pause), "applied");
-    assert_eq!(second.command("pause", Command::Resume { branch: None }), "applied");
+    assert_eq!(second.command("pause", Command::Pause), "applied");
+    assert_eq!(
+        second.command("pause", Command::Resume { branch: None }),
+        "refused: the id pause came with another command before: choose a new id for each"
+    );
     assert_eq!(second.command("stop", Command::Stop), "applied");
     assert_eq!(first.command("stop", Command::Stop), "applied");
     let text = first.into_end();

@@ -28,7 +28,7 @@ pub(crate) use origin::Names;
 pub use passwords::HashError;
 pub use people::{OWNER, People};
 pub use private::PrivateError;
-pub use rights::{ROUTES, Row, of_command, of_frame, of_route};
+pub use rights::{ROUTES, Row, of_command, of_frame, of_route, of_start};
 pub use roster::{Roster, RosterError};
 pub(crate) use routes::{about, routes};
 pub(crate) use secret::hex;

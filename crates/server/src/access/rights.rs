@@ -2,7 +2,7 @@
 
 use axum::http::Method;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::Right;
+use rafcon_protocol::api::{Right, StartRun};
 use rafcon_protocol::socket::ToServer;
 
 /// One route: method, path as the router spells it, and the right that it needs.
@@ -110,6 +110,12 @@ pub fn of_command(command: &Command) -> Right {
         | Command::Recover { .. }
         | Command::Control { .. } => Right::Command,
     }
+}
+
+/// The right that starting a run needs. What brings Python text into a run is an edit.
+pub fn of_start(start: &StartRun) -> Right {
+    let is_edit = start.breakpoints.iter().any(|breakpoint| breakpoint.condition.is_some());
+    if is_edit { Right::Edit } else { Right::Start }
 }
 
 /// The right that a frame of the socket needs.

@@ -7,7 +7,7 @@ use super::register::Register;
 use super::roster::{Entry, Roster, RosterError, Token};
 use super::secret::{Secret, hex, random};
 use crate::settings::HashCost;
-use rafcon_protocol::api::{NewToken, Role, TokenMade};
+use rafcon_protocol::api::{NewToken, Right, Role, TokenMade};
 use rafcon_supervisor::clock::since_1970_ms;
 use std::path::Path;
 use std::sync::Arc;
@@ -54,6 +54,11 @@ impl Users {
     /// Who there is now.
     pub fn roster(&self) -> Arc<Roster> {
         self.register.now()
+    }
+
+    /// Whether somebody of this name may do this now.
+    pub(crate) fn may(&self, name: &str, right: Right) -> bool {
+        self.roster().role_of(name).is_some_and(|role| role.grants(right))
     }
 
     pub(super) fn register(&self) -> &Register {

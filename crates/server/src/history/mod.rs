@@ -57,6 +57,11 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 }
 
 impl History {
+    /// Open journals, for whoever else reads some.
+    pub(crate) fn readers(&self) -> &Arc<Readers> {
+        &self.readers
+    }
+
     /// A run is gone, or about to go: nothing of it stays open or in memory.
     pub(crate) fn forget(&self, folder: &Path) {
         self.readers.forget(folder);

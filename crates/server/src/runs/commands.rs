@@ -2,6 +2,7 @@
 //! links; must never know what a command does.
 
 use super::link::{Link, NotSent};
+use super::request::key;
 use super::run::Run;
 use super::talk::{self, LinkError};
 use crate::access::{Who, of_command};
@@ -9,9 +10,8 @@ use crate::blocking::blocking;
 use crate::failure::reason;
 use crate::{Failure, House};
 use axum::http::StatusCode;
-use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, RunPhase};
+use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, Right, RunPhase};
 use rafcon_protocol::{Answer, Command, Envelope, StateData};
-use rafcon_storage::journal::Reader;
 use rafcon_supervisor::clock;
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,15 +35,22 @@ pub(crate) async fn command(
     }
     let run = house.runs.get(run).await?;
     let id = envelope.id.clone();
-    if !run.is_live() {
-        return answered_before(&run, id).await;
+    let known = key(&who.user, &id);
+    if !is_commanded(&run) {
+        return answered_before(house, &run, id, known).await;
     }
     if !is_for_everybody(&envelope.command) {
         take(house, &run, who)?;
     }
-    let envelope = Envelope { author: who.user.clone(), ..envelope };
+    let envelope = Envelope { id: known, author: who.user.clone(), ..envelope };
     let answer = send(&run, envelope).await?;
     Ok(CommandAnswer { id, answer })
+}
+
+/// Whether there is a runner that can be commanded: with a link there is, whatever was found.
+fn is_commanded(run: &Run) -> bool {
+    let is_finished = matches!(run.summary().phase, RunPhase::Finished { .. });
+    run.is_live() || (run.link().is_some() && !is_finished)
 }
 
 /// What brings a robot to rest needs no control.
@@ -69,12 +76,27 @@ pub(crate) async fn control(
         let message = "nobody commands a run that does not go on: resume it, or start another";
         return Err(Failure::conflict("run_is_not_live", message));
     }
+    if let ControlMove::HandOver { to } = wanted {
+        may_command(house, to).await?;
+    }
     let now_ms = clock::since_1970_ms();
     with_control(house, &run, who, |holding| {
         holding.apply(&who.user, wanted, now_ms, run.silence())
     })?;
     let control = run.now().borrow().control.clone();
     Ok(control)
+}
+
+/// Nobody is given control who could not command.
+async fn may_command(house: &Arc<House>, user: &str) -> Result<(), Failure> {
+    let (here, name) = (Arc::clone(house), user.to_owned());
+    if blocking(move || Ok(here.people().users().may(&name, Right::Command))).await? {
+        return Ok(());
+    }
+    let message = format!(
+        "{user} is nobody who may command runs: hand control over to an operator, engineer or admin"
+    );
+    Err(Failure::conflict("not_in_control", message))
 }
 
 /// Does something with who holds control. If another does then, it is kept, and told to the runner: it stands in the journal.
@@ -173,15 +195,21 @@ fn not_spoken_with(error: &LinkError) -> Failure {
 }
 
 /// The answer that a command had while the run went on; without one it comes too late.
-async fn answered_before(run: &Run, id: String) -> Result<CommandAnswer, Failure> {
+async fn answered_before(
+    house: &House,
+    run: &Run,
+    id: String,
+    known: String,
+) -> Result<CommandAnswer, Failure> {
     let folder = run.folder().to_path_buf();
     let phase = run.summary().phase;
-    blocking(move || {
-        let answer = Reader::open(&folder).and_then(|mut reader| reader.moment(u64::MAX));
-        let answer = answer.ok().and_then(|moment| moment.whole().answer(&id).cloned());
-        answer.map(|answer| CommandAnswer { id, answer }).ok_or_else(|| not_live(&phase))
-    })
-    .await
+    let read = house
+        .history
+        .readers()
+        .read(folder, move |reader| Ok(reader.moment(u64::MAX)?.whole().answer(&known).cloned()));
+    // What cannot be read says nothing about the command.
+    let answer = read.await.ok().flatten();
+    answer.map(|answer| CommandAnswer { id, answer }).ok_or_else(|| not_live(&phase))
 }
 
 /// Why a run cannot be commanded.
@@ -203,6 +231,12 @@ pub(crate) async fn inspect(
     if !run.is_live() {
         return Err(not_live(&run.summary().phase));
     }
+    // Held until the connection is gone.
+    let _guest = run.guest().ok_or_else(|| {
+        let message = "too many ask what states of this run hold: wait for their answers";
+        Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_questions", message)
+            .with_header("Retry-After", "1".to_owned())
+    })?;
     let asked = timeout(PATIENCE, talk::inspect(run.folder().to_path_buf(), path)).await;
     let data = asked.map_err(|_over| late())?.map_err(|error| not_spoken_with(&error))?;
     data.ok_or_else(|| {

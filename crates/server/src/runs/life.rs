@@ -39,9 +39,13 @@ pub(super) async fn look(house: &Arc<House>, folder: PathBuf) -> Option<Arc<Run>
 
 /// Looks after the runner of a run from now on, if nobody does yet.
 pub(super) fn follow(house: &Arc<House>, run: &Arc<Run>) {
-    if !run.is_taken_in_hand() {
-        return;
+    if run.is_taken_in_hand() {
+        look_after(house, run);
     }
+}
+
+/// Looks after the runner of a run that is in our hand.
+fn look_after(house: &Arc<House>, run: &Arc<Run>) {
     let (house, run) = (Arc::clone(house), Arc::clone(run));
     let life = Life { house, run, lives: Lives::default(), control: None };
     tokio::spawn(life.go_on());
@@ -49,14 +53,36 @@ pub(super) fn follow(house: &Arc<House>, run: &Arc<Run>) {
 
 /// Looks after a runner that was just started, and waits until it can be commanded: until then it knows that somebody looks on.
 pub(super) async fn follow_ours(house: &Arc<House>, run: &Arc<Run>, launched: Launched) {
+    let control = is_ours(run, launched);
+    follow(house, run);
+    run.linked().await;
+    drop(control);
+}
+
+/// The same for a run that is in our hand.
+pub(super) async fn look_after_ours(house: &Arc<House>, run: &Arc<Run>, launched: Launched) {
+    let control = is_ours(run, launched);
+    look_after(house, run);
+    run.linked().await;
+    drop(control);
+}
+
+fn is_ours(run: &Run, launched: Launched) -> UnixStream {
     let Launched { loaded, control, exit } = launched;
     if let Some(loaded) = loaded {
         run.is_loaded(loaded);
     }
     run.is_ours(exit);
-    follow(house, run);
-    run.linked().await;
-    drop(control);
+    control
+}
+
+/// What was known about a run may be true no more: looks, and follows it if it lives.
+pub(super) async fn look_again(house: &Arc<House>, run: &Run) {
+    if let Some(run) = Box::pin(look(house, run.folder().to_path_buf())).await
+        && run.summary().phase == RunPhase::Live
+    {
+        follow(house, &run);
+    }
 }
 
 /// The runners of one run, one after the other.
@@ -76,14 +102,15 @@ impl Life {
                 break;
             }
         }
-        let Self { house, run, .. } = self;
-        run.is_let_go();
         // Somebody else may have taken it up in between.
-        if let Some(run) = Box::pin(look(&house, run.folder().to_path_buf())).await
-            && run.summary().phase == RunPhase::Live
-        {
-            follow(&house, &run);
-        }
+        look_again(&self.house, &self.run).await;
+    }
+
+    /// Nobody looks after the run from now on; only then it is told how it stands, so that whoever knows can take it up.
+    fn is_over(&self, summary: &RunSummary) -> bool {
+        self.run.is_let_go();
+        self.run.is_as_found(summary);
+        false
     }
 
     /// Follows the runner for as long as it lives.
@@ -104,7 +131,7 @@ impl Life {
         }
     }
 
-    /// The runner is dead: whether another follows.
+    /// The runner is dead: whether another follows. If not, the run is let go.
     async fn is_taken_up(&mut self) -> bool {
         let exit = self.exit().await;
         let (house, folder) = (Arc::clone(&self.house), self.run.folder().to_path_buf());
@@ -114,14 +141,14 @@ impl Life {
             Some((looked, policy, fate::of(&folder, exit)))
         };
         let Ok(Some((looked, policy, fate))) = tokio::task::spawn_blocking(look).await else {
+            self.run.is_let_go();
             return false;
         };
         let Looked { mut summary, request } = looked;
         let ours =
             request.filter(|request| summary.phase == RunPhase::Crashed && request.may_go_on());
         let Some(request) = ours else {
-            self.run.is_as_found(&summary);
-            return false;
+            return self.is_over(&summary);
         };
         let next = if fate.is_killed {
             Next::Ask("somebody killed it")
@@ -156,8 +183,7 @@ impl Life {
     /// Somebody has to decide what becomes of the run.
     async fn is_left(&self, summary: &RunSummary, request: Request) -> bool {
         take_up::leave_alone(&self.house, &self.run, request).await;
-        self.run.is_as_found(summary);
-        false
+        self.is_over(summary)
     }
 
     /// Whether a process writes the run.

@@ -30,17 +30,25 @@ pub(crate) use told::Told;
 
 use crate::news::News;
 use crate::{Failure, House, Settings};
+use axum::http::StatusCode;
 use parking_lot::Mutex;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_supervisor::{MakeError, Runs as Folder, clock, policy_of};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 use summary::Looked;
-use tokio::sync::watch as tokio_watch;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch as tokio_watch};
+use tokio::time::timeout;
 
 /// Ids of requests and commands are no longer.
 const ID_MAX: usize = 128;
+
+/// So many runners are started at a time: each holds a thread until its machine is loaded.
+const LAUNCHES: usize = 4;
+/// How long a start waits for its turn.
+const TURN_PATIENCE: Duration = Duration::from_secs(30);
 
 /// The run that a request has begun, once it has; held while it is being begun.
 type Slot = Arc<tokio::sync::Mutex<Option<String>>>;
@@ -51,6 +59,7 @@ pub(crate) struct Runs {
     folder: Folder,
     all: Mutex<BTreeMap<String, Arc<Run>>>,
     requests: Mutex<BTreeMap<String, Slot>>,
+    launches: Arc<Semaphore>,
     /// Whether the folder was looked through.
     known: tokio_watch::Sender<bool>,
     watch: Mutex<Option<watch::Watch>>,
@@ -64,6 +73,7 @@ impl Runs {
             folder: Folder::new(Some(&settings.runs), &settings.surroundings)?,
             all: Mutex::default(),
             requests: Mutex::default(),
+            launches: Arc::new(Semaphore::new(LAUNCHES)),
             known: tokio_watch::Sender::new(false),
             watch: Mutex::default(),
             news: news.counter_of_runs(),
@@ -110,6 +120,11 @@ impl Runs {
         }
     }
 
+    /// The folders of those that are known.
+    fn folders(&self) -> Vec<PathBuf> {
+        self.all.lock().values().map(|run| run.folder().to_path_buf()).collect()
+    }
+
     fn known(&self, id: &str) -> Option<Arc<Run>> {
         self.all.lock().get(id).cloned()
     }
@@ -119,6 +134,16 @@ impl Runs {
         let mut known = self.known.subscribe();
         // The sender lives as long as we do.
         drop(known.wait_for(|known| *known).await);
+    }
+
+    /// The turn of somebody who wants a runner started: as soon as there are few enough before them.
+    async fn turn(&self) -> Result<OwnedSemaphorePermit, Failure> {
+        let turn = timeout(TURN_PATIENCE, Arc::clone(&self.launches).acquire_owned()).await;
+        turn.ok().and_then(Result::ok).ok_or_else(|| {
+            let message = "too many runs are being started: wait until some of them have begun";
+            Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_starts", message)
+                .with_header("Retry-After", TURN_PATIENCE.as_secs().to_string())
+        })
     }
 
     /// The request with this id: whoever has it locked begins its run.
@@ -157,8 +182,8 @@ impl Runs {
         }
         all.insert(looked.summary.id.clone(), Arc::clone(&run));
         drop(all);
-        if let Some(start) = looked.request.and_then(|request| request.start) {
-            self.has_begun(&start.id, &looked.summary.id);
+        if let Some(key) = looked.request.and_then(|request| request.key()) {
+            self.has_begun(&key, &looked.summary.id);
         }
         self.news.send_modify(|revision| *revision += 1);
         Some(run)

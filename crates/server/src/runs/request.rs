@@ -23,9 +23,12 @@ pub(super) struct Request {
     /// What was started; nothing if the run was only taken up here.
     #[serde(default)]
     pub(super) start: Option<StartRun>,
-    /// Ids by which it was taken up.
+    /// By which it was taken up: authors with their ids.
     #[serde(default)]
     pub(super) resumed: Vec<String>,
+    /// By which it was about to be taken up when this was written: whether a runner was started is not known.
+    #[serde(default)]
+    pub(super) resuming: Option<String>,
     /// Nobody takes the run up by itself any more: somebody has to decide.
     #[serde(default)]
     pub(super) is_left_alone: bool,
@@ -47,14 +50,45 @@ impl Request {
         replace(&folder.join(REQUEST_FILE), &serde_json::to_vec(self)?, true)
     }
 
-    /// The same, taken up by somebody.
-    pub(super) fn taken_up(mut self, author: &str, id: &str) -> Self {
+    /// Nothing was asked after all.
+    pub(super) fn remove(folder: &Path) -> io::Result<()> {
+        fs::remove_file(folder.join(REQUEST_FILE))
+    }
+
+    /// The same, about to be taken up by somebody.
+    pub(super) fn taking_up(mut self, author: &str, id: &str) -> Self {
         if self.start.is_none() && self.resumed.is_empty() {
             author.clone_into(&mut self.author);
         }
         (self.boot, self.is_left_alone) = (boot(), false);
-        self.resumed.push(id.to_owned());
+        self.resuming = Some(key(author, id));
         self
+    }
+
+    /// The same, with a runner.
+    pub(super) fn taken_up(mut self) -> Self {
+        self.resumed.extend(self.resuming.take());
+        self
+    }
+
+    /// Whether it was taken up by this id of this author.
+    pub(super) fn was_taken_up(&self, author: &str, id: &str) -> bool {
+        self.resumed.contains(&key(author, id))
+    }
+
+    /// Whether this id of this author was the last to take it up, with nobody knowing whether a runner was started.
+    pub(super) fn is_being_taken_up(&self, author: &str, id: &str) -> bool {
+        self.resuming.as_ref() == Some(&key(author, id))
+    }
+
+    /// What tells a request to start a run from all other requests.
+    pub(super) fn start_key(author: &str, id: &str) -> String {
+        format!("start/{}", key(author, id))
+    }
+
+    /// The same of what was started here.
+    pub(super) fn key(&self) -> Option<String> {
+        self.start.as_ref().map(|start| Self::start_key(&self.author, &start.id))
     }
 
     /// The machine, as it was named.
@@ -66,6 +100,11 @@ impl Request {
     pub(super) fn may_go_on(&self) -> bool {
         !self.is_left_alone && !self.boot.is_empty() && self.boot == boot()
     }
+}
+
+/// Ids are their author's own: those of others are others.
+pub(super) fn key(author: &str, id: &str) -> String {
+    format!("{author}/{id}")
 }
 
 /// This start of the computer; empty where it cannot be told.
@@ -92,10 +131,13 @@ mod tests {
 
     #[test]
     fn a_run_goes_on_by_itself_unless_the_computer_was_started_anew_or_it_is_left_alone() {
-        let request = Request::default().taken_up("ana", "1");
+        let request = Request::default().taking_up("ana", "1");
+        assert!(request.is_being_taken_up("ana", "1") && !request.was_taken_up("ana", "1"));
+        let request = request.taken_up();
+        assert!(request.was_taken_up("ana", "1") && !request.was_taken_up("bob", "1"));
         assert!(request.may_go_on());
         assert!(!Request { boot: "another".to_owned(), ..request.clone() }.may_go_on());
         assert!(!Request { is_left_alone: true, ..request.clone() }.may_go_on());
-        assert_eq!((request.author.as_str(), request.resumed), ("ana", vec!["1".to_owned()]));
+        assert_eq!(request.author, "ana");
     }
 }

@@ -1,6 +1,6 @@
 //! What is asked about runs: how they begin, stand and are commanded. Knows requests and answers; the work is done next door.
 
-use super::{commands, output, start, take_up};
+use super::{Run, commands, output, start, take_up};
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
@@ -12,8 +12,6 @@ use rafcon_protocol::api::{
     RunSummary, StartRun, StateAt,
 };
 use rafcon_protocol::{Breakpoint, Envelope, Question, StateData, Values};
-use rafcon_storage::journal::{JournalError, Reader};
-use std::path::PathBuf;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -43,15 +41,17 @@ async fn list(State(house): State<Arc<House>>) -> Json<Vec<RunSummary>> {
 
 /// Starts a run.
 ///
-/// Answered once the machine is loaded and the run begins. The same id starts one run, however often it is asked for.
+/// Answered once the machine is loaded and the run begins. The same id of the same author starts one run, however often it is
+/// asked for. Breakpoints with a condition need the right to edit: a condition is Python.
 #[utoipa::path(post, path = "/api/v1/runs", tag = "runs", request_body = StartRun, responses(
     (status = 200, description = "The run", body = RunSummary),
     (status = 400, description = "Something is wrong with the request itself", body = Refusal),
-    (status = 403, description = "The machine lies outside the projects", body = Refusal),
+    (status = 403, description = "The machine lies outside the projects, or a breakpoint has a condition and you may not edit", body = Refusal),
     (status = 404, description = "There is no such project or machine", body = Refusal),
     (status = 409, description = "The run that this id has started was deleted", body = Refusal),
     (status = 413, description = "The request is too large", body = Refusal),
     (status = 422, description = "The machine cannot be run", body = Refusal),
+    (status = 429, description = "Too many runs are being started", body = Refusal),
     (status = 503, description = "There is no interpreter, extension or room", body = Refusal),
 ))]
 async fn begin(
@@ -89,6 +89,7 @@ async fn now(
         (status = 409, description = "It goes on, has ended, or somebody else commands", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
         (status = 422, description = "It cannot be taken up", body = Refusal),
+        (status = 429, description = "Too many runs are being started", body = Refusal),
         (status = 503, description = "There is no interpreter, extension or room", body = Refusal),
     )
 )]
@@ -103,7 +104,8 @@ async fn resume(
 
 /// Gives a run a command.
 ///
-/// The author is whoever asks. The same id is carried out once; asked for again it has the first answer again.
+/// The author is whoever asks. The same id of the same author is carried out once; asked for again it has the first answer
+/// again, and for another command it is refused.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/commands", tag = "runs", request_body = Envelope,
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -171,6 +173,7 @@ async fn move_control(
         (status = 400, description = "The query does not fit", body = Refusal),
         (status = 404, description = "There is no such run, or the state is not active", body = Refusal),
         (status = 409, description = "The run does not go on", body = Refusal),
+        (status = 429, description = "Too many ask what states of this run hold", body = Refusal),
         (status = 503, description = "The runner cannot be reached", body = Refusal),
     )
 )]
@@ -200,7 +203,7 @@ async fn breakpoints(
     let now = Arc::clone(&run.now().borrow());
     match now.snapshot.as_ref().filter(|_| run.is_live()) {
         Some(snapshot) => Ok(Json(snapshot.breakpoints.clone())),
-        None => Ok(Json(picture(run.folder().to_path_buf()).await?.breakpoints)),
+        None => Ok(Json(picture(&house, &run).await?.breakpoints)),
     }
 }
 
@@ -237,7 +240,7 @@ async fn globals(
     Path(run): Path<String>,
 ) -> Result<Json<Values>, Failure> {
     let run = house.runs.get(&run).await?;
-    Ok(Json(picture(run.folder().to_path_buf()).await?.globals))
+    Ok(Json(picture(&house, &run).await?.globals))
 }
 
 /// What the runner and its scripts wrote past the capture of script output: the end of it.
@@ -261,11 +264,10 @@ async fn written(
 }
 
 /// How a run stood after its last event.
-async fn picture(folder: PathBuf) -> Result<Picture, Failure> {
-    let read = move || {
-        let mut reader = Reader::open(&folder)?;
+async fn picture(house: &House, run: &Run) -> Result<Picture, Failure> {
+    let read = house.history.readers().read(run.folder().to_path_buf(), |reader| {
         let moment = reader.moment(u64::MAX)?;
-        reader.picture(&moment)
-    };
-    blocking(move || read().map_err(|error: JournalError| error.into())).await
+        Ok(reader.picture(&moment)?)
+    });
+    read.await
 }

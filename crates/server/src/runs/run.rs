@@ -16,11 +16,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
-use tokio::sync::{oneshot, watch};
+use tokio::sync::{Semaphore, SemaphorePermit, oneshot, watch};
 use tokio::time::timeout;
 
 /// How long the way to a runner is waited for by those who need it.
 const LINK_PATIENCE: Duration = Duration::from_secs(3);
+
+/// So many look into active states at a time, each over a connection of its own: the runner lets few in, and others need it more.
+const GUESTS: usize = 4;
 
 /// One run.
 #[derive(Debug)]
@@ -44,6 +47,9 @@ pub(crate) struct Run {
     has_changed: AtomicBool,
     /// How many notes about control were sent.
     notes: AtomicU64,
+    guests: Semaphore,
+    /// Held while who holds control is written down.
+    keeping: Mutex<()>,
 }
 
 impl Run {
@@ -76,6 +82,8 @@ impl Run {
             is_followed: AtomicBool::new(false),
             has_changed: AtomicBool::new(false),
             notes: AtomicU64::new(0),
+            guests: Semaphore::new(GUESTS),
+            keeping: Mutex::default(),
         }
     }
 
@@ -139,6 +147,18 @@ impl Run {
         // Too late, or never: there is no link then.
         drop(timeout(LINK_PATIENCE, now.wait_for(is_up)).await);
         self.link()
+    }
+
+    /// Waits until somebody who looks after a runner that has come to its end knows what it left; not for long.
+    pub(super) async fn is_settled(&self) {
+        let mut now = self.now();
+        let is_known = |now: &Arc<RunNow>| now.link == LinkState::Over || is_live(&now.run.phase);
+        drop(timeout(LINK_PATIENCE, now.wait_for(is_known)).await);
+    }
+
+    /// Lets somebody look into an active state for as long as this is held; nothing if too many do.
+    pub(super) fn guest(&self) -> Option<SemaphorePermit<'_>> {
+        self.guests.try_acquire().ok()
     }
 
     /// Its process is one of ours, and ends like this.
@@ -237,7 +257,9 @@ impl Run {
 
     /// Keeps who holds control in the run's folder: what is true when it is written.
     pub(super) fn keep_holding(&self) {
-        let holding = self.holding.lock();
+        let _one_after_the_other = self.keeping.lock();
+        // Nobody waits for the disk to be heard.
+        let holding = self.holding.lock().clone();
         if let Err(error) = holder_file::write(&self.folder, &holding) {
             let (id, tell) = (&self.id, self.tell);
             tell(&format!("who commands run {id} is not kept: {error}"));

@@ -6,7 +6,7 @@ use super::launch::{LaunchError, Launched, launch};
 use super::life;
 use super::request::Request;
 use super::run::Run;
-use crate::access::Who;
+use crate::access::{Who, of_start};
 use crate::blocking::blocking;
 use crate::failure::reason;
 use crate::{Failure, House};
@@ -24,6 +24,7 @@ pub(crate) async fn start(
     asked: StartRun,
 ) -> Result<RunSummary, Failure> {
     check(&asked)?;
+    who.must(of_start(&asked))?;
     let (house, author) = (Arc::clone(house), who.user.clone());
     let started = tokio::spawn(async move { once(&house, &author, asked).await });
     started.await.unwrap_or_else(|_stopped| Err(unfinished()))
@@ -47,7 +48,7 @@ fn check(asked: &StartRun) -> Result<(), Failure> {
 
 async fn once(house: &Arc<House>, author: &str, asked: StartRun) -> Result<RunSummary, Failure> {
     house.runs.are_known().await;
-    let id = asked.id.clone();
+    let id = Request::start_key(author, &asked.id);
     let slot = house.runs.request(&id);
     let mut begun = slot.lock().await;
     if let Some(run) = &*begun {
@@ -75,8 +76,13 @@ fn is_gone(run: &str) -> Failure {
 
 async fn begin(house: &Arc<House>, author: &str, asked: StartRun) -> Result<Arc<Run>, Failure> {
     let request = Request::to_start(author, asked.clone());
+    let turn = house.runs.turn().await?;
     let here = Arc::clone(house);
-    let (folder, launched) = blocking(move || made(&here, &asked, &request)).await?;
+    let made = move || {
+        let _turn = turn;
+        made(&here, &asked, &request)
+    };
+    let (folder, launched) = blocking(made).await?;
     let found = life::look(house, folder.clone()).await;
     let run = found.ok_or_else(|| not_kept(&folder))?;
     life::follow_ours(house, &run, launched).await;

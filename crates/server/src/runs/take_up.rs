@@ -43,31 +43,48 @@ async fn once(
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
     // One after the other: two who ask at once do not both start a runner.
-    let slot = house.runs.request(&format!("{}/resume", run.id()));
+    let slot = house.runs.request(&format!("resume/{}", run.id()));
     let _turn = slot.lock().await;
+    run.is_settled().await;
     let folder = run.folder().to_path_buf();
-    let before = blocking(move || Ok(Request::read(&folder).unwrap_or_default())).await?;
-    if before.resumed.contains(&asked.id) {
+    let before = blocking(move || Ok(Request::read(&folder))).await?;
+    let known = before.as_ref();
+    let is_done = known.is_some_and(|request| {
+        let is_begun = request.is_being_taken_up(&who.user, &asked.id) && run.is_live();
+        is_begun || request.was_taken_up(&who.user, &asked.id)
+    });
+    if is_done {
         return Ok(run.summary());
     }
     may_be_resumed(&run.summary(), &asked)?;
     commands::take(house, run, who)?;
-    let phase = run.summary().phase;
+    let turn = house.runs.turn().await?;
+    if !run.is_taken_in_hand() {
+        return Err(is_live());
+    }
     run.is_in(RunPhase::Starting);
-    let after = before.clone().taken_up(&who.user, &asked.id);
-    let (here, there) = (Arc::clone(house), Arc::clone(run));
-    match blocking(move || begun(&here, &there, &asked, &after, &before)).await {
+    let (here, there, author) = (Arc::clone(house), Arc::clone(run), who.user.clone());
+    let begin = move || {
+        let _turn = turn;
+        begun(&here, &there, &author, &asked, before)
+    };
+    match blocking(begin).await {
         Ok(launched) => {
             run.is_in(RunPhase::Live);
             house.audit().note(&who.user, "run_resumed", run.id());
-            life::follow_ours(house, run, launched).await;
+            life::look_after_ours(house, run, launched).await;
             Ok(run.summary())
         }
         Err(failure) => {
-            run.is_in(phase);
+            run.is_let_go();
+            life::look_again(house, run).await;
             Err(failure)
         }
     }
+}
+
+fn is_live() -> Failure {
+    Failure::conflict("run_is_live", "the run goes on: command it instead")
 }
 
 fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
@@ -79,9 +96,7 @@ fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
             "run_is_over",
             "the run has come to its end: start another, or name an entry of its history to begin from (`from`)",
         ),
-        RunPhase::Live | RunPhase::Starting => {
-            refused("run_is_live", "the run goes on: command it instead")
-        }
+        RunPhase::Live | RunPhase::Starting => Err(is_live()),
         RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
             refused("run_is_unreadable", &format!("there is nothing to take up: {reason}"))
         }
@@ -92,21 +107,33 @@ fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
 fn begun(
     house: &House,
     run: &Run,
+    author: &str,
     asked: &ResumeRun,
-    after: &Request,
-    before: &Request,
+    before: Option<Request>,
 ) -> Result<Launched, Failure> {
     let folder = run.folder();
     let unwritten = |error: io::Error| {
         let message = format!("cannot write into {}: {error}", folder.display());
         Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_folder", message)
     };
-    after.write(folder).map_err(unwritten)?;
+    let request = before.clone().unwrap_or_default().taking_up(author, &asked.id);
+    request.write(folder).map_err(unwritten)?;
     let words = resume_launch(folder, asked.policy, asked.from);
-    launch(&house.settings, folder, words).map_err(|error| {
-        before.write(folder).unwrap_or_default();
-        not_launched(&error)
-    })
+    match launch(&house.settings, folder, words) {
+        Ok(launched) => {
+            if let Err(error) = request.taken_up().write(folder) {
+                (house.settings.tell)(&format!("run {} was taken up: {error}", run.id()));
+            }
+            Ok(launched)
+        }
+        Err(error) => {
+            let put_back = before.map_or_else(|| Request::remove(folder), |it| it.write(folder));
+            if let Err(error) = put_back {
+                (house.settings.tell)(&format!("run {} was not taken up: {error}", run.id()));
+            }
+            Err(not_launched(&error))
+        }
+    }
 }
 
 /// Another runner takes the run up, as its policy says.

@@ -19,6 +19,15 @@ const CHANGES: usize = 1024;
 /// The end of the name of a folder that is being deleted.
 const GONE: &str = "gone";
 
+/// What was noticed.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Noticed {
+    /// Something happened in the folder of a run.
+    In(PathBuf),
+    /// More happened than was told.
+    Anything,
+}
+
 /// Keeps changes coming while it is there.
 #[derive(Debug)]
 pub(super) struct Watch {
@@ -27,15 +36,14 @@ pub(super) struct Watch {
     watched: BTreeSet<PathBuf>,
 }
 
-/// Begins to notice changes: each is the folder of a run. Without, the server knows the runs that it started.
-pub(super) fn begin(house: &Arc<House>) -> mpsc::Receiver<PathBuf> {
+/// Begins to notice changes. Without, the server knows the runs that it started.
+pub(super) fn begin(house: &Arc<House>) -> mpsc::Receiver<Noticed> {
     let (changes, noticed) = mpsc::channel(CHANGES);
     let all = house.runs.folder.folder().to_path_buf();
     let tell = move |event: notify::Result<notify::Event>| {
-        let folders = event.map(|event| folders_of(&all, &event)).unwrap_or_default();
-        for folder in folders {
+        for change in noticed_of(&all, event) {
             // Nobody notices any more when the server ends.
-            changes.blocking_send(folder).unwrap_or_default();
+            changes.blocking_send(change).unwrap_or_default();
         }
     };
     let all = house.runs.folder.folder();
@@ -57,17 +65,31 @@ pub(super) fn begin(house: &Arc<House>) -> mpsc::Receiver<PathBuf> {
 }
 
 /// Looks at what changed, one after the other.
-pub(super) async fn serve(house: &Arc<House>, mut noticed: mpsc::Receiver<PathBuf>) {
+pub(super) async fn serve(house: &Arc<House>, mut noticed: mpsc::Receiver<Noticed>) {
     for folder in folders(house.runs.folder.folder()) {
         keep_an_eye_on(house, &folder);
     }
-    while let Some(folder) = noticed.recv().await {
-        keep_an_eye_on(house, &folder);
-        if let Some(run) = life::look(house, folder).await
-            && run.summary().phase == RunPhase::Live
-        {
-            life::follow(house, &run);
+    while let Some(change) = noticed.recv().await {
+        match change {
+            Noticed::In(folder) => look(house, folder).await,
+            Noticed::Anything => {
+                let mut all: BTreeSet<_> =
+                    folders(house.runs.folder.folder()).into_iter().collect();
+                all.extend(house.runs.folders());
+                for folder in all {
+                    look(house, folder).await;
+                }
+            }
         }
+    }
+}
+
+async fn look(house: &Arc<House>, folder: PathBuf) {
+    keep_an_eye_on(house, &folder);
+    if let Some(run) = life::look(house, folder).await
+        && run.summary().phase == RunPhase::Live
+    {
+        life::follow(house, &run);
     }
 }
 
@@ -109,6 +131,16 @@ pub(super) async fn remove(house: &House, folder: PathBuf) {
     removed.await.unwrap_or_default();
 }
 
+/// What is to be looked at after the system said this; errors mean that something was not told.
+fn noticed_of(all: &Path, told: notify::Result<notify::Event>) -> Vec<Noticed> {
+    match told {
+        Ok(event) if !event.need_rescan() => {
+            folders_of(all, &event).into_iter().map(Noticed::In).collect()
+        }
+        _ => vec![Noticed::Anything],
+    }
+}
+
 /// The folders of runs that a change is about, if it matters.
 fn folders_of(all: &Path, event: &notify::Event) -> Vec<PathBuf> {
     let comes_or_goes = matches!(
@@ -137,10 +169,12 @@ fn is_going(folder: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::folders_of;
+    use super::{Noticed, folders_of, noticed_of};
     use expect_test::{Expect, expect};
     use notify::Event;
-    use notify::event::{CreateKind, DataChange, EventKind, ModifyKind, RemoveKind, RenameMode};
+    use notify::event::{
+        CreateKind, DataChange, EventKind, Flag, ModifyKind, RemoveKind, RenameMode,
+    };
     use std::path::Path;
 
     fn check(kind: EventKind, paths: &[&str], expect: &Expect) {
@@ -161,6 +195,14 @@ mod tests {
         check(renamed, &["a/run.new", "a/run.json"], &expect![[r#"["/runs/a"]"#]]);
         check(renamed, &["a", "a.gone"], &expect![[r#"["/runs/a"]"#]]);
         check(EventKind::Remove(RemoveKind::Any), &["a"], &expect![[r#"["/runs/a"]"#]]);
+    }
+
+    #[test]
+    fn after_more_than_can_be_told_everything_is_looked_at() {
+        let overflow = Event::new(EventKind::Other).set_flag(Flag::Rescan);
+        assert_eq!(noticed_of(Path::new("/runs"), Ok(overflow)), [Noticed::Anything]);
+        let nothing = notify::Error::generic("lost");
+        assert_eq!(noticed_of(Path::new("/runs"), Err(nothing)), [Noticed::Anything]);
     }
 
     #[test]

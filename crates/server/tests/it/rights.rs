@@ -3,8 +3,8 @@
 use crate::harness::House;
 use expect_test::expect;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Right, Role};
-use rafcon_server::access::{ROUTES, of_command};
+use rafcon_protocol::api::{Right, Role, StartRun};
+use rafcon_server::access::{ROUTES, of_command, of_start};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use utoipa::PartialSchema as _;
@@ -91,12 +91,38 @@ fn table() -> String {
     let head =
         "| command | viewer | operator | engineer | admin |\n| --- | --- | --- | --- | --- |\n";
     let word = |role: Role, right| if role.grants(right) { "yes" } else { "no" };
-    let row = |(name, command): (String, Command)| {
-        let right = of_command(&command);
+    let row = |(name, right): (String, Right)| {
         let words = Role::ALL.map(|role| word(role, right)).join(" | ");
         format!("| {name} | {words} |\n")
     };
-    head.to_owned() + &commands().into_iter().map(row).collect::<String>()
+    let commands = commands().into_iter().map(|(name, command)| (name, of_command(&command)));
+    head.to_owned() + &starts().into_iter().chain(commands).map(row).collect::<String>()
+}
+
+/// Starts of a run whose right depends on what they say.
+fn starts() -> [(String, Right); 2] {
+    let right = |points| of_start(&serde_json::from_value::<StartRun>(start(&points)).unwrap());
+    let (plain, conditional) = (json!([]), json!([{"id": 1, "path": "A", "condition": "True"}]));
+    [
+        ("a new run".to_owned(), right(plain)),
+        ("a new run, a breakpoint with a condition".to_owned(), right(conditional)),
+    ]
+}
+
+fn start(breakpoints: &Value) -> Value {
+    json!({"id": "1", "machine": {"project": "none", "path": "none"}, "breakpoints": breakpoints})
+}
+
+#[test]
+fn who_may_not_edit_starts_no_run_with_python_text_in_it() {
+    let house = House::new();
+    let begin = |role, points: Value| {
+        house.call(Some(role), "POST", "/api/v1/runs", Some(&start(&points))).said()
+    };
+    let conditional = json!([{"id": 1, "path": "A", "condition": "True"}]);
+    assert_eq!(begin(Role::Operator, json!([])), "404 no_such_project");
+    assert_eq!(begin(Role::Operator, conditional.clone()), "403 not_your_right");
+    assert_eq!(begin(Role::Engineer, conditional), "404 no_such_project");
 }
 
 #[test]
@@ -104,6 +130,8 @@ fn every_command_is_for_who_may_and_the_handbook_says_so() {
     expect![[r"
         | command | viewer | operator | engineer | admin |
         | --- | --- | --- | --- | --- |
+        | a new run | no | yes | yes | yes |
+        | a new run, a breakpoint with a condition | no | no | yes | yes |
         | start | no | yes | yes | yes |
         | pause | no | yes | yes | yes |
         | resume | no | yes | yes | yes |
