@@ -1,17 +1,22 @@
 //! What requests bring, taken apart: bodies, queries and parts of paths. What does not fit is answered as a [`Failure`], never
 //! in the words of a library. Knows axum's extractors; must never know what the parts mean.
 
-use crate::Failure;
+use crate::{Failure, House};
 use axum::Json;
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
-use axum::extract::{FromRequest, FromRequestParts, Request};
+use axum::extract::{DefaultBodyLimit, FromRequest, FromRequestParts, Request};
 use axum::http::StatusCode;
 use axum::http::request::Parts;
 use axum::response::IntoResponse as _;
 use serde::de::DeserializeOwned;
+use std::sync::Arc;
+use tokio::time::timeout;
 
 /// The largest body of a request, in bytes.
 pub(crate) const BODY_MAX: usize = 8 << 20;
+
+/// The largest body of who need not be known yet, in bytes.
+const SMALL_MAX: usize = 16 << 10;
 
 /// A body of JSON.
 #[derive(Debug, Clone, Copy)]
@@ -21,25 +26,46 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
     type Rejection = Failure;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Failure> {
-        let Json(value) = Json::<T>::from_request(request, state).await.map_err(bad_body)?;
-        Ok(Self(value))
+        let value = Json::<T>::from_request(request, state).await;
+        Ok(Self(value.map_err(|rejection| bad_body(rejection, BODY_MAX))?.0))
     }
 }
 
-fn bad_body(rejection: JsonRejection) -> Failure {
+/// A short body of JSON that does not take its time: strangers cannot keep much here, nor keep it long.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Small<T>(pub(crate) T);
+
+impl<T: DeserializeOwned> FromRequest<Arc<House>> for Small<T> {
+    type Rejection = Failure;
+
+    async fn from_request(mut request: Request, house: &Arc<House>) -> Result<Self, Failure> {
+        DefaultBodyLimit::max(SMALL_MAX).apply(&mut request);
+        let patience = house.settings().listen.body_patience;
+        let value = timeout(patience, Json::<T>::from_request(request, house)).await;
+        let value = value.map_err(|_elapsed| too_slow(patience.as_secs()))?;
+        Ok(Self(value.map_err(|rejection| bad_body(rejection, SMALL_MAX))?.0))
+    }
+}
+
+fn too_slow(seconds: u64) -> Failure {
+    let message = format!("the body was not there after {seconds} s: send it at once");
+    Failure::bad("bad_body", message)
+}
+
+fn bad_body(rejection: JsonRejection, bytes_max: usize) -> Failure {
     if let JsonRejection::MissingJsonContentType(_) = rejection {
         let message = "this route takes JSON: send it with `Content-Type: application/json`";
         return Failure::bad("not_json", message);
     }
     let text = rejection.body_text();
     match rejection.into_response().status() {
-        StatusCode::PAYLOAD_TOO_LARGE => too_large(),
+        StatusCode::PAYLOAD_TOO_LARGE => too_large(bytes_max),
         _other => Failure::bad("bad_body", format!("the body does not fit: {text}")),
     }
 }
 
-fn too_large() -> Failure {
-    let message = format!("the body is larger than {} MB: send less at a time", BODY_MAX >> 20);
+fn too_large(bytes_max: usize) -> Failure {
+    let message = format!("the body is larger than {} KiB: send less at a time", bytes_max >> 10);
     Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "body_too_large", message)
 }
 
@@ -74,5 +100,41 @@ impl<S: Send + Sync, T: DeserializeOwned + Send> FromRequestParts<S> for Path<T>
         };
         let path = axum::extract::Path::<T>::from_request_parts(parts, state).await;
         Ok(Self(path.map_err(bad)?.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Small;
+    use crate::{House, Settings};
+    use axum::body::{Body, Bytes};
+    use axum::extract::{FromRequest as _, Request};
+    use futures_util::stream;
+    use serde_json::Value;
+    use std::convert::Infallible;
+    use std::time::Duration;
+    use tokio::time::{Instant, sleep};
+
+    /// What becomes of a body in pieces that come a second after the other.
+    async fn check(piece: &'static [u8]) -> (u16, u64) {
+        let place = tempfile::tempdir().unwrap();
+        let settings = Settings::new(place.path().join("state"), place.path().join("runs"));
+        std::fs::create_dir(&settings.state).unwrap();
+        let house = House::new(settings).unwrap();
+        let pieces = stream::unfold((), move |()| async move {
+            sleep(Duration::from_secs(1)).await;
+            Some((Ok::<_, Infallible>(Bytes::from_static(piece)), ()))
+        });
+        let request = Request::builder().header("content-type", "application/json");
+        let request = request.body(Body::from_stream(pieces)).unwrap();
+        let begin = Instant::now();
+        let failure = Small::<Value>::from_request(request, &house).await.unwrap_err();
+        (failure.status().as_u16(), begin.elapsed().as_secs())
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn strangers_can_keep_little_and_not_for_long() {
+        assert_eq!(check(b" ").await, (400, 30));
+        assert_eq!(check(&[b' '; 4096]).await, (413, 5));
     }
 }

@@ -18,6 +18,7 @@ use std::net::IpAddr;
 use std::path::Path;
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
+use tokio::time::Instant;
 
 /// The name of whoever has the owner's token.
 pub const OWNER: &str = "owner";
@@ -42,6 +43,8 @@ pub struct People {
     sessions: Sessions,
     limiter: Mutex<Limiter>,
     hashing: Semaphore,
+    /// Since when tries are counted.
+    begun: Instant,
 }
 
 impl People {
@@ -54,6 +57,7 @@ impl People {
             sessions: Sessions::open(state.join("sessions.json"))?,
             limiter: Mutex::default(),
             hashing: Semaphore::new(HASHES_MAX),
+            begun: Instant::now(),
         })
     }
 
@@ -119,11 +123,11 @@ impl People {
         password: &str,
         from: IpAddr,
     ) -> Result<(), Failure> {
+        let tried = self.limiter.lock().attempt(user, from, self.age_ms());
+        tried.map_err(too_often)?;
         if password.len() > BYTES_MAX {
             return Err(wrong());
         }
-        let tried = self.limiter.lock().attempt(user, from, since_1970_ms());
-        tried.map_err(too_often)?;
         let kept = self.users.roster().user(user).map(|entry| entry.password.clone());
         let is_right = self.is_right(user.to_owned(), password.to_owned(), kept).await?;
         if !is_right {
@@ -131,6 +135,10 @@ impl People {
         }
         self.limiter.lock().succeeded(user, from);
         Ok(())
+    }
+
+    fn age_ms(&self) -> u64 {
+        u64::try_from(self.begun.elapsed().as_millis()).unwrap_or(u64::MAX)
     }
 
     /// Compares, at most so many at a time; what was hashed at another cost is hashed again.

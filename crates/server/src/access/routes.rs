@@ -3,7 +3,7 @@
 use super::people::OWNER;
 use super::who::{Credential, Who};
 use crate::blocking::blocking;
-use crate::extract::{Body, Path};
+use crate::extract::{Body, Path, Small};
 use crate::listen::Peer;
 use crate::{Failure, House};
 use axum::Json;
@@ -42,7 +42,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 async fn log_in(
     State(house): State<Arc<House>>,
     peer: Peer,
-    Body(login): Body<Login>,
+    Small(login): Small<Login>,
 ) -> Result<([(HeaderName, String); 1], Json<Session>), Failure> {
     let from = peer.ip;
     let checked = house.people().check(&login.user, &login.password, from).await;
@@ -91,7 +91,7 @@ async fn change_password(
     State(house): State<Arc<House>>,
     peer: Peer,
     who: Who,
-    Body(change): Body<ChangePassword>,
+    Small(change): Small<ChangePassword>,
 ) -> Result<StatusCode, Failure> {
     if who.user == OWNER || !matches!(who.by, Credential::Session(_)) {
         let message = "only who has logged in with a password can change it: log in first";

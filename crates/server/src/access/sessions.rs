@@ -12,8 +12,8 @@ use std::path::PathBuf;
 const LENGTH_MS: u64 = 12 * 3_600_000;
 /// By how much its end has to move before the file is written again.
 const GRAIN_MS: u64 = 600_000;
-/// How many there may be; beyond that those go that end first.
-const MAX: usize = 1000;
+/// How many a user may have; beyond that the one goes that was not used for longest.
+const MAX_OF_ONE: usize = 20;
 
 /// A login.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,7 +51,7 @@ impl Sessions {
         let login = Login { user: user.to_owned(), since_ms, expires_ms: now_ms + LENGTH_MS };
         let mut logins = self.logins.lock();
         logins.retain(|_, login| login.expires_ms > now_ms);
-        make_room(&mut logins);
+        make_room(&mut logins, user);
         logins.insert(secret.digest().text(), login.clone());
         self.keep(&logins)?;
         Ok((secret, login))
@@ -62,7 +62,7 @@ impl Sessions {
         let digest = Digest::of(secret).text();
         let mut logins = self.logins.lock();
         let login = logins.get_mut(&digest).filter(|login| login.expires_ms > now_ms)?;
-        let moved = now_ms + LENGTH_MS - login.expires_ms;
+        let moved = (now_ms + LENGTH_MS).saturating_sub(login.expires_ms);
         if moved < GRAIN_MS {
             return Some((digest, login.clone()));
         }
@@ -101,17 +101,20 @@ impl Sessions {
     }
 }
 
-fn make_room(logins: &mut BTreeMap<String, Login>) {
-    while logins.len() >= MAX {
-        let first = logins.iter().min_by_key(|(_, login)| login.expires_ms);
-        let Some(digest) = first.map(|(digest, _)| digest.clone()) else { return };
+/// Makes room for one more login of a user, at the expense of nobody else.
+fn make_room(logins: &mut BTreeMap<String, Login>, user: &str) {
+    let own = logins.iter().filter(|(_, login)| login.user == user);
+    let mut own = own.map(|(digest, login)| (login.expires_ms, digest.clone())).collect::<Vec<_>>();
+    own.sort();
+    let left_over = (own.len() + 1).saturating_sub(MAX_OF_ONE);
+    for (_, digest) in own.into_iter().take(left_over) {
         logins.remove(&digest);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{LENGTH_MS, Sessions};
+    use super::{LENGTH_MS, MAX_OF_ONE, Sessions};
 
     #[test]
     fn a_login_lasts_while_it_is_used_and_outlives_the_server() {
@@ -126,6 +129,27 @@ mod tests {
         assert_eq!(open().with(&digest, LENGTH_MS), Some(login));
         assert_eq!(sessions.used(secret.text(), late + LENGTH_MS), None);
         assert_eq!(sessions.used(&digest, late), None);
+    }
+
+    #[test]
+    fn many_logins_end_the_oldest_of_the_same_user_only() {
+        let place = tempfile::tempdir().unwrap();
+        let sessions = Sessions::open(place.path().join("sessions.json")).unwrap();
+        let begin = |user: &str, now_ms| sessions.begin(user, 1, now_ms).unwrap().0;
+        let (ben, first, second) = (begin("ben", 0), begin("anna", 1), begin("anna", 2));
+        for now_ms in 3..=1 + MAX_OF_ONE as u64 {
+            begin("anna", now_ms);
+        }
+        let is_known = |secret: &super::Secret| sessions.used(secret.text(), 99).is_some();
+        assert_eq!([&ben, &first, &second].map(is_known), [true, false, true]);
+    }
+
+    #[test]
+    fn a_clock_that_goes_back_ends_no_login() {
+        let place = tempfile::tempdir().unwrap();
+        let sessions = Sessions::open(place.path().join("sessions.json")).unwrap();
+        let (secret, login) = sessions.begin("anna", 1, 1000).unwrap();
+        assert_eq!(sessions.used(secret.text(), 0).unwrap().1, login);
     }
 
     #[test]

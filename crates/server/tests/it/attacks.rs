@@ -89,9 +89,12 @@ fn a_body_of_a_hundred_megabytes_is_refused() {
 #[test]
 fn a_body_that_is_just_too_large_is_told_so() {
     let house = House::new();
-    let body = json!({"user": "x".repeat(9 << 20), "password": ""});
-    let answer = house.call(None, "POST", "/api/v1/session", Some(&body));
-    assert_eq!(answer.said(), "413 body_too_large");
+    let said = |path: &str, role, bytes: usize| {
+        let body = json!({"user": "x".repeat(bytes), "password": ""});
+        house.call(role, "POST", path, Some(&body)).said()
+    };
+    assert_eq!(said("/api/v1/session", None, 17 << 10), "413 body_too_large");
+    assert_eq!(said("/api/v1/users", Some(Role::Admin), 9 << 20), "413 body_too_large");
 }
 
 #[test]
