@@ -17,6 +17,9 @@ use std::time::Duration;
 /// Changes of so much time are told together.
 const GATHERED: Duration = Duration::from_millis(100);
 
+/// A machine is followed so long after it was opened: what its opener asks for next comes first.
+const OPENED: Duration = Duration::from_secs(1);
+
 /// What is followed, and for whom.
 struct Watch {
     house: Arc<House>,
@@ -59,7 +62,7 @@ impl Watch {
             watch = turned;
             let is_there = tokio::select! {
                 () = inbox.something() => true,
-                changed = machines.changed() => changed.is_ok(),
+                changed = machines.changed() => changed.is_ok() && opened(&inbox).await,
                 _closed = closing.changed() => false,
             };
             if !is_there {
@@ -112,6 +115,15 @@ impl Watch {
             self.house.news.files();
         }
     }
+}
+
+/// Leaves whoever opened a machine in peace for a while, but nobody who waits for news of files. Always true.
+async fn opened(inbox: &Inbox) -> bool {
+    tokio::select! {
+        () = inbox.something() => {}
+        () = tokio::time::sleep(OPENED) => {}
+    }
+    true
 }
 
 #[cfg(test)]
