@@ -194,9 +194,9 @@ fn a_request_starts_one_run_and_a_server_that_was_killed_leaves_it_going() {
     ];
     check(
         &answers,
-        &expect![[r#"
+        &expect![[r"
         200 applied
-        200 -"#]],
+        200 -"]],
     );
     site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
     // Asked for again it has its answer again, from the journal.
@@ -211,16 +211,16 @@ fn a_request_starts_one_run_and_a_server_that_was_killed_leaves_it_going() {
                 Some(&json!({ "id": "x" })),
             ),
         ],
-        &expect![[r#"
+        &expect![[r"
             200 applied
             409 run_is_not_live
-            409 run_is_over"#]],
+            409 run_is_over"]],
     );
     check(
         &site.journal(&run),
-        &expect![[r#"
+        &expect![[r"
         stop by owner: Applied
-        finished preempted"#]],
+        finished preempted"]],
     );
 }
 
@@ -238,10 +238,10 @@ fn a_runner_that_dies_is_taken_up_by_its_policy() {
     site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
     check(
         &site.journal(&run),
-        &expect![[r#"
+        &expect![[r"
         life 2 Restart
         stop by owner: Applied
-        finished preempted"#]],
+        finished preempted"]],
     );
 }
 
@@ -264,16 +264,16 @@ fn without_a_policy_a_dead_runner_waits_for_somebody_to_take_its_run_up() {
     site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
     check(
         &answers,
-        &expect![[r#"
+        &expect![[r"
         409 run_is_not_live
         200 -
-        200 -"#]],
+        200 -"]],
     );
     check(
         &site.journal(&run),
-        &expect![[r#"
+        &expect![[r"
         life 2 Abort
-        finished done"#]],
+        finished done"]],
     );
 }
 
@@ -288,9 +288,9 @@ fn what_dies_with_its_server_is_taken_up_by_the_next_one() {
     site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
     check(
         &site.journal(&run),
-        &expect![[r#"
+        &expect![[r"
         life 2 Abort
-        finished done"#]],
+        finished done"]],
     );
 }
 
@@ -304,9 +304,9 @@ fn a_run_that_somebody_kills_is_left_alone() {
     site.until(&run, |now| now.run.phase == RunPhase::Crashed);
     check(
         &site.journal(&run),
-        &expect![[r#"
+        &expect![[r"
         control to owner by owner: Applied
-        kill by owner: Applied"#]],
+        kill by owner: Applied"]],
     );
 }
 
@@ -361,7 +361,7 @@ fn one_at_a_time_commands_a_run_and_the_journal_knows_who() {
     ];
     check(
         &answers,
-        &expect![[r#"
+        &expect![[r"
         200 applied
         200 applied
         409 not_in_control
@@ -374,12 +374,12 @@ fn one_at_a_time_commands_a_run_and_the_journal_knows_who() {
         200 -
         400 use_control
         403 not_your_right
-        200 applied"#]],
+        200 applied"]],
     );
     site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
     check(
         &site.journal(&run),
-        &expect![[r#"
+        &expect![[r"
         pause by ana: Applied
         control to ana by ana: Applied
         resume by ana: Applied
@@ -388,7 +388,7 @@ fn one_at_a_time_commands_a_run_and_the_journal_knows_who() {
         resume by bob: Applied
         control to nobody by bob: Applied
         stop by ana: Applied
-        finished preempted"#]],
+        finished preempted"]],
     );
 }
 
@@ -452,7 +452,7 @@ fn what_cannot_begin_is_refused_and_leaves_nothing() {
     ];
     check(
         &answers,
-        &expect![[r#"
+        &expect![[r"
         422 load_failed
         422 load_failed
         400 bad_path
@@ -461,7 +461,7 @@ fn what_cannot_begin_is_refused_and_leaves_nothing() {
         400 bad_id
         422 load_failed
         400 bad_body
-        404 no_such_run"#]],
+        404 no_such_run"]],
     );
     assert_eq!(std::fs::read_dir(site.place.path("runs")).unwrap().count(), 0);
 }
