@@ -10,6 +10,7 @@ mod description;
 mod documents;
 mod extract;
 mod failure;
+mod gate;
 mod history;
 mod house;
 mod listen;

@@ -7,6 +7,7 @@ use super::machine::{Deed, Request};
 use super::recover::{read_edit, recover};
 use super::room::{Room, Saving, Spot, Tools, closed};
 use super::steps::Along;
+use crate::gate::Gate;
 use crate::{Failure, House, Settings};
 use axum::http::StatusCode;
 use parking_lot::{Condvar, Mutex};
@@ -25,6 +26,10 @@ use std::sync::Arc;
 
 /// So many machines may be open at a time.
 const OPEN_MAX: usize = 64;
+/// Ids of what people do are no longer, in bytes.
+const ID_MAX: usize = 128;
+/// Names of what people do are no longer, in characters.
+const NAME_MAX: usize = 200;
 
 /// The open machines of a server.
 #[derive(Debug)]
@@ -32,6 +37,12 @@ pub(crate) struct Documents {
     /// The folder with all drafts.
     drafts: PathBuf,
     naming: Naming,
+    /// Before machines are read.
+    pub(super) loads: Gate,
+    /// Before machines are written, or read again.
+    pub(super) saves: Gate,
+    /// Before something is made of an open machine.
+    pub(super) looks: Gate,
     rooms: Mutex<BTreeMap<String, Arc<Room>>>,
     /// Folders that somebody opens, closes or moves to.
     claimed: Mutex<BTreeSet<PathBuf>>,
@@ -62,6 +73,9 @@ impl Documents {
         Self {
             drafts: settings.state.join("drafts"),
             naming: found.map(|(config, _file)| config.naming).unwrap_or_default(),
+            loads: Gate::default(),
+            saves: Gate::default(),
+            looks: Gate::default(),
             rooms: Mutex::default(),
             claimed: Mutex::default(),
             released: Condvar::new(),
@@ -70,7 +84,7 @@ impl Documents {
 
     /// Every open machine in one line.
     pub(crate) fn summaries(&self) -> Vec<MachineSummary> {
-        self.rooms.lock().values().map(|room| room.summary()).collect()
+        self.rooms.lock().values().filter_map(|room| room.summary().ok()).collect()
     }
 
     /// The folders of open machines.
@@ -96,6 +110,12 @@ impl Documents {
         Claim { documents: self, folder: folder.to_owned() }
     }
 
+    /// The same, unless somebody does.
+    fn try_claim(&self, folder: &Path) -> Option<Claim<'_>> {
+        let is_free = self.claimed.lock().insert(folder.to_owned());
+        is_free.then(|| Claim { documents: self, folder: folder.to_owned() })
+    }
+
     fn spot(&self, house: &House, file: &MachineFile) -> Result<Spot, Failure> {
         let folder = house.projects.resolve(file)?;
         let draft = self.drafts.join(name_of(&folder));
@@ -106,37 +126,49 @@ impl Documents {
         Tools { libraries: house.projects.libraries(), naming: self.naming }
     }
 
-    /// Opens the machine in a folder, once for all who want it, with what a server that died had taken.
+    /// Opens the machine in a folder, once for all who want it, with what a server that died had taken. That is set aside, if it
+    /// does not fit any more, only for one who may edit.
     pub(crate) fn open(
         &self,
         house: &House,
         file: &MachineFile,
+        may_edit: bool,
     ) -> Result<MachineSummary, Failure> {
         let spot = self.spot(house, file)?;
         let _claim = self.claim(&spot.folder);
         if let Some(room) = self.room_of(&spot.folder) {
-            return Ok(room.summary());
+            return room.summary();
         }
-        self.is_room()?;
+        self.make_room()?;
         let libraries = house.projects.libraries();
         let on_disk = disk::read(&spot.folder, &libraries)?.ok_or_else(|| not_there(file))?;
-        let draft = spot.draft.clone();
-        let recovered = recover(&spot.folder, draft, &on_disk, first_revision(), &libraries)?;
+        let recovered = recover(&spot, &on_disk, first_revision(), &libraries, may_edit)?;
         let mut rooms = self.rooms.lock();
         let id = free_name(&name_of(&spot.folder), |id| rooms.contains_key(id));
-        let room = Arc::new(Room::new(id.clone(), spot, on_disk, recovered));
+        let room = Arc::new(Room::new(id.clone(), spot, on_disk, recovered, since_1970_ms()));
         rooms.insert(id, Arc::clone(&room));
         drop(rooms);
         house.news.machines();
-        Ok(room.summary())
+        room.summary()
     }
 
-    fn is_room(&self) -> Result<(), Failure> {
-        if self.rooms.lock().len() < OPEN_MAX {
+    /// If need be, closes the machine that has been open for the longest of those that nobody follows and that lie on disk.
+    fn make_room(&self) -> Result<(), Failure> {
+        let mut rooms: Vec<_> = self.rooms.lock().values().cloned().collect();
+        if rooms.len() < OPEN_MAX {
             return Ok(());
         }
-        let message =
-            format!("{OPEN_MAX} machines are open, and that is the most: close one first");
+        rooms.sort_by_key(|room| room.opened());
+        for room in rooms {
+            let claim = self.try_claim(&room.folder());
+            if claim.is_some() && room.retire() {
+                self.rooms.lock().remove(room.id());
+                return Ok(());
+            }
+        }
+        let message = format!(
+            "{OPEN_MAX} machines are open that somebody follows or that are not saved, and that is the most: close one first"
+        );
         Err(Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_machines", message))
     }
 
@@ -159,7 +191,7 @@ impl Documents {
             disk::write(&machine, &spot.folder, None, self.naming)?;
         }
         house.news.files();
-        self.open(house, &new.file)
+        self.open(house, &new.file, true)
     }
 
     /// Does what somebody wishes; the new revision.
@@ -176,12 +208,13 @@ impl Documents {
             Wish::Redo(redo) => (redo.id, Deed::Along(Along::Again), What::Redo),
             Wish::Edit(wish) => {
                 let EditMachine { id, base: _, name, edit } = *wish;
+                check_name(&name)?;
                 let read = read_edit(&edit, &house.projects.libraries())?;
                 let what = What::Edit { name: name.clone(), edit: Box::new(edit) };
                 (id, Deed::Edit(name, read), what)
             }
         };
-        let request = Request { author: author.to_owned(), id };
+        let request = request(author, id)?;
         let revision = room.perform(request, deed, what, since_1970_ms())?;
         house.news.machines();
         Ok(revision)
@@ -220,9 +253,9 @@ impl Documents {
         house: &House,
         id: &str,
         author: &str,
-        request: String,
+        id_of_request: String,
     ) -> Result<u64, Failure> {
-        let request = Request { author: author.to_owned(), id: request };
+        let request = request(author, id_of_request)?;
         let revision = self.room(id)?.reload(request, &self.tools(house), since_1970_ms())?;
         house.news.machines();
         Ok(revision)
@@ -288,6 +321,22 @@ impl Drop for Claim<'_> {
         self.documents.claimed.lock().remove(&self.folder);
         self.documents.released.notify_all();
     }
+}
+
+fn request(author: &str, id: String) -> Result<Request, Failure> {
+    if id.is_empty() || id.len() > ID_MAX {
+        let message = format!("an id has 1 to {ID_MAX} bytes: a random one does for each request");
+        return Err(Failure::bad("bad_id", message));
+    }
+    Ok(Request { author: author.to_owned(), id })
+}
+
+fn check_name(name: &str) -> Result<(), Failure> {
+    if name.chars().count() > NAME_MAX {
+        let message = format!("the name of an edit has {NAME_MAX} characters at most: shorten it");
+        return Err(Failure::bad("bad_name", message));
+    }
+    Ok(())
 }
 
 /// Where the revisions of a machine begin that is opened now: above all that it ever had, and small enough for JavaScript.

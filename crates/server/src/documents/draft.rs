@@ -26,6 +26,18 @@ pub(super) struct Head {
     pub(super) base: String,
     /// Its revision.
     pub(super) revision: u64,
+    /// What was done before, the last of it last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) answered: Vec<Answered>,
+}
+
+/// Something that was done and answered, of which no more is known.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Answered {
+    pub(super) author: String,
+    pub(super) id: String,
+    /// The revision that it made.
+    pub(super) revision: u64,
 }
 
 /// A later line.
@@ -86,7 +98,8 @@ pub(super) struct Found {
 
 impl Head {
     pub(super) fn new(folder: &Path, base: &str, revision: u64) -> Self {
-        Self { format: FORMAT, folder: folder.to_owned(), base: base.to_owned(), revision }
+        let (folder, base) = (folder.to_owned(), base.to_owned());
+        Self { format: FORMAT, folder, base, revision, answered: Vec::new() }
     }
 }
 
@@ -114,6 +127,17 @@ impl Draft {
     /// A draft that has nothing to keep yet.
     pub(super) fn new(place: PathBuf, head: Head) -> Self {
         Self { place, head, file: None }
+    }
+
+    /// A draft in the place of one of which everything lies on disk, but what was answered is to stay known.
+    pub(super) fn anew(place: PathBuf, head: Head, document: &[u8]) -> Result<Self, PrivateError> {
+        let path = place.join(OPERATIONS);
+        let failed = |source| PrivateError::new("write", &path, source);
+        keep(&place, &head.base, document)?;
+        let text = as_line(&head).map_err(failed)?;
+        private::write(&path, text.as_bytes())?;
+        let file = private::open(&path)?;
+        Ok(Self { place, head, file: Some((file, text.len() as u64)) })
     }
 
     /// Goes on with what a server left behind.

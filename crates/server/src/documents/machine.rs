@@ -79,6 +79,11 @@ impl OpenMachine {
         }
     }
 
+    /// Something was done before, and answered by this revision.
+    pub(super) fn knows(&mut self, request: Request, revision: u64) {
+        self.answered.push(request, revision);
+    }
+
     /// The machine as it is now.
     pub(super) fn machine(&self) -> &Machine {
         &self.machine

@@ -10,6 +10,7 @@ mod disk;
 )]
 mod documents;
 mod draft;
+mod kept;
 mod log;
 mod machine;
 mod merge;
@@ -21,6 +22,7 @@ mod routes;
 mod steps;
 #[cfg(test)]
 mod tests;
+mod wires;
 
 pub(crate) use documents::{Documents, Wish};
 pub(crate) use log::Page;

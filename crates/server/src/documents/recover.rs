@@ -2,8 +2,9 @@
 //! operation is done; must never know who asks.
 
 use super::disk::OnDisk;
-use super::draft::{Draft, Found, Head, Line, Operation, What, discard, find, kept};
+use super::draft::{Answered, Draft, Found, Head, Line, Operation, What, discard, find, kept};
 use super::machine::{Deed, OpenMachine, Request};
+use super::room::Spot;
 use super::steps::Along;
 use crate::Failure;
 use crate::access::PrivateError;
@@ -15,6 +16,9 @@ use rafcon_protocol::edit::Edit;
 use rafcon_storage::{Libraries, fill_library};
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// So many of the ids of what was done and saved stay known.
+const ANSWERED_MAX: usize = 10_000;
 
 /// A machine as people left it.
 #[derive(Debug)]
@@ -29,22 +33,27 @@ pub(super) struct Recovered {
     pub(super) hash: String,
 }
 
-/// The machine of `folder` with what the draft in `place` holds. `revision` is where one without a draft begins.
+/// The machine of a folder with what its draft holds. `revision` is where one without a draft begins. What no longer
+/// fits is set aside only for one who may edit.
 pub(super) fn recover(
-    folder: &Path,
-    place: PathBuf,
+    spot: &Spot,
     on_disk: &OnDisk,
     revision: u64,
     libraries: &Libraries,
+    may_edit: bool,
 ) -> Result<Recovered, Failure> {
-    let found = find(&place).map_err(|error| kept_back(&error))?;
-    let Some(found) = found.filter(|found| unsaved(found) > 0) else {
+    let (folder, place) = (&*spot.folder, spot.draft.clone());
+    let Some(found) = find(&place).map_err(|error| kept_back(&error))? else {
         discard(&place).map_err(|error| kept_back(&error))?;
         return Ok(fresh(folder, place, on_disk, revision));
     };
+    if unsaved(&found) == 0 {
+        return known(folder, place, on_disk, revision, &found);
+    }
     let (saved_revision, expected) = saved(&found);
     let machine = match replayed(&found, &place, on_disk, libraries) {
         Ok(machine) => machine,
+        Err(failure) if !may_edit => return Err(left_alone(&failure)),
         Err(failure) => {
             set_aside(&place, folder, revision, &failure);
             return Ok(fresh(folder, place, on_disk, revision));
@@ -66,6 +75,44 @@ fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Reco
         saved_revision: revision,
         has_edits: false,
         hash: on_disk.hash.clone(),
+    }
+}
+
+/// Everything lies on disk; what was done stays known, so that it is not done again.
+fn known(
+    folder: &Path,
+    place: PathBuf,
+    on_disk: &OnDisk,
+    revision: u64,
+    found: &Found,
+) -> Result<Recovered, Failure> {
+    let mut head = Head::new(folder, &on_disk.hash, revision);
+    head.answered = answered(found);
+    let mut recovered = fresh(folder, place.clone(), on_disk, revision);
+    know(&mut recovered.machine, &head.answered);
+    recovered.draft =
+        Draft::anew(place, head, &on_disk.document).map_err(|error| kept_back(&error))?;
+    Ok(recovered)
+}
+
+/// What the draft says was done.
+fn answered(found: &Found) -> Vec<Answered> {
+    let done = found.lines.iter().filter_map(|line| match line {
+        Line::Done(operation) => Some(operation),
+        Line::Saved { .. } => None,
+    });
+    let done = done.zip(found.head.revision + 1..).map(|(operation, revision)| {
+        let Operation { author, id, .. } = &**operation;
+        Answered { author: author.clone(), id: id.clone(), revision }
+    });
+    let mut answered: Vec<_> = found.head.answered.iter().cloned().chain(done).collect();
+    answered.drain(..answered.len().saturating_sub(ANSWERED_MAX));
+    answered
+}
+
+fn know(machine: &mut OpenMachine, answered: &[Answered]) {
+    for Answered { author, id, revision } in answered {
+        machine.knows(Request { author: author.clone(), id: id.clone() }, *revision);
     }
 }
 
@@ -121,6 +168,7 @@ fn replayed(
 ) -> Result<OpenMachine, Failure> {
     let base = base(found, place, on_disk, libraries)?;
     let mut machine = OpenMachine::new(base, found.head.revision);
+    know(&mut machine, &found.head.answered);
     for line in &found.lines {
         let Line::Done(operation) = line else { continue };
         let Operation { author, id, at_ms, what } = &**operation;
@@ -159,6 +207,14 @@ fn set_aside(place: &Path, folder: &Path, revision: u64, failure: &Failure) {
         Err(error) => format!("and cannot be kept in {}: {error}", aside.display()),
     };
     say(&format!("edits of {} cannot be made again: {failure}; {moved}", folder.display()));
+}
+
+fn left_alone(failure: &Failure) -> Failure {
+    let message = format!(
+        "edits of it that were not saved cannot be made again ({failure}): whoever may edit opens it without them, and they \
+         are set aside"
+    );
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unfit_draft", message)
 }
 
 fn kept_back(error: &PrivateError) -> Failure {

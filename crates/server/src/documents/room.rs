@@ -1,27 +1,30 @@
 //! One open machine with its folder, its draft and the people who look at it. Knows in which order things are done so that
 //! nothing that was answered gets lost; must never know how requests arrive.
 //!
-//! Two locks: that of what is open is held for a moment only; that of the files is held while they are read or written, and
-//! edits go on meanwhile.
+//! Three locks, taken in this order. That of the files is held while they are read or written, and edits go on meanwhile; that
+//! of the draft while an edit is made and written down; that of what is open for a moment only, so that whoever must not wait
+//! for a disk may look.
 
 use super::disk::{self, OnDisk};
 use super::draft::{self, Draft, Head, Line, Operation, What};
+use super::kept::Kept;
 use super::log::Page;
 use super::machine::{Deed, OpenMachine, Request};
 use super::recover::Recovered;
+use super::wires::Wires;
 use crate::access::PrivateError;
 use crate::{Failure, log};
 use axum::body::Bytes;
 use axum::http::StatusCode;
-use parking_lot::Mutex;
+use parking_lot::{Mutex, RwLock};
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
     DiskState, MachineFile, MachineProblem, MachineStatus, MachineSummary, Presence,
 };
 use rafcon_storage::config::Naming;
 use rafcon_storage::{Libraries, LoadProblem, Saved};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::thread;
 use tokio::sync::watch;
 
@@ -29,11 +32,17 @@ use tokio::sync::watch;
 #[derive(Debug)]
 pub(crate) struct Room {
     id: String,
-    open: Mutex<Open>,
+    /// ms since 1970, UTC.
+    opened: u64,
     /// Held while files are read or written.
     files: Mutex<()>,
-    /// The document of a revision, for all who ask for it.
-    document: Mutex<Option<(u64, Bytes)>>,
+    /// Held while something is done and written down: what is open changes under it only.
+    draft: Mutex<Draft>,
+    /// Held for writing only where nothing is waited for.
+    open: RwLock<Open>,
+    wires: Wires,
+    document: Kept<Bytes>,
+    problems: Kept<Arc<[MachineProblem]>>,
 }
 
 /// What is open.
@@ -42,12 +51,8 @@ struct Open {
     machine: OpenMachine,
     folder: PathBuf,
     file: MachineFile,
-    draft: Draft,
     files: Files,
     is_recovered: bool,
-    people: BTreeMap<u64, Presence>,
-    /// Nothing once it is closed.
-    wires: Option<Wires>,
 }
 
 /// The files as they were read or written last.
@@ -59,13 +64,6 @@ struct Files {
     hash: String,
     problems: Vec<LoadProblem>,
     state: DiskState,
-}
-
-/// Whom to wake.
-#[derive(Debug)]
-struct Wires {
-    status: watch::Sender<MachineStatus>,
-    revision: watch::Sender<u64>,
 }
 
 /// Where a machine lies.
@@ -80,7 +78,7 @@ pub(super) struct Spot {
 /// What files are read and written with.
 #[derive(Debug)]
 pub(super) struct Tools {
-    pub(super) libraries: std::sync::Arc<Libraries>,
+    pub(super) libraries: Arc<Libraries>,
     pub(super) naming: Naming,
 }
 
@@ -95,7 +93,13 @@ pub(super) struct Saving {
 
 impl Room {
     /// The machine that was read, with what a draft added to it.
-    pub(super) fn new(id: String, spot: Spot, on_disk: OnDisk, recovered: Recovered) -> Self {
+    pub(super) fn new(
+        id: String,
+        spot: Spot,
+        on_disk: OnDisk,
+        recovered: Recovered,
+        opened: u64,
+    ) -> Self {
         let Recovered { machine, draft, saved_revision, has_edits, hash } = recovered;
         let is_changed = hash != on_disk.hash;
         let revision = machine.revision();
@@ -109,56 +113,69 @@ impl Room {
             problems: on_disk.problems,
             state: if is_changed { DiskState::Changed } else { DiskState::Same },
         };
-        let mut open = Open {
-            machine,
-            folder: spot.folder,
-            file: spot.file,
-            draft,
-            files,
-            is_recovered: has_edits,
-            people: BTreeMap::new(),
-            wires: None,
-        };
-        let status = watch::Sender::new(open.status(&id));
-        let revision = watch::Sender::new(open.machine.revision());
-        open.wires = Some(Wires { status, revision });
-        let document = Mutex::new(document);
-        Self { id, open: Mutex::new(open), files: Mutex::default(), document }
+        let (folder, file) = (spot.folder, spot.file);
+        let open = Open { machine, folder, file, files, is_recovered: has_edits };
+        Self {
+            opened,
+            files: Mutex::default(),
+            draft: Mutex::new(draft),
+            wires: Wires::new(open.summary(&id)),
+            open: RwLock::new(open),
+            document: Kept::new(document),
+            problems: Kept::new(None),
+            id,
+        }
+    }
+
+    /// Its name.
+    pub(super) fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// Since when it is open: ms since 1970, UTC.
+    pub(super) fn opened(&self) -> u64 {
+        self.opened
     }
 
     /// Where it lies.
     pub(super) fn folder(&self) -> PathBuf {
-        self.open.lock().folder.clone()
+        self.open.read().folder.clone()
     }
 
-    /// In one line.
-    pub(super) fn summary(&self) -> MachineSummary {
-        self.open.lock().summary(&self.id)
+    /// In one line, as long as it is open.
+    pub(super) fn summary(&self) -> Result<MachineSummary, Failure> {
+        self.wires.summary().ok_or_else(|| closed(&self.id))
     }
 
     /// The machine as it is now, and its revision.
     pub(super) fn machine(&self) -> (u64, Machine) {
-        let open = self.open.lock();
+        let open = self.open.read();
         (open.machine.revision(), open.machine.machine().clone())
     }
 
     /// What a reader has not seen whose next revision is `from`.
     pub(crate) fn since(&self, from: u64) -> Page {
-        self.open.lock().machine.since(from)
+        self.open.read().machine.since(from)
     }
 
     /// The latest truth, as long as it is open.
     pub(crate) fn status(&self) -> Result<watch::Receiver<MachineStatus>, Failure> {
-        let open = self.open.lock();
-        let wires = open.wires.as_ref().ok_or_else(|| closed(&self.id))?;
-        Ok(wires.status.subscribe())
+        self.wires.status().ok_or_else(|| closed(&self.id))
     }
 
     /// The number of the last revision, as long as it is open.
     pub(crate) fn revisions(&self) -> Result<watch::Receiver<u64>, Failure> {
-        let open = self.open.lock();
-        let wires = open.wires.as_ref().ok_or_else(|| closed(&self.id))?;
-        Ok(wires.revision.subscribe())
+        self.wires.revisions().ok_or_else(|| closed(&self.id))
+    }
+
+    fn must_be_open(&self) -> Result<(), Failure> {
+        if self.wires.is_open() { Ok(()) } else { Err(closed(&self.id)) }
+    }
+
+    /// Tells how it stands now. To be called before the draft is let go, so that what is told last is the latest.
+    fn tell(&self) {
+        let summary = self.open.read().summary(&self.id);
+        self.wires.tell(summary);
     }
 
     /// Does it, once for each request, and only when it is written down.
@@ -169,17 +186,22 @@ impl Room {
         what: What,
         at_ms: u64,
     ) -> Result<u64, Failure> {
-        let mut open = self.open.lock();
-        if let Some(revision) = open.machine.answered(&request) {
+        let mut draft = self.draft.lock();
+        if let Some(revision) = self.answered(&request) {
             return Ok(revision);
         }
-        let prepared = open.open(&self.id)?.machine.prepare(&request.author, deed)?;
+        self.must_be_open()?;
+        let prepared = self.open.read().machine.prepare(&request.author, deed)?;
         let Request { author, id } = request.clone();
         let operation = Operation { author, id, at_ms, what };
-        open.write_down(&Line::Done(Box::new(operation)))?;
-        let revision = open.machine.commit(prepared, request, at_ms);
-        open.tell(&self.id);
+        self.write_down(&mut draft, &Line::Done(Box::new(operation)))?;
+        let revision = self.open.write().machine.commit(prepared, request, at_ms);
+        self.tell();
         Ok(revision)
+    }
+
+    fn answered(&self, request: &Request) -> Option<u64> {
+        self.open.read().machine.answered(request)
     }
 
     /// Writes the machine to its folder, or to another where it lies from then on.
@@ -190,10 +212,10 @@ impl Room {
         let folder = saving.to.as_ref().map_or_else(|| self.folder(), |spot| spot.folder.clone());
         let saved = disk::write(&machine, &folder, previous.as_ref(), tools.naming)?;
         let written = disk::read(&folder, &tools.libraries)?.ok_or_else(|| vanished(&folder))?;
-        let mut open = self.open.lock();
-        open.open(&self.id)?;
+        let mut draft = self.draft.lock();
+        self.must_be_open()?;
         if let Some(spot) = &saving.to {
-            open.move_to(spot)?;
+            self.move_to(&mut draft, spot)?;
         }
         let files = Files {
             saved,
@@ -203,15 +225,15 @@ impl Room {
             problems: written.problems,
             state: DiskState::Same,
         };
-        open.on_disk(files);
-        open.tell(&self.id);
+        self.on_disk(&mut draft, files);
+        self.tell();
         Ok(revision)
     }
 
     /// What a save compares with; refused where it would write over what somebody else wrote.
     fn previous(&self, saving: &Saving, tools: &Tools) -> Result<Option<Saved>, Failure> {
         let (saved, hash, folder) = {
-            let open = self.open.lock();
+            let open = self.open.read();
             (open.files.saved.clone(), open.files.hash.clone(), open.folder.clone())
         };
         if let Some(spot) = &saving.to {
@@ -237,7 +259,7 @@ impl Room {
         at_ms: u64,
     ) -> Result<u64, Failure> {
         let _files = self.files.lock();
-        if let Some(revision) = self.open.lock().machine.answered(&request) {
+        if let Some(revision) = self.answered(&request) {
             return Ok(revision);
         }
         let folder = self.folder();
@@ -246,19 +268,19 @@ impl Room {
             self.compared(now);
             return Ok(self.machine().0);
         }
-        let place = self.open.lock().draft.place().to_owned();
+        let place = self.draft.lock().place().to_owned();
         draft::keep(&place, &now.hash, &now.document).map_err(|error| unwritten(&error))?;
         let what = What::Replace { document: now.hash.clone() };
         let revision =
             self.perform(request, Deed::Replace(Box::new(now.machine.clone())), what, at_ms)?;
-        let mut open = self.open.lock();
-        open.on_disk(now.into_files(revision));
-        open.tell(&self.id);
+        let mut draft = self.draft.lock();
+        self.on_disk(&mut draft, now.into_files(revision));
+        self.tell();
         Ok(revision)
     }
 
     fn is_already(&self, now: &OnDisk) -> bool {
-        *self.open.lock().machine.machine() == now.machine
+        *self.open.read().machine.machine() == now.machine
     }
 
     /// Looks at the files: whether another program changed them.
@@ -268,80 +290,132 @@ impl Room {
         if let Some(now) = disk::read(&folder, libraries)? {
             self.compared(now);
         } else {
-            let mut open = self.open.lock();
-            open.files.state = DiskState::Missing;
-            open.tell(&self.id);
+            let _draft = self.draft.lock();
+            self.open.write().files.state = DiskState::Missing;
+            self.tell();
         }
         Ok(())
     }
 
     /// What was read is what was read or written before, what is open, or something else.
     fn compared(&self, now: OnDisk) {
-        let mut open = self.open.lock();
-        let revision = open.machine.revision();
-        let is_the_same = now.hash == open.files.hash;
-        if !is_the_same && now.machine == *open.machine.machine() {
-            open.on_disk(now.into_files(revision));
+        let mut draft = self.draft.lock();
+        let (revision, state, is_the_same, is_open) = {
+            let open = self.open.read();
+            let is_the_same = now.hash == open.files.hash;
+            let is_open = !is_the_same && now.machine == *open.machine.machine();
+            (open.machine.revision(), open.files.state, is_the_same, is_open)
+        };
+        let found = if is_the_same { DiskState::Same } else { DiskState::Changed };
+        if is_open {
+            self.on_disk(&mut draft, now.into_files(revision));
+        } else if found == state {
+            return;
         } else {
-            let state = if is_the_same { DiskState::Same } else { DiskState::Changed };
-            if open.files.state == state {
-                return;
-            }
-            open.files.state = state;
+            self.open.write().files.state = found;
         }
-        open.tell(&self.id);
+        self.tell();
     }
 
     /// Closes it, with its draft; refused if there is something to lose.
     pub(super) fn close(&self, discard: bool) -> Result<(), Failure> {
         let _files = self.files.lock();
-        let mut open = self.open.lock();
-        open.open(&self.id)?;
-        if open.is_changed() && !discard {
+        let mut draft = self.draft.lock();
+        self.must_be_open()?;
+        if self.open.read().is_changed() && !discard {
             let message = format!(
                 "{} has edits that do not lie on disk: save it first, or close it with `discard`",
-                open.folder.display()
+                self.folder().display()
             );
             return Err(Failure::conflict("unsaved", message));
         }
-        open.draft.discard().map_err(|error| unwritten(&error))?;
-        open.wires = None;
+        draft.discard().map_err(|error| unwritten(&error))?;
+        self.wires.close();
         Ok(())
+    }
+
+    /// Closes it, if nobody is at work on it, follows it or would miss anything. What was answered stays known by its draft.
+    pub(super) fn retire(&self) -> bool {
+        let (Some(_files), Some(_draft)) = (self.files.try_lock(), self.draft.try_lock()) else {
+            return false;
+        };
+        !self.open.read().is_changed() && self.wires.close_unless_followed()
     }
 
     /// The whole machine and its revision, as JSON.
     pub(super) fn document(&self) -> Result<Bytes, Failure> {
         let (revision, machine) = self.machine();
-        if let Some((kept, document)) = &*self.document.lock()
-            && *kept == revision
-        {
-            return Ok(document.clone());
-        }
-        let (_, document) = disk::content(&machine)?;
-        let text = whole(revision, &document);
-        *self.document.lock() = Some((revision, text.clone()));
-        Ok(text)
+        self.document.of(revision, || Ok(whole(revision, &disk::content(&machine)?.1)))
     }
 
-    /// Faults of the files, as they were read last.
-    pub(super) fn faults_of_files(&self) -> Vec<MachineProblem> {
-        let open = self.open.lock();
-        open.files.problems.iter().map(super::problems::of_file).collect()
+    /// Rules that it breaks, and faults of its files as they were read last.
+    pub(super) fn problems(&self) -> Result<Vec<MachineProblem>, Failure> {
+        let (revision, machine) = self.machine();
+        let rules =
+            self.problems.of(revision, || Ok(super::problems::of_machine(&machine).into()))?;
+        let open = self.open.read();
+        let files = open.files.problems.iter().map(super::problems::of_file);
+        Ok(files.chain(rules.iter().cloned()).collect())
     }
 
     /// Somebody looks at these states.
     pub(super) fn looks(&self, presence: Presence) {
-        let mut open = self.open.lock();
-        open.people.insert(presence.connection, presence);
-        open.tell(&self.id);
+        self.wires.looks(presence);
     }
 
     /// Somebody looks elsewhere.
     pub(super) fn leaves(&self, connection: u64) {
-        let mut open = self.open.lock();
-        if open.people.remove(&connection).is_some() {
-            open.tell(&self.id);
+        self.wires.leaves(connection);
+    }
+
+    /// A line of the draft. With the first one, what the draft begins with is kept as well; nobody waits for that: as long as
+    /// the files are what they are, they do.
+    fn write_down(&self, draft: &mut Draft, line: &Line) -> Result<(), Failure> {
+        let is_first = !draft.is_begun();
+        draft.append(line).map_err(|error| unwritten(&error))?;
+        if is_first {
+            self.keep_base(draft);
         }
+        Ok(())
+    }
+
+    fn keep_base(&self, draft: &Draft) {
+        let (place, base) = (draft.place().to_owned(), draft.base().to_owned());
+        let machine = self.open.read().files.machine.clone();
+        let keep = move || {
+            let kept = disk::content(&machine).map(|(_, document)| {
+                draft::keep(&place, &base, &document).map_err(|error| log::say(&error.to_string()))
+            });
+            if let Err(failure) = kept {
+                log::say(&failure.to_string());
+            }
+        };
+        if let Err(error) = thread::Builder::new().name("draft".to_owned()).spawn(keep) {
+            log::say(&format!("no thread to keep what a draft begins with: {error}"));
+        }
+    }
+
+    /// The files hold this now.
+    fn on_disk(&self, draft: &mut Draft, files: Files) {
+        let (revision, hash) = (files.revision, files.hash.clone());
+        if !draft.is_begun() {
+            let open = self.open.read();
+            let head = Head::new(&open.folder, &hash, open.machine.revision());
+            *draft = Draft::new(draft.place().to_owned(), head);
+        } else if let Err(error) = draft.append(&Line::Saved { revision, hash }) {
+            // It is saved; a server that takes over from this one finds its edits once more.
+            log::say(&error.to_string());
+        }
+        let mut open = self.open.write();
+        open.files = files;
+        open.is_recovered = false;
+    }
+
+    fn move_to(&self, draft: &mut Draft, spot: &Spot) -> Result<(), Failure> {
+        draft.move_to(spot.draft.clone()).map_err(|error| unwritten(&error))?;
+        let mut open = self.open.write();
+        (open.folder, open.file) = (spot.folder.clone(), spot.file.clone());
+        Ok(())
     }
 }
 
@@ -352,10 +426,6 @@ fn whole(revision: u64, document: &[u8]) -> Bytes {
 }
 
 impl Open {
-    fn open(&self, id: &str) -> Result<&Self, Failure> {
-        if self.wires.is_some() { Ok(self) } else { Err(closed(id)) }
-    }
-
     fn is_changed(&self) -> bool {
         self.machine.revision() != self.files.revision
             && *self.machine.machine() != self.files.machine
@@ -372,66 +442,6 @@ impl Open {
             disk: self.files.state,
             is_recovered: self.is_recovered,
         }
-    }
-
-    fn status(&self, id: &str) -> MachineStatus {
-        let people = self.people.values().cloned().collect();
-        MachineStatus { summary: self.summary(id), people }
-    }
-
-    /// Wakes whoever follows.
-    fn tell(&self, id: &str) {
-        if let Some(wires) = &self.wires {
-            wires.status.send_replace(self.status(id));
-            wires.revision.send_replace(self.machine.revision());
-        }
-    }
-
-    /// A line of the draft. With the first one, what the draft begins with is kept as well; nobody waits for that: as long as
-    /// the files are what they are, they do.
-    fn write_down(&mut self, line: &Line) -> Result<(), Failure> {
-        let is_first = !self.draft.is_begun();
-        self.draft.append(line).map_err(|error| unwritten(&error))?;
-        if is_first {
-            self.keep_base();
-        }
-        Ok(())
-    }
-
-    fn keep_base(&self) {
-        let (place, base) = (self.draft.place().to_owned(), self.draft.base().to_owned());
-        let machine = self.files.machine.clone();
-        let keep = move || {
-            let kept = disk::content(&machine).map(|(_, document)| {
-                draft::keep(&place, &base, &document).map_err(|error| log::say(&error.to_string()))
-            });
-            if let Err(failure) = kept {
-                log::say(&failure.to_string());
-            }
-        };
-        if let Err(error) = thread::Builder::new().name("draft".to_owned()).spawn(keep) {
-            log::say(&format!("no thread to keep what a draft begins with: {error}"));
-        }
-    }
-
-    /// The files hold this now.
-    fn on_disk(&mut self, files: Files) {
-        let (revision, hash) = (files.revision, files.hash.clone());
-        self.files = files;
-        self.is_recovered = false;
-        if !self.draft.is_begun() {
-            let head = Head::new(&self.folder, &hash, self.machine.revision());
-            self.draft = Draft::new(self.draft.place().to_owned(), head);
-        } else if let Err(error) = self.draft.append(&Line::Saved { revision, hash }) {
-            // It is saved; a server that takes over from this one finds its edits once more.
-            log::say(&error.to_string());
-        }
-    }
-
-    fn move_to(&mut self, spot: &Spot) -> Result<(), Failure> {
-        self.draft.move_to(spot.draft.clone()).map_err(|error| unwritten(&error))?;
-        (self.folder, self.file) = (spot.folder.clone(), spot.file.clone());
-        Ok(())
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::documents::Wish;
 use super::log::Page;
-use super::problems;
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
@@ -15,7 +14,7 @@ use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{
     CloseMachine, CopyStates, Done, EditMachine, MachineAt, MachineDocument, MachineProblem,
     MachineStatus, MachineSummary, NewMachine, Refusal, ReloadMachine, RevisionPage, RevisionsFrom,
-    SaveMachine, Undo,
+    Right, SaveMachine, Undo,
 };
 use rafcon_protocol::document::Selection;
 use std::sync::Arc;
@@ -56,30 +55,33 @@ async fn machines(State(house): State<Arc<House>>) -> Json<Vec<MachineSummary>> 
     (status = 404, description = "There is no such project", body = Refusal),
     (status = 409, description = "The folder exists", body = Refusal),
     (status = 422, description = "It cannot be opened", body = Refusal),
-    (status = 429, description = "Too many machines are open", body = Refusal),
+    (status = 429, description = "Too many machines are open, or too many are being written", body = Refusal),
     (status = 503, description = "It cannot be written", body = Refusal),
 ))]
 async fn make(
     State(house): State<Arc<House>>,
     Body(new): Body<NewMachine>,
 ) -> Result<Json<MachineSummary>, Failure> {
-    blocking(move || house.documents.make(&house, &new).map(Json)).await
+    let at = Arc::clone(&house);
+    at.documents.saves.work(move || house.documents.make(&house, &new).map(Json)).await
 }
 
 /// Opens the machine in a folder; one that is open already stays as it is.
 #[utoipa::path(post, path = "/api/v1/machines/open", tag = "machines", request_body = MachineAt, responses(
     (status = 200, description = "It is open", body = MachineSummary),
     (status = 400, description = "The path is none", body = Refusal),
-    (status = 403, description = "The path leads out of the project", body = Refusal),
+    (status = 403, description = "The path, or a link in the machine, leads out of the project", body = Refusal),
     (status = 404, description = "There is no such machine", body = Refusal),
     (status = 422, description = "The folder holds no machine that can be read, or its draft cannot", body = Refusal),
-    (status = 429, description = "Too many machines are open", body = Refusal),
+    (status = 429, description = "Too many machines are open, or too many are being opened", body = Refusal),
 ))]
 async fn open(
     State(house): State<Arc<House>>,
-    Body(at): Body<MachineAt>,
+    who: Who,
+    Body(MachineAt { file }): Body<MachineAt>,
 ) -> Result<Json<MachineSummary>, Failure> {
-    blocking(move || house.documents.open(&house, &at.file).map(Json)).await
+    let (at, may_edit) = (Arc::clone(&house), who.role.grants(Right::Edit));
+    at.documents.loads.work(move || house.documents.open(&house, &file, may_edit).map(Json)).await
 }
 
 /// How an open machine stands.
@@ -105,6 +107,7 @@ async fn machine(
     responses(
         (status = 200, description = "The machine and its revision", body = MachineDocument),
         (status = 404, description = "It is not open", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
 )]
 async fn document(
@@ -112,7 +115,7 @@ async fn document(
     Path(machine): Path<String>,
 ) -> Result<Response, Failure> {
     let room = house.documents.room(&machine)?;
-    Ok(json(blocking(move || room.document()).await?))
+    Ok(json(house.documents.looks.work(move || room.document()).await?))
 }
 
 /// What was done to an open machine, from a revision on; a page at a time.
@@ -148,6 +151,7 @@ async fn revisions(
     responses(
         (status = 200, description = "Rules that it breaks, and faults of its files when they were read last", body = [MachineProblem]),
         (status = 404, description = "It is not open", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
 )]
 async fn machine_problems(
@@ -155,12 +159,7 @@ async fn machine_problems(
     Path(machine): Path<String>,
 ) -> Result<Json<Vec<MachineProblem>>, Failure> {
     let room = house.documents.room(&machine)?;
-    blocking(move || {
-        let mut found = room.faults_of_files();
-        found.extend(problems::of_machine(&room.machine().1));
-        Ok(Json(found))
-    })
-    .await
+    house.documents.looks.work(move || room.problems().map(Json)).await
 }
 
 /// Copies states of an open machine, as an edit `paste` takes them.
@@ -170,6 +169,7 @@ async fn machine_problems(
         (status = 200, description = "The states, with what is between them", body = Selection),
         (status = 400, description = "The body does not fit", body = Refusal),
         (status = 404, description = "It is not open, or there is no such container", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
 )]
 async fn copy(
@@ -177,7 +177,8 @@ async fn copy(
     Path(machine): Path<String>,
     Body(wish): Body<CopyStates>,
 ) -> Result<Json<Selection>, Failure> {
-    blocking(move || house.documents.copy(&machine, &wish).map(Json)).await
+    let at = Arc::clone(&house);
+    at.documents.looks.work(move || house.documents.copy(&machine, &wish).map(Json)).await
 }
 
 /// Edits an open machine.
@@ -252,6 +253,7 @@ async fn redo(
         (status = 404, description = "The machine is not open, or there is no such project", body = Refusal),
         (status = 409, description = "Another program changed the files, or something is in the way", body = Refusal),
         (status = 422, description = "What lies there cannot be read", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
         (status = 503, description = "It cannot be written", body = Refusal),
     )
 )]
@@ -260,7 +262,8 @@ async fn save(
     Path(machine): Path<String>,
     Body(wish): Body<SaveMachine>,
 ) -> Result<Json<Done>, Failure> {
-    blocking(move || house.documents.save(&house, &machine, &wish).map(done)).await
+    let at = Arc::clone(&house);
+    at.documents.saves.work(move || house.documents.save(&house, &machine, &wish).map(done)).await
 }
 
 /// Reads the files of an open machine again.
@@ -272,6 +275,7 @@ async fn save(
         (status = 404, description = "The machine is not open", body = Refusal),
         (status = 409, description = "There are no files any more", body = Refusal),
         (status = 422, description = "They cannot be read", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
         (status = 503, description = "It cannot be written down, so that it was not done", body = Refusal),
     )
 )]
@@ -281,7 +285,9 @@ async fn reload(
     Path(machine): Path<String>,
     Body(wish): Body<ReloadMachine>,
 ) -> Result<Json<Done>, Failure> {
-    blocking(move || house.documents.reload(&house, &machine, &who.user, wish.id).map(done)).await
+    let at = Arc::clone(&house);
+    let read = move || house.documents.reload(&house, &machine, &who.user, wish.id).map(done);
+    at.documents.saves.work(read).await
 }
 
 /// Closes an open machine for everybody.
@@ -292,6 +298,7 @@ async fn reload(
         (status = 400, description = "The body does not fit", body = Refusal),
         (status = 404, description = "The machine is not open", body = Refusal),
         (status = 409, description = "It has edits that do not lie on disk", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
         (status = 503, description = "Its draft cannot be removed", body = Refusal),
     )
 )]
@@ -300,7 +307,8 @@ async fn close(
     Path(machine): Path<String>,
     Body(wish): Body<CloseMachine>,
 ) -> Result<(), Failure> {
-    blocking(move || house.documents.close(&house, &machine, &wish)).await
+    let at = Arc::clone(&house);
+    at.documents.saves.work(move || house.documents.close(&house, &machine, &wish)).await
 }
 
 /// Changes an open machine; for requests and for the socket.

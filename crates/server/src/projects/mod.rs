@@ -11,6 +11,7 @@ mod tree;
 pub(crate) use routes::routes;
 pub(crate) use tree::{is_foreign, is_machine};
 
+use crate::gate::Gate;
 use crate::{Failure, Settings};
 use library::Shelf;
 use rafcon_protocol::api::{MachineFile, Project};
@@ -23,6 +24,7 @@ use std::sync::Arc;
 pub(crate) struct Projects {
     known: Vec<Project>,
     shelf: Shelf,
+    looks: Gate,
 }
 
 impl Projects {
@@ -30,7 +32,7 @@ impl Projects {
     pub(crate) fn new(settings: &Settings) -> Self {
         let folders: Vec<_> = settings.projects.iter().map(|folder| at_home(folder)).collect();
         let known = names::named(folders.iter().cloned());
-        Self { known, shelf: Shelf::open(settings, folders) }
+        Self { known, shelf: Shelf::open(settings, folders), looks: Gate::default() }
     }
 
     /// The libraries that machines are loaded with now. Whoever keeps them reads no later changes.
@@ -41,6 +43,11 @@ impl Projects {
     /// The libraries as clients see them.
     pub(crate) fn shelf(&self) -> &Shelf {
         &self.shelf
+    }
+
+    /// Before folders and libraries are read.
+    pub(crate) fn looks(&self) -> &Gate {
+        &self.looks
     }
 
     /// All of them.

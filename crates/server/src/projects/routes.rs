@@ -2,7 +2,6 @@
 //! talk.
 
 use super::tree::{self, BOUNDS};
-use crate::blocking::blocking;
 use crate::extract::{Path, Query};
 use crate::{Failure, House};
 use axum::Json;
@@ -43,6 +42,7 @@ async fn projects(State(house): State<Arc<House>>) -> Json<Vec<Project>> {
         (status = 400, description = "The path is none", body = Refusal),
         (status = 403, description = "The path leads out of the project", body = Refusal),
         (status = 404, description = "There is no such project or folder", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
 )]
 async fn project_tree(
@@ -51,7 +51,8 @@ async fn project_tree(
     Query(from): Query<TreeFrom>,
 ) -> Result<Json<FileNode>, Failure> {
     let file = MachineFile { project, path: from.path };
-    blocking(move || {
+    let at = Arc::clone(&house);
+    let look = move || {
         let folder = house.projects.resolve(&file)?;
         if !folder.is_dir() {
             let message =
@@ -60,16 +61,18 @@ async fn project_tree(
         }
         let hidden: [&FilePath; 2] = [&house.settings.runs, &house.settings.state];
         Ok(Json(tree::tree(&folder, &file.path, &hidden, BOUNDS)))
-    })
-    .await
+    };
+    at.projects.looks().work(look).await
 }
 
 /// The library roots with what lies below them.
 #[utoipa::path(get, path = "/api/v1/libraries", tag = "files", responses(
-    (status = 200, description = "In the order in which they count", body = [LibraryRoot])
+    (status = 200, description = "In the order in which they count", body = [LibraryRoot]),
+    (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
 ))]
 async fn libraries(State(house): State<Arc<House>>) -> Result<Json<Vec<LibraryRoot>>, Failure> {
-    blocking(move || Ok(Json(house.projects.shelf().roots()))).await
+    let at = Arc::clone(&house);
+    at.projects.looks().work(move || Ok(Json(house.projects.shelf().roots()))).await
 }
 
 /// The machine of a library, as it lies on disk.
@@ -81,15 +84,18 @@ async fn libraries(State(house): State<Arc<House>>) -> Result<Json<Vec<LibraryRo
     responses(
         (status = 200, description = "The machine", body = Document),
         (status = 400, description = "The path is none", body = Refusal),
-        (status = 403, description = "The path leads out of its root", body = Refusal),
+        (status = 403, description = "The path, or a link in the library, leads out", body = Refusal),
         (status = 404, description = "There is no such library", body = Refusal),
         (status = 422, description = "The folder holds no machine that can be read", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
 )]
 async fn library(
     State(house): State<Arc<House>>,
     Path((root, path)): Path<(String, String)>,
 ) -> Result<impl IntoResponse, Failure> {
-    let document = blocking(move || house.projects.shelf().document(&root, &path)).await?;
+    let at = Arc::clone(&house);
+    let read = move || house.projects.shelf().document(&root, &path);
+    let document = at.projects.looks().work(read).await?;
     Ok(([(CONTENT_TYPE, "application/json")], document))
 }

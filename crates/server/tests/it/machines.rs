@@ -256,6 +256,85 @@ fn check_taken_over(between: impl FnOnce(&Path), expect: &Expect) {
 }
 
 #[test]
+fn what_was_done_and_saved_is_not_done_again_however_often_the_server_is_started() {
+    let mut house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    rename(&house, Role::Engineer, &id, "a1", "Ann's");
+    deed(&house, Role::Engineer, &id, "save", &json!({}));
+    let name = |house: &House| {
+        get(house, &format!("/{id}/document"))["document"]["states"][1]["name"].clone()
+    };
+    for _ in 0..3 {
+        house = House::at(house.end(), |_settings| {});
+        assert_eq!(open(&house, "one"), id);
+        assert_eq!(rename(&house, Role::Engineer, &id, "a1", "Never"), "edits: 200\n");
+        assert_eq!(name(&house), "Ann's");
+    }
+    rename(&house, Role::Engineer, &id, "a2", "Later");
+    house = House::at(house.end(), |_settings| {});
+    open(&house, "one");
+    rename(&house, Role::Engineer, &id, "a1", "Never");
+    assert_eq!(name(&house), "Later");
+}
+
+#[test]
+fn ids_and_names_have_bounds() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    let long = "x".repeat(129);
+    for way in ["undo", "redo", "reload"] {
+        let said = deed(&house, Role::Engineer, &id, way, &json!({ "id": long }));
+        assert_eq!(said, format!("{way}: 400 bad_id\n"));
+    }
+    assert_eq!(rename(&house, Role::Engineer, &id, "", "New"), "edits: 400 bad_id\n");
+    let long = "ä".repeat(191);
+    assert_eq!(rename(&house, Role::Engineer, &id, "1", &long), "edits: 400 bad_name\n");
+}
+
+/// Who may only look sets nothing of others aside.
+#[test]
+fn a_draft_that_no_longer_fits_is_left_alone_by_who_may_not_edit() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    rename(&house, Role::Engineer, &id, "a1", "Ann's");
+    let place = house.end();
+    let draft = place.path().join("state/drafts").join(&id);
+    let unfit = r#"{"line":"done","author":"x","id":"1","at_ms":0,"what":{"what":"undo"}}"#;
+    let lines = draft.join("operations.jsonl");
+    let text = std::fs::read_to_string(&lines).unwrap();
+    std::fs::write(&lines, format!("{text}{unfit}\n")).unwrap();
+    let house = House::at(place, |_settings| {});
+    let opens = |role| post(&house, role, "/open", &file("one")).said();
+    assert_eq!(opens(Role::Viewer), "422 unfit_draft");
+    assert!(draft.exists());
+    assert_eq!(opens(Role::Engineer), "200");
+    assert!(!draft.exists());
+}
+
+#[test]
+fn machines_that_nobody_follows_make_room_and_others_stay() {
+    let house = House::new();
+    let path = |number: usize| format!("m{number}");
+    (0..66).for_each(|number| write(&house, &path(number), MACHINE));
+    let changed = open(&house, &path(0));
+    rename(&house, Role::Engineer, &changed, "a1", "Ann's");
+    let followed = open(&house, &path(1));
+    let mut client = Client::connect(&house, Role::Viewer);
+    client.subscribe(1, &json!({ "topic": "machine_status", "machine": followed }));
+    client.hear_until(|frame| frame["status"]["summary"]["id"] == *followed);
+    let gone = open(&house, &path(2));
+    (3..66).for_each(|number| drop(open(&house, &path(number))));
+    let status = |id: &str| {
+        house.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines/{id}"), None).status
+    };
+    assert_eq!([status(&changed), status(&followed), status(&gone)], [200, 200, 404]);
+    assert_eq!(get(&house, "").as_array().unwrap().len(), 64);
+}
+
+#[test]
 fn edits_that_were_answered_outlive_the_server() {
     check_taken_over(
         |_project| {},

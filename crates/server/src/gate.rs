@@ -1,0 +1,85 @@
+//! Work of one kind that takes long: some at a time, however many ask, so that threads stay free for everything else. Who waits
+//! holds no thread. Must never know what the work is.
+
+use crate::Failure;
+use crate::blocking::blocking;
+use axum::http::StatusCode;
+use std::sync::Arc;
+use tokio::sync::Semaphore;
+
+/// So many are at work.
+const AT_ONCE: usize = 4;
+/// So many are at work or wait.
+const INSIDE: usize = 256;
+
+/// A gate before threads.
+#[derive(Debug)]
+pub(crate) struct Gate {
+    inside: Arc<Semaphore>,
+    turns: Arc<Semaphore>,
+}
+
+impl Default for Gate {
+    fn default() -> Self {
+        let places = |count| Arc::new(Semaphore::new(count));
+        Self { inside: places(INSIDE), turns: places(AT_ONCE) }
+    }
+}
+
+impl Gate {
+    /// Does the work when it has its turn; refused if too many wait. Whoever goes away while it is done leaves its turn to it.
+    pub(crate) async fn work<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
+    ) -> Result<T, Failure> {
+        let place = Arc::clone(&self.inside).try_acquire_owned().map_err(|_full| crowded())?;
+        let turn = Arc::clone(&self.turns).acquire_owned().await.map_err(|_closed| crowded())?;
+        blocking(move || {
+            let _held = (place, turn);
+            work()
+        })
+        .await
+    }
+}
+
+fn crowded() -> Failure {
+    let message = format!("{INSIDE} others ask for the like at the moment: ask again in a second");
+    let failure = Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_at_once", message);
+    failure.with_header("retry-after", "1".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AT_ONCE, Gate, INSIDE};
+    use std::sync::Arc;
+    use std::sync::mpsc::sync_channel;
+    use tokio::task::JoinSet;
+
+    #[tokio::test]
+    async fn some_work_some_wait_and_the_others_are_refused() {
+        let gate = Arc::new(Gate::default());
+        let (begun, mut works) = tokio::sync::mpsc::unbounded_channel();
+        let mut all = JoinSet::new();
+        let mut ends = Vec::new();
+        for _ in 0..INSIDE {
+            let (end, ended) = sync_channel::<()>(1);
+            ends.push(end);
+            let (gate, begun) = (Arc::clone(&gate), begun.clone());
+            let work = move || {
+                begun.send(()).unwrap();
+                ended.recv().unwrap_or_default();
+                Ok(())
+            };
+            all.spawn(async move { gate.work(work).await });
+        }
+        for _ in 0..AT_ONCE {
+            works.recv().await.unwrap();
+        }
+        tokio::task::yield_now().await;
+        assert!(works.try_recv().is_err());
+        assert_eq!(gate.work(|| Ok(())).await.unwrap_err().code(), "too_many_at_once");
+        drop(ends);
+        assert!(all.join_all().await.into_iter().all(|done| done.is_ok()));
+        assert!(gate.work(|| Ok(())).await.is_ok());
+    }
+}
