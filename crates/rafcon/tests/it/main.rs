@@ -21,6 +21,7 @@ mod server_runs;
 mod server_soak;
 mod server_socket;
 mod server_torture;
+mod server_twice;
 mod signals;
 mod strangers;
 mod terminal;

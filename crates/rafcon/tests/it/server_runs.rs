@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
 
 /// A script that goes on until it is asked to end, after it has said so past every capture.
-const WAITS: &str = r#"
+pub(crate) const WAITS: &str = r#"
 hierarchy ROOT "Waits"
   outcome done
   var speed: int = 7
@@ -44,13 +44,13 @@ hierarchy ROOT "Waits"
 "#;
 
 /// A place with a project, its machine, and a server.
-struct Site {
-    place: Place,
-    served: Option<Served>,
+pub(crate) struct Site {
+    pub(crate) place: Place,
+    pub(crate) served: Option<Served>,
 }
 
 impl Site {
-    fn new(machine: &str) -> Self {
+    pub(crate) fn new(machine: &str) -> Self {
         assert_extension();
         let place = Place::empty();
         let machine = notation::parse(machine).unwrap();
@@ -61,18 +61,18 @@ impl Site {
     }
 
     /// Another server, after the one before was killed.
-    fn serve(&mut self) {
+    pub(crate) fn serve(&mut self) {
         self.served = None;
         let words = "serve project --bind 127.0.0.1:0 --state state --runs runs --keep-token";
         self.served = Some(Served::start(self.place.command(words)).unwrap());
     }
 
-    fn door(&self) -> &Door {
+    pub(crate) fn door(&self) -> &Door {
         self.served.as_ref().unwrap().door()
     }
 
     /// The same for a user with this role.
-    fn door_of(&self, user: &str, role: Role) -> Door {
+    pub(crate) fn door_of(&self, user: &str, role: Role) -> Door {
         let users = Users::open(&self.place.path("state"), CHEAP).unwrap();
         users.add(user, role, "correct horse").unwrap();
         let wanted = serde_json::from_value(json!({ "name": "tests" })).unwrap();
@@ -80,14 +80,14 @@ impl Site {
         Door { address: self.door().address, token }
     }
 
-    fn start(&self, id: &str, more: &Value) -> Value {
+    pub(crate) fn start(&self, id: &str, more: &Value) -> Value {
         let mut body = json!({ "id": id, "machine": { "project": "project", "path": "machine" } });
         body.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
         self.door().ask("POST", "/api/v1/runs", Some(&body)).unwrap()
     }
 
     /// The status of a run once it is as wanted.
-    fn until(&self, run: &str, wanted: impl Fn(&RunNow) -> bool) -> RunNow {
+    pub(crate) fn until(&self, run: &str, wanted: impl Fn(&RunNow) -> bool) -> RunNow {
         let mut line = self.line(Topic::RunStatus { run: run.to_owned() });
         loop {
             match line.hear().unwrap() {
@@ -104,13 +104,13 @@ impl Site {
         line
     }
 
-    fn kill_runner(&self, run: &str) {
+    pub(crate) fn kill_runner(&self, run: &str) {
         let writer = writer_of(&self.place.path("runs").join(run)).unwrap().unwrap();
         kill_process(Pid::from_raw(writer.cast_signed()).unwrap(), Signal::KILL).unwrap();
     }
 
     /// The events of a run in its journal, in short.
-    fn journal(&self, run: &str) -> Vec<String> {
+    pub(crate) fn journal(&self, run: &str) -> Vec<String> {
         let mut reader = Reader::open(&self.place.path("runs").join(run)).unwrap();
         let entries = reader.page(1, 1000).unwrap();
         let told = entries.iter().filter_map(|entry| match &entry.record {
@@ -151,29 +151,29 @@ fn text(event: &Event) -> Option<String> {
     }
 }
 
-fn command(door: &Door, run: &str, id: &str, command: &Value) -> String {
+pub(crate) fn command(door: &Door, run: &str, id: &str, command: &Value) -> String {
     let body = json!({ "id": id, "command": command });
     said(door, "POST", &format!("/api/v1/runs/{run}/commands"), Some(&body))
 }
 
-fn control(door: &Door, run: &str, wanted: &Value) -> String {
+pub(crate) fn control(door: &Door, run: &str, wanted: &Value) -> String {
     said(door, "POST", &format!("/api/v1/runs/{run}/control"), Some(wanted))
 }
 
 /// Status, and what of the answer says most.
-fn said(door: &Door, method: &str, path: &str, body: Option<&Value>) -> String {
+pub(crate) fn said(door: &Door, method: &str, path: &str, body: Option<&Value>) -> String {
     let (status, text) = door.answer(method, path, body).unwrap();
     let json: Value = serde_json::from_str(&text).unwrap();
     let word = ["answer", "code", "holder"].iter().find_map(|name| json[name].as_str());
     format!("{status} {}", word.unwrap_or("-"))
 }
 
-fn is_running(now: &RunNow) -> bool {
+pub(crate) fn is_running(now: &RunNow) -> bool {
     let active = now.snapshot.as_ref().is_some_and(|snapshot| snapshot.active.len() == 2);
     now.run.phase == RunPhase::Live && active
 }
 
-fn check(lines: &[String], expect: &Expect) {
+pub(crate) fn check(lines: &[String], expect: &Expect) {
     expect.assert_eq(&lines.join("\n"));
 }
 
