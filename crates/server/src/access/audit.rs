@@ -1,7 +1,8 @@
 //! `audit.jsonl`: who came in, who was refused, who changed whose rights, and who took control. Bounded; readable by the
-//! server's owner only. Secrets never come here.
+//! server's owner only. Secrets never come here. A thread of its own writes, so that nobody waits for the disk.
 
 use super::private::{self, PrivateError};
+use super::seldom::Seldom;
 use crate::log;
 use parking_lot::Mutex;
 use rafcon_supervisor::clock::since_1970_ms;
@@ -9,6 +10,11 @@ use serde::Serialize;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
 /// The size from which a new file is begun.
 const BYTES_MAX: u64 = 10_000_000;
@@ -16,19 +22,36 @@ const BYTES_MAX: u64 = 10_000_000;
 const OLD_MAX: u32 = 3;
 /// How much of a text is kept: some of it is said by strangers.
 const TEXT_MAX: usize = 200;
+/// So many lines may wait for the disk.
+const WAITING_MAX: usize = 4096;
+/// How long the end of a server waits for them.
+const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The record of who did what about access.
+/// The record of who did what about access. What was noted is on disk once this is dropped.
 #[derive(Debug)]
 pub struct Audit {
-    folder: PathBuf,
-    open: Mutex<Open>,
+    /// Nothing while it is dropped.
+    words: Option<SyncSender<Word>>,
+    writer: Option<JoinHandle<()>>,
+    seldom: Mutex<Seldom>,
+    /// Lines for which there was no room.
+    missed: Arc<AtomicU64>,
 }
 
-#[derive(Debug)]
-struct Open {
+/// The files, in the hands of the thread that writes them.
+struct Record {
+    folder: PathBuf,
     file: File,
     bytes: u64,
     is_broken: bool,
+}
+
+/// What the thread is told.
+enum Word {
+    /// To be written.
+    Line(Vec<u8>),
+    /// To be answered once everything before is written.
+    Settle(SyncSender<()>),
 }
 
 /// One line.
@@ -43,11 +66,15 @@ struct Note<'a> {
 impl Audit {
     /// Goes on in the folder's record.
     pub(crate) fn open(folder: &Path) -> Result<Self, PrivateError> {
-        let path = file(folder, 0);
-        let file = private::open(&path)?;
-        let about = file.metadata().map_err(|source| PrivateError::new("read", &path, source))?;
-        let open = Mutex::new(Open { file, bytes: about.len(), is_broken: false });
-        Ok(Self { folder: folder.to_owned(), open })
+        let record = Record::open(folder)?;
+        let (words, waiting) = sync_channel(WAITING_MAX);
+        let missed = Arc::new(AtomicU64::new(0));
+        let theirs = Arc::clone(&missed);
+        let write = move || record.write_all(&waiting, &theirs);
+        let writer = thread::Builder::new().name("audit".to_owned()).spawn(write);
+        let writer =
+            writer.map_err(|source| PrivateError::new("write", &file(folder, 0), source))?;
+        Ok(Self { words: Some(words), writer: Some(writer), seldom: Mutex::default(), missed })
     }
 
     /// Notes what a user did: `what` is a stable word, `about` says more to people.
@@ -55,39 +82,108 @@ impl Audit {
         self.note_at(since_1970_ms(), user, what, about);
     }
 
+    /// Notes what anybody can do over and over, on behalf of `of`: what comes too often is counted, and the count is told with
+    /// the next note.
+    pub(super) fn note_often(&self, of: &str, user: &str, what: &str, about: &str) {
+        let now_ms = since_1970_ms();
+        match self.seldom.lock().may(&format!("{what} {of}"), now_ms) {
+            Some(0) => self.note_at(now_ms, user, what, about),
+            Some(before) => {
+                self.note_at(now_ms, user, what, &format!("{about}, and {before} times before"));
+            }
+            None => {}
+        }
+    }
+
     fn note_at(&self, at_ms: u64, user: &str, what: &str, about: &str) {
-        let note = Note { at_ms, user: cut(user), what, about: cut(about) };
-        let mut open = self.open.lock();
-        let written = self.write(&mut open, &note);
+        let line = line(&Note { at_ms, user: cut(user), what, about: cut(about) });
+        // Whoever asks does not wait for a disk that is stuck.
+        if self.words.as_ref().is_some_and(|words| words.try_send(Word::Line(line)).is_err()) {
+            self.missed.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Waits until everything is written that was noted, but not for ever.
+    pub(crate) fn settle(&self) {
+        let (done, settled) = sync_channel(1);
+        let asked = self.words.as_ref().map(|words| words.try_send(Word::Settle(done)));
+        if asked.is_none_or(|asked| asked.is_err()) || settled.recv_timeout(PATIENCE).is_err() {
+            log::say("the disk is slow: the record of access may lack its last lines");
+        }
+    }
+}
+
+impl Drop for Audit {
+    fn drop(&mut self) {
+        drop(self.words.take());
+        if let Some(Err(_panic)) = self.writer.take().map(JoinHandle::join) {
+            log::say("the record of access ended with a fault of this program");
+        }
+    }
+}
+
+fn line(note: &Note<'_>) -> Vec<u8> {
+    // Texts and a number always are JSON.
+    let mut line = serde_json::to_vec(note).unwrap_or_default();
+    line.push(b'\n');
+    line
+}
+
+impl Record {
+    fn open(folder: &Path) -> Result<Self, PrivateError> {
+        let path = file(folder, 0);
+        let file = private::open(&path)?;
+        let about = file.metadata().map_err(|source| PrivateError::new("read", &path, source))?;
+        Ok(Self { folder: folder.to_owned(), file, bytes: about.len(), is_broken: false })
+    }
+
+    /// Writes until nobody notes anything any more.
+    fn write_all(mut self, waiting: &Receiver<Word>, missed: &AtomicU64) {
+        for word in waiting {
+            match word {
+                Word::Line(line) => self.write_or_say(&line),
+                // Whoever asked may have gone.
+                Word::Settle(done) => done.send(()).unwrap_or_default(),
+            }
+            let count = missed.swap(0, Ordering::Relaxed);
+            if count > 0 {
+                let about = format!("{count} notes, while the disk was too slow");
+                let at_ms = since_1970_ms();
+                let missed = Note { at_ms, user: "", what: "notes_missed", about: &about };
+                self.write_or_say(&line(&missed));
+            }
+        }
+    }
+
+    fn write_or_say(&mut self, line: &[u8]) {
+        let written = self.write(line);
         if let Err(error) = &written
-            && !open.is_broken
+            && !self.is_broken
         {
             log::say(&format!("the record of access cannot be written: {error}"));
         }
-        open.is_broken = written.is_err();
+        self.is_broken = written.is_err();
     }
 
-    fn write(&self, open: &mut Open, note: &Note<'_>) -> io::Result<()> {
-        let mut line = serde_json::to_vec(note)?;
-        line.push(b'\n');
-        if open.bytes + line.len() as u64 > BYTES_MAX {
-            self.turn(open)?;
+    fn write(&mut self, line: &[u8]) -> io::Result<()> {
+        if self.bytes + line.len() as u64 > BYTES_MAX {
+            self.turn()?;
         }
-        open.file.write_all(&line)?;
-        open.bytes += line.len() as u64;
+        self.file.write_all(line)?;
+        self.bytes += line.len() as u64;
         Ok(())
     }
 
     /// Begins a new file.
-    fn turn(&self, open: &mut Open) -> io::Result<()> {
+    fn turn(&mut self) -> io::Result<()> {
         for age in (0..OLD_MAX).rev() {
             match fs::rename(file(&self.folder, age), file(&self.folder, age + 1)) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
                 Ok(()) | Err(_) => {}
             }
         }
-        open.file = private::open(&file(&self.folder, 0)).map_err(io::Error::other)?;
-        open.bytes = 0;
+        self.file = private::open(&file(&self.folder, 0)).map_err(io::Error::other)?;
+        self.bytes = 0;
         Ok(())
     }
 }
@@ -106,15 +202,16 @@ fn cut(text: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::{Audit, BYTES_MAX, cut};
+    use super::{Audit, BYTES_MAX, Record, cut};
     use expect_test::expect;
     use std::fs;
 
     #[test]
-    fn a_note_is_a_line_whatever_strangers_say() {
+    fn a_note_is_a_line_whatever_strangers_say_and_none_is_lost_at_the_end() {
         let place = tempfile::tempdir().unwrap();
         let audit = Audit::open(place.path()).unwrap();
         audit.note_at(7, "anna", "login", "from 10.0.0.1");
+        drop(audit);
         Audit::open(place.path()).unwrap().note_at(8, "x\n{\"", "wrong_login", "from 10.0.0.2");
         expect![[r#"
             {"at_ms":7,"user":"anna","what":"login","about":"from 10.0.0.1"}
@@ -125,18 +222,32 @@ mod tests {
     }
 
     #[test]
-    fn the_record_is_bounded() {
+    fn nobody_fills_the_record_with_what_is_refused() {
         let place = tempfile::tempdir().unwrap();
         let audit = Audit::open(place.path()).unwrap();
+        for _ in 0..2000 {
+            audit.note_often("anna", "anna", "refused", "GET /api/v1/users");
+        }
+        audit.note("anna", "token_made", "x");
+        audit.settle();
+        let record = fs::read_to_string(place.path().join("audit.jsonl")).unwrap();
+        assert!(record.lines().count() < 100, "{record}");
+        assert!(record.contains("token_made"), "{record}");
+    }
+
+    #[test]
+    fn the_record_is_bounded() {
+        let place = tempfile::tempdir().unwrap();
+        let mut record = Record::open(place.path()).unwrap();
         for round in 0..6 {
-            audit.open.lock().bytes = BYTES_MAX;
-            audit.note_at(round, "anna", "login", "");
+            record.bytes = BYTES_MAX;
+            record.write_or_say(format!("{round}\n").as_bytes());
         }
         let mut files = fs::read_dir(place.path()).unwrap();
         let mut names = files.by_ref().map(|file| file.unwrap().file_name()).collect::<Vec<_>>();
         names.sort();
         assert_eq!(names, ["audit.1.jsonl", "audit.2.jsonl", "audit.3.jsonl", "audit.jsonl"]);
         let last = fs::read_to_string(place.path().join("audit.3.jsonl")).unwrap();
-        assert!(last.contains("\"at_ms\":2"), "{last}");
+        assert_eq!(last, "2\n");
     }
 }

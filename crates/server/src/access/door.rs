@@ -64,7 +64,8 @@ fn admit(house: &House, request: &Request) -> Result<Option<Who>, Failure> {
 fn may(house: &House, who: Who, right: Right, asked: &Asked) -> Result<Who, Failure> {
     let may = who.must(right);
     if may.is_err() {
-        house.audit().note(&who.user, "refused", &format!("{} {}", asked.method, asked.path));
+        let about = format!("{} {}", asked.method, asked.path);
+        house.audit().note_often(&who.user, &who.user, "refused", &about);
     }
     may.map(|()| who)
 }

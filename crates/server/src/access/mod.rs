@@ -15,6 +15,7 @@ mod rights;
 mod roster;
 mod routes;
 mod secret;
+mod seldom;
 mod sessions;
 mod users;
 mod who;

@@ -1,5 +1,6 @@
 //! Logging in and out, tokens, users. Knows requests and answers; what is allowed is decided at the door and by the roster.
 
+use super::limiter::network;
 use super::people::OWNER;
 use super::who::{Credential, Who};
 use crate::blocking::blocking;
@@ -48,12 +49,13 @@ async fn log_in(
     let checked = house.people().check(&login.user, &login.password, from).await;
     if let Err(failure) = checked {
         if failure.status() == StatusCode::UNAUTHORIZED {
-            house.audit().note(&login.user, "wrong_login", &format!("from {from}"));
+            let (of, about) = (network(from).to_string(), format!("from {from}"));
+            house.audit().note_often(&of, &login.user, "wrong_login", &about);
         }
         return Err(failure);
     }
     let (secret, who) = house.people().begin(&login.user)?;
-    house.audit().note(&who.user, "login", &format!("from {from}"));
+    house.audit().note_often(&who.user, &who.user, "login", &format!("from {from}"));
     Ok(([(header::SET_COOKIE, house.set_cookie(secret.text()))], Json(about(who))))
 }
 
@@ -72,7 +74,7 @@ async fn session(who: Who) -> Json<Session> {
 ))]
 async fn log_out(State(house): State<Arc<House>>, who: Who) -> Result<StatusCode, Failure> {
     house.people().end(&who)?;
-    house.audit().note(&who.user, "logout", "");
+    house.audit().note_often(&who.user, &who.user, "logout", "");
     Ok(StatusCode::NO_CONTENT)
 }
 

@@ -3,13 +3,15 @@
 use crate::House;
 use crate::access::private::{self, PrivateError};
 use serde::{Deserialize, Serialize};
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 
 /// Its name in the server's folder.
 const FILE: &str = "server.json";
+/// What a server keeps locked while it lives.
+pub(super) const LOCK: &str = "server.lock";
 
 /// How the running server is reached.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,6 +52,21 @@ impl Card {
         let Some(text) = private::read(&file)? else { return Ok(None) };
         let card = serde_json::from_str(&text).map_err(io::Error::from);
         card.map(Some).map_err(|source| PrivateError::new("read", &file, source))
+    }
+
+    /// What the folder's server says if it lives; nothing of one that died, whose port somebody else may have by now.
+    pub fn of_living(state: &Path) -> Result<Option<Self>, PrivateError> {
+        let lock = state.join(LOCK);
+        let unlocked = match File::open(&lock) {
+            Ok(file) => file.try_lock_shared(),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => Err(TryLockError::Error(error)),
+        };
+        match unlocked {
+            Ok(()) => Ok(None),
+            Err(TryLockError::WouldBlock) => Self::read(state),
+            Err(TryLockError::Error(source)) => Err(PrivateError::new("read", &lock, source)),
+        }
     }
 
     /// The server is gone.

@@ -171,6 +171,7 @@ impl Server {
         self.house.close();
         closing.send_replace(true);
         connections.gone(FAREWELL).await;
+        self.house.audit().settle();
         Ok(self.card.remove()?)
     }
 }
@@ -204,7 +205,7 @@ fn cannot(address: SocketAddr, source: io::Error) -> ServeError {
 
 /// Makes this process the folder's only server.
 fn only_one(folder: &Path) -> Result<File, ServeError> {
-    let path = folder.join("server.lock");
+    let path = folder.join(card::LOCK);
     let file = private::open(&path)?;
     match file.try_lock() {
         Ok(()) => Ok(file),

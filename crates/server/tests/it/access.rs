@@ -173,15 +173,17 @@ fn who_came_and_who_was_refused_is_on_record_and_no_secret_is() {
     log_in(&house, "viewer", PASSWORD).unwrap();
     log_in(&house, "viewer", "wrong horse").unwrap_err();
     house.call(Some(Role::Viewer), "GET", "/api/v1/users", None);
-    let record = std::fs::read_to_string(house.state().join("audit.jsonl")).unwrap();
+    let (viewer, owner) = (house.token(Role::Viewer).to_owned(), house.owner().to_owned());
+    let place = house.end();
+    let read = |file: &str| std::fs::read_to_string(place.path().join("state").join(file)).unwrap();
+    let (record, kept) = (read("audit.jsonl"), read("users.json"));
     for what in ["\"login\"", "\"wrong_login\"", "\"refused\",\"about\":\"GET /api/v1/users\""] {
         assert!(record.contains(what), "{record}");
     }
-    for secret in [PASSWORD, "wrong horse", house.token(Role::Viewer), house.owner()] {
+    for secret in [PASSWORD, "wrong horse", &viewer, &owner] {
         assert!(!record.contains(secret), "{record}");
     }
-    let kept = std::fs::read_to_string(house.state().join("users.json")).unwrap();
-    assert!(!kept.contains(PASSWORD) && !kept.contains(house.token(Role::Viewer)), "{kept}");
+    assert!(!kept.contains(PASSWORD) && !kept.contains(&viewer), "{kept}");
 }
 
 /// Why there is no server.

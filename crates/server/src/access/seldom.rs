@@ -1,0 +1,81 @@
+//! How often the same may be put on record: a few times a minute; what is beyond that is counted. Pure: time is an argument.
+
+use std::collections::BTreeMap;
+
+/// So long a count goes on.
+const MINUTE_MS: u64 = 60_000;
+/// So often in that time.
+const NOTES_MAX: u32 = 10;
+/// So many are told apart.
+const MAX: usize = 10_000;
+/// What those are called that are too many to be told apart.
+const OTHERS: &str = "others";
+
+/// What was put on record of late.
+#[derive(Debug, Default)]
+pub(super) struct Seldom {
+    minutes: BTreeMap<String, Minute>,
+    /// The second in which it was looked last what can be forgotten.
+    tidied_s: u64,
+}
+
+#[derive(Debug, Default)]
+struct Minute {
+    since_ms: u64,
+    noted: u32,
+    /// What was not noted, in this minute or the ones before.
+    untold: u64,
+}
+
+impl Seldom {
+    /// Whether this may be noted now, and then how often it was not since it was noted last.
+    pub(super) fn may(&mut self, what: &str, now_ms: u64) -> Option<u64> {
+        let what = self.known(what, now_ms);
+        let minute = self.minutes.entry(what).or_default();
+        // A clock that was set back begins another minute.
+        if now_ms.checked_sub(minute.since_ms).is_none_or(|age| age >= MINUTE_MS) {
+            (minute.since_ms, minute.noted) = (now_ms, 0);
+        }
+        if minute.noted >= NOTES_MAX {
+            minute.untold += 1;
+            return None;
+        }
+        minute.noted += 1;
+        Some(std::mem::take(&mut minute.untold))
+    }
+
+    /// What it counts as: there is room for so many.
+    fn known(&mut self, what: &str, now_ms: u64) -> String {
+        let now_s = now_ms / 1000;
+        if self.minutes.len() >= MAX && now_s != self.tidied_s {
+            self.tidied_s = now_s;
+            self.minutes.retain(|_, minute| minute.since_ms + MINUTE_MS > now_ms);
+        }
+        let is_known = self.minutes.len() < MAX || self.minutes.contains_key(what);
+        if is_known { what } else { OTHERS }.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MAX, MINUTE_MS, Seldom};
+
+    #[test]
+    fn ten_a_minute_are_told_and_the_others_counted() {
+        let mut seldom = Seldom::default();
+        let told = (0..100).filter(|now_ms| seldom.may("refused anna", *now_ms) == Some(0));
+        assert_eq!(told.count(), 10);
+        assert_eq!(seldom.may("refused ben", 100), Some(0));
+        assert_eq!(seldom.may("refused anna", MINUTE_MS), Some(90));
+        assert_eq!(seldom.may("refused anna", MINUTE_MS), Some(0));
+    }
+
+    #[test]
+    fn whatever_strangers_are_called_it_is_bounded() {
+        let mut seldom = Seldom::default();
+        let told = (0..3 * MAX).filter(|name| seldom.may(&name.to_string(), 7).is_some());
+        assert_eq!(told.count(), MAX + 10);
+        assert_eq!(seldom.minutes.len(), MAX + 1);
+        assert_eq!(seldom.may("anna", 7 + MINUTE_MS), Some(0));
+    }
+}
