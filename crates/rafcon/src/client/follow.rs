@@ -20,7 +20,7 @@ use std::time::Duration;
 
 /// How many words to the run may wait.
 const QUEUE: usize = 256;
-/// After so long without a word the server is asked whether it is there.
+/// So often the server is asked whether it is there, which also shows that this side is.
 const ASK: Duration = Duration::from_secs(5);
 /// After so long without a word it is not.
 const SILENCE: Duration = Duration::from_secs(15);
@@ -117,8 +117,7 @@ impl Follower<'_> {
             }
             let now = self.clock.now();
             if is_heard {
-                (heard_at, asked_at) = (now, now);
-                continue;
+                heard_at = now;
             }
             if now >= heard_at + SILENCE {
                 return Ok(format!("nothing was heard for {} s", SILENCE.as_secs()));
@@ -128,6 +127,9 @@ impl Follower<'_> {
                 if let Err(broken) = socket.say(&ToServer::Ping { id: 0 }) {
                     return Ok(broken);
                 }
+            }
+            if is_heard {
+                continue;
             }
             let until = (asked_at + ASK).min(heard_at + SILENCE).saturating_sub(now);
             let until = until.min(self.patience());

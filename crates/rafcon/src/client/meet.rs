@@ -5,7 +5,7 @@ use crate::failure::Usage;
 use anyhow::Result;
 use rafcon_server::Card;
 use std::io::{self, IsTerminal as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What is known before a server is met.
 #[derive(Debug)]
@@ -35,19 +35,24 @@ impl Meeting<'_> {
         let own = self.own(&address);
         let trusted =
             if address.is_secure { Some(self.trusted(&address, own.as_ref())?) } else { None };
-        let token = self.token(&address, token, own.is_some())?;
+        let token = self.token(&address, token, own.as_ref())?;
         Ok(Server::new(address, trusted, token))
     }
 
-    /// The card of this computer's server, if that is the one that is meant.
+    /// The card of this computer's server, if it lives and is the one that is meant: at any other address of this computer
+    /// somebody else may listen.
     fn own(&self, address: &Address) -> Option<Card> {
-        let card = Card::read(self.state?).ok()??;
+        let card = Card::of_living(self.state?).ok()??;
         let (own, _) = Address::parse(&card.url).ok()?;
-        let is_it = own.port == address.port && own.is_secure == address.is_secure;
-        (is_it && address.is_loopback()).then_some(card)
+        (own == *address && address.is_loopback()).then_some(card)
     }
 
-    fn token(&self, address: &Address, in_url: Option<String>, is_own: bool) -> Result<Token> {
+    fn token(
+        &self,
+        address: &Address,
+        in_url: Option<String>,
+        own: Option<&Card>,
+    ) -> Result<Token> {
         if let Some(token) = in_url {
             return Ok(Token::Given(token));
         }
@@ -60,11 +65,10 @@ impl Meeting<'_> {
         if let Some(token) = self.notebook.token(address)? {
             return Ok(Token::Given(token));
         }
-        Ok(self.own_token().filter(|_| is_own).map_or(Token::None, Token::File))
-    }
-
-    fn own_token(&self) -> Option<PathBuf> {
-        self.state.map(|state| state.join("token"))
+        Ok(match (own, self.state) {
+            (Some(card), Some(state)) => Token::own(state, &card.url),
+            _ => Token::None,
+        })
     }
 
     /// The certificate that the server must have. One that is named is remembered instead of any before.

@@ -19,6 +19,8 @@ const HISTORY: u32 = 2;
 const TAKEN_UP_MS: u64 = 2000;
 /// For how long a command of a person is wanted, in ms.
 const WANTED_MS: u64 = 10_000;
+/// After so long a command is said again to which the runner had no answer, in ms.
+const AGAIN_MS: u64 = 1000;
 
 /// What is to be done.
 #[derive(Debug, Default, PartialEq)]
@@ -83,6 +85,8 @@ pub(super) struct Session {
     commands: Vec<Envelope>,
     /// Commands that the server could not bring to the runner yet.
     held_back: bool,
+    /// When commands are said again to which the runner had no answer.
+    again_at_ms: Option<u64>,
     connection: Connection,
     is_loaded: bool,
     is_over: bool,
@@ -101,6 +105,7 @@ impl Session {
             next: None,
             commands: Vec::new(),
             held_back: false,
+            again_at_ms: None,
             connection: Connection::Awaited,
             is_loaded: false,
             is_over: false,
@@ -176,7 +181,7 @@ impl Session {
                 self.status(*status, todo);
             }
             ToClient::Answer(CommandAnswer { id, answer }) => self.answered(id, answer, todo),
-            ToClient::Refused { id: Some(id), refusal } => self.refused(id, refusal, todo),
+            ToClient::Refused { id: Some(id), refusal } => self.refused(id, refusal, now_ms, todo),
             ToClient::Refused { id: None, refusal } => {
                 todo.causes.push(Told::Refused(refusal.message));
             }
@@ -187,12 +192,20 @@ impl Session {
 
     /// When the time alone brings something about.
     pub(super) fn wake_at_ms(&self) -> Option<u64> {
+        let again_at = self.again_at_ms.filter(|_| self.is_up());
+        [self.lost_at_ms(), again_at].into_iter().flatten().min()
+    }
+
+    fn lost_at_ms(&self) -> Option<u64> {
         self.crashed.filter(|_| !self.is_over).map(|(since, _)| since + TAKEN_UP_MS)
     }
 
     /// The time goes on: a run that nobody takes up is lost, once everything was told.
     pub(super) fn tick(&mut self, now_ms: u64, todo: &mut Todo) {
-        let is_due = self.wake_at_ms().is_some_and(|at| now_ms >= at);
+        if self.is_up() && self.again_at_ms.is_some_and(|at| now_ms >= at) {
+            self.say_again(todo);
+        }
+        let is_due = self.lost_at_ms().is_some_and(|at| now_ms >= at);
         let last = self.crashed.map_or(0, |(_, last)| last);
         if is_due && self.is_up() && self.next.is_some_and(|next| next > last) {
             self.is_over = true;
@@ -240,6 +253,7 @@ impl Session {
 
     fn say_again(&mut self, todo: &mut Todo) {
         self.held_back = false;
+        self.again_at_ms = None;
         todo.frames.extend(self.commands.iter().map(|envelope| self.frame_of(envelope)));
     }
 
@@ -289,13 +303,23 @@ impl Session {
         todo.causes.push(Told::Messages(vec![ToViewer::Answer { id, answer }]));
     }
 
-    /// A command that found no runner is said again when there is one; other refusals are answers.
-    fn refused(&mut self, id: String, refusal: Refusal, todo: &mut Todo) {
-        if refusal.code == "link_lost" {
-            self.held_back = true;
-            return;
+    /// A command that found no runner is said again when there is one, and one that had no answer after a while; other refusals
+    /// are answers.
+    fn refused(&mut self, id: String, refusal: Refusal, now_ms: u64, todo: &mut Todo) {
+        match refusal.code.as_str() {
+            "link_lost" => self.held_back = true,
+            "no_answer" if self.is_wanted(&id, now_ms) => {
+                self.again_at_ms = Some(now_ms + AGAIN_MS);
+            }
+            _ => self.answered(id, Answer::Refused { reason: refusal.message }, todo),
         }
-        self.answered(id, Answer::Refused { reason: refusal.message }, todo);
+    }
+
+    /// Whether a command may still be carried out.
+    fn is_wanted(&self, id: &str, now_ms: u64) -> bool {
+        let theirs = now_ms.saturating_add_signed(self.offset_ms);
+        let mut asked = self.commands.iter();
+        asked.any(|one| one.id == id && one.expiry.is_none_or(|Expiry(until)| theirs < until))
     }
 
     fn ended(&mut self, subscription: u32, refusal: Option<Refusal>, todo: &mut Todo) {

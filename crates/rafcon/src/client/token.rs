@@ -1,9 +1,11 @@
 //! The token that says who asks, and where it is from. Its text is never shown.
 
 use super::Fault;
+use rafcon_server::Card;
 use std::fmt;
 use std::fs;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// Where a token is from.
 #[derive(Clone)]
@@ -12,21 +14,45 @@ pub(crate) enum Token {
     None,
     /// This text.
     Given(String),
+    /// That of this computer's own server, as long as it lives.
+    Own {
+        /// The server's folder.
+        state: PathBuf,
+        /// Where it listens.
+        url: String,
+    },
     /// A file, read again for each connection: a server may get another one when it is started again.
     File(PathBuf),
 }
 
 impl Token {
+    /// That of the server that has this folder, and listens here.
+    pub(super) fn own(state: &Path, url: &str) -> Self {
+        Self::Own { state: state.to_owned(), url: url.to_owned() }
+    }
+
     /// What is sent.
     pub(super) fn text(&self) -> Result<Option<String>, Fault> {
         match self {
             Self::None => Ok(None),
             Self::Given(text) => Ok(Some(text.clone())),
-            Self::File(file) => match fs::read_to_string(file) {
-                Ok(text) => Ok(Some(text.trim().to_owned())),
-                Err(source) => Err(Fault::NoToken { file: file.clone(), source }),
-            },
+            Self::File(file) => read(file),
+            Self::Own { state, url } => {
+                let card = Card::of_living(state).ok().flatten();
+                if card.is_some_and(|card| card.url == *url) {
+                    return read(&state.join("token"));
+                }
+                let source = io::Error::other("it has ended: somebody else may listen there now");
+                Err(Fault::Unreachable { server: url.clone(), source })
+            }
         }
+    }
+}
+
+fn read(file: &Path) -> Result<Option<String>, Fault> {
+    match fs::read_to_string(file) {
+        Ok(text) => Ok(Some(text.trim().to_owned())),
+        Err(source) => Err(Fault::NoToken { file: file.to_owned(), source }),
     }
 }
 
@@ -35,6 +61,7 @@ impl fmt::Debug for Token {
         match self {
             Self::None => f.write_str("None"),
             Self::Given(_) => f.write_str("Given"),
+            Self::Own { state, url } => write!(f, "Own({url} of {})", state.display()),
             Self::File(file) => write!(f, "File({})", file.display()),
         }
     }
@@ -47,6 +74,23 @@ mod tests {
     #[test]
     fn its_text_is_never_shown() {
         assert_eq!(format!("{:?}", Token::Given("secret".to_owned())), "Given");
+    }
+
+    #[test]
+    fn a_server_that_died_is_sent_no_token_of_its_owner() {
+        let place = tempfile::tempdir().unwrap();
+        let url = "http://127.0.0.1:1";
+        let write = |name: &str, text: &str| std::fs::write(place.path().join(name), text).unwrap();
+        write("token", "secret");
+        write("server.json", &format!(r#"{{"url": "{url}", "pid": 1}}"#));
+        write("server.lock", "");
+        let (token, other) =
+            (Token::own(place.path(), url), Token::own(place.path(), "http://[::1]:1"));
+        assert!(token.text().is_err());
+        let lock = std::fs::File::open(place.path().join("server.lock")).unwrap();
+        lock.lock().unwrap();
+        assert_eq!(token.text().unwrap().as_deref(), Some("secret"));
+        assert!(other.text().is_err());
     }
 
     #[test]

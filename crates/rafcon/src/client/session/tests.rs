@@ -197,6 +197,43 @@ fn commands_have_an_expiry_and_are_said_again_by_the_same_id() {
 }
 
 #[test]
+fn a_command_without_an_answer_is_said_again_while_it_is_wanted() {
+    check(
+        true,
+        vec![
+            Hear(status("live", "up", Some(7), 7)),
+            command("key-1", Command::Pause),
+            refused("key-1", "no_answer"),
+            Wait(1),
+            refused("key-1", "no_answer"),
+            Wait(9),
+            refused("key-1", "no_answer"),
+            Wait(2),
+        ],
+        &expect![[r#"
+            Hello(Hello { protocol: 2, program: "0.1.0" })
+            --
+            > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
+            --
+            > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":8,"values":false}}
+            Messages([Loaded { name: "Pick", states: 5, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            --
+            > {"frame":"command","run":"RUN","envelope":{"id":"key-1","author":"ana","decided_on":7,"expiry":114000,"command":{"type":"pause"}}}
+            --
+            --
+            > {"frame":"command","run":"RUN","envelope":{"id":"key-1","author":"ana","decided_on":7,"expiry":114000,"command":{"type":"pause"}}}
+            --
+            --
+            > {"frame":"command","run":"RUN","envelope":{"id":"key-1","author":"ana","decided_on":7,"expiry":114000,"command":{"type":"pause"}}}
+            --
+            Messages([Answer { id: "key-1", answer: Refused { reason: "bo holds control of this run" } }])
+            --
+            --
+        "#]],
+    );
+}
+
+#[test]
 fn only_what_is_rare_is_shown_in_a_picture() {
     let event = |sequence, event: Value| json!({"sequence": sequence, "t_ns": 0, "event": event});
     let events = vec![
