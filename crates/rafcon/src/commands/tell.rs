@@ -117,7 +117,7 @@ mod tests {
         check(
             "dance",
             &expect![
-                "`dance` is no command of a run (unknown variant `dance`, expected one of `start`, `pause`, `resume`, `stop`, `kill`, `step_mode`, `step_into`, `step_over`, `step_out`, `step_back`, `run_to`, `run_selected`, `run_only_selected`, `start_from_history`, `force_outcome`, `preempt`, `set_breakpoint`, `remove_breakpoint`, `answer_question`, `recover`, `reload`, `edit_script`); docs/protocol.md lists them"
+                "`dance` is no command of a run (unknown variant `dance`, expected one of `start`, `pause`, `resume`, `stop`, `kill`, `step_mode`, `step_into`, `step_over`, `step_out`, `step_back`, `run_to`, `run_selected`, `run_only_selected`, `start_from_history`, `force_outcome`, `preempt`, `set_breakpoint`, `remove_breakpoint`, `answer_question`, `recover`, `reload`, `edit_script`, `control`); docs/protocol.md lists them"
             ],
         );
         check("run_to R/A", &expect!["R/A: write NAME=JSON, such as outcome=0"]);

@@ -217,3 +217,31 @@ pub(crate) fn assert_extension() {
     let extension = binary.with_file_name("librafcon_python.so");
     assert!(extension.exists(), "build the extension first: cargo build --workspace");
 }
+
+/// A machine of so many states, one a millisecond; each has a value that only those are told who ask for values.
+pub(crate) fn ticks(count: u64) -> String {
+    TICKS.replace("TICKS", &count.to_string())
+}
+
+const TICKS: &str = r#"
+hierarchy ROOT "Ticks"
+  outcome success
+  var n: int = 0
+  start -> TICKXX
+  TICKXX.more -> TICKXX ; TICKXX.enough -> .success
+  flow .n -> TICKXX.n
+  flow TICKXX.n -> .n
+  execution TICKXX "Tick"
+    outcome more
+    outcome enough
+    in n: int = 0
+    out n: int
+    script |
+      import sys, time
+      def execute(self, inputs, outputs, gvm):
+          n = outputs["n"] = inputs["n"] + 1
+          if n == 1:
+              sys.began = time.perf_counter()
+          time.sleep(max(0, sys.began + n / 1000 - time.perf_counter()))
+          return "more" if n < TICKS else "enough"
+"#;

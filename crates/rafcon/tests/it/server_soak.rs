@@ -1,7 +1,7 @@
 //! Many clients follow one fast run, one of them slowly, and one never reads: nobody loses anything, the server's memory stays
 //! bounded, and the run goes on at its own pace.
 
-use crate::harness::Place;
+use crate::harness::{self, Place};
 use crate::served::{Door, Line, Served};
 use crate::torture::number;
 use rafcon_model::notation;
@@ -29,36 +29,12 @@ const MEMORY_EACH_KB: u64 = 384;
 const DELAY: u64 = 5;
 /// How an event begins in a frame.
 const EVENT: &str = "{\"sequence\":";
-/// A state a millisecond.
-const MACHINE: &str = r#"
-hierarchy ROOT "Ticks"
-  outcome success
-  var n: int = 0
-  start -> TICKXX
-  TICKXX.more -> TICKXX ; TICKXX.enough -> .success
-  flow .n -> TICKXX.n
-  flow TICKXX.n -> .n
-  execution TICKXX "Tick"
-    outcome more
-    outcome enough
-    in n: int = 0
-    out n: int
-    script |
-      import sys, time
-      def execute(self, inputs, outputs, gvm):
-          n = outputs["n"] = inputs["n"] + 1
-          if n == 1:
-              sys.began = time.perf_counter()
-          time.sleep(max(0, sys.began + n / 1000 - time.perf_counter()))
-          return "more" if n < TICKS else "enough"
-"#;
-
 #[test]
 fn many_clients_lose_nothing_and_cost_a_bounded_amount_of_memory() {
     let clients = number(CLIENTS).unwrap_or(20);
     let ticks = 1000 * number(SECONDS).unwrap_or(3);
     let place = Place::empty();
-    let machine = notation::parse(&MACHINE.replace("TICKS", &ticks.to_string())).unwrap();
+    let machine = notation::parse(&harness::ticks(ticks)).unwrap();
     save(&machine, &place.path("project/machine"), None, Naming::default()).unwrap();
     let words = "serve project --bind 127.0.0.1:0 --state state --runs runs";
     let served = Served::start(place.command(words)).unwrap();

@@ -1,6 +1,6 @@
 //! What the WebSocket tells of a run that goes on, with a real runner: whoever follows it is told what its journal has.
 
-use crate::harness::{Place, assert_extension};
+use crate::harness::{self, Place, assert_extension};
 use crate::served::{Door, Line, Served};
 use rafcon_model::notation;
 use rafcon_protocol::api::{HistoryEntry, RunPhase};
@@ -10,30 +10,6 @@ use rafcon_storage::journal::Reader;
 use rafcon_storage::{Naming, save};
 use serde_json::json;
 use std::thread;
-
-/// So many rounds, a thousand a second, each with a value that only those are told who ask for values.
-const MACHINE: &str = r#"
-hierarchy ROOT "Ticks"
-  outcome success
-  var n: int = 0
-  start -> TICKXX
-  TICKXX.more -> TICKXX ; TICKXX.enough -> .success
-  flow .n -> TICKXX.n
-  flow TICKXX.n -> .n
-  execution TICKXX "Tick"
-    outcome more
-    outcome enough
-    in n: int = 0
-    out n: int
-    script |
-      import sys, time
-      def execute(self, inputs, outputs, gvm):
-          n = outputs["n"] = inputs["n"] + 1
-          if n == 1:
-              sys.began = time.perf_counter()
-          time.sleep(max(0, sys.began + n / 1000 - time.perf_counter()))
-          return "more" if n < 1500 else "enough"
-"#;
 
 /// A server with a run that is held before its first state.
 struct Site {
@@ -46,7 +22,7 @@ impl Site {
     fn new() -> Self {
         assert_extension();
         let place = Place::empty();
-        let machine = notation::parse(MACHINE).unwrap();
+        let machine = notation::parse(&harness::ticks(1500)).unwrap();
         save(&machine, &place.path("project/machine"), None, Naming::default()).unwrap();
         let words = "serve project --bind 127.0.0.1:0 --state state --runs runs";
         let served = Served::start(place.command(words)).unwrap();
