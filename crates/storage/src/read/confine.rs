@@ -6,7 +6,7 @@
 use super::load::LoadError;
 use crate::files::{HEADER, MACHINE_LAYOUT, Part, STAGING, YAML_HEADER};
 use std::collections::BTreeSet;
-use std::fs::{self, DirEntry};
+use std::fs::{self, DirEntry, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -86,26 +86,42 @@ impl Look<'_> {
 
     /// What cannot be reached cannot be read either.
     fn entry(&mut self, entry: &DirEntry) -> Result<(), Wrong> {
-        let path = entry.path();
         let Ok(kind) = entry.file_type() else { return Ok(()) };
         if kind.is_dir() {
-            self.wait(path);
+            self.wait(entry.path());
             return Ok(());
         }
+        if kind.is_symlink() {
+            return self.link(entry);
+        }
+        match entry.metadata() {
+            Ok(about) if is_ours(entry) => is_fit(&about),
+            Ok(_) | Err(_) => Ok(()),
+        }
+    }
+
+    /// Where a link leads. Only for links is the whole way looked up: it costs more than all else.
+    fn link(&mut self, entry: &DirEntry) -> Result<(), Wrong> {
+        let path = entry.path();
         let (Ok(about), Ok(real)) = (fs::metadata(&path), fs::canonicalize(&path)) else {
             return Ok(());
         };
         let is_ours = is_ours(entry);
-        if kind.is_symlink() && (is_ours || about.is_dir()) && !self.is_inside(&real) {
+        if (is_ours || about.is_dir()) && !self.is_inside(&real) {
             return Err(Wrong::Outside);
         }
         if about.is_dir() {
             self.wait(real);
-        } else if is_ours && (!about.is_file() || about.len() > BYTES_MAX) {
-            return Err(Wrong::Unfit);
+            return Ok(());
         }
-        Ok(())
+        if is_ours { is_fit(&about) } else { Ok(()) }
     }
+}
+
+/// Whether a file can be read as a whole.
+fn is_fit(about: &Metadata) -> Result<(), Wrong> {
+    let is_fit = about.is_file() && about.len() <= BYTES_MAX;
+    if is_fit { Ok(()) } else { Err(Wrong::Unfit) }
 }
 
 /// Whether a load reads files of this name.
