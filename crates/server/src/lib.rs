@@ -18,6 +18,7 @@ mod log;
 mod news;
 mod page;
 mod projects;
+mod request_id;
 mod router;
 mod runs;
 pub mod settings;

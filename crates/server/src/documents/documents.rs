@@ -8,7 +8,7 @@ use super::recover::{read_edit, recover};
 use super::room::{Room, Saving, Spot, Tools, closed};
 use super::steps::Along;
 use crate::gate::Gate;
-use crate::{Failure, House, Settings};
+use crate::{Failure, House, Settings, request_id};
 use axum::http::StatusCode;
 use parking_lot::{Condvar, Mutex};
 use rafcon_model::{Fresh, StatePath};
@@ -26,8 +26,6 @@ use std::sync::Arc;
 
 /// So many machines may be open at a time.
 const OPEN_MAX: usize = 64;
-/// Ids of what people do are no longer, in bytes.
-const ID_MAX: usize = 128;
 /// Names of what people do are no longer, in characters.
 const NAME_MAX: usize = 200;
 
@@ -324,10 +322,7 @@ impl Drop for Claim<'_> {
 }
 
 fn request(author: &str, id: String) -> Result<Request, Failure> {
-    if id.is_empty() || id.len() > ID_MAX {
-        let message = format!("an id has 1 to {ID_MAX} bytes: a random one does for each request");
-        return Err(Failure::bad("bad_id", message));
-    }
+    request_id::check(&id)?;
     Ok(Request { author: author.to_owned(), id })
 }
 

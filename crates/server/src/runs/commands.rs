@@ -28,7 +28,7 @@ pub(crate) async fn command(
     envelope: Envelope,
 ) -> Result<CommandAnswer, Failure> {
     who.must(of_command(&envelope.command))?;
-    super::check_id(&envelope.id)?;
+    crate::request_id::check(&envelope.id)?;
     if let Command::Control { .. } = envelope.command {
         let message = "control is requested, handed over and released at POST …/control";
         return Err(Failure::bad("use_control", message));

@@ -37,7 +37,7 @@ fn unfinished() -> Failure {
 
 /// What is wrong with a request by itself.
 fn check(asked: &StartRun) -> Result<(), Failure> {
-    super::check_id(&asked.id)?;
+    crate::request_id::check(&asked.id)?;
     if asked.keeping == Keeping::Off {
         let message = "a run under a server is kept, or nobody could follow it: ask for `full` or `status`, or use \
                        `rafcon run --keep off`";

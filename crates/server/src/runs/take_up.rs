@@ -26,7 +26,7 @@ pub(crate) async fn resume(
     run: &str,
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
-    super::check_id(&asked.id)?;
+    crate::request_id::check(&asked.id)?;
     let run = house.runs.get(run).await?;
     let (house, who) = (Arc::clone(house), who.clone());
     let resumed = tokio::spawn(async move { once(&house, &who, &run, asked).await });
