@@ -6,8 +6,10 @@ use axum::Json;
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::extract::{DefaultBodyLimit, FromRequest, FromRequestParts, Request};
 use axum::http::StatusCode;
+use axum::http::header::CONTENT_LENGTH;
 use axum::http::request::Parts;
 use axum::response::IntoResponse as _;
+use futures_util::StreamExt as _;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 use tokio::time::timeout;
@@ -26,6 +28,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
     type Rejection = Failure;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Failure> {
+        let request = not_too_large(request, BODY_MAX).await?;
         let value = Json::<T>::from_request(request, state).await;
         Ok(Self(value.map_err(|rejection| bad_body(rejection, BODY_MAX))?.0))
     }
@@ -41,10 +44,29 @@ impl<T: DeserializeOwned> FromRequest<Arc<House>> for Small<T> {
     async fn from_request(mut request: Request, house: &Arc<House>) -> Result<Self, Failure> {
         DefaultBodyLimit::max(SMALL_MAX).apply(&mut request);
         let patience = house.settings().listen.body_patience;
-        let value = timeout(patience, Json::<T>::from_request(request, house)).await;
-        let value = value.map_err(|_elapsed| too_slow(patience.as_secs()))?;
-        Ok(Self(value.map_err(|rejection| bad_body(rejection, SMALL_MAX))?.0))
+        let value = timeout(patience, async {
+            let request = not_too_large(request, SMALL_MAX).await?;
+            let value = Json::<T>::from_request(request, house).await;
+            value.map_err(|rejection| bad_body(rejection, SMALL_MAX))
+        });
+        let value = value.await.map_err(|_elapsed| too_slow(patience.as_secs()))?;
+        Ok(Self(value?.0))
     }
+}
+
+/// Refuses a body that says that it is too large. One that is a little too large is read to its end and forgotten: whoever is
+/// still sending when the connection is closed never sees the answer.
+async fn not_too_large(request: Request, bytes_max: usize) -> Result<Request, Failure> {
+    let length = request.headers().get(CONTENT_LENGTH).and_then(|length| length.to_str().ok());
+    let length = length.and_then(|length| length.parse().ok()).unwrap_or(0);
+    if length <= bytes_max {
+        return Ok(request);
+    }
+    if length <= bytes_max * 2 {
+        let mut pieces = request.into_body().into_data_stream();
+        while pieces.next().await.is_some_and(|piece| piece.is_ok()) {}
+    }
+    Err(too_large(bytes_max))
 }
 
 fn too_slow(seconds: u64) -> Failure {

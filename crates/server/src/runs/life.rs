@@ -34,7 +34,7 @@ pub(super) async fn look(house: &Arc<House>, folder: PathBuf) -> Option<Arc<Run>
     let (here, there) = (Arc::clone(house), folder.clone());
     let look = move || super::summary::look(&there, &here.projects);
     let looked = tokio::task::spawn_blocking(look).await.ok().flatten();
-    house.runs.found(house, folder, looked)
+    house.runs.found(house, &folder, looked)
 }
 
 /// Looks after the runner of a run from now on, if nobody does yet.

@@ -42,9 +42,6 @@ use summary::Looked;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch as tokio_watch};
 use tokio::time::timeout;
 
-/// Ids of requests and commands are no longer.
-const ID_MAX: usize = 128;
-
 /// So many runners are started at a time: each holds a thread until its machine is loaded.
 const LAUNCHES: usize = 4;
 /// How long a start waits for its turn.
@@ -161,10 +158,10 @@ impl Runs {
     }
 
     /// This is what was found in the folder of a run; nothing if it is none, or none any more.
-    fn found(&self, house: &House, folder: PathBuf, looked: Option<Looked>) -> Option<Arc<Run>> {
+    fn found(&self, house: &House, folder: &Path, looked: Option<Looked>) -> Option<Arc<Run>> {
         let Some(looked) = looked else {
-            self.is_gone(&folder);
-            house.history.forget(&folder);
+            self.is_gone(folder);
+            house.history.forget(folder);
             return None;
         };
         let mut all = self.all.lock();
@@ -176,12 +173,17 @@ impl Runs {
             }
             return Some(run);
         }
-        let run = Arc::new(Run::new(house, folder, &looked.summary));
+        let run = Arc::new(Run::new(house, folder.to_path_buf(), &looked.summary));
         if *self.known.borrow() {
             run.has_come();
         }
         all.insert(looked.summary.id.clone(), Arc::clone(&run));
         drop(all);
+        // It may have been deleted since it was looked at.
+        if !folder.is_dir() {
+            self.is_gone(folder);
+            return None;
+        }
         if let Some(key) = looked.request.and_then(|request| request.key()) {
             self.has_begun(&key, &looked.summary.id);
         }
@@ -237,20 +239,11 @@ async fn look_through(house: &Arc<House>) {
             continue;
         }
         let is_to_follow = life::needs_somebody(&looked, policy);
-        let Some(run) = house.runs.found(house, folder.clone(), Some(looked)) else { continue };
+        let Some(run) = house.runs.found(house, &folder, Some(looked)) else { continue };
         if is_to_follow {
             life::follow(house, &run);
         } else if phase == RunPhase::Starting {
             life::await_beginning(house, folder);
         }
     }
-}
-
-/// What is wrong with the id of a request or command.
-fn check_id(id: &str) -> Result<(), Failure> {
-    if id.is_empty() || id.len() > ID_MAX {
-        let message = format!("an id has 1 to {ID_MAX} bytes: a random one does for each request");
-        return Err(Failure::bad("bad_id", message));
-    }
-    Ok(())
 }
