@@ -1,0 +1,70 @@
+/** Everything that the page shows, as signals: who is there, what is open, which of it is in front. */
+
+import type { ReadonlySignal, Signal } from "@preact/signals-core";
+import type {
+  HouseStatus,
+  LibraryRoot,
+  MachineFile,
+  Project,
+  Revision,
+} from "../model/generated/protocol.ts";
+import type { Room } from "./room.ts";
+import type { Server } from "./server.ts";
+import type { RoomView } from "./view.ts";
+
+/** A machine that is open in this page, as a tab. */
+export interface OpenTab {
+  readonly room: Room;
+  readonly view: RoomView;
+}
+
+/** Something worth a glance. */
+export interface Notice {
+  readonly id: number;
+  readonly level: "info" | "warning" | "error";
+  readonly text: string;
+  /** Where it belongs: a command by id, offered as a button. */
+  readonly action?: {
+    readonly title: string;
+    readonly command: string;
+    readonly argument?: unknown;
+  };
+  readonly at_ms: number;
+}
+
+/** Settings of this browser, kept in its storage. */
+export interface Settings {
+  readonly theme: "system" | "dark" | "light";
+  /** What the wheel does without a key. */
+  readonly wheel: "zoom" | "pan";
+  /** `rafcon` or `classic`. */
+  readonly keymap: string;
+  /** Keys of single commands that the user chose, by command id. */
+  readonly keys: Readonly<Record<string, readonly string[]>>;
+  /** Library content is shown in place to so many levels. */
+  readonly libraryLevels: number;
+  /** Folders opened lately, the newest first. */
+  readonly recent: readonly MachineFile[];
+}
+
+export interface Page {
+  readonly server: Server;
+  readonly house: ReadonlySignal<HouseStatus | null>;
+  readonly projects: ReadonlySignal<readonly Project[]>;
+  readonly libraries: ReadonlySignal<readonly LibraryRoot[]>;
+  readonly tabs: Signal<readonly OpenTab[]>;
+  /** The machine in front. */
+  readonly active: Signal<OpenTab | null>;
+  readonly notices: Signal<readonly Notice[]>;
+  readonly settings: Signal<Settings>;
+  /** Opens the machine in a folder, or brings it to the front. */
+  readonly open: (file: MachineFile) => Promise<OpenTab>;
+  /** Joins a machine that is open on the server. */
+  readonly join: (machine: string) => Promise<OpenTab>;
+  /** Takes a tab away; the machine stays open on the server. */
+  readonly leave: (tab: OpenTab) => void;
+  /** Tells the user something. */
+  readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
+}
+
+export type { Revision };

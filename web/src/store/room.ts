@@ -1,0 +1,54 @@
+/** An open machine in the page: what is shown, what is on its way, who else is there. */
+
+import type { ReadonlySignal } from "@preact/signals-core";
+import type {
+  Edit,
+  MachineProblem,
+  MachineStatus,
+  Presence,
+  Revision,
+} from "../model/generated/protocol.ts";
+import type { Machine } from "../model/machine.ts";
+
+/** An edit that was made here and not answered yet: it is shown already where it can be foretold. */
+export interface PendingEdit {
+  readonly id: string;
+  readonly name: string;
+  readonly since_ms: number;
+}
+
+/** What became of an edit. */
+export type EditAnswer = { readonly revision: number } | { readonly refused: string };
+
+export function wasRefused(answer: EditAnswer): answer is { readonly refused: string } {
+  return "refused" in answer;
+}
+
+/** A step in the life of the machine, without its changes. */
+export type Step = Omit<Revision, "changes">;
+
+export interface Room {
+  /** The server's id of the open machine. */
+  readonly id: string;
+  /** What is shown: the confirmed machine with pending edits upon it. The object stays; `version` tells of changes. */
+  readonly machine: Machine;
+  readonly version: ReadonlySignal<number>;
+  /** Told after each change: the paths of states that are different, or null for all. Returns the way to stop. */
+  readonly onChange: (listener: (touched: ReadonlySet<string> | null) => void) => () => void;
+  /** The latest truth of the server; null before it came. */
+  readonly status: ReadonlySignal<MachineStatus | null>;
+  /** Others who look at the machine. */
+  readonly people: ReadonlySignal<readonly Presence[]>;
+  readonly pending: ReadonlySignal<readonly PendingEdit[]>;
+  /** Steps as they were told, the oldest first. */
+  readonly steps: ReadonlySignal<readonly Step[]>;
+  /** What is wrong with the machine, as of the last change that settled. */
+  readonly problems: ReadonlySignal<readonly MachineProblem[]>;
+  /** Makes an edit. Never throws; what is refused is also told to `refusals`. */
+  readonly edit: (name: string, edit: Edit) => Promise<EditAnswer>;
+  readonly undo: () => Promise<EditAnswer>;
+  readonly redo: () => Promise<EditAnswer>;
+  /** Gets the content of the library at this library state, to be shown in place. */
+  readonly loadLibrary: (path: string) => Promise<void>;
+  readonly close: () => void;
+}

@@ -1,0 +1,64 @@
+/** The server as the rest of the page knows it: a port, filled by `sync` and in tests by a few lines. */
+
+import type { ReadonlySignal } from "@preact/signals-core";
+import type {
+  EditMachine,
+  Refusal,
+  Revision,
+  Session,
+  Topic,
+  ToServer,
+} from "../model/generated/protocol.ts";
+
+/** How the connection is. */
+export type Link =
+  | { readonly state: "connecting" }
+  | { readonly state: "up"; readonly session: Session; readonly connection: number }
+  /** `retry_ms`: when it is tried again, in ms since 1970; nobody retries what needs a login. */
+  | {
+      readonly state: "down";
+      readonly since_ms: number;
+      readonly retry_ms: number | null;
+      readonly reason: string;
+    }
+  | { readonly state: "refused"; readonly reason: string };
+
+/** What the server refused, or why it could not be asked. */
+export class RefusalError extends Error {
+  readonly code: string;
+  /** The HTTP status; 0 if there was no answer. */
+  readonly status: number;
+
+  constructor(refusal: Refusal, status: number) {
+    super(refusal.message);
+    this.name = "RefusalError";
+    this.code = refusal.code;
+    this.status = status;
+  }
+}
+
+/** What becomes of a subscription. Frames come in order; after a break `resubscribe` says where to go on. */
+export interface Follower {
+  readonly topic: () => Topic;
+  readonly frame: (frame: import("../model/generated/protocol.ts").ToClient) => void;
+}
+
+export interface Server {
+  readonly link: ReadonlySignal<Link>;
+  /** Asks below `/api/v1`; throws a [`RefusalError`]. */
+  readonly request: <T>(
+    method: "GET" | "POST" | "PUT" | "PATCH" | "DELETE",
+    path: string,
+    body?: unknown,
+  ) => Promise<T>;
+  /** Follows a topic until the returned function is called, over every break of the connection. */
+  readonly follow: (follower: Follower) => () => void;
+  /** Sends an edit, undo or redo as often as it takes to get an answer: the revision that it made. Throws a [`RefusalError`]. */
+  readonly edit: (machine: string, edit: EditMachine) => Promise<number>;
+  readonly undo: (machine: string, id: string) => Promise<number>;
+  readonly redo: (machine: string, id: string) => Promise<number>;
+  /** Sends a frame if the connection is up; nothing otherwise. */
+  readonly say: (frame: ToServer) => void;
+}
+
+export type { Refusal, Revision, Session };
