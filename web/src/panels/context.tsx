@@ -1,0 +1,33 @@
+/** What every panel is given: the page, the machine in front, the commands. */
+
+import { createContext, useContext } from "react";
+import type { Commands, Context } from "../commands/command.ts";
+import type { OpenTab } from "../store/page.ts";
+import { useSignal } from "../ui/signals.ts";
+
+export interface PanelHost {
+  readonly commands: Commands;
+  /** What commands may use now. */
+  readonly context: () => Context;
+}
+
+const Host = createContext<PanelHost | null>(null);
+
+export const PanelHostProvider = Host.Provider;
+
+export function useHost(): PanelHost {
+  const host = useContext(Host);
+  if (!host) throw new Error("a panel stands outside of the page");
+  return host;
+}
+
+/** The machine in front; null if none is open. */
+export function useActiveTab(): OpenTab | null {
+  return useSignal(useHost().context().page.active);
+}
+
+/** Runs a command by its name. */
+export function useCommand(): (id: string, argument?: unknown) => void {
+  const host = useHost();
+  return (id, argument) => void host.commands.run(id, host.context(), argument);
+}
