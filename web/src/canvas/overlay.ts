@@ -8,6 +8,8 @@ export interface Overlay {
   readonly boxes: ReadonlyMap<string, Box>;
   /** Containers whose content is scaled along with the box, while they are resized so. */
   readonly scaled: ReadonlySet<string>;
+  /** Names where the gesture has them, by path, in the coordinates of their state. */
+  readonly names: ReadonlyMap<string, Box>;
   /** Ports where the gesture has them, in the coordinates of their state. */
   readonly ports: ReadonlyMap<ElementKey, Point>;
   /** Waypoints of connections, in the coordinates of the container. */
@@ -20,6 +22,8 @@ export interface Overlay {
   readonly line: {
     readonly from: Point;
     readonly to: Point;
+    /** Waypoints that were set on the way. */
+    readonly through: readonly Point[];
     readonly data: boolean;
     readonly legal: boolean | null;
   } | null;
@@ -36,6 +40,7 @@ export interface Overlay {
 export const NO_OVERLAY: Overlay = {
   boxes: new Map(),
   scaled: new Set(),
+  names: new Map(),
   ports: new Map(),
   waypoints: new Map(),
   guides: [],
