@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::{process, test, tidy};
+use crate::{process, test, tidy, web};
 
 /// Everything but the tests: format, lints, layers, house rules, documentation.
 pub(crate) fn lint() -> Result<()> {
@@ -18,6 +18,7 @@ pub(crate) fn lint() -> Result<()> {
         "layers",
     ]))?;
     tidy::run(tidy::Options::default())?;
+    web::check()?;
     let doc = ["doc", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))
 }

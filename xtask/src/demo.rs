@@ -1,9 +1,13 @@
-//! The demonstration: a generated mission of the size of a real one, run live in this terminal.
+//! The demonstration: a generated mission of the size of a real one, in the page, or run live in this terminal.
 
-use anyhow::{Context as _, Result};
+use std::io::{BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+
+use anyhow::{Context as _, Result, bail};
 
 use crate::product::{Product, Profile};
-use crate::{process, workspace};
+use crate::{process, web, workspace};
 
 /// What `cargo xtask demo` can be asked for.
 #[derive(clap::Args)]
@@ -11,23 +15,79 @@ pub(crate) struct Options {
     /// How many states the mission has.
     #[arg(long, default_value_t = 750)]
     states: u32,
+    /// Run the mission live in this terminal instead of showing it in a browser.
+    #[arg(long)]
+    terminal: bool,
+    /// Print the page's address only, and leave the browser alone.
+    #[arg(long)]
+    quiet: bool,
 }
 
-/// Builds everything, generates the mission afresh and runs it.
+/// Builds everything, generates the mission afresh and shows it.
 pub(crate) fn run(options: &Options) -> Result<()> {
+    if !options.terminal {
+        web::build()?;
+    }
     let product = Product::build(Profile::Release)?;
-    let mission = workspace::target()?.join("demo-mission");
+    let missions = workspace::target()?.join("demo");
+    let mission = missions.join("mission");
     if mission.exists() {
         std::fs::remove_dir_all(&mission)
             .with_context(|| format!("cannot remove {}", mission.display()))?;
     }
-    let states = options.states.to_string();
     let mut new = process::command(&product.binary);
+    let states = options.states.to_string();
     process::run(new.arg("new").arg(&mission).args([
         "--template",
         "mission",
         "--states",
         &states,
     ]))?;
-    process::run(process::command(&product.binary).arg("run").arg(&mission))
+    if options.terminal {
+        return process::run(process::command(&product.binary).arg("run").arg(&mission));
+    }
+    serve(&product.binary, &missions, options.quiet)
+}
+
+/// Serves the missions and copies of the examples, until it is ended.
+fn serve(rafcon: &Path, missions: &Path, quiet: bool) -> Result<()> {
+    let examples = examples(missions)?;
+    let libraries = examples.join("libraries");
+    let mut serve = process::command(rafcon);
+    serve.arg("serve").arg(missions).args(["--bind", "127.0.0.1:0", "--library-path"]);
+    serve.arg(format!("examples={}", libraries.display()));
+    let mut server = serve.stdout(Stdio::piped()).spawn().context("cannot start the server")?;
+    let out = server.stdout.take().context("the server says nothing")?;
+    for (number, line) in BufReader::new(out).lines().enumerate() {
+        let line = line.context("the server cannot be heard")?;
+        println!("{line}");
+        if number == 0 && !quiet {
+            open(&line);
+        }
+    }
+    let status = server.wait().context("the server is lost")?;
+    if !status.success() {
+        bail!("the server ended: {status}");
+    }
+    Ok(())
+}
+
+/// Copies of the examples, which the user may change as they like; those of an earlier time stay.
+fn examples(missions: &Path) -> Result<PathBuf> {
+    let folder = missions.join("examples");
+    if !folder.exists() {
+        workspace::copy("examples", &folder)?;
+    }
+    Ok(folder)
+}
+
+/// Shows an address in the browser, where there is one. Who has none copies the address.
+fn open(link: &str) {
+    let mut opener = process::command("xdg-open");
+    let opener = opener.arg(link).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let has_screen =
+        ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some());
+    if has_screen && opener.spawn().is_err() {
+        eprintln!("open this address in a browser");
+    }
 }

@@ -1,11 +1,11 @@
-//! What a user installs: an archive with binary, extension and examples, and a Python wheel.
+//! What a user installs: an archive with binary (which carries the page), extension and examples, and a Python wheel.
 
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
 use crate::product::{Product, Profile};
-use crate::{process, python, workspace};
+use crate::{process, python, web, workspace};
 
 const MATURIN: python::Contents = python::Contents { bare: &[], full: &["maturin>=1.9,<2"] };
 
@@ -14,6 +14,7 @@ const PAPERS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-
 
 /// Packs both into `dist` below the target folder.
 pub(crate) fn run() -> Result<()> {
+    web::build()?;
     let product = Product::build(Profile::Release)?;
     let folder = workspace::target()?.join("dist");
     create(&folder)?;
@@ -42,11 +43,7 @@ fn archive(product: &Product, folder: &Path) -> Result<()> {
     for paper in PAPERS {
         copy(&workspace::path(paper), &stage.join(paper))?;
     }
-    for example in workspace::files("examples")? {
-        let target = stage.join(&example);
-        create(target.parent().unwrap_or(&stage))?;
-        copy(&workspace::path(&example), &target)?;
-    }
+    workspace::copy("examples", &stage.join("examples"))?;
     let mut tar = process::command("tar");
     process::run(
         tar.arg("--create")

@@ -23,6 +23,7 @@ mod test;
 mod tidy;
 mod torture;
 mod types;
+mod web;
 mod workspace;
 
 use std::process::ExitCode;
@@ -49,7 +50,7 @@ enum Task {
     Conformance(conformance::Options),
     /// Measure speed and memory, against what we promise and against the reference.
     Bench(bench::Options),
-    /// Build everything and run a generated mission live in this terminal.
+    /// Build everything and show a generated mission: in the page, or run live in this terminal.
     Demo(demo::Options),
     /// Pack an archive and a wheel.
     Dist,
@@ -59,6 +60,8 @@ enum Task {
     Soak(soak::Options),
     /// Kill runners and servers in the middle of a run, and take the runs up again.
     Torture(torture::Options),
+    /// Build the page, which `rafcon serve` hands out and a release build carries; or check its sources.
+    Web(web::Options),
     /// Write what is generated from the words of the server: `OpenAPI` and TypeScript.
     Types(types::Options),
     /// Check what neither compiler nor lints see: module docs, sizes, named tests, links, generated files.
@@ -87,6 +90,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Simulate(options) => simulate::run(&options),
         Task::Soak(options) => soak::run(&options),
         Task::Torture(options) => torture::run(&options),
+        Task::Web(options) => web::run(options),
         Task::Types(options) => types::run(options),
         Task::Tidy(options) => tidy::run(options),
     }

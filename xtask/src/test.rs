@@ -1,5 +1,5 @@
-//! All tests: Rust, documentation, Python side with every interpreter found, the server's interface, conformance with the
-//! reference.
+//! All tests: Rust, documentation, Python side with every interpreter found, the server's interface, the page without and with
+//! a browser, conformance with the reference.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result};
 use crate::conformance;
 use crate::product::{Product, Profile};
 use crate::reference::Reference;
-use crate::{process, python, types, workspace};
+use crate::{process, python, types, web, workspace};
 
 /// What the Python-side tests need besides the extension.
 const CONTENTS: python::Contents = python::Contents { bare: &[], full: &["numpy"] };
@@ -35,6 +35,10 @@ enum Part {
     Python,
     /// The server's interface: its document, its description, the types made of it.
     Api,
+    /// The page, without a browser.
+    Web,
+    /// The page in a browser, against the real server.
+    E2e,
     /// The same machines in both engines.
     Conformance,
 }
@@ -52,6 +56,12 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     if wanted(Part::Api) {
         types::run(types::Options::CHECK)?;
         interface(&product)?;
+    }
+    if wanted(Part::Web) {
+        web::test()?;
+    }
+    if wanted(Part::E2e) {
+        browser(&product)?;
     }
     if wanted(Part::Conformance) {
         conformance::run(&conformance::Options::default())?;
@@ -96,6 +106,17 @@ fn interface(product: &Product) -> Result<()> {
     let folder = workspace::target()?.join("interface-venv");
     let python = python::environment(&python::default()?, &folder, INTERFACE)?;
     process::run(&mut discover(&python, "crates/server/tests/api", product))
+}
+
+/// `web/e2e`: a browser, the page as it is built, the real server and the reference's core.
+fn browser(product: &Product) -> Result<()> {
+    web::build()?;
+    let reference = Reference::installed()?;
+    let mut journeys = web::program("vitest")?;
+    journeys.args(["run", "--config", "e2e/vitest.config.ts"]);
+    journeys.env("RAFCON_BINARY", &product.binary).env("RAFCON_EXTENSION", &product.extension);
+    journeys.env("RAFCON_REFERENCE_PYTHON", &reference.python);
+    process::run(journeys.env("RAFCON_REFERENCE_SHARE", &reference.share))
 }
 
 /// All tests in a folder.

@@ -64,6 +64,17 @@ pub(crate) fn files(pattern: &str) -> Result<Vec<PathBuf>> {
     Ok(listed.lines().map(PathBuf::from).filter(|file| path(file).is_file()).collect())
 }
 
+/// Copies the files below a folder of the repository, as git sees it, to another place.
+pub(crate) fn copy(folder: &str, target: &Path) -> Result<()> {
+    for file in files(folder)? {
+        let copy = target.join(file.strip_prefix(folder).unwrap_or(&file));
+        let made = std::fs::create_dir_all(copy.parent().unwrap_or(target));
+        let copied = made.and_then(|()| std::fs::copy(path(&file), &copy));
+        copied.with_context(|| format!("cannot copy {} to {}", file.display(), copy.display()))?;
+    }
+    Ok(())
+}
+
 /// Reads a text file below the root.
 pub(crate) fn read(relative: impl AsRef<Path>) -> Result<String> {
     let relative = relative.as_ref();

@@ -1,0 +1,68 @@
+//! The page: its packages from npm, its checks, its build. Knows the folder `web` and which of its programs does what.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+
+use crate::{process, workspace};
+
+/// What `cargo xtask web` can be asked for.
+#[derive(clap::Args, Clone, Copy, Default)]
+pub(crate) struct Options {
+    /// Only look whether types, lints and layers are right; build nothing.
+    #[arg(long)]
+    check: bool,
+}
+
+/// Builds the page, or checks it.
+pub(crate) fn run(options: Options) -> Result<()> {
+    if options.check { check() } else { build() }
+}
+
+/// Builds what the server hands out and a release build carries.
+pub(crate) fn build() -> Result<()> {
+    install()?;
+    process::run(program("tsc")?.arg("--noEmit"))?;
+    process::run(program("vite")?.arg("build"))
+}
+
+/// Format, lints, layers, types.
+pub(crate) fn check() -> Result<()> {
+    install()?;
+    process::run(program("biome")?.args(["ci", "--error-on-warnings", "."]))?;
+    process::run(program("tsc")?.arg("--noEmit"))
+}
+
+/// The tests that need no browser.
+pub(crate) fn test() -> Result<()> {
+    install()?;
+    process::run(program("vitest")?.arg("run"))
+}
+
+/// One of the programs that the packages bring, to be started in `web`.
+pub(crate) fn program(name: &str) -> Result<Command> {
+    install()?;
+    let mut program = process::command(folder().join("node_modules/.bin").join(name));
+    program.current_dir(folder());
+    Ok(program)
+}
+
+/// Installs the packages that the lock file names, unless they are there already.
+fn install() -> Result<()> {
+    let lock = workspace::read("web/package-lock.json")?;
+    let stamp = folder().join("node_modules/.rafcon-lock.json");
+    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == lock) {
+        return Ok(());
+    }
+    let mut npm = process::command("npm");
+    npm.current_dir(folder()).args(["ci", "--no-audit", "--no-fund"]);
+    process::run(&mut npm).context(
+        "the page's packages cannot be installed: `npm` (Node 20 or newer) and its registry are needed",
+    )?;
+    std::fs::write(&stamp, lock).with_context(|| format!("cannot write {}", stamp.display()))
+}
+
+fn folder() -> PathBuf {
+    workspace::path("web")
+}
