@@ -1,0 +1,79 @@
+/** Buttons: with words, or with a picture whose name is told and shown on hover. */
+
+import type { MouseEvent, ReactNode } from "react";
+import "./button.css";
+
+interface Common {
+  readonly onClick: (event: MouseEvent<HTMLButtonElement>) => void;
+  readonly disabled?: boolean | undefined;
+  /** Whether it is on, for switches. */
+  readonly pressed?: boolean | undefined;
+  /** Keys that do the same, for the tooltip. */
+  readonly keys?: string | undefined;
+  readonly className?: string | undefined;
+}
+
+export interface ButtonProps extends Common {
+  readonly children: ReactNode;
+  readonly kind?: "plain" | "primary" | "danger" | "quiet" | undefined;
+  readonly icon?: ReactNode;
+  /** Said on hover. */
+  readonly title?: string | undefined;
+  readonly autoFocus?: boolean | undefined;
+}
+
+export function Button({
+  children,
+  kind = "plain",
+  icon,
+  title,
+  keys,
+  pressed,
+  className = "",
+  ...rest
+}: ButtonProps) {
+  return (
+    <button
+      type="button"
+      className={`button button-${kind} ${className}`}
+      title={tooltip(title, keys)}
+      aria-pressed={pressed}
+      {...rest}
+    >
+      {icon}
+      {children}
+    </button>
+  );
+}
+
+export interface IconButtonProps extends Common {
+  /** What it does: its name for everybody. */
+  readonly label: string;
+  readonly icon: ReactNode;
+}
+
+export function IconButton({
+  label,
+  icon,
+  keys,
+  pressed,
+  className = "",
+  ...rest
+}: IconButtonProps) {
+  return (
+    <button
+      type="button"
+      className={`icon-button ${className}`}
+      aria-label={label}
+      aria-pressed={pressed}
+      title={tooltip(label, keys)}
+      {...rest}
+    >
+      {icon}
+    </button>
+  );
+}
+
+function tooltip(text: string | undefined, keys: string | undefined): string | undefined {
+  return text && keys ? `${text} (${keys})` : text;
+}

@@ -1,0 +1,74 @@
+/** The text of one cell while it is edited: Enter and leaving commit, Escape gives it up, a refusal keeps what was typed. */
+
+import { useId, useRef, useState } from "react";
+import type { Committed } from "./field.tsx";
+
+export interface CellEditorProps {
+  readonly label: string;
+  readonly value: string;
+  readonly mono?: boolean | undefined;
+  readonly suggestions?: readonly string[] | undefined;
+  readonly check: (text: string) => string | null;
+  readonly onCommit: (
+    text: string,
+  ) => Committed | Promise<Committed> | void | Promise<void> | undefined;
+  /** It is over. */
+  readonly onStop: () => void;
+}
+
+export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: CellEditorProps) {
+  const [text, setText] = useState(value);
+  const [refusal, setRefusal] = useState<string | null>(null);
+  const over = useRef(false);
+  const id = useId();
+  const stop = () => {
+    over.current = true;
+    onStop();
+  };
+  const commit = async () => {
+    if (over.current) return;
+    if (text === value) return stop();
+    const fault = check(text) ?? (await onCommit(text)) ?? null;
+    if (fault === null) stop();
+    else setRefusal(fault);
+  };
+  return (
+    <>
+      <input
+        className={`table-edit ${rest.mono ? "field-mono" : ""}`}
+        aria-label={label}
+        aria-invalid={refusal !== null}
+        aria-describedby={refusal === null ? undefined : `${id}-refusal`}
+        // biome-ignore lint/a11y/noAutofocus: the user asked to edit this cell
+        autoFocus
+        autoComplete="off"
+        spellCheck={false}
+        list={rest.suggestions ? `${id}-list` : undefined}
+        value={text}
+        onFocus={(event) => event.currentTarget.select()}
+        onChange={(event) => {
+          setText(event.currentTarget.value);
+          setRefusal(null);
+        }}
+        onBlur={() => void commit()}
+        onKeyDown={(event) => {
+          event.stopPropagation();
+          if (event.key === "Enter") void commit();
+          if (event.key === "Escape") stop();
+        }}
+      />
+      {rest.suggestions && (
+        <datalist id={`${id}-list`}>
+          {rest.suggestions.map((one) => (
+            <option key={one} value={one} />
+          ))}
+        </datalist>
+      )}
+      {refusal !== null && (
+        <div id={`${id}-refusal`} className="table-refusal" role="alert">
+          {refusal}
+        </div>
+      )}
+    </>
+  );
+}

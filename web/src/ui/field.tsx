@@ -1,0 +1,202 @@
+/** Fields: text that counts once it is committed, choices, boxes to tick. */
+
+import { type KeyboardEvent, type ReactNode, useEffect, useId, useRef, useState } from "react";
+import "./field.css";
+
+/** What becomes of a text that was committed: nothing said is well, a text says why it was refused. */
+export type Committed = string | null | undefined;
+
+export interface TextFieldProps {
+  readonly label: string;
+  /** Only for screen readers, where the place says enough. */
+  readonly hideLabel?: boolean | undefined;
+  readonly value: string;
+  /** Called on Enter (of several lines Ctrl+Enter) and blur, if the text is another one. */
+  readonly onCommit?:
+    | ((text: string) => Committed | Promise<Committed> | void | Promise<void>)
+    | undefined;
+  /** Called at each key: for searches. */
+  readonly onInput?: ((text: string) => void) | undefined;
+  /** Why the text as it stands would be refused; null if it would not. */
+  readonly check?: ((text: string) => string | null) | undefined;
+  readonly refusal?: string | null | undefined;
+  readonly hint?: string | undefined;
+  readonly placeholder?: string | undefined;
+  readonly multiline?: boolean | undefined;
+  readonly mono?: boolean | undefined;
+  readonly disabled?: boolean | undefined;
+  readonly readOnly?: boolean | undefined;
+  readonly autoFocus?: boolean | undefined;
+  readonly type?: "text" | "search" | "password" | "number" | undefined;
+  readonly autoComplete?: string | undefined;
+  /** Texts that are offered. */
+  readonly suggestions?: readonly string[] | undefined;
+  /** Keys that the field itself does not use. */
+  readonly onKeyDown?: ((event: KeyboardEvent<HTMLElement>) => void) | undefined;
+}
+
+export function TextField(props: TextFieldProps) {
+  const { label, hideLabel, hint, multiline, mono, suggestions } = props;
+  const id = useId();
+  const draft = useDraft(props);
+  const Input = multiline ? "textarea" : "input";
+  const said = draft.refusal ?? hint;
+  return (
+    <div className="field">
+      <label className={hideLabel ? "visually-hidden" : "field-label"} htmlFor={id}>
+        {label}
+      </label>
+      <Input
+        id={id}
+        className={`field-input ${mono ? "field-mono" : ""}`}
+        value={draft.text}
+        type={multiline ? undefined : (props.type ?? "text")}
+        placeholder={props.placeholder}
+        disabled={props.disabled}
+        readOnly={props.readOnly}
+        autoFocus={props.autoFocus}
+        autoComplete={props.autoComplete ?? "off"}
+        spellCheck={multiline && !mono}
+        list={suggestions && !multiline ? `${id}-list` : undefined}
+        aria-invalid={draft.refusal ? true : undefined}
+        aria-describedby={said ? `${id}-said` : undefined}
+        onChange={(event) => draft.typed(event.currentTarget.value)}
+        onBlur={draft.commit}
+        onKeyDown={draft.key}
+      />
+      {suggestions && (
+        <datalist id={`${id}-list`}>
+          {suggestions.map((text) => (
+            <option key={text} value={text} />
+          ))}
+        </datalist>
+      )}
+      {said && (
+        <span
+          id={`${id}-said`}
+          className={draft.refusal ? "field-refusal" : "field-hint"}
+          role={draft.refusal ? "alert" : undefined}
+        >
+          {said}
+        </span>
+      )}
+    </div>
+  );
+}
+
+/** The text as it is typed, which is committed too when the field goes away; what comes from outside replaces it unless somebody is typing. */
+function useDraft({
+  value,
+  onCommit,
+  onInput,
+  check,
+  refusal,
+  multiline,
+  ...more
+}: TextFieldProps) {
+  const [text, setText] = useState<string | null>(null);
+  const [refused, setRefused] = useState<string | null>(null);
+  const latest = useRef<string | null>(null);
+  const put = (next: string | null) => {
+    latest.current = next;
+    setText(next);
+  };
+  const typed = (next: string) => {
+    put(next);
+    setRefused(null);
+    onInput?.(next);
+  };
+  const commit = async () => {
+    const typedText = latest.current;
+    if (typedText === null || !onCommit) return;
+    if (typedText === value) return put(null);
+    const fault = check?.(typedText) ?? null;
+    if (fault !== null) return setRefused(fault);
+    const answer = (await onCommit(typedText)) ?? null;
+    setRefused(answer);
+    if (answer === null && latest.current === typedText) put(null);
+  };
+  const last = useRef(commit);
+  last.current = commit;
+  useEffect(() => () => void last.current(), []);
+  const key = (event: KeyboardEvent<HTMLElement>) => {
+    if (event.key === "Enter" && (!multiline || event.ctrlKey || event.metaKey)) {
+      event.preventDefault();
+      void commit();
+    } else if (event.key === "Escape" && latest.current !== null && onCommit) {
+      event.stopPropagation();
+      event.preventDefault();
+      put(null);
+      setRefused(null);
+      return;
+    }
+    more.onKeyDown?.(event);
+  };
+  const checked = text === null ? null : (check?.(text) ?? null);
+  return {
+    text: text ?? value,
+    refusal: refused ?? checked ?? refusal ?? null,
+    typed,
+    commit: () => void commit(),
+    key,
+  };
+}
+
+export interface SelectProps<T extends string> {
+  readonly label: string;
+  readonly hideLabel?: boolean | undefined;
+  readonly value: T;
+  readonly options: readonly {
+    readonly value: T;
+    readonly title: string;
+    readonly disabled?: boolean;
+  }[];
+  readonly onChange: (value: T) => void;
+  readonly disabled?: boolean | undefined;
+}
+
+export function Select<T extends string>(props: SelectProps<T>) {
+  const id = useId();
+  return (
+    <div className="field">
+      <label className={props.hideLabel ? "visually-hidden" : "field-label"} htmlFor={id}>
+        {props.label}
+      </label>
+      <select
+        id={id}
+        className="field-input"
+        value={props.value}
+        disabled={props.disabled}
+        onChange={(event) => props.onChange(event.currentTarget.value as T)}
+      >
+        {props.options.map(({ value, title, disabled }) => (
+          <option key={value} value={value} disabled={disabled}>
+            {title}
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+export interface CheckboxProps {
+  readonly label: ReactNode;
+  readonly checked: boolean;
+  readonly onChange: (checked: boolean) => void;
+  readonly disabled?: boolean | undefined;
+  readonly title?: string | undefined;
+}
+
+export function Checkbox({ label, checked, onChange, disabled, title }: CheckboxProps) {
+  return (
+    <label className="checkbox" title={title}>
+      <input
+        type="checkbox"
+        checked={checked}
+        disabled={disabled}
+        onChange={(event) => onChange(event.currentTarget.checked)}
+      />
+      <span>{label}</span>
+    </label>
+  );
+}

@@ -1,0 +1,50 @@
+/** A part of a panel under a heading, which folds. */
+
+import { ChevronRight } from "lucide-react";
+import { type ReactNode, useId, useState } from "react";
+import "./section.css";
+
+export interface SectionProps {
+  readonly title: string;
+  /** How many things are inside. */
+  readonly count?: number | undefined;
+  /** Buttons at the right of the heading. */
+  readonly actions?: ReactNode;
+  /** Whether it is open at first; left out: it is. */
+  readonly defaultOpen?: boolean | undefined;
+  /** Whether it is open, if somebody else knows. */
+  readonly open?: boolean | undefined;
+  readonly onToggle?: ((open: boolean) => void) | undefined;
+  readonly children: ReactNode;
+}
+
+export function Section({ title, count, actions, children, ...rest }: SectionProps) {
+  const [own, setOwn] = useState(rest.defaultOpen ?? true);
+  const open = rest.open ?? own;
+  const id = useId();
+  const toggle = () => {
+    setOwn(!open);
+    rest.onToggle?.(!open);
+  };
+  return (
+    <section className="section" aria-labelledby={id}>
+      <div className="section-head">
+        <h3 className="section-title">
+          <button
+            type="button"
+            className="section-fold"
+            aria-expanded={open}
+            onClick={toggle}
+            style={{ width: "100%" }}
+          >
+            <ChevronRight size={14} aria-hidden />
+            <span id={id}>{title}</span>
+            {count !== undefined && <span className="section-count">{count}</span>}
+          </button>
+        </h3>
+        {actions}
+      </div>
+      {open && <div className="section-body">{children}</div>}
+    </section>
+  );
+}

@@ -1,0 +1,318 @@
+/** A table of any length: only rows in sight are made; cells are walked by keyboard and edited in place. */
+
+import { useVirtualizer } from "@tanstack/react-virtual";
+import { ArrowDown, ArrowUp } from "lucide-react";
+import { type KeyboardEvent, type ReactNode, useEffect, useRef, useState } from "react";
+import { CellEditor } from "./cell_editor.tsx";
+import type { Committed } from "./field.tsx";
+import "./table.css";
+
+export interface Column<T> {
+  readonly key: string;
+  readonly title: string;
+  /** As CSS grids write it: `120px`, `1fr`, `minmax(80px, 2fr)`; left out: `1fr`. */
+  readonly width?: string | undefined;
+  readonly align?: "left" | "right" | "centre" | undefined;
+  readonly cell: (row: T) => ReactNode;
+  /** Left out: it cannot be edited. */
+  readonly edit?:
+    | {
+        /** The text that is edited; null where this row cannot be. */
+        readonly value: (row: T) => string | null;
+        /** Says nothing if it is done, or why it was refused. */
+        readonly commit: (
+          row: T,
+          text: string,
+        ) => Committed | Promise<Committed> | void | Promise<void>;
+        readonly check?: ((row: T, text: string) => string | null) | undefined;
+        readonly suggestions?: ((row: T) => readonly string[]) | undefined;
+        readonly mono?: boolean | undefined;
+      }
+    | undefined;
+  /** Whether a click on the heading asks for this order. */
+  readonly sortable?: boolean | undefined;
+}
+
+export interface TableProps<T> {
+  /** What it is a table of, for screen readers. */
+  readonly label: string;
+  readonly columns: readonly Column<T>[];
+  readonly rows: readonly T[];
+  readonly id: (row: T) => string;
+  readonly selected?: ReadonlySet<string> | undefined;
+  readonly onSelect?: ((row: T, how: { readonly toggle: boolean }) => void) | undefined;
+  /** Enter on a cell that cannot be edited, or double click. */
+  readonly onOpen?: ((row: T) => void) | undefined;
+  readonly onDelete?: ((row: T) => void) | undefined;
+  readonly onMenu?: ((row: T, at: { readonly x: number; readonly y: number }) => void) | undefined;
+  readonly onHover?: ((row: T | null) => void) | undefined;
+  readonly sort?: { readonly key: string; readonly down: boolean } | undefined;
+  readonly onSort?: ((key: string) => void) | undefined;
+  /** Tall as its rows instead of filling its place: so many rows at most. */
+  readonly rowsMax?: number | undefined;
+  readonly hideHead?: boolean | undefined;
+  /** Stays at its end while rows come. */
+  readonly follow?: boolean | undefined;
+}
+
+interface Cell {
+  readonly row: string;
+  readonly column: number;
+}
+
+const ROW_PX = 24;
+
+export function Table<T>(props: TableProps<T>) {
+  const { rows, columns, id, rowsMax, follow } = props;
+  const place = useRef<HTMLDivElement>(null);
+  const [active, setActive] = useState<Cell | null>(null);
+  const [editing, setEditing] = useState(false);
+  const virtual = useVirtualizer({
+    count: rows.length,
+    getScrollElement: () => place.current,
+    estimateSize: () => ROW_PX,
+    getItemKey: (index) => {
+      const row = rows[index];
+      return row === undefined ? index : id(row);
+    },
+    overscan: 8,
+  });
+  useEffect(() => {
+    if (follow && rows.length > 0) virtual.scrollToIndex(rows.length - 1);
+  }, [follow, rows.length, virtual]);
+  const at = rows.findIndex((row) => id(row) === active?.row);
+  const go = (index: number, column: number, how = { toggle: false }) => {
+    const row = rows[Math.max(0, Math.min(rows.length - 1, index))];
+    if (row === undefined) return;
+    setEditing(false);
+    setActive({ row: id(row), column: Math.max(0, Math.min(columns.length - 1, column)) });
+    virtual.scrollToIndex(rows.indexOf(row), { align: "auto" });
+    props.onSelect?.(row, how);
+  };
+  const template = columns.map((column) => column.width ?? "minmax(0, 1fr)").join(" ");
+  const cursor: Cursor = { at, column: active?.column ?? 0, editing, setEditing, go };
+  const stop = () => {
+    setEditing(false);
+    place.current?.focus();
+  };
+  const height = rowsMax && Math.min(rows.length, rowsMax) * ROW_PX + (props.hideHead ? 0 : 26);
+  return (
+    <div
+      ref={place}
+      className="table"
+      role="grid"
+      aria-label={props.label}
+      aria-rowcount={rows.length}
+      tabIndex={0}
+      style={height === undefined ? undefined : { height }}
+      onKeyDown={(event) => tableKey(event, props, cursor, place.current)}
+      onMouseLeave={() => props.onHover?.(null)}
+    >
+      {!props.hideHead && <Head table={props} template={template} />}
+      <div className="table-space" role="rowgroup" style={{ height: virtual.getTotalSize() }}>
+        {virtual.getVirtualItems().map(({ index, start }) => {
+          const row = rows[index];
+          if (row === undefined) return null;
+          return (
+            <Row
+              key={id(row)}
+              table={props}
+              row={row}
+              index={index}
+              top={start}
+              template={template}
+              cursor={cursor}
+              onStop={stop}
+            />
+          );
+        })}
+      </div>
+    </div>
+  );
+}
+
+interface Cursor {
+  readonly at: number;
+  readonly column: number;
+  readonly editing: boolean;
+  readonly setEditing: (editing: boolean) => void;
+  readonly go: (index: number, column: number, how?: { toggle: boolean }) => void;
+}
+
+function tableKey<T>(
+  event: KeyboardEvent<HTMLElement>,
+  table: TableProps<T>,
+  cursor: Cursor,
+  place: HTMLElement | null,
+): void {
+  if (event.target !== place || event.ctrlKey || event.altKey || event.metaKey) return;
+  const row = table.rows[cursor.at];
+  const handled =
+    walk(event.key, table.rows.length, cursor, place) ||
+    (row !== undefined && act(event, table, row, cursor, place));
+  if (!handled) return;
+  event.preventDefault();
+  event.stopPropagation();
+}
+
+function walk(key: string, count: number, cursor: Cursor, place: HTMLElement | null): boolean {
+  const { at, column } = cursor;
+  const page = Math.max(1, Math.floor((place?.clientHeight ?? 0) / ROW_PX) - 2);
+  const walks: Record<string, readonly [number, number]> = {
+    ArrowDown: [at + 1, column],
+    ArrowUp: [at - 1, column],
+    ArrowRight: [at, column + 1],
+    ArrowLeft: [at, column - 1],
+    PageDown: [at + page, column],
+    PageUp: [at - page, column],
+    Home: [0, column],
+    End: [count - 1, column],
+  };
+  const to = walks[key];
+  if (to) cursor.go(to[0], to[1]);
+  return to !== undefined;
+}
+
+function act<T>(
+  event: KeyboardEvent<HTMLElement>,
+  table: TableProps<T>,
+  row: T,
+  cursor: Cursor,
+  place: HTMLElement | null,
+): boolean {
+  const value = table.columns[cursor.column]?.edit?.value(row) ?? null;
+  switch (event.key) {
+    case "Enter":
+    case "F2":
+      if (value !== null) cursor.setEditing(true);
+      else table.onOpen?.(row);
+      return true;
+    case "Delete":
+      table.onDelete?.(row);
+      return table.onDelete !== undefined;
+    case "ContextMenu":
+    case "F10": {
+      if (!table.onMenu || (event.key === "F10" && !event.shiftKey)) return false;
+      const box = place?.querySelector("[data-active=true]")?.getBoundingClientRect();
+      table.onMenu(row, { x: (box?.left ?? 0) + 24, y: box?.bottom ?? 0 });
+      return true;
+    }
+    default:
+      return false;
+  }
+}
+
+function Head<T>({ table, template }: { table: TableProps<T>; template: string }) {
+  return (
+    // biome-ignore lint/a11y/useFocusableInteractive: the grid around it has the keyboard
+    <div className="table-head" role="row" style={{ gridTemplateColumns: template }}>
+      {table.columns.map((column) => {
+        const sorted = table.sort?.key === column.key ? table.sort : undefined;
+        const Arrow = sorted?.down ? ArrowDown : ArrowUp;
+        return (
+          // biome-ignore lint/a11y/useFocusableInteractive: the grid around it has the keyboard
+          <div
+            key={column.key}
+            className={cellClass(column.align)}
+            role="columnheader"
+            aria-sort={sorted && (sorted.down ? "descending" : "ascending")}
+          >
+            {column.sortable ? (
+              <button
+                type="button"
+                className="table-sort"
+                onClick={() => table.onSort?.(column.key)}
+              >
+                {column.title}
+                {sorted && <Arrow size={12} aria-hidden />}
+              </button>
+            ) : (
+              column.title
+            )}
+          </div>
+        );
+      })}
+    </div>
+  );
+}
+
+interface RowProps<T> {
+  readonly table: TableProps<T>;
+  readonly row: T;
+  readonly index: number;
+  readonly top: number;
+  readonly template: string;
+  readonly cursor: Cursor;
+  readonly onStop: () => void;
+}
+
+function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T>) {
+  const here = cursor.at === index;
+  return (
+    <div
+      className="table-row"
+      role="row"
+      tabIndex={-1}
+      aria-rowindex={index + 1}
+      aria-selected={table.selected?.has(table.id(row)) ?? false}
+      style={{
+        height: ROW_PX,
+        transform: `translateY(${top}px)`,
+        gridTemplateColumns: template,
+        zIndex: here && cursor.editing ? 1 : undefined,
+      }}
+      onMouseEnter={() => table.onHover?.(row)}
+      onContextMenu={(event) => {
+        if (!table.onMenu) return;
+        event.preventDefault();
+        cursor.go(index, cursor.column);
+        table.onMenu(row, { x: event.clientX, y: event.clientY });
+      }}
+    >
+      {table.columns.map((column, at) => {
+        const active = here && cursor.column === at;
+        const value = column.edit?.value(row) ?? null;
+        const editing = active && cursor.editing && value !== null;
+        return (
+          // biome-ignore lint/a11y/useKeyWithClickEvents: the grid around it has the keyboard
+          <div
+            key={column.key}
+            className={cellClass(column.align)}
+            role="gridcell"
+            tabIndex={-1}
+            data-active={active}
+            data-editing={editing}
+            aria-readonly={value === null}
+            onClick={(event) => {
+              if (editing) return;
+              cursor.go(index, at, { toggle: event.ctrlKey || event.metaKey });
+              event.currentTarget.closest<HTMLElement>(".table")?.focus();
+            }}
+            onDoubleClick={() => {
+              if (value === null) table.onOpen?.(row);
+              else cursor.setEditing(true);
+            }}
+          >
+            {editing ? (
+              <CellEditor
+                label={column.title}
+                value={value}
+                mono={column.edit?.mono}
+                suggestions={column.edit?.suggestions?.(row)}
+                check={(text) => column.edit?.check?.(row, text) ?? null}
+                onCommit={(text) => column.edit?.commit(row, text)}
+                onStop={onStop}
+              />
+            ) : (
+              column.cell(row)
+            )}
+          </div>
+        );
+      })}
+    </div>
+  );
+}
+
+function cellClass(align: "left" | "right" | "centre" | undefined): string {
+  return align === "right" ? "table-cell table-number" : "table-cell";
+}
