@@ -1,0 +1,255 @@
+/** The ends of connections as elements, and connections in words: `Scan.ok → Search`. */
+
+import { type ElementRef, keyOf } from "./element.ts";
+import type { DataFlowDocument, StateDocument, TransitionDocument } from "./generated/protocol.ts";
+import {
+  dataFlowsOf,
+  type Machine,
+  outcomesOf,
+  type PortKind,
+  portsOf,
+  transitionsOf,
+} from "./machine.ts";
+import { childPath, idOf, parentOf } from "./path.ts";
+
+export interface Ends {
+  readonly from: ElementRef;
+  readonly to: ElementRef;
+}
+
+export interface PortRef {
+  readonly kind: PortKind;
+  readonly path: string;
+  readonly id: number;
+}
+
+export interface ConnectionRef {
+  readonly kind: "transition" | "data_flow";
+  readonly path: string;
+  readonly id: number;
+}
+
+export function isPort(element: ElementRef): element is ElementRef & PortRef {
+  return (
+    element.kind === "input" || element.kind === "output" || element.kind === "scoped_variable"
+  );
+}
+
+export function isConnection(element: ElementRef): element is ElementRef & ConnectionRef {
+  return element.kind === "transition" || element.kind === "data_flow";
+}
+
+/** Where a transition of the container begins and leads. */
+export function transitionEnds(container: string, transition: TransitionDocument): Ends {
+  const { from_state, from_outcome, to_state, to_outcome } = transition;
+  return {
+    from:
+      from_state == null
+        ? { kind: "income", path: container }
+        : { kind: "outcome", path: childPath(container, from_state), id: from_outcome ?? 0 },
+    to:
+      to_outcome == null
+        ? { kind: "income", path: childPath(container, to_state ?? "") }
+        : { kind: "outcome", path: container, id: to_outcome },
+  };
+}
+
+/** Where a data flow of the container begins and ends; null if a port is not there. */
+export function flowEnds(machine: Machine, container: string, flow: DataFlowDocument): Ends | null {
+  const from = portOf(machine, stateOfEnd(container, flow.from_state), flow.from_port);
+  const to = portOf(machine, stateOfEnd(container, flow.to_state), flow.to_port);
+  return from && to && { from, to };
+}
+
+function stateOfEnd(container: string, id: string): string {
+  return id === idOf(container) ? container : childPath(container, id);
+}
+
+const LISTS: readonly PortKind[] = ["input", "output", "scoped_variable"];
+
+/** The port of a state by its id alone, which no other port there has. */
+export function portOf(machine: Machine, path: string, id: number): PortRef | null {
+  const state = machine.state(path);
+  const kind = state && LISTS.find((list) => portsOf(state, list).some((port) => port.id === id));
+  return kind ? { kind, path, id } : null;
+}
+
+/** Both ends of a connection; null if it, or one of them, is not there. */
+export function endsOf(machine: Machine, connection: ConnectionRef): Ends | null {
+  const state = machine.state(connection.path);
+  if (!state) return null;
+  if (connection.kind === "transition") {
+    const found = transitionsOf(state).find(({ id }) => id === connection.id);
+    return found ? transitionEnds(connection.path, found) : null;
+  }
+  const found = dataFlowsOf(state).find(({ id }) => id === connection.id);
+  return found ? flowEnds(machine, connection.path, found) : null;
+}
+
+/** What an outcome or port is called; of states their name, of the income "start". */
+export function nameOf(machine: Machine, element: ElementRef): string {
+  const state = machine.state(element.path);
+  if (!state) return element.path;
+  if (element.kind === "state") return state.name;
+  if (element.kind === "income") return "start";
+  if (isConnection(element)) return connectionInWords(machine, element);
+  const list = isPort(element) ? portsOf(state, element.kind) : outcomesOf(state);
+  const words = element.kind === "scoped_variable" ? "scoped variable" : element.kind;
+  return list.find(({ id }) => id === element.id)?.name ?? `${words} ${element.id}`;
+}
+
+/** One end of a connection of the container: `Scan.ok`, `Search`, `start`. */
+export function endInWords(machine: Machine, container: string, end: ElementRef): string {
+  const state = machine.state(end.path)?.name ?? idOf(end.path);
+  if (end.kind === "income") return end.path === container ? "start" : state;
+  return `${state}.${nameOf(machine, end)}`;
+}
+
+/** `Scan.ok → Search`. */
+export function connectionInWords(machine: Machine, connection: ConnectionRef): string {
+  const ends = endsOf(machine, connection);
+  if (!ends)
+    return `${connection.kind === "transition" ? "transition" : "data flow"} ${connection.id}`;
+  const [from, to] = [ends.from, ends.to].map((end) => endInWords(machine, connection.path, end));
+  return `${from} → ${to}`;
+}
+
+/** A connection with its ends. */
+export interface Connection {
+  readonly element: ConnectionRef;
+  readonly ends: Ends;
+}
+
+/** The connections of a state: those that touch it in the container around it, and those inside that begin or end at it. */
+export function connectionsOf(
+  machine: Machine,
+  path: string,
+  kind: ConnectionRef["kind"],
+): readonly Connection[] {
+  const around = parentOf(path);
+  const places = around === null ? [path] : [around, path];
+  return places.flatMap((container) =>
+    connectionsIn(machine, container, kind).filter(
+      ({ ends }) => ends.from.path === path || ends.to.path === path,
+    ),
+  );
+}
+
+/** All connections of a container. */
+export function connectionsIn(
+  machine: Machine,
+  container: string,
+  kind: ConnectionRef["kind"],
+): readonly Connection[] {
+  const state = machine.state(container);
+  if (!state) return [];
+  const ids = kind === "transition" ? transitionsOf(state) : dataFlowsOf(state);
+  return ids.flatMap(({ id }) => {
+    const element = { kind, path: container, id };
+    const ends = endsOf(machine, element);
+    return ends ? [{ element, ends }] : [];
+  });
+}
+
+/** Where transitions or data flows of the container can begin or end, in the order of the picture: its own ends, then those
+ * of its children. Whether two of them fit is another question. */
+export function endsIn(
+  machine: Machine,
+  container: string,
+  kind: ConnectionRef["kind"],
+  end: keyof Ends,
+): readonly ElementRef[] {
+  const state = machine.state(container);
+  if (!state) return [];
+  const children = machine.children(container).flatMap((path) => {
+    const child = machine.state(path);
+    return child ? [{ path, child }] : [];
+  });
+  if (kind === "transition")
+    return end === "from"
+      ? [
+          { kind: "income", path: container },
+          ...children.flatMap((each) => outcomes(each.child, each.path)),
+        ]
+      : [
+          ...children.map(({ path }) => ({ kind: "income", path }) as const),
+          ...outcomes(state, container),
+        ];
+  const own: readonly PortKind[] =
+    end === "from" ? ["input", "scoped_variable"] : ["output", "scoped_variable"];
+  const theirs: PortKind = end === "from" ? "output" : "input";
+  return [
+    ...own.flatMap((list) => ports(state, container, list)),
+    ...children.flatMap((each) => ports(each.child, each.path, theirs)),
+  ];
+}
+
+function outcomes(state: StateDocument, path: string): readonly ElementRef[] {
+  return outcomesOf(state).map(({ id }) => ({ kind: "outcome", path, id }) as const);
+}
+
+function ports(state: StateDocument, path: string, kind: PortKind): readonly PortRef[] {
+  return portsOf(state, kind).map(({ id }) => ({ kind, path, id }));
+}
+
+/** A port that is reached along data flows. */
+export interface Hop {
+  readonly port: PortRef;
+  /** How many data flows away. */
+  readonly steps: number;
+  /** The data flow that leads there; null where the value only crosses the border of a library. */
+  readonly flow: ConnectionRef | null;
+}
+
+/** Every port that values of this one reach, or, backwards, that its values come from: across levels and libraries, the
+ * nearest first along each way. */
+export function chain(
+  machine: Machine,
+  port: PortRef,
+  way: "forwards" | "backwards",
+): readonly Hop[] {
+  const seen = new Set([keyOf(port)]);
+  const found: Hop[] = [];
+  const walk = (from: PortRef, steps: number) => {
+    for (const { port: next, flow } of neighbours(machine, from, way)) {
+      if (seen.has(keyOf(next))) continue;
+      seen.add(keyOf(next));
+      const hop = { port: next, steps: steps + (flow ? 1 : 0), flow };
+      found.push(hop);
+      walk(next, hop.steps);
+    }
+  };
+  walk(port, 0);
+  return found;
+}
+
+function neighbours(
+  machine: Machine,
+  port: PortRef,
+  way: "forwards" | "backwards",
+): readonly Pick<Hop, "port" | "flow">[] {
+  const [near, far]: readonly [keyof Ends, keyof Ends] =
+    way === "forwards" ? ["from", "to"] : ["to", "from"];
+  const key = keyOf(port);
+  const flows = connectionsOf(machine, port.path, "data_flow").flatMap(({ element, ends }) => {
+    const other = ends[far];
+    return keyOf(ends[near]) === key && isPort(other) ? [{ port: other, flow: element }] : [];
+  });
+  return [...flows, ...acrossLibrary(machine, port, way)];
+}
+
+/** A library state and the root of its content have the same ports. */
+function acrossLibrary(
+  machine: Machine,
+  { kind, path, id }: PortRef,
+  way: "forwards" | "backwards",
+): readonly Pick<Hop, "port" | "flow">[] {
+  const inwards = (kind === "input") === (way === "forwards");
+  if (kind === "scoped_variable") return [];
+  const around = parentOf(path);
+  const other = inwards ? machine.children(path)[0] : around;
+  const library = inwards ? path : around;
+  if (other == null || library === null || machine.state(library)?.kind !== "library") return [];
+  const port = portOf(machine, other, id);
+  return port && port.kind === kind ? [{ port, flow: null }] : [];
+}
