@@ -1,0 +1,94 @@
+/** Global variables of a machine: every name that its scripts set or read, and that defaults of its ports ask for by `$name`. */
+
+import type { StateDocument } from "./generated/protocol.ts";
+import { type Machine, type PortKind, portsOf } from "./machine.ts";
+import { lineAt, type ScriptUse, scriptUses } from "./python.ts";
+
+/** One place where a global variable is used. */
+export interface GlobalUse {
+  /** The state. */
+  readonly path: string;
+  readonly access: ScriptUse["access"];
+  /** The line of the script, from 1; null for the default of a port. */
+  readonly line: number | null;
+  /** The words of that line, or the port. */
+  readonly text: string;
+}
+
+export interface GlobalVariable {
+  readonly name: string;
+  readonly uses: readonly GlobalUse[];
+}
+
+/** All global variables by rising name, with the content of libraries as far as it is here. */
+export function globalsOf(machine: Machine): readonly GlobalVariable[] {
+  const found = new Map<string, GlobalUse[]>();
+  const look = (path: string, state: StateDocument) => {
+    for (const { name, ...use } of usesOf(state)) {
+      const uses = found.get(name);
+      if (uses) uses.push({ path, ...use });
+      else found.set(name, [{ path, ...use }]);
+    }
+  };
+  const lookInside = (path: string) => {
+    for (const child of machine.children(path)) {
+      const state = machine.state(child);
+      if (state) look(child, state);
+      lookInside(child);
+    }
+  };
+  for (const path of machine.paths()) {
+    const state = machine.state(path);
+    if (!state) continue;
+    look(path, state);
+    if (state.kind === "library") lookInside(path);
+  }
+  return [...found]
+    .map(([name, uses]) => ({ name, uses }))
+    .sort((one, other) => one.name.localeCompare(other.name));
+}
+
+type OwnUse = Omit<GlobalUse, "path"> & { readonly name: string };
+
+/** States never change, so each is read once. */
+const READ = new WeakMap<StateDocument, readonly OwnUse[]>();
+
+function usesOf(state: StateDocument): readonly OwnUse[] {
+  let uses = READ.get(state);
+  if (!uses) {
+    uses = [...inScript(state.script ?? ""), ...inDefaults(state)];
+    READ.set(state, uses);
+  }
+  return uses;
+}
+
+function inScript(script: string): readonly OwnUse[] {
+  if (!/gvm|variable|_locked/.test(script)) return [];
+  return scriptUses(script).flatMap(({ of, name, access, from }) =>
+    of === "global" ? [{ name, access, ...lineAt(script, from) }] : [],
+  );
+}
+
+const WORDS: Readonly<Record<PortKind, string>> = {
+  input: "input",
+  output: "output",
+  scoped_variable: "scoped variable",
+};
+
+function inDefaults(state: StateDocument): readonly OwnUse[] {
+  const use = (value: unknown, text: string): readonly OwnUse[] =>
+    typeof value === "string" && /^\$./.test(value)
+      ? [{ name: value.slice(1), access: "read", line: null, text }]
+      : [];
+  const lists = Object.keys(WORDS) as PortKind[];
+  const defaults = lists.flatMap((kind) =>
+    portsOf(state, kind).flatMap((port) =>
+      use(port.default, `default of ${WORDS[kind]} ${port.name}`),
+    ),
+  );
+  const set = [...(state.library?.inputs ?? []), ...(state.library?.outputs ?? [])];
+  return [
+    ...defaults,
+    ...set.flatMap((port) => (port.used ? use(port.value, `value of port ${port.port}`) : [])),
+  ];
+}
