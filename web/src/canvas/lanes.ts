@@ -1,0 +1,223 @@
+/** The room between the states of a container: what a way through it costs, and which ways are taken already. */
+
+import type { Box, Point, Size } from "../model/geometry.ts";
+import { Grid } from "./grid.ts";
+import type { Wanted } from "./route.ts";
+
+/** A straight piece of a line that stands or lies, as far as it goes. */
+interface Piece {
+  readonly at: number;
+  readonly from: number;
+  readonly to: number;
+  readonly group: string;
+}
+
+/** More lines than these do not look after each other: nobody could tell them apart. */
+const MANY_LINES = 160;
+/** Boxes that give ways around them, at most, and ways beside each side of one. */
+const NEAR_BOXES = 10;
+const BESIDE = 3;
+
+const BEND = 1.5;
+const TURN_BACK = 40;
+const THROUGH = 12;
+const THROUGH_FOR_UNIT = 4;
+const GRAZE_FOR_UNIT = 0.6;
+const OVER_OTHER_FOR_UNIT = 3;
+const CROSS = 0.8;
+const SHARED_FOR_UNIT = 0.75;
+const OUTSIDE = 60;
+
+export class Lanes {
+  /** How far lines stay away from states and from each other. */
+  readonly pace: number;
+  readonly #boxes: readonly Box[];
+  readonly #frame: Size;
+  readonly #grid: Grid;
+  readonly #lying: Piece[] = [];
+  readonly #standing: Piece[] = [];
+
+  constructor(boxes: readonly Box[], frame: Size) {
+    this.#boxes = boxes;
+    this.#frame = frame;
+    this.#grid = new Grid(boxes);
+    this.pace = paceOf(boxes, frame);
+  }
+
+  /** The way is used from now on. */
+  take(points: readonly Point[], group: string): void {
+    for (let index = 0; index + 1 < points.length; index++) {
+      const [one, other] = [points[index], points[index + 1]];
+      if (!one || !other) continue;
+      if (one.y === other.y) this.#lying.push(piece(one.y, one.x, other.x, group));
+      else if (one.x === other.x) this.#standing.push(piece(one.x, one.y, other.y, group));
+    }
+  }
+
+  /** What a way costs; anything from `enough` on if it is no less than that. */
+  cost(points: readonly Point[], line: Wanted, enough: number): number {
+    const { pace } = this;
+    let cost = (points.length - 2) * BEND * pace;
+    for (let index = 0; index + 1 < points.length; index++) {
+      const [one, other] = [points[index], points[index + 1]];
+      if (!one || !other) continue;
+      cost += (Math.abs(one.x - other.x) + Math.abs(one.y - other.y)) * (1 - SHARED_FOR_UNIT);
+    }
+    cost += turnsBack(points) * TURN_BACK * pace;
+    if (cost >= enough) return cost;
+    for (let index = 0; index + 1 < points.length; index++) {
+      const [one, other] = [points[index], points[index + 1]];
+      if (!one || !other) continue;
+      cost += this.#pieceCost(one, other, index, points.length, line);
+      if (cost >= enough) return cost;
+    }
+    return cost;
+  }
+
+  #pieceCost(one: Point, other: Point, index: number, count: number, line: Wanted): number {
+    const length = Math.abs(one.x - other.x) + Math.abs(one.y - other.y);
+    const lying = one.y === other.y;
+    const at = lying ? one.y : one.x;
+    const from = lying ? Math.min(one.x, other.x) : Math.min(one.y, other.y);
+    const spared = index === 0 ? line.start.box : index === count - 2 ? line.goal.box : -1;
+    const outside = this.#isOutside(at, lying) ? OUTSIDE * this.pace : 0;
+    const boxes = this.#boxCost(lying, at, from, from + length, spared);
+    const others = this.#othersCost(lying, at, from, from + length, line.to);
+    return length * SHARED_FOR_UNIT + outside + boxes + others;
+  }
+
+  #isOutside(at: number, lying: boolean): boolean {
+    return at < 0 || at > (lying ? this.#frame.height : this.#frame.width);
+  }
+
+  #boxCost(lying: boolean, at: number, from: number, to: number, spared: number): number {
+    const near = this.pace * 0.6;
+    const area = lying
+      ? { x: from, y: at - near, width: to - from, height: 2 * near }
+      : { x: at - near, y: from, width: 2 * near, height: to - from };
+    let cost = 0;
+    this.#grid.each(area, (index) => {
+      const box = this.#boxes[index];
+      if (!box || index === spared) return;
+      const [low, high] = lying ? [box.y, box.y + box.height] : [box.x, box.x + box.width];
+      const [first, last] = lying ? [box.x, box.x + box.width] : [box.y, box.y + box.height];
+      const shared = Math.min(to, last) - Math.max(from, first);
+      if (shared <= 0 || at <= low - near || at >= high + near) return;
+      const through = at > low && at < high;
+      cost += through ? THROUGH * this.pace + shared * THROUGH_FOR_UNIT : shared * GRAZE_FOR_UNIT;
+    });
+    return cost;
+  }
+
+  #othersCost(lying: boolean, at: number, from: number, to: number, group: string): number {
+    const beside = lying ? this.#lying : this.#standing;
+    const across = lying ? this.#standing : this.#lying;
+    if (beside.length + across.length > MANY_LINES) return 0;
+    let cost = 0;
+    let shared = 0;
+    for (const other of beside) {
+      if (Math.abs(other.at - at) >= this.pace * 0.45) continue;
+      const both = Math.min(to, other.to) - Math.max(from, other.from);
+      if (both <= 0) continue;
+      if (other.group !== group) cost += both * OVER_OTHER_FOR_UNIT;
+      else if (other.at === at) shared = Math.max(shared, both);
+    }
+    for (const other of across) {
+      if (other.group === group || other.at <= from || other.at >= to) continue;
+      if (other.from < at && other.to > at) cost += CROSS * this.pace;
+    }
+    return cost - shared * SHARED_FOR_UNIT;
+  }
+
+  /** Columns and rows through which a way may lead, those that make it short first. */
+  channels(
+    line: Wanted,
+    from: Point,
+    to: Point,
+  ): { readonly columns: readonly number[]; readonly rows: readonly number[] } {
+    const columns = [from.x, to.x];
+    const rows = [from.y, to.y];
+    for (const { at, group } of this.#standing) if (group === line.to) columns.push(at);
+    for (const { at, group } of this.#lying) if (group === line.to) rows.push(at);
+    for (const index of this.#near(line, from, to)) {
+      const box = this.#boxes[index];
+      if (!box) continue;
+      for (let lane = 1; lane <= BESIDE; lane++) {
+        const away = this.pace * (0.4 + 0.6 * lane);
+        columns.push(box.x - away, box.x + box.width + away);
+        rows.push(box.y - away, box.y + box.height + away);
+      }
+    }
+    return { columns: byDetour(columns, from.x, to.x), rows: byDetour(rows, from.y, to.y) };
+  }
+
+  /** Boxes around and between the ends. */
+  #near(line: Wanted, from: Point, to: Point): readonly number[] {
+    const area = {
+      x: Math.min(from.x, to.x) - this.pace,
+      y: Math.min(from.y, to.y) - this.pace,
+      width: Math.abs(from.x - to.x) + 2 * this.pace,
+      height: Math.abs(from.y - to.y) + 2 * this.pace,
+    };
+    const found: number[] = [line.start.box, line.goal.box].filter((index) => index >= 0);
+    this.#grid.each(area, (index) => {
+      if (found.length < NEAR_BOXES && !found.includes(index)) found.push(index);
+    });
+    return found;
+  }
+
+  /** The point after which a way runs longest without company. */
+  longestAlone(points: readonly Point[]): number {
+    let [best, longest] = [0, -1];
+    for (let index = 0; index + 1 < points.length; index++) {
+      const [one, other] = [points[index], points[index + 1]];
+      if (!one || !other) continue;
+      const lying = one.y === other.y;
+      const length = Math.abs(one.x - other.x) + Math.abs(one.y - other.y);
+      const alone = length * (this.#isShared(one, other) ? 0.3 : lying ? 1 : 0.7);
+      if (alone > longest) [best, longest] = [index, alone];
+    }
+    return best;
+  }
+
+  #isShared(one: Point, other: Point): boolean {
+    const lying = one.y === other.y;
+    const at = lying ? one.y : one.x;
+    const [from, to] = lying
+      ? [Math.min(one.x, other.x), Math.max(one.x, other.x)]
+      : [Math.min(one.y, other.y), Math.max(one.y, other.y)];
+    return (lying ? this.#lying : this.#standing).some(
+      (piece) => piece.at === at && piece.from < to && piece.to > from,
+    );
+  }
+}
+
+function piece(at: number, one: number, other: number, group: string): Piece {
+  return { at, from: Math.min(one, other), to: Math.max(one, other), group };
+}
+
+/** A share of how large the states usually are. */
+function paceOf(boxes: readonly Box[], frame: Size): number {
+  const sides = boxes
+    .map(({ width, height }) => Math.min(width, height))
+    .sort((one, other) => one - other);
+  const usual = sides[sides.length >> 1] ?? Math.min(frame.width, frame.height) * 0.3;
+  return Math.min(usual * 0.14, Math.min(frame.width, frame.height) * 0.03);
+}
+
+function byDetour(channels: readonly number[], from: number, to: number): readonly number[] {
+  const detour = (at: number) => Math.abs(at - from) + Math.abs(at - to);
+  return [...new Set(channels)].sort((one, other) => detour(one) - detour(other));
+}
+
+/** How often a way turns on its heel. */
+function turnsBack(points: readonly Point[]): number {
+  let count = 0;
+  for (let index = 1; index + 1 < points.length; index++) {
+    const [before, at, after] = [points[index - 1], points[index], points[index + 1]];
+    if (!before || !at || !after) continue;
+    const along = (at.x - before.x) * (after.x - at.x) + (at.y - before.y) * (after.y - at.y);
+    if (along < 0) count++;
+  }
+  return count;
+}

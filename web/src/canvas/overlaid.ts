@@ -1,0 +1,90 @@
+/** The tree as a gesture has it: states, ports and waypoints where they are held, all else as it was. */
+
+import type { PortPlace } from "../model/drawing.ts";
+import { elementOf } from "../model/element.ts";
+import type { Box, Size } from "../model/geometry.ts";
+import { lineage, parentOf } from "../model/path.ts";
+import { type Held, type Line, linesOf } from "./lines.ts";
+import type { Overlay } from "./overlay.ts";
+import { type Ground, type PlacedState, same, stretchedPorts } from "./tree.ts";
+
+/** The tree with what the overlay holds. */
+export function overlaid(root: PlacedState, ground: Ground, overlay: Overlay): PlacedState {
+  const touched = touchedBy(overlay);
+  return touched.size === 0 ? root : held(root, ground, overlay, touched);
+}
+
+/** Paths of all states that are another object then: those held, and those around them. */
+function touchedBy({ boxes, ports, waypoints }: Overlay): ReadonlySet<string> {
+  const paths = [...boxes.keys()];
+  for (const key of [...ports.keys(), ...waypoints.keys()]) {
+    const element = elementOf(key);
+    if (element) paths.push(element.path);
+  }
+  return new Set(paths.flatMap(lineage));
+}
+
+function held(
+  state: PlacedState,
+  ground: Ground,
+  overlay: Overlay,
+  touched: ReadonlySet<string>,
+): PlacedState {
+  if (!touched.has(state.path)) return state;
+  const box = parentOf(state.path) === null ? state.box : overlay.boxes.get(state.path);
+  const grown = box && !same(box, state.box) ? resized(state, box, overlay) : state;
+  const children = grown.children.map((child) => held(child, ground, overlay, touched));
+  const ports = grown.ports.map((port) => withPort(port, overlay));
+  const made = grown.with({ ground, children, ports });
+  return made.with({
+    ground,
+    children,
+    ports,
+    lines: linesAround(made, overlay.scaled.has(state.path) ? grown : state, overlay),
+  });
+}
+
+function withPort(port: PortPlace, overlay: Overlay): PortPlace {
+  const at = overlay.ports.get(port.key);
+  return at ? { ...port, at } : port;
+}
+
+/** A state in another box: its ports keep their share of the border, its content stays or grows along. */
+function resized(state: PlacedState, box: Box, overlay: Overlay): PlacedState {
+  const { width, height } = state.box;
+  if (box.width === width && box.height === height) {
+    return state.with({ box, children: state.children, ports: state.ports, name: state.name });
+  }
+  const by = { x: box.width / (width || 1), y: box.height / (height || 1) };
+  if (overlay.scaled.has(state.path)) return state.stretched(box, by);
+  const ports = stretchedPorts(state.ports, by);
+  return state.with({ box, ports, ...(state.opened ? {} : { children: state.children }) });
+}
+
+/** Lines that touch nothing of what is held stay where they are. */
+function linesAround(made: PlacedState, before: PlacedState, overlay: Overlay): readonly Line[] {
+  const moved = new Set<string>();
+  made.children.forEach((child, index) => {
+    const was = before.children[index];
+    if (was && same(was.box, child.box) && !hasHeldPort(child, overlay)) return;
+    for (const port of child.ports) moved.add(port.key);
+  });
+  if (hasHeldPort(made, overlay) || !sameSize(made.size, before.size)) {
+    for (const port of made.ports) moved.add(port.key);
+  }
+  const byKey: Held = overlay.waypoints;
+  const kept = new Map<string, Line>();
+  for (const line of before.lines) {
+    const stays = !moved.has(line.from) && !moved.has(line.to) && !byKey.has(line.key);
+    if (stays) kept.set(line.key, line);
+  }
+  return linesOf(made, byKey, kept);
+}
+
+function sameSize(one: Size, other: Size): boolean {
+  return one.width === other.width && one.height === other.height;
+}
+
+function hasHeldPort(state: PlacedState, overlay: Overlay): boolean {
+  return overlay.ports.size > 0 && state.ports.some((port) => overlay.ports.has(port.key));
+}

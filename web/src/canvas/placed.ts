@@ -1,0 +1,143 @@
+/** Where everything of a machine is, as of now: `Places` upon a tree that is kept between changes. */
+
+import type { PortPlace } from "../model/drawing.ts";
+import type { Box, Point } from "../model/geometry.ts";
+import type { Machine } from "../model/machine.ts";
+import type { ViewModes } from "../store/view.ts";
+import { overlaid } from "./overlaid.ts";
+import { NO_OVERLAY, type Overlay } from "./overlay.ts";
+import type { Places, Route } from "./places.ts";
+import { type Ground, type PlacedState, treeOf } from "./tree.ts";
+
+/** What of a view says where things are. */
+export interface PlacesView {
+  readonly modes: ViewModes;
+  readonly contents: ReadonlyMap<string, boolean>;
+}
+
+/** A state, and how its own coordinates lie in the root's. */
+export interface Frame {
+  readonly at: PlacedState;
+  readonly x: number;
+  readonly y: number;
+  /** Units of the root for one inside. */
+  readonly unit: number;
+}
+
+/** Places, with the tree that they come from. */
+export interface Placed extends Places {
+  readonly root: PlacedState | null;
+  readonly frame: (path: string) => Frame | undefined;
+}
+
+interface Kept {
+  readonly version: number;
+  readonly contents: ReadonlyMap<string, boolean>;
+  readonly tree: PlacedState | null;
+  overlay: Overlay;
+  placed: Placed;
+}
+
+const KEPT = new WeakMap<Machine, Kept>();
+
+/** Where everything of the machine is now: the same object as long as nothing is different. */
+export function placesOf(machine: Machine, view: PlacesView, overlay: Overlay): Placed {
+  const { contents } = view;
+  let kept = KEPT.get(machine);
+  if (!kept || kept.version !== machine.version || kept.contents !== contents) {
+    const tree = treeOf({ machine, contents }, kept?.tree ?? null);
+    kept = { version: machine.version, contents, tree, overlay: NO_OVERLAY, placed: over(tree) };
+    KEPT.set(machine, kept);
+  }
+  if (kept.overlay !== overlay) {
+    const ground: Ground = { machine, contents };
+    kept.placed = over(kept.tree && overlaid(kept.tree, ground, overlay));
+    kept.overlay = overlay;
+  }
+  return kept.placed;
+}
+
+const NONE: readonly never[] = [];
+
+function over(root: PlacedState | null): Placed {
+  const frames = new Map<string, Frame>();
+  if (root) frames.set(root.path, { at: root, x: 0, y: 0, unit: 1 });
+  const frame = (path: string): Frame | undefined => {
+    const known = frames.get(path);
+    if (known) return known;
+    const end = path.lastIndexOf("/");
+    const outer = end < 0 ? undefined : frame(path.slice(0, end));
+    const child = outer?.at.child(path);
+    if (!outer || !child) return undefined;
+    const found = inside(outer, child);
+    frames.set(path, found);
+    return found;
+  };
+  return {
+    root,
+    frame,
+    box: (path) => {
+      const found = frame(path);
+      return found && outline(found);
+    },
+    unit: (path) => frame(path)?.unit ?? 1,
+    children: (path) => frame(path)?.at.children.map((child) => child.path) ?? NONE,
+    ports: remembered(frame, portsAt),
+    name: (path) => {
+      const found = frame(path);
+      return found && boxAt(found, found.at.name);
+    },
+    routes: remembered(frame, routesAt),
+  };
+}
+
+/** The frame of a child. */
+export function inside(outer: Frame, child: PlacedState): Frame {
+  const { x, y } = pointAt(outer, child.box);
+  return { at: child, x, y, unit: outer.unit * child.scale };
+}
+
+function outline({ at, x, y, unit }: Frame): Box {
+  const { width, height } = at.size;
+  return { x, y, width: width * unit, height: height * unit };
+}
+
+/** A point of a state in the root's coordinates. */
+export function pointAt(frame: Frame, { x, y }: Point): Point {
+  return { x: frame.x + x * frame.unit, y: frame.y + y * frame.unit };
+}
+
+function boxAt(frame: Frame, box: Box): Box {
+  const { width, height } = box;
+  return { ...pointAt(frame, box), width: width * frame.unit, height: height * frame.unit };
+}
+
+function remembered<T>(
+  frame: (path: string) => Frame | undefined,
+  find: (frame: Frame) => readonly T[],
+): (path: string) => readonly T[] {
+  const known = new Map<string, readonly T[]>();
+  return (path) => {
+    let found = known.get(path);
+    if (!found) {
+      const at = frame(path);
+      found = at ? find(at) : NONE;
+      known.set(path, found);
+    }
+    return found;
+  };
+}
+
+function portsAt(frame: Frame): readonly PortPlace[] {
+  return frame.at.ports.map((port) => ({ ...port, at: pointAt(frame, port.at) }));
+}
+
+function routesAt(frame: Frame): readonly Route[] {
+  return frame.at.lines.map(({ kind, id, points, waypoints }) => ({
+    kind,
+    path: frame.at.path,
+    id,
+    points: points.map((point) => pointAt(frame, point)),
+    waypoints,
+  }));
+}
