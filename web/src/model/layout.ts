@@ -1,0 +1,108 @@
+/** A layout with other places in it: the way back of drawing.ts. Keys that nobody here knows stay. */
+
+import { layoutOf } from "./drawing.ts";
+import type { LayoutDocument, StateDocument } from "./generated/protocol.ts";
+import type { Box, Point, Size } from "./geometry.ts";
+
+/** What is to be different; what is left out stays. Keys of ports and connections as in the file: `outcome-1`. */
+export interface LayoutChange {
+  readonly position?: Point | undefined;
+  readonly size?: Size | undefined;
+  readonly nameBox?: Box | undefined;
+  /** Red, green and blue from 0 to 1; null takes the colour away. */
+  readonly background?: readonly [number, number, number] | null | undefined;
+  readonly showsContent?: boolean | undefined;
+  readonly ports?: ReadonlyMap<string, Point> | undefined;
+  readonly waypoints?: ReadonlyMap<string, readonly Point[]> | undefined;
+}
+
+type Entry = Record<string, unknown>;
+
+/** The layout with the change in it. */
+export function changed(
+  layout: LayoutDocument | null | undefined,
+  change: LayoutChange,
+): LayoutDocument {
+  const own = ownPart(change);
+  let found: Entry = { ...layout };
+  if (Object.keys(own).length > 0) found = merged(found, own);
+  if (change.showsContent !== undefined) {
+    found["gui"] = { ...asEntry(found["gui"]), show_content: change.showsContent };
+  }
+  for (const [key, at] of change.ports ?? []) {
+    found[key] = merged(asEntry(found[key]), { rel_pos: pair(at.x, at.y) });
+  }
+  for (const [key, points] of change.waypoints ?? []) {
+    const waypoints = points.map(({ x, y }) => pair(x, y));
+    found[key] = merged(asEntry(found[key]), { waypoints });
+  }
+  return found;
+}
+
+function ownPart({ position, size, nameBox, background }: LayoutChange): Entry {
+  return {
+    ...(position && { rel_pos: pair(position.x, position.y) }),
+    ...(size && { size: pair(size.width, size.height) }),
+    ...(nameBox && {
+      name: { rel_pos: pair(nameBox.x, nameBox.y), size: pair(nameBox.width, nameBox.height) },
+    }),
+    ...(background !== undefined && {
+      background_color: background === null ? false : tuple(background),
+    }),
+  };
+}
+
+/** The entry with more in the part that the canvas keeps. */
+function merged(entry: Entry, more: Entry): Entry {
+  const gui = asEntry(entry["gui"]);
+  return {
+    ...entry,
+    gui: { ...gui, editor_gaphas: { ...asEntry(gui["editor_gaphas"]), ...more } },
+  };
+}
+
+function asEntry(value: unknown): Entry {
+  return value !== null && typeof value === "object" && !Array.isArray(value)
+    ? (value as Entry)
+    : {};
+}
+
+function pair(one: number, other: number): Entry {
+  return tuple([rounded(one), rounded(other)]);
+}
+
+/** As the reference writes pairs. */
+function tuple(items: readonly number[]): Entry {
+  return { __jsonqualname__: "__builtin__.tuple", items: [...items] };
+}
+
+/** Without the digits that only arithmetic made. */
+export function rounded(value: number): number {
+  return Number(value.toPrecision(9));
+}
+
+/** The layout of a state, in another box, with everything on and in it in proportion. */
+export function scaledLayout(
+  state: StateDocument,
+  box: Box,
+  factor: { readonly x: number; readonly y: number },
+): LayoutDocument {
+  const { nameBox, ports, waypoints } = layoutOf(state);
+  const at = (point: Point) => ({ x: point.x * factor.x, y: point.y * factor.y });
+  return changed(state.layout, {
+    position: box,
+    size: box,
+    nameBox: nameBox && scaledBox(nameBox, factor),
+    ports: new Map([...ports].map(([key, point]) => [key, at(point)])),
+    waypoints: new Map([...waypoints].map(([key, points]) => [key, points.map(at)])),
+  });
+}
+
+export function scaledBox(box: Box, factor: { readonly x: number; readonly y: number }): Box {
+  return {
+    x: box.x * factor.x,
+    y: box.y * factor.y,
+    width: box.width * factor.x,
+    height: box.height * factor.y,
+  };
+}

@@ -1,0 +1,91 @@
+/** Where states stand in their containers, said by the file or not, and the edits that put them elsewhere. */
+
+import { childBox, layoutOf, rootSize } from "../model/drawing.ts";
+import type { Edit, Element, StateDocument } from "../model/generated/protocol.ts";
+import type { Box, Point, Size } from "../model/geometry.ts";
+import { rounded } from "../model/layout.ts";
+import type { Machine } from "../model/machine.ts";
+import { parentOf } from "../model/path.ts";
+
+/** The box of a state in the coordinates of its container. */
+export function boxIn(machine: Machine, path: string): Box {
+  const state = machine.state(path);
+  const parent = parentOf(path);
+  if (!state) return { x: 0, y: 0, width: 0, height: 0 };
+  const { position, size } = layoutOf(state);
+  if (position && size) return { ...position, ...size };
+  if (parent === null) return { x: 0, y: 0, ...position, ...rootSize(state) };
+  return childBox(state, machine.children(parent).indexOf(path), sizeIn(machine, parent));
+}
+
+/** The size of a state, in the coordinates of its container and its own. */
+export function sizeIn(machine: Machine, path: string): Size {
+  const { width, height } = boxIn(machine, path);
+  return { width, height };
+}
+
+/** The boxes of all children by path. */
+export function childBoxes(machine: Machine, container: string): ReadonlyMap<string, Box> {
+  const size = sizeIn(machine, container);
+  const found = new Map<string, Box>();
+  machine.children(container).forEach((path, index) => {
+    const state = machine.state(path);
+    if (state) found.set(path, childBox(state, index, size));
+  });
+  return found;
+}
+
+export function positionEdit(path: string, element: Element, { x, y }: Point): Edit {
+  return { edit: "set_position", path, element, position: [rounded(x), rounded(y)] };
+}
+
+export function sizeEdit(path: string, element: Element, { width, height }: Size): Edit {
+  return { edit: "set_size", path, element, size: [rounded(width), rounded(height)] };
+}
+
+export function waypointsEdit(path: string, element: Element, points: readonly Point[]): Edit {
+  const waypoints = points.map(({ x, y }): [number, number] => [rounded(x), rounded(y)]);
+  return { edit: "set_waypoints", path, element, waypoints };
+}
+
+/** Whether the file says where the state stands, in the form of today. */
+export function isPlaced(state: StateDocument): boolean {
+  const gui = state.layout?.["gui"];
+  const { position, size } = layoutOf(state);
+  return !!position && !!size && typeof gui === "object" && gui !== null && "editor_gaphas" in gui;
+}
+
+/** Edits that put a state into a box; `at` where it stands by then, if that is elsewhere. */
+export function boxEdits(state: StateDocument, path: string, box: Box): Edit[] {
+  const { position, size, nameBox } = layoutOf(state);
+  const edits: Edit[] = [];
+  if (!isPlaced(state) || position?.x !== box.x || position.y !== box.y) {
+    edits.push(positionEdit(path, "state", box));
+  }
+  if (!isPlaced(state) || size?.width !== box.width || size.height !== box.height) {
+    edits.push(sizeEdit(path, "state", box));
+  }
+  if (!isPlaced(state) && nameBox) {
+    edits.push(positionEdit(path, "name", nameBox), sizeEdit(path, "name", nameBox));
+  }
+  return edits;
+}
+
+/** Edits that keep children where they show, though the file does not say so: before others come, go or change places. */
+export function pins(machine: Machine, container: string, without: ReadonlySet<string>): Edit[] {
+  const edits: Edit[] = [];
+  for (const [path, box] of childBoxes(machine, container)) {
+    const state = machine.state(path);
+    if (state && !without.has(path) && !layoutOf(state).position) {
+      edits.push(...boxEdits(state, path, box));
+    }
+  }
+  return edits;
+}
+
+/** The box, moved so that it lies inside of a container of this size, as far as it fits. */
+export function inside(box: Box, container: Size): Box {
+  const x = Math.max(0, Math.min(box.x, container.width - box.width));
+  const y = Math.max(0, Math.min(box.y, container.height - box.height));
+  return { ...box, x, y };
+}

@@ -1,0 +1,237 @@
+/** Outcomes, data ports, scoped variables, and the values that library states set for ports. */
+
+import type { ElementRef } from "../model/element.ts";
+import { isPort, type PortRef } from "../model/ends.ts";
+import type { Edit, JsonValue, PortDocument, StateDocument } from "../model/generated/protocol.ts";
+import { isContainer, type Machine, outcomesOf, type PortKind, portsOf } from "../model/machine.ts";
+import { freshNumber, numberedName } from "../model/names.ts";
+import { defaultOf, isTypeName, shortType, valueFits } from "../model/types.ts";
+import { python } from "../model/value.ts";
+import { article, interfaceAt, KIND_WORDS, stateAt } from "./legal.ts";
+import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
+
+export const PORT_WORDS: Readonly<Record<PortKind, string>> = {
+  input: "input",
+  output: "output",
+  scoped_variable: "scoped variable",
+};
+
+const BASES: Readonly<Record<PortKind, string>> = {
+  input: "input",
+  output: "output",
+  scoped_variable: "scoped",
+};
+
+/** All ports of a state: their ids are unique together. */
+export function allPorts(state: StateDocument): readonly PortDocument[] {
+  return (["input", "output", "scoped_variable"] as const).flatMap((kind) => portsOf(state, kind));
+}
+
+export function addOutcome(machine: Machine, path: string, name?: string): Planned {
+  const state = interfaceAt(machine, path);
+  if (isRefused(state)) return state;
+  const taken = outcomesOf(state);
+  const wanted = name?.trim() ?? newOutcomeName(state);
+  const bad = nameRefused(
+    "outcome",
+    wanted,
+    taken.map((each) => each.name),
+  );
+  if (bad) return bad;
+  const outcome = freshNumber(taken);
+  return {
+    name: `Add outcome ${wanted}`,
+    edit: { edit: "add_outcome", path, outcome, name: wanted },
+    select: [{ kind: "outcome", path, id: outcome }],
+  };
+}
+
+function newOutcomeName(state: StateDocument): string {
+  const names = outcomesOf(state).map(({ name }) => name);
+  return names.includes("success") ? numberedName("success", names) : "success";
+}
+
+/** What is known of a port that is to be made. */
+export interface NewPort {
+  readonly name?: string;
+  readonly data_type?: string;
+  readonly default?: JsonValue;
+}
+
+export function addPort(
+  machine: Machine,
+  path: string,
+  kind: PortKind,
+  port: NewPort = {},
+): Planned {
+  const state = interfaceAt(machine, path);
+  if (isRefused(state)) return state;
+  if (kind === "scoped_variable" && !isContainer(state)) {
+    return refused(
+      `${state.name} is of the kind ${KIND_WORDS[state.kind]}: only containers have scoped variables.`,
+    );
+  }
+  const names = portsOf(state, kind).map(({ name }) => name);
+  const name = port.name?.trim() ?? numberedName(BASES[kind], names);
+  const data_type = shortType(port.data_type ?? "int");
+  const value = port.default === undefined ? defaultOf(data_type) : port.default;
+  const bad =
+    nameRefused(PORT_WORDS[kind], name, names) ??
+    typeRefused(data_type) ??
+    valueRefused(name, value, data_type);
+  if (bad) return bad;
+  const id = freshNumber(allPorts(state));
+  return {
+    name: `Add ${PORT_WORDS[kind]} ${name}`,
+    edit: { edit: "add_port", path, list: kind, port: id, name, data_type, default: value },
+    select: [{ kind, path, id }],
+  };
+}
+
+function nameRefused(what: string, name: string, taken: readonly string[]): Refused | undefined {
+  if (name === "") return refused(`The name of ${article(what)} has at least one character.`);
+  return taken.includes(name)
+    ? refused(`There is another ${what} with the name ${name}: choose one that is free.`)
+    : undefined;
+}
+
+function typeRefused(type: string): Refused | undefined {
+  return isTypeName(type)
+    ? undefined
+    : refused(`${type} is no type: write it as in Python, such as int or numpy.ndarray.`);
+}
+
+function valueRefused(name: string, value: JsonValue, type: string): Refused | undefined {
+  return valueFits(value, type)
+    ? undefined
+    : refused(
+        `${python(value)} is not of the type ${type}, which ${name} has: change one of both.`,
+      );
+}
+
+export function renameOutcome(machine: Machine, element: ElementRef, name: string): Planned {
+  const state = interfaceAt(machine, element.path);
+  if (isRefused(state)) return state;
+  const found =
+    element.kind === "outcome" ? outcomesOf(state).find(({ id }) => id === element.id) : undefined;
+  if (!found) return gone("outcome", state);
+  const others = outcomesOf(state).filter((other) => other !== found);
+  const text = name.trim();
+  const bad = nameRefused(
+    "outcome",
+    text,
+    others.map((other) => other.name),
+  );
+  if (bad) return bad;
+  const edit: Edit = { edit: "rename_outcome", path: element.path, outcome: found.id, name: text };
+  return { name: `Rename outcome ${found.name}`, edit };
+}
+
+function gone(what: string, state: StateDocument): Refused {
+  return refused(`There is no such ${what} at ${state.name} any more.`);
+}
+
+interface FoundPort {
+  readonly state: StateDocument;
+  readonly port: PortDocument;
+  readonly at: PortRef;
+}
+
+function findPort(
+  machine: Machine,
+  element: ElementRef,
+  allowed: (machine: Machine, path: string) => StateDocument | Refused,
+): FoundPort | Refused {
+  const state = allowed(machine, element.path);
+  if (isRefused(state)) return state;
+  if (!isPort(element)) return gone("port", state);
+  const port = portsOf(state, element.kind).find(({ id }) => id === element.id);
+  return port ? { state, port, at: element } : gone(PORT_WORDS[element.kind], state);
+}
+
+export function renamePort(machine: Machine, element: ElementRef, name: string): Planned {
+  const found = findPort(machine, element, interfaceAt);
+  if (isRefused(found)) return found;
+  const { state, port, at } = found;
+  const others = portsOf(state, at.kind).filter((other) => other !== port);
+  const text = name.trim();
+  const bad = nameRefused(
+    PORT_WORDS[at.kind],
+    text,
+    others.map((other) => other.name),
+  );
+  if (bad) return bad;
+  const edit: Edit = { edit: "rename_port", path: at.path, list: at.kind, port: at.id, name: text };
+  return { name: `Rename ${PORT_WORDS[at.kind]} ${port.name}`, edit };
+}
+
+/** Another type; a default that no longer fits becomes the type's own. */
+export function setPortType(machine: Machine, element: ElementRef, type: string): Planned {
+  const found = findPort(machine, element, interfaceAt);
+  if (isRefused(found)) return found;
+  const { port, at } = found;
+  const data_type = shortType(type);
+  const bad = typeRefused(data_type);
+  if (bad) return bad;
+  const place = { path: at.path, list: at.kind, port: at.id };
+  const set: Edit = { edit: "set_port_type", ...place, data_type };
+  const name = `Change type of ${port.name}`;
+  if (valueFits(port.default ?? null, data_type)) return { name, edit: set };
+  const empty: Edit = { edit: "set_port_default", ...place, default: null };
+  const value: Edit = { edit: "set_port_default", ...place, default: defaultOf(data_type) };
+  return { name, edit: together([empty, set, value]) };
+}
+
+export function setPortDefault(machine: Machine, element: ElementRef, value: JsonValue): Planned {
+  const found = findPort(machine, element, interfaceAt);
+  if (isRefused(found)) return found;
+  const { port, at } = found;
+  const bad = valueRefused(port.name, value, port.data_type);
+  if (bad) return bad;
+  const edit: Edit = {
+    edit: "set_port_default",
+    path: at.path,
+    list: at.kind,
+    port: at.id,
+    default: value,
+  };
+  return { name: `Change default of ${port.name}`, edit };
+}
+
+function libraryPort(machine: Machine, element: ElementRef): FoundPort | Refused {
+  const found = findPort(machine, element, stateAt);
+  if (isRefused(found) || found.state.kind === "library") return found;
+  return refused(`${found.state.name} is no library: change the default of ${found.port.name}.`);
+}
+
+/** Sets what a library gets at a port instead of its default. */
+export function setRuntimeValue(machine: Machine, element: ElementRef, value: JsonValue): Planned {
+  const found = libraryPort(machine, element);
+  if (isRefused(found)) return found;
+  const { port, at } = found;
+  const bad = valueRefused(port.name, value, port.data_type);
+  if (bad) return bad;
+  const edit: Edit = {
+    edit: "set_runtime_value",
+    path: at.path,
+    list: at.kind,
+    port: at.id,
+    value,
+  };
+  return { name: `Change value of ${port.name}`, edit };
+}
+
+/** Whether the value of the library state, or the library's default, is used. A value that is not there yet is the default. */
+export function useRuntimeValue(machine: Machine, element: ElementRef, used: boolean): Planned {
+  const found = libraryPort(machine, element);
+  if (isRefused(found)) return found;
+  const { state, port, at } = found;
+  const values = at.kind === "input" ? state.library?.inputs : state.library?.outputs;
+  const place = { path: at.path, list: at.kind, port: at.id };
+  const known = values?.some((value) => value.port === at.id) ?? false;
+  const name = `${used ? "Use" : "Do not use"} the value of ${port.name}`;
+  if (known) return { name, edit: { edit: "use_runtime_value", ...place, used } };
+  if (!used) return refused(`${port.name} has the library's default already.`);
+  const edit: Edit = { edit: "set_runtime_value", ...place, value: port.default ?? null };
+  return { name, edit };
+}
