@@ -1,0 +1,37 @@
+/** Problems of a script as Python's own parser tells them, at their places in the text. */
+
+import type { Diagnostic } from "@codemirror/lint";
+import type { Text } from "@codemirror/state";
+import type { ScriptProblem, Severity } from "../../../model/generated/protocol.ts";
+
+const SHOWN: Readonly<Record<Severity, Diagnostic["severity"]>> = {
+  error: "error",
+  warning: "warning",
+  note: "info",
+};
+
+/** Where the problems show; what the parser does not place shows up to the end of its line. */
+export function diagnostics(text: Text, problems: readonly ScriptProblem[]): Diagnostic[] {
+  return problems.map(({ line, column, end_line, end_column, message, severity }) => {
+    const first = lineOf(text, line);
+    const from = Math.min(first.to, first.from + Math.max(0, column - 1));
+    const last = end_line == null ? first : lineOf(text, end_line);
+    const to = end_column == null ? last.to : last.from + Math.max(0, end_column - 1);
+    const end = Math.min(last.to, Math.max(from, to));
+    return { ...seen(text, from, end), severity: SHOWN[severity], message, source: "Python" };
+  });
+}
+
+function lineOf(text: Text, line: number) {
+  return text.line(Math.max(1, Math.min(text.lines, line)));
+}
+
+/** At least one character wide, so that it can be seen. */
+function seen(
+  text: Text,
+  from: number,
+  to: number,
+): { readonly from: number; readonly to: number } {
+  if (to > from) return { from, to };
+  return from < text.length ? { from, to: from + 1 } : { from: Math.max(0, from - 1), to: from };
+}

@@ -1,0 +1,152 @@
+/** An editor for Python: highlighting, folding, search, completion, problems in place. Knows nothing of React. */
+
+import {
+  autocompletion,
+  closeBrackets,
+  closeBracketsKeymap,
+  completionKeymap,
+} from "@codemirror/autocomplete";
+import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
+import { python, pythonLanguage } from "@codemirror/lang-python";
+import {
+  bracketMatching,
+  codeFolding,
+  foldGutter,
+  foldKeymap,
+  indentOnInput,
+  indentUnit,
+} from "@codemirror/language";
+import { linter, lintGutter, lintKeymap } from "@codemirror/lint";
+import { highlightSelectionMatches, search, searchKeymap } from "@codemirror/search";
+import { Compartment, EditorState, type Extension } from "@codemirror/state";
+import {
+  drawSelection,
+  EditorView,
+  highlightActiveLine,
+  highlightActiveLineGutter,
+  highlightSpecialChars,
+  keymap,
+  lineNumbers,
+} from "@codemirror/view";
+import type { ScriptProblem } from "../../../model/generated/protocol.ts";
+import { diagnostics } from "./check.ts";
+import { nameCompletion, type ScriptNames } from "./complete.ts";
+import { look } from "./look.ts";
+
+export interface ScriptEditorOptions {
+  readonly text: string;
+  readonly readOnly: boolean;
+  /** What it is, for screen readers: "Script of Scan". */
+  readonly label: string;
+  readonly names: () => ScriptNames;
+  /** What Python's parser says of a text. */
+  readonly check: (script: string) => Promise<readonly ScriptProblem[]>;
+  /** Told at each change that was typed here. */
+  readonly onType: (text: string) => void;
+  readonly onApply: () => void;
+}
+
+export interface ScriptEditor {
+  readonly view: EditorView;
+  /** Puts another text in, as one step that can be undone; nothing if it stands there already. */
+  readonly put: (text: string) => void;
+  readonly setReadOnly: (readOnly: boolean) => void;
+  /** Shows a line, from 1, and puts the cursor there. */
+  readonly goTo: (line: number) => void;
+}
+
+const CHECK_AFTER_MS = 300;
+
+export function scriptEditor(place: HTMLElement, options: ScriptEditorOptions): ScriptEditor {
+  const access = new Compartment();
+  let isPut = false;
+  const told = EditorView.updateListener.of((update) => {
+    if (update.docChanged && !isPut) options.onType(update.state.doc.toString());
+  });
+  const view = new EditorView({
+    parent: place,
+    doc: options.text,
+    extensions: [
+      keymap.of(applyKeys(options.onApply)),
+      pythonText(options.label),
+      editing(options),
+      access.of(readable(options.readOnly)),
+      told,
+    ],
+  });
+  const put = (text: string) => {
+    if (view.state.doc.toString() === text) return;
+    isPut = true;
+    view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: text } });
+    isPut = false;
+  };
+  const goTo = (line: number) => {
+    const { from } = view.state.doc.line(Math.max(1, Math.min(view.state.doc.lines, line)));
+    view.dispatch({ selection: { anchor: from }, effects: EditorView.scrollIntoView(from) });
+    view.focus();
+  };
+  const setReadOnly = (readOnly: boolean) =>
+    view.dispatch({ effects: access.reconfigure(readable(readOnly)) });
+  return { view, put, setReadOnly, goTo };
+}
+
+function applyKeys(onApply: () => void) {
+  const run = () => {
+    onApply();
+    return true;
+  };
+  return [
+    { key: "Mod-Enter", run },
+    { key: "Mod-Shift-e", run },
+  ];
+}
+
+function readable(readOnly: boolean): Extension {
+  return EditorState.readOnly.of(readOnly);
+}
+
+/** How Python looks, in every place where it is shown. */
+export function pythonText(label: string): Extension {
+  return [
+    python(),
+    look(),
+    lineNumbers(),
+    foldGutter(),
+    codeFolding(),
+    highlightSpecialChars(),
+    drawSelection(),
+    highlightSelectionMatches(),
+    bracketMatching(),
+    search({ top: true }),
+    indentUnit.of("    "),
+    EditorState.tabSize.of(4),
+    EditorView.contentAttributes.of({ "aria-label": label, spellcheck: "false" }),
+    keymap.of([...searchKeymap, ...foldKeymap]),
+  ];
+}
+
+function editing({ names, check }: ScriptEditorOptions): Extension {
+  const source = async (view: EditorView) => {
+    const { doc } = view.state;
+    return doc.length === 0 ? [] : diagnostics(doc, await check(doc.toString()));
+  };
+  return [
+    history(),
+    indentOnInput(),
+    closeBrackets(),
+    autocompletion(),
+    pythonLanguage.data.of({ autocomplete: nameCompletion(names) }),
+    highlightActiveLine(),
+    highlightActiveLineGutter(),
+    linter(source, { delay: CHECK_AFTER_MS }),
+    lintGutter(),
+    keymap.of([
+      ...closeBracketsKeymap,
+      ...completionKeymap,
+      ...lintKeymap,
+      ...historyKeymap,
+      ...defaultKeymap,
+      indentWithTab,
+    ]),
+  ];
+}
