@@ -28,5 +28,6 @@ mod watch;
 pub use failure::Failure;
 pub use house::{House, HouseError};
 pub use listen::{Card, ServeError, Server, TlsError, serve};
+pub use page::PageFiles;
 pub use router::{openapi, router};
 pub use settings::Settings;

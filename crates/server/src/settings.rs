@@ -1,5 +1,6 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
+use crate::page::PageFiles;
 use rafcon_supervisor::Surroundings;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -31,6 +32,8 @@ pub struct Settings {
     pub variable: fn(&str) -> Option<String>,
     /// Says a line to whoever started the server: what went wrong and nobody asked for. Never a secret.
     pub tell: fn(&str),
+    /// Where the page's files are.
+    pub page: PageFiles,
     /// Where it listens, and as whom.
     pub listen: Listen,
     /// Who may come in.
@@ -86,6 +89,7 @@ impl Settings {
             control_silence: Duration::from_secs(30),
             variable: |_| None,
             tell: crate::log::say,
+            page: PageFiles::default(),
             listen: Listen::default(),
             access: Access::default(),
         }

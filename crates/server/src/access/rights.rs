@@ -12,6 +12,9 @@ pub type Row = (Method, &'static str, Right);
 pub const ROUTES: &[Row] = &[
     // For browsers.
     (Method::GET, "/", Right::Anyone),
+    (Method::GET, "/popout.html", Right::Anyone),
+    (Method::GET, "/icon.svg", Right::Anyone),
+    (Method::GET, "/assets/{file}", Right::Anyone),
     // People.
     (Method::GET, "/api/v1/health", Right::Anyone),
     (Method::GET, "/api/v1/openapi.json", Right::Anyone),
@@ -39,10 +42,12 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/machines/{machine}/document", Right::Observe),
     (Method::GET, "/api/v1/machines/{machine}/revisions", Right::Observe),
     (Method::GET, "/api/v1/machines/{machine}/problems", Right::Observe),
+    (Method::GET, "/api/v1/machines/{machine}/steps", Right::Observe),
     (Method::POST, "/api/v1/machines/{machine}/copy", Right::Observe),
     (Method::POST, "/api/v1/machines/{machine}/edits", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/undo", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/redo", Right::Edit),
+    (Method::POST, "/api/v1/machines/{machine}/jump", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/save", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/reload", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/close", Right::Edit),

@@ -8,6 +8,7 @@ mod harness;
 mod history;
 mod leftovers;
 mod machines;
+mod page;
 mod past;
 mod raw;
 mod rights;

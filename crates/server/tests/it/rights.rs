@@ -10,7 +10,8 @@ use std::collections::BTreeSet;
 use utoipa::PartialSchema as _;
 
 /// What stands in the table but in no description: it is for browsers only.
-const NOT_DESCRIBED: [(&str, &str); 1] = [("GET", "/")];
+const NOT_DESCRIBED: [(&str, &str); 4] =
+    [("GET", "/"), ("GET", "/popout.html"), ("GET", "/icon.svg"), ("GET", "/assets/{file}")];
 
 /// An address of a route, about things that do not exist.
 fn address(path: &str) -> String {

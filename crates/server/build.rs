@@ -1,0 +1,48 @@
+//! Writes the list of the files of the built page, which a release build carries in itself. Knows where `cargo xtask web` puts
+//! them. A debug build reads the folder when it is asked, so that it carries none.
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").ok_or("no crate")?);
+    let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("no place to write to")?);
+    let web = root.join("../../web");
+    let page = web.join("dist");
+    let is_release = std::env::var_os("PROFILE").is_some_and(|profile| profile == "release");
+    println!("cargo:rerun-if-changed=build.rs");
+    let mut list = String::from("&[\n");
+    if is_release {
+        // A folder that is not there would make cargo build this crate again each time: the one around it tells when it comes.
+        let watched = if page.is_dir() { &page } else { &web };
+        println!("cargo:rerun-if-changed={}", watched.display());
+        for file in files(&page)? {
+            let name = file.strip_prefix(&page)?.to_string_lossy().replace('\\', "/");
+            let file = file.canonicalize()?;
+            writeln!(list, "    ({name:?}, include_bytes!({:?})),", file.display().to_string())?;
+        }
+    }
+    list.push_str("]\n");
+    Ok(fs::write(out.join("page.rs"), list)?)
+}
+
+/// All files below a folder, by name; none if it is not there.
+fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let entries = fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+    let mut entries = entries.collect::<std::io::Result<Vec<_>>>()?;
+    entries.sort();
+    let mut found = Vec::new();
+    for entry in entries {
+        if entry.is_dir() {
+            found.extend(files(&entry)?);
+        } else {
+            found.push(entry);
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,110 @@
+//! The files of the page: carried in a release build, read from their folder in a debug build. Knows names and kinds of files;
+//! must never know who asks.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+/// Where the page's files are.
+#[derive(Debug, Clone)]
+pub enum PageFiles {
+    /// In the program itself.
+    Carried,
+    /// In a folder, read each time: what is built anew is there at once.
+    Folder(PathBuf),
+}
+
+/// A file of the page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct File {
+    pub(super) bytes: Cow<'static, [u8]>,
+    /// As `Content-Type` wants it.
+    pub(super) kind: &'static str,
+}
+
+/// The page as it was when this program was built in release.
+static CARRIED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
+
+impl Default for PageFiles {
+    /// Those of this build.
+    fn default() -> Self {
+        if cfg!(debug_assertions) {
+            return Self::Folder(PathBuf::from(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/../../web/dist"
+            )));
+        }
+        Self::Carried
+    }
+}
+
+impl PageFiles {
+    /// The file of this name; nothing if there is none, or if no file of the page is called so.
+    pub(super) fn get(&self, name: &str) -> Option<File> {
+        let kind = kind(name)?;
+        if !is_plain(name) {
+            return None;
+        }
+        let bytes = match self {
+            Self::Carried => Cow::Borrowed(CARRIED.iter().find(|file| file.0 == name)?.1),
+            Self::Folder(folder) => Cow::Owned(std::fs::read(folder.join(name)).ok()?),
+        };
+        Some(File { bytes, kind })
+    }
+
+    /// How the page comes here, as HTML for whoever finds none.
+    pub(super) fn way(&self) -> &'static str {
+        match self {
+            Self::Carried => {
+                "run <code>cargo xtask web</code>, build the program again, and start it"
+            }
+            Self::Folder(_) => "run <code>cargo xtask web</code> and reload",
+        }
+    }
+}
+
+/// Whether it is a name of the page's folder or of its `assets`, and leads nowhere else.
+fn is_plain(name: &str) -> bool {
+    let name = name.strip_prefix("assets/").unwrap_or(name);
+    let is_sign = |sign: char| sign.is_ascii_alphanumeric() || "-_.".contains(sign);
+    !name.starts_with('.') && name.chars().all(is_sign)
+}
+
+/// What a browser is told that the file is.
+fn kind(name: &str) -> Option<&'static str> {
+    Some(match name.rsplit_once('.')?.1 {
+        "html" => "text/html; charset=utf-8",
+        "js" => "text/javascript; charset=utf-8",
+        "css" => "text/css; charset=utf-8",
+        "json" | "map" => "application/json",
+        "svg" => "image/svg+xml",
+        "png" => "image/png",
+        "woff2" => "font/woff2",
+        "woff" => "font/woff",
+        "wasm" => "application/wasm",
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::PageFiles;
+
+    #[test]
+    fn nothing_but_the_pages_own_files_is_given() {
+        let place = tempfile::tempdir().unwrap();
+        let page = place.path().join("dist");
+        std::fs::create_dir_all(page.join("assets/inner")).unwrap();
+        for file in ["index.html", "assets/a-1_B.js", "assets/inner/b.js", ".c.js", "../d.js"] {
+            std::fs::write(page.join(file), "x").unwrap();
+        }
+        let files = PageFiles::Folder(page);
+        let kind = |name: &str| files.get(name).map(|file| file.kind);
+        assert_eq!(kind("index.html"), Some("text/html; charset=utf-8"));
+        assert_eq!(kind("assets/a-1_B.js"), Some("text/javascript; charset=utf-8"));
+        for name in
+            ["../d.js", "assets/../../d.js", "assets/inner/b.js", ".c.js", "", "none.js", "assets"]
+        {
+            assert_eq!(files.get(name), None, "{name}");
+        }
+    }
+}
