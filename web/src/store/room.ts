@@ -5,8 +5,8 @@ import type {
   Edit,
   MachineProblem,
   MachineStatus,
+  MachineSteps,
   Presence,
-  Revision,
 } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
 
@@ -24,11 +24,13 @@ export function wasRefused(answer: EditAnswer): answer is { readonly refused: st
   return "refused" in answer;
 }
 
-/** A step in the life of the machine, without its changes. */
-export type Step = Omit<Revision, "changes">;
+/** What became of a jump. `code` says why it was refused, for programs. */
+export type JumpAnswer =
+  | { readonly revision: number }
+  | { readonly refused: string; readonly code: string };
 
 export interface Room {
-  /** The server's id of the open machine. */
+  /** The server's id of the open machine; another one if it had to be opened anew in another folder. */
   readonly id: string;
   /** What is shown: the confirmed machine with pending edits upon it. The object stays; `version` tells of changes. */
   readonly machine: Machine;
@@ -40,14 +42,18 @@ export interface Room {
   /** Others who look at the machine. */
   readonly people: ReadonlySignal<readonly Presence[]>;
   readonly pending: ReadonlySignal<readonly PendingEdit[]>;
-  /** Steps as they were told, the oldest first. */
-  readonly steps: ReadonlySignal<readonly Step[]>;
+  /** The steps that are known, the oldest first: a tree. */
+  readonly steps: ReadonlySignal<MachineSteps>;
+  /** The revision that the confirmed machine is at. */
+  readonly revision: ReadonlySignal<number>;
   /** What is wrong with the machine, as of the last change that settled. */
   readonly problems: ReadonlySignal<readonly MachineProblem[]>;
-  /** Makes an edit. Never throws; what is refused is also told to `refusals`. */
+  /** Makes an edit. Never throws; what is refused is also told to the user. */
   readonly edit: (name: string, edit: Edit) => Promise<EditAnswer>;
   readonly undo: () => Promise<EditAnswer>;
   readonly redo: () => Promise<EditAnswer>;
+  /** Makes the machine what it was at a revision; refused with `others_edits` if that takes steps of others away unasked. */
+  readonly jump: (revision: number, overOthers: boolean) => Promise<JumpAnswer>;
   /** Gets the content of the library at this library state, to be shown in place. */
   readonly loadLibrary: (path: string) => Promise<void>;
   readonly close: () => void;

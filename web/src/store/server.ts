@@ -6,6 +6,7 @@ import type {
   Refusal,
   Revision,
   Session,
+  ToClient,
   Topic,
   ToServer,
 } from "../model/generated/protocol.ts";
@@ -23,6 +24,16 @@ export type Link =
     }
   | { readonly state: "refused"; readonly reason: string };
 
+/** How the server is heard. */
+export interface Pulse {
+  /** When it was heard last: ms since 1970 by this browser's clock. */
+  readonly heard_ms: number;
+  /** How long a question and its answer took last. */
+  readonly delay_ms: number | null;
+  /** So much is the server's clock ahead of this browser's. */
+  readonly ahead_ms: number;
+}
+
 /** What the server refused, or why it could not be asked. */
 export class RefusalError extends Error {
   readonly code: string;
@@ -37,14 +48,17 @@ export class RefusalError extends Error {
   }
 }
 
-/** What becomes of a subscription. Frames come in order; after a break `resubscribe` says where to go on. */
+/** What becomes of a subscription. Frames come in order; after a break `topic` is asked where to go on. The last frame is
+ * `ended` or `reset`: whoever wants more follows anew. */
 export interface Follower {
   readonly topic: () => Topic;
-  readonly frame: (frame: import("../model/generated/protocol.ts").ToClient) => void;
+  readonly frame: (frame: ToClient) => void;
 }
 
 export interface Server {
   readonly link: ReadonlySignal<Link>;
+  /** Null before the server was heard for the first time. */
+  readonly pulse: ReadonlySignal<Pulse | null>;
   /** Asks below `/api/v1`; throws a [`RefusalError`]. */
   readonly request: <T>(
     method: "GET" | "POST" | "PUT" | "PATCH" | "DELETE",
@@ -59,6 +73,8 @@ export interface Server {
   readonly redo: (machine: string, id: string) => Promise<number>;
   /** Sends a frame if the connection is up; nothing otherwise. */
   readonly say: (frame: ToServer) => void;
+  /** Connects again at once: after a login, or because the user does not want to wait. */
+  readonly retry: () => void;
 }
 
 export type { Refusal, Revision, Session };

@@ -1,0 +1,47 @@
+/** Where the page keeps what is to outlive it. A browser that keeps nothing, or has no room, is no reason to fail. */
+
+export interface Shed {
+  /** What was put there as JSON; undefined if there is nothing. */
+  readonly get: (key: string) => unknown;
+  /** Puts it there; undefined removes it. */
+  readonly put: (key: string, value: unknown) => void;
+}
+
+/** What was kept, if it is an object. */
+export function kept<T extends object>(shed: Shed, key: string): T | undefined {
+  const value = shed.get(key);
+  return typeof value === "object" && value !== null ? (value as T) : undefined;
+}
+
+/** The storage of a browser. */
+export function shedOf(storage: () => Storage): Shed {
+  return {
+    get: (key) => {
+      try {
+        return JSON.parse(storage().getItem(key) ?? "null") ?? undefined;
+      } catch {
+        return undefined;
+      }
+    },
+    put: (key, value) => {
+      try {
+        if (value === undefined) storage().removeItem(key);
+        else storage().setItem(key, JSON.stringify(value));
+      } catch {
+        // No room, or nothing may be kept.
+      }
+    },
+  };
+}
+
+/** Kept as long as the program runs: for tests, and where there is no browser. */
+export function memoryShed(): Shed {
+  const texts = new Map<string, string>();
+  return {
+    get: (key) => JSON.parse(texts.get(key) ?? "null") ?? undefined,
+    put: (key, value) => {
+      if (value === undefined) texts.delete(key);
+      else texts.set(key, JSON.stringify(value));
+    },
+  };
+}

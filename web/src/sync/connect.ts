@@ -1,0 +1,77 @@
+/** The server as the page has it: requests and the WebSocket of this browser. */
+
+import type { Done, ToServer } from "../model/generated/protocol.ts";
+import { RefusalError, type Server } from "../store/server.ts";
+import { WALL_CLOCK } from "./clock.ts";
+import { type Address, requests } from "./http.ts";
+import { Socket, type Wire, type WireNews } from "./socket.ts";
+
+/** Connects, and goes on connecting until `close`. */
+export function connect(address: Address): Server & { readonly close: () => void } {
+  const request = requests(address, (method, path, status) => {
+    if (path !== "/session") {
+      if (status === 401) socket.refuse("the server asks for a login");
+    } else if (method === "POST" && status === 200) socket.retry();
+    else if (method === "DELETE" && status < 300) socket.refuse("you have logged out");
+  });
+  const socket = new Socket({
+    dial: (news) => dial(address, news),
+    probe: () => probe(request),
+    post: (frame) => post(request, frame),
+    clock: WALL_CLOCK,
+    random: Math.random,
+  });
+  const deaf = hearBrowser(() => socket.retry());
+  return {
+    link: socket.link,
+    pulse: socket.pulse,
+    request,
+    follow: (follower) => socket.follow(follower),
+    edit: (machine, edit) => socket.ask(edit.id, { frame: "edit", machine, edit }),
+    undo: (machine, id) => socket.ask(id, { frame: "undo", machine, undo: { id } }),
+    redo: (machine, id) => socket.ask(id, { frame: "redo", machine, redo: { id } }),
+    say: (frame) => socket.say(frame),
+    retry: () => socket.retry(),
+    close: () => {
+      deaf();
+      socket.close();
+    },
+  };
+}
+
+async function post(request: Server["request"], frame: ToServer): Promise<number> {
+  if (frame.frame !== "edit") throw new Error(`a frame ${frame.frame} goes over the socket only`);
+  const path = `/machines/${encodeURIComponent(frame.machine)}/edits`;
+  return (await request<Done>("POST", path, frame.edit)).revision;
+}
+
+async function probe(request: Server["request"]): Promise<"welcome" | "stranger" | "silent"> {
+  try {
+    await request("GET", "/session");
+    return "welcome";
+  } catch (error) {
+    const status = error instanceof RefusalError ? error.status : 0;
+    return status === 401 ? "stranger" : "silent";
+  }
+}
+
+function dial({ url, token }: Address, news: WireNews): Wire {
+  const base = url === "" ? location.origin : url;
+  const query = token ? `?token=${encodeURIComponent(token)}` : "";
+  const socket = new WebSocket(`${base.replace(/^http/, "ws")}/api/v1/socket${query}`);
+  socket.onmessage = ({ data }) => news.text(String(data));
+  socket.onclose = ({ reason }) => news.closed(reason === "" ? "the connection broke" : reason);
+  return { send: (text) => socket.send(text), close: () => socket.close() };
+}
+
+/** The browser says that there is a network again, or that somebody looks. */
+function hearBrowser(back: () => void): () => void {
+  if (typeof window === "undefined") return () => {};
+  const seen = () => document.visibilityState === "visible" && back();
+  window.addEventListener("online", back);
+  document.addEventListener("visibilitychange", seen);
+  return () => {
+    window.removeEventListener("online", back);
+    document.removeEventListener("visibilitychange", seen);
+  };
+}

@@ -1,0 +1,145 @@
+/** Follows one open machine at the server over everything that can happen to it: breaks of the connection, a restart of the
+ * server, a closing by others. Knows how to have it again; never what the machine is. */
+
+import type {
+  MachineDocument,
+  MachineFile,
+  MachineStatus,
+  MachineSummary,
+  Revision,
+  ToClient,
+} from "../model/generated/protocol.ts";
+import { RefusalError, type Server } from "../store/server.ts";
+import type { Clock } from "./clock.ts";
+
+/** Who wants to know. */
+export interface Follows {
+  /** The revision that was told last. */
+  readonly revision: () => number;
+  readonly revisions: (revisions: readonly Revision[]) => void;
+  readonly status: (status: MachineStatus) => void;
+  /** All of the machine, for what was told before does not lead to it. */
+  readonly whole: (document: MachineDocument) => void;
+  /** It cannot be had any more. */
+  readonly gone: (reason: string) => void;
+}
+
+/** A machine that cannot be had at the moment is asked for again after so long. */
+const AGAIN_MS = 1_000;
+
+export class Following {
+  readonly #server: Server;
+  readonly #clock: Clock;
+  readonly #follows: Follows;
+  #id: string;
+  #file: MachineFile | null;
+  #isOver = false;
+  #unfollow: readonly (() => void)[] = [];
+  #returning: Promise<boolean> | null = null;
+
+  constructor(summary: MachineSummary, server: Server, clock: Clock, follows: Follows) {
+    this.#server = server;
+    this.#clock = clock;
+    this.#follows = follows;
+    this.#id = summary.id;
+    this.#file = summary.file;
+    this.#follow();
+  }
+
+  /** The server's id of the machine. */
+  get id(): string {
+    return this.#id;
+  }
+
+  get isOver(): boolean {
+    return this.#isOver;
+  }
+
+  /** Where requests about it go. */
+  get path(): string {
+    return `/machines/${encodeURIComponent(this.#id)}`;
+  }
+
+  end(): void {
+    this.#isOver = true;
+    this.#drop();
+  }
+
+  /** Opens it again; false if it cannot be had any more. */
+  reopen(): Promise<boolean> {
+    return this.#return(true);
+  }
+
+  #drop(): void {
+    for (const stop of this.#unfollow) stop();
+    this.#unfollow = [];
+  }
+
+  #follow(): void {
+    const from = () => this.#follows.revision() + 1;
+    const history = this.#server.follow({
+      topic: () => ({ topic: "machine_history", machine: this.#id, from: from() }),
+      frame: (frame) => this.#hear(frame),
+    });
+    const status = this.#server.follow({
+      topic: () => ({ topic: "machine_status", machine: this.#id }),
+      frame: (frame) => {
+        if (frame.frame === "machine_status") this.#stands(frame.status);
+      },
+    });
+    this.#unfollow = [history, status];
+  }
+
+  #hear(frame: ToClient): void {
+    if (frame.frame === "revisions") this.#follows.revisions(frame.revisions);
+    else if (frame.frame === "reset") void this.#return(false);
+    else if (frame.frame === "ended") void this.#return(true);
+  }
+
+  #stands(status: MachineStatus): void {
+    this.#file = status.summary.file;
+    this.#follows.status(status);
+  }
+
+  #return(wasClosed: boolean): Promise<boolean> {
+    this.#returning ??= this.#comeBack(wasClosed).finally(() => {
+      this.#returning = null;
+    });
+    return this.#returning;
+  }
+
+  async #comeBack(wasClosed: boolean): Promise<boolean> {
+    while (!this.#isOver) {
+      try {
+        const whole = await this.#fetch(wasClosed);
+        if (this.#isOver) return false;
+        this.#drop();
+        this.#follows.whole(whole);
+        this.#follow();
+        return true;
+      } catch (error) {
+        if (!(error instanceof RefusalError)) throw error;
+        if (!isForNow(error)) {
+          this.#follows.gone(error.message);
+          return false;
+        }
+        await new Promise<void>((again) => this.#clock.after(AGAIN_MS, again));
+      }
+    }
+    return false;
+  }
+
+  async #fetch(wasClosed: boolean): Promise<MachineDocument> {
+    if (wasClosed && this.#file) {
+      const body = { file: this.#file };
+      const open = await this.#server.request<MachineSummary>("POST", "/machines/open", body);
+      this.#id = open.id;
+    }
+    return this.#server.request<MachineDocument>("GET", `${this.path}/document`);
+  }
+}
+
+/** Whether the same may be answered otherwise later. */
+function isForNow({ status }: RefusalError): boolean {
+  return status === 0 || status === 401 || status === 429 || status >= 500;
+}

@@ -1,0 +1,171 @@
+/** Starts the page: connects, follows what the house tells, and opens machines as tabs. */
+
+import { batch, effect, type Signal, signal } from "@preact/signals-core";
+import type {
+  HouseStatus,
+  LibraryRoot,
+  MachineDocument,
+  MachineFile,
+  MachineStatus,
+  MachineSummary,
+  Project,
+} from "../model/generated/protocol.ts";
+import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
+import { forgetGone } from "../store/selection.ts";
+import { RefusalError, type Server } from "../store/server.ts";
+import { keepSettings, readSettings, withRecent } from "../store/settings.ts";
+import { memoryShed, type Shed, shedOf } from "../store/shed.ts";
+import { newView } from "../store/view.ts";
+import { type Clock, WALL_CLOCK } from "./clock.ts";
+import { connect } from "./connect.ts";
+import type { Address } from "./http.ts";
+import { newIds } from "./ids.ts";
+import { tellPresence } from "./presence.ts";
+import { OpenRoom, type RoomPorts } from "./room.ts";
+import { Shelf } from "./shelf.ts";
+
+export interface PageOptions {
+  /** Where the server is; left out: where the page comes from. */
+  readonly address?: Address;
+  /** Another server than the one at the address. */
+  readonly server?: Server;
+  readonly clock?: Clock;
+  /** Where settings are kept; left out: in the browser. */
+  readonly shed?: Shed;
+}
+
+/** So many notices are kept. */
+const NOTICES_MAX = 1_000;
+
+/** The page, at work from now on. */
+export function startPage(options: PageOptions = {}): Page {
+  const clock = options.clock ?? WALL_CLOCK;
+  const server = options.server ?? connect(options.address ?? { url: "" });
+  const shed = options.shed ?? browserShed();
+  const notices = signal<readonly Notice[]>([]);
+  const tell: Page["tell"] = (notice) => {
+    const id = (notices.peek().at(-1)?.id ?? 0) + 1;
+    const at_ms = clock.now();
+    notices.value = [...notices.peek(), { ...notice, id, at_ms }].slice(-NOTICES_MAX);
+  };
+  const house = signal<HouseStatus | null>(null);
+  server.follow({
+    topic: () => ({ topic: "house_status" }),
+    frame: (frame) => {
+      if (frame.frame === "house_status") house.value = frame.status;
+    },
+  });
+  const shelf = new Shelf(server.request);
+  const { projects, libraries } = followFiles(server, house, shelf);
+  const settings = signal(readSettings(shed));
+  effect(() => keepSettings(shed, settings.value));
+  const ports = { server, shelf, clock, newId: newIds(), tell };
+  const { tabs, active, ...machines } = openMachines(ports, settings);
+  tellPresence(server, () => active.value, clock);
+  tellBreaks(server, clock, tell);
+  return { server, house, projects, libraries, tabs, active, notices, settings, tell, ...machines };
+}
+
+function browserShed(): Shed {
+  return typeof window === "undefined" ? memoryShed() : shedOf(() => window.localStorage);
+}
+
+/** Projects and libraries, asked for again when files have changed. */
+function followFiles(server: Server, house: Signal<HouseStatus | null>, shelf: Shelf) {
+  const projects = signal<readonly Project[]>([]);
+  const libraries = signal<readonly LibraryRoot[]>([]);
+  let known: number | null = null;
+  const ask = async () => {
+    try {
+      const roots = server.request<readonly LibraryRoot[]>("GET", "/libraries");
+      projects.value = await server.request<readonly Project[]>("GET", "/projects");
+      libraries.value = await roots;
+      await shelf.refresh();
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+      known = null;
+    }
+  };
+  effect(() => {
+    const revision = house.value?.files_revision ?? null;
+    if (revision === null || revision === known) return;
+    known = revision;
+    void ask();
+  });
+  return { projects, libraries };
+}
+
+/** The tabs, and how machines come into them. */
+function openMachines(ports: RoomPorts, settings: Signal<Settings>) {
+  const { request } = ports.server;
+  const tabs = signal<readonly OpenTab[]>([]);
+  const active = signal<OpenTab | null>(null);
+  const coming = new Map<string, Promise<OpenTab>>();
+
+  const enter = async (summary: MachineSummary): Promise<OpenTab> => {
+    const path = `/machines/${encodeURIComponent(summary.id)}/document`;
+    const room = new OpenRoom(summary, await request<MachineDocument>("GET", path), ports);
+    const tab: OpenTab = { room, view: newView() };
+    room.onChange(() => forgetGone(tab.view, room.machine));
+    batch(() => {
+      tabs.value = [...tabs.peek(), tab];
+      active.value = tab;
+    });
+    return tab;
+  };
+
+  const come = (summary: MachineSummary): Promise<OpenTab> => {
+    const { id, file } = summary;
+    if (file) settings.value = withRecent(settings.peek(), file);
+    const there = tabs.peek().find(({ room }) => room.id === id);
+    if (there) {
+      active.value = there;
+      return Promise.resolve(there);
+    }
+    const before = coming.get(id);
+    if (before) return before;
+    const entering = enter(summary).finally(() => coming.delete(id));
+    coming.set(id, entering);
+    return entering;
+  };
+
+  const open = async (file: MachineFile) =>
+    come(await request<MachineSummary>("POST", "/machines/open", { file }));
+
+  const join = async (machine: string) => {
+    const path = `/machines/${encodeURIComponent(machine)}`;
+    return come((await request<MachineStatus>("GET", path)).summary);
+  };
+
+  const leave = (tab: OpenTab) => {
+    const before = tabs.peek();
+    const at = before.indexOf(tab);
+    if (at < 0) return;
+    tab.room.close();
+    const kept = before.filter((other) => other !== tab);
+    batch(() => {
+      tabs.value = kept;
+      if (active.peek() === tab) active.value = kept[Math.min(at, kept.length - 1)] ?? null;
+    });
+  };
+
+  return { tabs, active, open, join, leave };
+}
+
+/** A break that people may have noticed is told. */
+const NOTICED_MS = 2_000;
+
+/** Says when the connection is back after a break. */
+function tellBreaks(server: Server, clock: Clock, tell: Page["tell"]): void {
+  let since: number | null = null;
+  effect(() => {
+    const link = server.link.value;
+    if (link.state === "down") since = link.since_ms;
+    if (link.state !== "up" || since === null) return;
+    const length_ms = clock.now() - since;
+    since = null;
+    if (length_ms < NOTICED_MS) return;
+    const text = `Connected again after ${Math.round(length_ms / 1_000)} s`;
+    tell({ level: "info", text });
+  });
+}

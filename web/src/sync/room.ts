@@ -1,0 +1,279 @@
+/** One open machine in the page: shows the edits of this page before they are answered, takes over what the server tells, and
+ * says what became of each edit. */
+
+import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
+import type {
+  Done,
+  Edit,
+  MachineDocument,
+  MachineProblem,
+  MachineStatus,
+  MachineSteps,
+  MachineSummary,
+  Presence,
+  Revision,
+} from "../model/generated/protocol.ts";
+import { libraryKey } from "../store/graft.ts";
+import { Mirror, type Touched } from "../store/mirror.ts";
+import type { Notice } from "../store/page.ts";
+import { foretell } from "../store/predict/foretell.ts";
+import type { EditAnswer, JumpAnswer, PendingEdit, Room } from "../store/room.ts";
+import { RefusalError, type Server } from "../store/server.ts";
+import type { Clock } from "./clock.ts";
+import { Following } from "./following.ts";
+import { Pending } from "./pending.ts";
+import type { Shelf } from "./shelf.ts";
+
+export interface RoomPorts {
+  readonly server: Server;
+  readonly shelf: Shelf;
+  readonly clock: Clock;
+  readonly newId: () => string;
+  readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
+}
+
+/** A step's name has at most so many characters. */
+const NAME_LENGTH_MAX = 200;
+/** Problems are asked for when nothing has changed for so long. */
+const SETTLED_MS = 300;
+
+export class OpenRoom implements Room {
+  readonly machine: Mirror;
+  readonly version: Signal<number>;
+  readonly revision: Signal<number>;
+  readonly status = signal<MachineStatus | null>(null);
+  readonly people: ReadonlySignal<readonly Presence[]>;
+  readonly pending = signal<readonly PendingEdit[]>([]);
+  readonly steps: Signal<MachineSteps>;
+  readonly problems = signal<readonly MachineProblem[]>([]);
+  readonly #ports: RoomPorts;
+  readonly #onItsWay = new Pending();
+  readonly #listeners = new Set<(touched: Touched) => void>();
+  readonly #following: Following;
+  readonly #deaf: () => void;
+  #unsettled: () => void = () => {};
+
+  constructor(summary: MachineSummary, { revision, document }: MachineDocument, ports: RoomPorts) {
+    this.#ports = ports;
+    this.machine = new Mirror(document, (key) => ports.shelf.get(key));
+    this.version = signal(this.machine.version);
+    this.revision = signal(revision);
+    this.steps = signal({ start: revision, steps: [] });
+    this.people = computed(() => this.#others());
+    this.#deaf = ports.shelf.onArrival(() => this.#libraryChanged());
+    this.#following = new Following(summary, ports.server, ports.clock, {
+      revision: () => this.revision.peek(),
+      revisions: (revisions) => this.#advance(revisions),
+      status: (status) => this.#stands(status),
+      whole: (whole) => this.#reset(whole),
+      gone: (reason) => this.#tell("error", `it is gone: ${reason}`),
+    });
+    void this.#look();
+  }
+
+  get id(): string {
+    return this.#following.id;
+  }
+
+  onChange(listener: (touched: Touched) => void): () => void {
+    this.#listeners.add(listener);
+    return () => void this.#listeners.delete(listener);
+  }
+
+  edit(name: string, edit: Edit): Promise<EditAnswer> {
+    const id = this.#ports.newId();
+    const short = [...name].slice(0, NAME_LENGTH_MAX).join("");
+    const base = this.revision.peek();
+    const ask = () => this.#ports.server.edit(this.id, { id, base, name: short, edit });
+    return this.#ask(id, short, edit, ask);
+  }
+
+  undo(): Promise<EditAnswer> {
+    const id = this.#ports.newId();
+    return this.#ask(id, "Undo", null, () => this.#ports.server.undo(this.id, id));
+  }
+
+  redo(): Promise<EditAnswer> {
+    const id = this.#ports.newId();
+    return this.#ask(id, "Redo", null, () => this.#ports.server.redo(this.id, id));
+  }
+
+  async jump(revision: number, overOthers: boolean): Promise<JumpAnswer> {
+    const body = { id: this.#ports.newId(), revision, over_others: overOthers };
+    const path = `${this.#following.path}/jump`;
+    try {
+      return await this.#ports.server.request<Done>("POST", path, body);
+    } catch (error) {
+      return { refused: messageOf(error), code: codeOf(error) };
+    }
+  }
+
+  async loadLibrary(path: string): Promise<void> {
+    const library = this.machine.state(path)?.library;
+    if (library) await this.#ports.shelf.load(libraryKey(library));
+  }
+
+  close(): void {
+    this.#following.end();
+    this.#deaf();
+    this.#unsettled();
+    this.#listeners.clear();
+  }
+
+  #others(): readonly Presence[] {
+    const link = this.#ports.server.link.value;
+    const own = link.state === "up" ? link.connection : null;
+    return (this.status.value?.people ?? []).filter(({ connection }) => connection !== own);
+  }
+
+  #tell(level: Notice["level"], text: string): void {
+    const name = this.machine.state(this.machine.root)?.name ?? this.id;
+    this.#ports.tell({ level, text: `${name}: ${text}` });
+  }
+
+  /** Shows the edit at once, asks for it, and says what became of it. */
+  #ask(
+    id: string,
+    name: string,
+    edit: Edit | null,
+    ask: () => Promise<number>,
+  ): Promise<EditAnswer> {
+    return new Promise((settle) => {
+      const since_ms = this.#ports.clock.now();
+      this.#change(() => {
+        if (edit) this.#foretell(edit);
+        this.#onItsWay.add({ id, name, since_ms, edit, settle, made: null });
+      });
+      void this.#send(id, name, ask);
+    });
+  }
+
+  async #send(id: string, name: string, ask: () => Promise<number>): Promise<void> {
+    try {
+      const made = await ask();
+      this.#onItsWay.answered(id, made);
+      if (made <= this.revision.peek()) this.#renew(() => this.#settle(null));
+    } catch (error) {
+      const wasClosed = codeOf(error) === "no_such_machine";
+      if (wasClosed && !this.#following.isOver && (await this.#following.reopen())) {
+        await this.#send(id, name, ask);
+      } else {
+        this.#refused(id, name, `${wasClosed ? "it is lost: " : ""}${messageOf(error)}`);
+      }
+    }
+  }
+
+  #refused(id: string, name: string, reason: string): void {
+    this.#renew(() => this.#onItsWay.refused(id, reason));
+    this.#tell("warning", `“${name}” was not done: ${reason}`);
+  }
+
+  #foretell(edit: Edit): void {
+    this.machine.foretell(foretell(this.machine, edit) ?? []);
+  }
+
+  /** Does the work on the confirmed machine, and shows what is on its way upon it again. */
+  #renew(work: () => void): void {
+    this.#change(() => {
+      this.machine.takeBack();
+      work();
+      for (const { edit } of this.#onItsWay.all) if (edit) this.#foretell(edit);
+    });
+  }
+
+  #change(work: () => void): void {
+    const touched = this.machine.transact(work);
+    batch(() => {
+      this.pending.value = this.#onItsWay.all;
+      if (touched?.size !== 0) this.#tellChange(touched);
+    });
+  }
+
+  #tellChange(touched: Touched): void {
+    for (const listener of this.#listeners) listener(touched);
+    this.version.value = this.machine.version;
+  }
+
+  #libraryChanged(): void {
+    this.machine.libraryChanged();
+    batch(() => this.#tellChange(null));
+    this.#soonProblems();
+  }
+
+  #stands(status: MachineStatus): void {
+    const isNews = status.summary.is_recovered && !this.status.peek()?.summary.is_recovered;
+    this.status.value = status;
+    if (isNews) this.#tell("info", "edits that were not saved when the server ended are back");
+  }
+
+  #advance(revisions: readonly Revision[]): void {
+    const fresh = revisions.filter(({ revision }) => revision > this.revision.peek());
+    batch(() => {
+      this.#renew(() => {
+        for (const { revision, id, changes } of fresh) {
+          this.machine.confirm(changes);
+          this.revision.value = revision;
+          this.#settle(id);
+        }
+      });
+      const steps = fresh.map(({ changes: _, ...step }) => ({ ...step, is_kept: true }));
+      const before = this.steps.peek();
+      this.steps.value = { ...before, steps: [...before.steps, ...steps] };
+    });
+    this.#soonProblems();
+  }
+
+  #settle(id: string | null): void {
+    this.#onItsWay.revision(this.revision.peek(), id);
+  }
+
+  #reset({ revision, document }: MachineDocument): void {
+    const isOther = revision !== this.revision.peek();
+    this.revision.value = revision;
+    this.#renew(() => {
+      this.machine.reset(document);
+      this.#settle(null);
+    });
+    batch(() => this.#tellChange(null));
+    if (isOther) this.#tell("info", "it was read again from the server");
+    void this.#look();
+  }
+
+  /** Asks for what is not told by itself. */
+  async #look(): Promise<void> {
+    this.#soonProblems();
+    const steps = await this.#get<MachineSteps>("steps");
+    if (!steps) return;
+    const last = steps.steps.at(-1)?.revision ?? steps.start;
+    const newer = this.steps.peek().steps.filter(({ revision }) => revision > last);
+    this.steps.value = { ...steps, steps: [...steps.steps, ...newer] };
+  }
+
+  #soonProblems(): void {
+    this.#unsettled();
+    this.#unsettled = this.#ports.clock.after(SETTLED_MS, () => void this.#loadProblems());
+  }
+
+  async #loadProblems(): Promise<void> {
+    const problems = await this.#get<readonly MachineProblem[]>("problems");
+    if (problems) this.problems.value = problems;
+  }
+
+  /** Null if it cannot be had now: it is asked for again after the next change. */
+  async #get<T>(what: string): Promise<T | null> {
+    try {
+      return await this.#ports.server.request<T>("GET", `${this.#following.path}/${what}`);
+    } catch (error) {
+      if (error instanceof RefusalError) return null;
+      throw error;
+    }
+  }
+}
+
+function messageOf(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}
+
+function codeOf(error: unknown): string {
+  return error instanceof RefusalError ? error.code : "failed";
+}

@@ -1,0 +1,61 @@
+/** The content of libraries: each is asked for once, and again when files have changed. */
+
+import type { Document } from "../model/generated/protocol.ts";
+import { isSame } from "../model/json.ts";
+import type { Machine } from "../model/machine.ts";
+import { machineOf } from "../model/plain.ts";
+import type { LibraryKey } from "../store/graft.ts";
+import type { Server } from "../store/server.ts";
+
+interface Held {
+  readonly document: Document;
+  readonly machine: Machine;
+}
+
+/** Told when the content of a library is here, or is another one. */
+export type Arrived = (key: LibraryKey) => void;
+
+export class Shelf {
+  readonly #request: Server["request"];
+  readonly #held = new Map<LibraryKey, Held>();
+  readonly #loading = new Map<LibraryKey, Promise<void>>();
+  readonly #listeners = new Set<Arrived>();
+
+  constructor(request: Server["request"]) {
+    this.#request = request;
+  }
+
+  get(key: LibraryKey): Machine | undefined {
+    return this.#held.get(key)?.machine;
+  }
+
+  onArrival(listener: Arrived): () => void {
+    this.#listeners.add(listener);
+    return () => void this.#listeners.delete(listener);
+  }
+
+  /** Gets the content unless it is here or on its way. Fails if the server refuses it. */
+  load(key: LibraryKey): Promise<void> {
+    if (this.#held.has(key)) return Promise.resolve();
+    let loading = this.#loading.get(key);
+    if (!loading) {
+      loading = this.#fetch(key).finally(() => this.#loading.delete(key));
+      this.#loading.set(key, loading);
+    }
+    return loading;
+  }
+
+  /** Files have changed: looks whether libraries did. One that is gone stays as it was known. */
+  async refresh(): Promise<void> {
+    for (const key of [...this.#held.keys()]) await this.#fetch(key).catch(() => {});
+  }
+
+  async #fetch(key: LibraryKey): Promise<void> {
+    const path = key.split("/").map(encodeURIComponent).join("/");
+    const document = await this.#request<Document>("GET", `/libraries/${path}`);
+    const before = this.#held.get(key);
+    if (before && isSame(before.document, document)) return;
+    this.#held.set(key, { document, machine: machineOf(document) });
+    for (const listener of this.#listeners) listener(key);
+  }
+}
