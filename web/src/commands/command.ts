@@ -1,11 +1,70 @@
 /** Commands: every action of the user as a named value. Menus, palette, shortcuts, buttons and tests call them by name. */
 
 import type { CanvasControl } from "../canvas/control.ts";
+import type { MachineFile } from "../model/generated/protocol.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 
-/** Where a command stands in the menus: `Edit/2` is the second block of Edit. Left out: in the palette only. */
+/** The menus of the bar, in order. */
+export const MENUS = ["File", "Edit", "Insert", "Arrange", "View", "Run", "Help"] as const;
+
+/** Where a command stands in the menus: `Edit/2` is the second block of Edit, `Arrange/1/Align` the menu Align in the first of
+ * Arrange. Left out: in the palette only. */
 export type MenuPlace =
-  `${"File" | "Edit" | "Insert" | "Arrange" | "View" | "Run" | "Help"}/${number}`;
+  | `${(typeof MENUS)[number]}/${number}`
+  | `${(typeof MENUS)[number]}/${number}/${string}`;
+
+/** One of several things that a command can be done with. */
+export interface Choice {
+  readonly title: string;
+  readonly detail?: string;
+  readonly argument: unknown;
+  readonly checked?: boolean;
+  readonly disabled?: boolean;
+}
+
+/** What dialogs are asked and answer. */
+export interface Dialogs {
+  /** A machine to open. */
+  readonly open: { readonly asks: undefined; readonly answer: MachineFile };
+  /** A folder for a machine that is not there yet; `name` is what the folder might be called. */
+  readonly "save-as": {
+    readonly asks: { readonly title: string; readonly name: string; readonly yes: string };
+    readonly answer: MachineFile;
+  };
+  readonly new: {
+    readonly asks: undefined;
+    readonly answer: { readonly file: MachineFile; readonly name: string };
+  };
+  /** A library to be put in the place of something. */
+  readonly library: {
+    readonly asks: { readonly title: string; readonly yes: string };
+    readonly answer: { readonly path: string; readonly name: string };
+  };
+  readonly colour: { readonly asks: Rgb | null; readonly answer: { readonly rgb: Rgb | null } };
+  readonly keys: { readonly asks: undefined; readonly answer: undefined };
+  readonly settings: { readonly asks: undefined; readonly answer: undefined };
+  readonly about: { readonly asks: undefined; readonly answer: undefined };
+}
+
+/** A colour as files keep it: red, green, blue from 0 to 1. */
+export type Rgb = readonly [number, number, number];
+
+/** How the panels stand. */
+export interface Layouts {
+  /** Those that ship, then those that the user saved. */
+  readonly names: () => readonly string[];
+  readonly own: () => readonly string[];
+  readonly apply: (name: string) => void;
+  readonly save: (name: string) => void;
+  readonly remove: (name: string) => void;
+  readonly isShown: (side: Side) => boolean;
+  readonly toggle: (side: Side) => void;
+  /** All panels away but the canvas, or back. */
+  readonly toggleFocus: () => void;
+  readonly panels: () => readonly { readonly id: string; readonly title: string }[];
+}
+
+export type Side = "left" | "right" | "bottom";
 
 /** What the shell does for commands: it asks, shows and opens. */
 export interface Shell {
@@ -32,9 +91,13 @@ export interface Shell {
   }) => Promise<string | null>;
   /** Shows a panel and brings it to the front: `inspector`, `libraries`, … */
   readonly showPanel: (panel: string) => void;
-  /** Opens a dialog by its name: `open`, `save-as`, `new`, `keys`, `settings`, `about`; its answer depends on it, null if it was closed. */
-  readonly dialog: <T = unknown>(name: string, argument?: unknown) => Promise<T | null>;
+  /** Opens a dialog; null if it was closed without an answer. */
+  readonly dialog: <N extends keyof Dialogs>(
+    name: N,
+    argument: Dialogs[N]["asks"],
+  ) => Promise<Dialogs[N]["answer"] | null>;
   readonly openPalette: (query?: string) => void;
+  readonly layouts: Layouts;
 }
 
 /** All that a command may look at and use. */
@@ -61,7 +124,9 @@ export interface Command {
   readonly enabled?: (context: Context) => boolean;
   /** For switches: whether it is on. */
   readonly checked?: (context: Context) => boolean;
-  readonly run: (context: Context, argument?: unknown) => void | Promise<void>;
+  /** What it can be done with: a menu of its own, each entry of which runs it with its argument. */
+  readonly choices?: (context: Context) => readonly Choice[];
+  readonly run: (context: Context, argument?: unknown) => void | Promise<unknown>;
 }
 
 /** All commands by id, in the order in which menus show them. */

@@ -1,0 +1,48 @@
+/** What the Help menu does, and the palette. */
+
+import type { Command } from "./command.ts";
+
+export const HELP: readonly Command[] = [
+  {
+    id: "help.palette",
+    title: "Search everything…",
+    detail: "Commands, states, machines and libraries, by a few letters.",
+    keys: ["Ctrl+K"],
+    menu: "Help/1",
+    run: ({ shell }, argument) => shell.openPalette(argument as string | undefined),
+  },
+  {
+    id: "help.commands",
+    title: "All commands…",
+    keys: ["Ctrl+Shift+P", "F1"],
+    menu: "Help/1",
+    run: ({ shell }) => shell.openPalette(">"),
+  },
+  {
+    id: "help.keys",
+    title: "Keys…",
+    detail: "Shows all keys, and changes them.",
+    keys: ["?"],
+    menu: "Help/1",
+    run: async ({ shell }) => {
+      await shell.dialog("keys", undefined);
+    },
+  },
+  {
+    id: "help.settings",
+    title: "Settings…",
+    keys: ["Ctrl+,"],
+    menu: "Help/2",
+    run: async ({ shell }) => {
+      await shell.dialog("settings", undefined);
+    },
+  },
+  {
+    id: "help.about",
+    title: "About RAFCON",
+    menu: "Help/3",
+    run: async ({ shell }) => {
+      await shell.dialog("about", undefined);
+    },
+  },
+];

@@ -1,0 +1,64 @@
+import { expect, test } from "vitest";
+import type { Command } from "./command.ts";
+import { conflicts, isCanvasKey, keymap, keyName, readKey, readKeys, shownKey } from "./keys.ts";
+
+const none = { ctrlKey: false, metaKey: false, altKey: false, shiftKey: false };
+
+test("a pressed key has one name, whatever the modifiers make of it", () => {
+  expect(keyName({ ...none, key: "s", code: "KeyS" })).toBe("S");
+  expect(keyName({ ...none, key: "Z", code: "KeyZ", ctrlKey: true, shiftKey: true })).toBe(
+    "Ctrl+Shift+Z",
+  );
+  expect(keyName({ ...none, key: "?", code: "Minus", shiftKey: true })).toBe("?");
+  expect(keyName({ ...none, key: "+", code: "BracketRight", ctrlKey: true })).toBe("Ctrl+Plus");
+  expect(keyName({ ...none, key: "!", code: "Digit1", ctrlKey: true, altKey: true })).toBe(
+    "Ctrl+Alt+1",
+  );
+  expect(keyName({ ...none, key: " ", code: "Space", ctrlKey: true })).toBe("Ctrl+Space");
+  expect(keyName({ ...none, key: "Shift", code: "ShiftLeft", shiftKey: true })).toBeNull();
+});
+
+test("keys that people write are read, in any order and case", () => {
+  expect(readKey("shift+ctrl+z")).toBe("Ctrl+Shift+Z");
+  expect(readKey("delete")).toBe("Delete");
+  expect(readKey("hyper+x")).toBeNull();
+  expect(readKey("Ctrl+")).toBeNull();
+  expect(shownKey("Ctrl+Plus")).toBe("Ctrl++");
+});
+
+test("letters count on the canvas only, and F keys everywhere", () => {
+  expect(["S", "Shift+G", "Delete", "?"].every(isCanvasKey)).toBe(true);
+  expect(["Ctrl+S", "Ctrl+Alt+1", "F2", "Shift+F5"].some(isCanvasKey)).toBe(false);
+});
+
+const command = (id: string, keys: string[], classic?: string[]): Command => ({
+  id,
+  title: id,
+  keys,
+  ...(classic ? { classic } : {}),
+  run: () => {},
+});
+
+const TWO = [command("a", ["Ctrl+D"]), command("b", ["D"], ["Ctrl+D"])];
+
+test("the classic map takes its keys from whoever has them else", () => {
+  const map = keymap(TWO, { keymap: "classic", keys: {} });
+  expect([...map]).toEqual([
+    ["a", []],
+    ["b", ["Ctrl+D"]],
+  ]);
+});
+
+test("what the user chose comes first, and what two have is found", () => {
+  const map = keymap(TWO, { keymap: "rafcon", keys: { b: ["Ctrl+D"] } });
+  expect(map.get("b")).toEqual(["Ctrl+D"]);
+  expect([...conflicts(map)]).toEqual([["Ctrl+D", ["a", "b"]]]);
+});
+
+test("a file of keys says what is wrong with it and gives the rest", () => {
+  const text = `{"a": ["ctrl+q", "x+y"], "c": ["Z"], "b": "Z"}`;
+  expect(readKeys(text, (id) => id !== "c")).toEqual({
+    keys: { a: ["Ctrl+Q"] },
+    faults: ["a: x+y is no key", "there is no command c", "b: keys are a list of texts"],
+  });
+});

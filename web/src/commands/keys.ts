@@ -1,0 +1,186 @@
+/** Which keys do which command: the shipped map, the one for those who come from the reference, and what the user chose. */
+
+import type { Settings } from "../store/page.ts";
+import type { Command } from "./command.ts";
+
+/** As much of a keyboard event as a key's name needs. */
+export interface Pressed {
+  readonly key: string;
+  readonly code: string;
+  readonly ctrlKey: boolean;
+  readonly metaKey: boolean;
+  readonly altKey: boolean;
+  readonly shiftKey: boolean;
+}
+
+const NAMES: Readonly<Record<string, string>> = {
+  " ": "Space",
+  "+": "Plus",
+  ArrowUp: "Up",
+  ArrowDown: "Down",
+  ArrowLeft: "Left",
+  ArrowRight: "Right",
+  Esc: "Escape",
+  Del: "Delete",
+};
+
+const MODIFIERS = new Set(["Control", "Shift", "Alt", "Meta", "AltGraph", "CapsLock", "Dead"]);
+
+/** The name of what was pressed: `Ctrl+Shift+Z`, `F2`, `S`, `?`; null of a modifier alone. */
+export function keyName(event: Pressed): string | null {
+  if (MODIFIERS.has(event.key)) return null;
+  const held = event.ctrlKey || event.metaKey || event.altKey;
+  const key = plainKey(event, held);
+  const isSign = key.length === 1 && !/[\p{L}\d]/u.test(key);
+  const shift = event.shiftKey && !(isSign || key === "Plus");
+  return [
+    ...(event.ctrlKey || event.metaKey ? ["Ctrl"] : []),
+    ...(shift ? ["Shift"] : []),
+    ...(event.altKey ? ["Alt"] : []),
+    key,
+  ].join("+");
+}
+
+/** Letters as on the key, whatever the modifiers make of them. */
+function plainKey({ key, code }: Pressed, held: boolean): string {
+  if (held && /^Digit\d$/.test(code)) return code.slice(5);
+  if (held && /^Key[A-Z]$/.test(code) && !/^[a-z]$/i.test(key)) return code.slice(3);
+  return NAMES[key] ?? (key.length === 1 ? key.toUpperCase() : key);
+}
+
+/** What a user wrote, as keys are named here: `shift+ctrl+z` is `Ctrl+Shift+Z`; null if it is no key. */
+export function readKey(text: string): string | null {
+  const parts = text.split("+").map((part) => part.trim());
+  const last = parts.pop() ?? "";
+  if (last === "") return null;
+  const words = parts.map((part) => part.toLowerCase());
+  if (words.some((word) => !["ctrl", "shift", "alt"].includes(word))) return null;
+  const key =
+    last.length === 1 ? last.toUpperCase() : (last[0]?.toUpperCase() ?? "") + last.slice(1);
+  const held = [
+    ["ctrl", "Ctrl"],
+    ["shift", "Shift"],
+    ["alt", "Alt"],
+  ].flatMap(([word, name]) => (words.includes(word ?? "") && name ? [name] : []));
+  return [...held, key].join("+");
+}
+
+/** Whether the key would type or move in a text, so that it counts on the canvas only. */
+export function isCanvasKey(key: string): boolean {
+  return !key.includes("Ctrl+") && !key.includes("Alt+") && !/^(Shift\+)?F\d+$/.test(key);
+}
+
+/** What text fields do themselves with these. */
+const IN_TEXT = new Set([
+  "Ctrl+A",
+  "Ctrl+C",
+  "Ctrl+V",
+  "Ctrl+X",
+  "Ctrl+Y",
+  "Ctrl+Z",
+  "Ctrl+Shift+Z",
+  "Ctrl+Left",
+  "Ctrl+Right",
+  "Ctrl+Delete",
+  "Ctrl+Backspace",
+  "Ctrl+D",
+  "Ctrl+F",
+  "Ctrl+G",
+  "Ctrl+Shift+G",
+  "Ctrl+U",
+  "Ctrl+E",
+  "Ctrl+Space",
+]);
+
+/** Whether a text field that has the focus keeps the key. */
+export function isTextKey(key: string): boolean {
+  return isCanvasKey(key) || IN_TEXT.has(key);
+}
+
+/** What browsers keep for themselves in a window with tabs; in a window of its own (installed) the page has them. */
+const KEPT_BY_BROWSER = new Set([
+  "Ctrl+N",
+  "Ctrl+T",
+  "Ctrl+W",
+  "Ctrl+Shift+N",
+  "Ctrl+Shift+T",
+  "Ctrl+Shift+W",
+  "Ctrl+Tab",
+  "Ctrl+Shift+Tab",
+  "Ctrl+Q",
+]);
+
+export function isKeptByBrowser(key: string): boolean {
+  return KEPT_BY_BROWSER.has(key);
+}
+
+/** The keys of a command in the maps that ship. */
+function shipped(command: Command, keymap: string, taken: ReadonlySet<string>): readonly string[] {
+  if (keymap !== "classic") return command.keys ?? [];
+  return command.classic ?? (command.keys ?? []).filter((key) => !taken.has(key));
+}
+
+/** All keys of all commands, as settings have them. */
+export function keymap(
+  commands: readonly Command[],
+  settings: Pick<Settings, "keymap" | "keys">,
+): ReadonlyMap<string, readonly string[]> {
+  const taken = new Set(commands.flatMap((command) => command.classic ?? []));
+  return new Map(
+    commands.map((command) => [
+      command.id,
+      settings.keys[command.id] ?? shipped(command, settings.keymap, taken),
+    ]),
+  );
+}
+
+/** Keys that several commands have, each with the ids. */
+export function conflicts(
+  map: ReadonlyMap<string, readonly string[]>,
+): ReadonlyMap<string, readonly string[]> {
+  const users = new Map<string, string[]>();
+  for (const [id, keys] of map) {
+    for (const key of keys) users.set(key, [...(users.get(key) ?? []), id]);
+  }
+  return new Map([...users].filter(([, ids]) => ids.length > 1));
+}
+
+const SIGNS: Readonly<Record<string, string>> = {
+  Plus: "+",
+  Up: "↑",
+  Down: "↓",
+  Left: "←",
+  Right: "→",
+  Delete: "Del",
+  Escape: "Esc",
+};
+
+/** A key as menus show it. */
+export function shownKey(key: string): string {
+  const parts = key.split("+");
+  const last = parts.pop() ?? "";
+  return [...parts, SIGNS[last] ?? last].join("+");
+}
+
+/** Keys that a user wrote into a file; what is no key or no command is left out and named. */
+export function readKeys(
+  text: string,
+  isCommand: (id: string) => boolean,
+): { readonly keys: Record<string, string[]>; readonly faults: readonly string[] } {
+  const keys: Record<string, string[]> = {};
+  const faults: string[] = [];
+  const found: unknown = JSON.parse(text);
+  const rafcon = typeof found === "object" && found !== null ? Object.entries(found as object) : [];
+  for (const [id, wanted] of rafcon) {
+    if (!isCommand(id)) faults.push(`there is no command ${id}`);
+    else if (!Array.isArray(wanted)) faults.push(`${id}: keys are a list of texts`);
+    else {
+      const read = wanted.map((each) => (typeof each === "string" ? readKey(each) : null));
+      read.forEach((key, index) => {
+        if (key === null) faults.push(`${id}: ${String(wanted[index])} is no key`);
+      });
+      keys[id] = read.filter((key) => key !== null);
+    }
+  }
+  return { keys, faults };
+}

@@ -1,0 +1,222 @@
+/** Menus as lists of commands: the bar from where commands say they stand, context menus from what was clicked. */
+
+import type { ElementRef } from "../model/element.ts";
+import type { Command, Commands, Context } from "./command.ts";
+import { MENUS } from "./command.ts";
+import { shownKey } from "./keys.ts";
+
+/** One entry, ready to be shown. */
+export type Entry =
+  | "separator"
+  | {
+      readonly id: string;
+      readonly title: string;
+      readonly keys?: string;
+      readonly detail?: string;
+      readonly checked?: boolean;
+      readonly disabled?: boolean;
+      readonly items?: readonly Entry[];
+      readonly run?: () => void;
+    };
+
+/** What menus are made with. */
+export interface MenuSource {
+  readonly commands: Commands;
+  readonly context: Context;
+  /** The keys of a command, as set. */
+  readonly keys: (id: string) => readonly string[];
+}
+
+/** Titles of the menus of the bar that have entries. */
+export function menuTitles(commands: Commands): readonly (typeof MENUS)[number][] {
+  const used = new Set(commands.all().map(({ menu }) => menu?.split("/")[0]));
+  return MENUS.filter((title) => used.has(title));
+}
+
+/** The entries of a menu of the bar. */
+export function barMenu(source: MenuSource, title: string): readonly Entry[] {
+  const blocks = new Map<string, Entry[]>();
+  const inner = new Map<string, Entry[]>();
+  for (const command of source.commands.all()) {
+    const [menu, block = "", within] = command.menu?.split("/") ?? [];
+    if (menu !== title) continue;
+    const entries = blocks.get(block) ?? [];
+    blocks.set(block, entries);
+    if (within === undefined) {
+      entries.push(entryOf(source, command));
+      continue;
+    }
+    const known = inner.get(within);
+    if (known) known.push(entryOf(source, command));
+    else {
+      const items = [entryOf(source, command)];
+      inner.set(within, items);
+      entries.push({ id: `${title}/${within}`, title: within, items });
+    }
+  }
+  const ordered = [...blocks].sort(([one], [other]) => Number(one) - Number(other));
+  return joined(ordered.map(([, entries]) => entries));
+}
+
+function joined(blocks: readonly (readonly Entry[])[]): readonly Entry[] {
+  return blocks
+    .filter((block) => block.length > 0)
+    .flatMap((block, index) => (index === 0 ? block : ["separator" as const, ...block]));
+}
+
+/** A command as an entry. */
+export function entryOf(source: MenuSource, command: Command): Entry {
+  const { commands, context } = source;
+  const [key] = source.keys(command.id);
+  const disabled = command.enabled?.(context) === false;
+  const entry = {
+    id: command.id,
+    title: command.title,
+    disabled,
+    ...(key === undefined ? {} : { keys: shownKey(key) }),
+    ...(command.detail === undefined ? {} : { detail: command.detail }),
+    ...(command.checked ? { checked: command.checked(context) } : {}),
+  };
+  if (!command.choices) return { ...entry, run: () => void commands.run(command.id, context) };
+  const items = command.choices(context).map((choice, index) => ({
+    id: `${command.id}/${index}`,
+    title: choice.title,
+    ...(choice.detail === undefined ? {} : { detail: choice.detail }),
+    ...(choice.checked === undefined ? {} : { checked: choice.checked }),
+    ...(choice.disabled === undefined ? {} : { disabled: choice.disabled }),
+    run: () => void commands.run(command.id, context, choice.argument),
+  }));
+  return { ...entry, disabled: disabled || items.length === 0, items };
+}
+
+/** A context menu: ids of commands, blocks of them, and menus inside by title. */
+type Recipe = readonly (readonly (
+  | string
+  | { readonly title: string; readonly of: readonly string[] }
+)[])[];
+
+const CLIPBOARD = ["edit.cut", "edit.copy", "edit.paste", "edit.duplicate", "edit.delete"];
+
+const ADD = {
+  title: "Add",
+  of: [
+    "insert.execution",
+    "insert.hierarchy",
+    "insert.barrier",
+    "insert.preemptive",
+    "insert.library",
+    "insert.outcome",
+    "insert.input",
+    "insert.output",
+    "insert.scoped-variable",
+  ],
+};
+
+const CONNECT = {
+  title: "Connect",
+  of: [
+    "insert.connect",
+    "insert.transition-from-sibling",
+    "insert.transition-to-sibling",
+    "insert.transition-to-parent",
+  ],
+};
+
+const ARRANGE = {
+  title: "Align and distribute",
+  of: [
+    "arrange.align-left",
+    "arrange.align-centre",
+    "arrange.align-right",
+    "arrange.align-top",
+    "arrange.align-middle",
+    "arrange.align-bottom",
+    "arrange.distribute-horizontal",
+    "arrange.distribute-vertical",
+  ],
+};
+
+const RUN = {
+  title: "Run",
+  of: ["run.start-here", "run.stop-here", "run.selected", "run.only-selected"],
+};
+
+const STATE: Recipe = [
+  ["arrange.start-state", RUN],
+  [ADD, CONNECT],
+  CLIPBOARD,
+  ["edit.rename", "arrange.group", "arrange.ungroup", "arrange.substitute", "arrange.change-kind"],
+  [ARRANGE, "arrange.layout-level", "arrange.layout-all", "arrange.fit-content"],
+  ["file.save-state", "run.breakpoint", "arrange.background"],
+  ["view.zoom-selection"],
+];
+
+const LIBRARY: Recipe = [
+  ["view.library-content", "arrange.show-content", "view.show-library", "file.open-library"],
+  ["arrange.start-state", RUN],
+  [CONNECT, ARRANGE],
+  CLIPBOARD,
+  ["edit.rename", "arrange.group", "arrange.substitute", "arrange.substitute-template"],
+  ["run.breakpoint", "arrange.background"],
+  ["view.zoom-selection"],
+];
+
+const IN_LIBRARY: Recipe = [
+  ["edit.copy", "view.show-library", "file.open-library"],
+  ["view.zoom-selection"],
+];
+
+const PORT: Recipe = [
+  ["edit.rename", "insert.connect"],
+  ["edit.cut", "edit.copy", "edit.paste-as", "edit.delete"],
+];
+
+const CONNECTION: Recipe = [["arrange.clear-waypoints"], ["edit.delete"], ["view.zoom-selection"]];
+
+const CANVAS: Recipe = [
+  [ADD, "edit.paste", "edit.select-all"],
+  ["arrange.layout-level", "arrange.layout-all"],
+  [
+    "view.fit",
+    "view.data-flows",
+    "view.transitions",
+    "view.names",
+    "view.values",
+    "view.aborted",
+    "view.grid",
+  ],
+];
+
+/** The menu of what was clicked: of a state, library, port, connection, or of the canvas itself. */
+export function contextMenu(source: MenuSource, elements: readonly ElementRef[]): readonly Entry[] {
+  const recipe = recipeFor(source.context, elements);
+  return joined(recipe.map((block) => block.flatMap((part) => entriesOf(source, part))));
+}
+
+function entriesOf(source: MenuSource, part: Recipe[number][number]): readonly Entry[] {
+  if (typeof part === "string") {
+    const command = source.commands.get(part);
+    return command ? [entryOf(source, command)] : [];
+  }
+  const items = part.of.flatMap((id) => entriesOf(source, id));
+  const disabled = items.every((item) => item === "separator" || item.disabled);
+  return items.length === 0 ? [] : [{ id: part.title, title: part.title, items, disabled }];
+}
+
+function recipeFor({ tab }: Context, elements: readonly ElementRef[]): Recipe {
+  const [first] = elements;
+  if (!first || !tab) return CANVAS;
+  const { machine } = tab.room;
+  if (machine.isInLibrary(first.path)) return IN_LIBRARY;
+  switch (first.kind) {
+    case "state": {
+      const only = elements.length === 1;
+      return only && machine.state(first.path)?.kind === "library" ? LIBRARY : STATE;
+    }
+    case "transition":
+    case "data_flow":
+      return CONNECTION;
+    default:
+      return PORT;
+  }
+}

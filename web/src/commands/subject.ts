@@ -1,0 +1,107 @@
+/** What commands act upon: the selection, and whether it may be edited. Menus and keys go by these rules. */
+
+import { type ElementRef, elementOf } from "../model/element.ts";
+import type { StateDocument, StateKind } from "../model/generated/protocol.ts";
+import type { Point } from "../model/geometry.ts";
+import { isContainer, type Machine } from "../model/machine.ts";
+import { parentOf } from "../model/path.ts";
+import type { Page } from "../store/page.ts";
+import { selected, selectedStates } from "../store/view.ts";
+import type { Context } from "./command.ts";
+
+/** Whether the session may edit. While the server cannot be asked, what is done waits for it. */
+export function mayEdit(page: Page): boolean {
+  const link = page.server.link.value;
+  return link.state !== "up" || link.session.rights.includes("edit");
+}
+
+/** Whether the machine in front can be edited. */
+export function canEdit(context: Context): boolean {
+  return context.tab !== null && mayEdit(context.page);
+}
+
+export function machineOf(context: Context): Machine | null {
+  return context.tab?.room.machine ?? null;
+}
+
+/** All that is selected and may be changed: nothing inside libraries. */
+export function elements(context: Context): readonly ElementRef[] {
+  const { tab } = context;
+  if (!tab) return [];
+  const { machine } = tab.room;
+  return selected(tab.view).filter((element) => !machine.isInLibrary(element.path));
+}
+
+/** Paths of the selected states that may be changed. */
+export function states(context: Context): readonly string[] {
+  return elements(context).flatMap((each) => (each.kind === "state" ? [each.path] : []));
+}
+
+/** The path of the one state that is selected; null if there are none or several. */
+export function onlyState(context: Context): string | null {
+  const [path, ...more] = states(context);
+  return path !== undefined && more.length === 0 && elements(context).length === 1 ? path : null;
+}
+
+/** The one selected state itself, also one inside a library. */
+export function anyOnlyState(context: Context): { path: string; state: StateDocument } | null {
+  const { tab } = context;
+  const paths = tab ? selectedStates(tab.view) : [];
+  const [path] = paths;
+  const state = path === undefined ? undefined : tab?.room.machine.state(path);
+  return paths.length === 1 && path !== undefined && state ? { path, state } : null;
+}
+
+/** The kind of the one selected state that may be changed. */
+export function kindOfOnly(context: Context): StateKind | null {
+  const path = onlyState(context);
+  return path === null ? null : (machineOf(context)?.state(path)?.kind ?? null);
+}
+
+/** The state around what is selected: of a state the state itself if it takes others. */
+export function containerOf(context: Context): string | null {
+  const machine = machineOf(context);
+  const first = elements(context)[0];
+  if (!machine) return null;
+  let path: string | null = first?.path ?? machine.root;
+  for (; path !== null; path = parentOf(path)) {
+    const state = machine.state(path);
+    if (state && isContainer(state) && !machine.isInLibrary(path)) return path;
+  }
+  return null;
+}
+
+/** Where something new would go: under the pointer if it is over the canvas, else into the selected container. */
+export function placeForNew(context: Context): { path: string; at?: Point } | null {
+  const selectedContainer = containerOf(context);
+  const under = context.canvas?.pointer() ?? null;
+  const machine = machineOf(context);
+  const state = under && machine?.state(under.path);
+  if (!under || !state || !isContainer(state) || machine?.isInLibrary(under.path)) {
+    return selectedContainer === null ? null : { path: selectedContainer };
+  }
+  const isElsewhere = elements(context).length > 0 && selectedContainer !== under.path;
+  return isElsewhere && selectedContainer !== null
+    ? { path: selectedContainer }
+    : { path: under.path, at: under.at };
+}
+
+/** Whether all selected states stand in one container: what group, align and the like need. */
+export function siblings(context: Context, count: number): boolean {
+  const paths = states(context);
+  const parent = paths[0] === undefined ? null : parentOf(paths[0]);
+  return (
+    parent !== null && paths.length >= count && paths.every((path) => parentOf(path) === parent)
+  );
+}
+
+/** The one selected connection of this kind. */
+export function onlyElement<K extends ElementRef["kind"]>(
+  context: Context,
+  kind: K,
+): Extract<ElementRef, { kind: K }> | null {
+  const [key, ...more] = context.tab?.view.selection.value ?? [];
+  const element = key === undefined ? null : elementOf(key);
+  if (more.length > 0 || element?.kind !== kind) return null;
+  return element as Extract<ElementRef, { kind: K }>;
+}

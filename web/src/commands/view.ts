@@ -1,0 +1,237 @@
+/** What the View menu does: where to look, what shows, how the panels stand. Nothing here changes a machine. */
+
+import { layoutOf } from "../model/drawing.ts";
+import type { Settings } from "../store/page.ts";
+import type { FlowMode, ViewModes } from "../store/view.ts";
+import { selected, selectedStates } from "../store/view.ts";
+import type { Command, Context, Side } from "./command.ts";
+import { anyOnlyState } from "./subject.ts";
+
+const isOpen = (context: Context) => context.tab !== null;
+const hasSelection = ({ tab }: Context) => (tab?.view.selection.value.size ?? 0) > 0;
+
+const ZOOM_STEP = 1.4;
+
+const LOOK: readonly Command[] = [
+  {
+    id: "view.fit",
+    title: "Fit all",
+    keys: ["F"],
+    classic: ["Ctrl+Space"],
+    menu: "View/1",
+    enabled: isOpen,
+    run: ({ canvas }) => canvas?.fit([]),
+  },
+  {
+    id: "view.zoom-selection",
+    title: "Zoom to selection",
+    keys: ["Z"],
+    menu: "View/1",
+    enabled: hasSelection,
+    run: ({ canvas, tab }) => {
+      if (!tab) return;
+      const states = selectedStates(tab.view);
+      const [first] = selected(tab.view);
+      if (states.length > 0) canvas?.fit(states);
+      else if (first) canvas?.reveal(first);
+    },
+  },
+  {
+    id: "view.zoom-in",
+    title: "Zoom in",
+    keys: ["Ctrl+Plus", "Ctrl+=", "Plus"],
+    menu: "View/1",
+    enabled: isOpen,
+    run: ({ canvas }) => canvas?.zoom(ZOOM_STEP),
+  },
+  {
+    id: "view.zoom-out",
+    title: "Zoom out",
+    keys: ["Ctrl+-", "-"],
+    menu: "View/1",
+    enabled: isOpen,
+    run: ({ canvas }) => canvas?.zoom(1 / ZOOM_STEP),
+  },
+];
+
+type Switch = { [K in keyof ViewModes]: ViewModes[K] extends boolean ? K : never }[keyof ViewModes];
+
+function mode(
+  name: Switch,
+  id: string,
+  title: string,
+  keys: readonly string[],
+  classic?: readonly string[],
+): Command {
+  return {
+    id: `view.${id}`,
+    title,
+    keys,
+    ...(classic ? { classic } : {}),
+    menu: "View/2",
+    enabled: isOpen,
+    checked: ({ tab }) => tab?.view.modes.value[name] ?? false,
+    run: ({ tab }) => {
+      if (!tab) return;
+      const before = tab.view.modes.peek();
+      tab.view.modes.value = { ...before, [name]: !before[name] };
+    },
+  };
+}
+
+const FLOWS: readonly { value: FlowMode; title: string }[] = [
+  { value: "selection", title: "Of the selection" },
+  { value: "all", title: "All" },
+  { value: "none", title: "None" },
+];
+
+const MODES: readonly Command[] = [
+  mode("transitions", "transitions", "Transitions", ["T"], ["Ctrl+T", "T"]),
+  {
+    id: "view.data-flows",
+    title: "Data flows",
+    detail: "Shows data flows of the selection, all, or none, in turn.",
+    keys: ["D"],
+    classic: ["Ctrl+D"],
+    menu: "View/2",
+    enabled: isOpen,
+    choices: ({ tab }) =>
+      FLOWS.map(({ value, title }) => ({
+        title,
+        argument: value,
+        checked: tab?.view.modes.value.dataFlows === value,
+      })),
+    run: ({ tab }, argument) => {
+      if (!tab) return;
+      const before = tab.view.modes.peek();
+      const at = FLOWS.findIndex(({ value }) => value === before.dataFlows);
+      const next = FLOWS[(at + 1) % FLOWS.length]?.value ?? "selection";
+      const dataFlows = (argument as FlowMode | undefined) ?? next;
+      tab.view.modes.value = { ...before, dataFlows };
+    },
+  },
+  mode("names", "names", "Names of ports", ["N"]),
+  mode("values", "values", "Values", ["V"], ["Ctrl+L", "V"]),
+  mode("aborted", "aborted", "Aborted and preempted", ["A"], ["Ctrl+P"]),
+  mode("grid", "grid", "Grid", ["Shift+G"]),
+  {
+    id: "view.library-content",
+    title: "Library content",
+    detail: "Shows what is inside the selected library state, in place.",
+    keys: ["Shift+L"],
+    menu: "View/2",
+    enabled: (context) => anyOnlyState(context)?.state.kind === "library",
+    checked: isContentShown,
+    run: async (context) => {
+      const { tab } = context;
+      const library = anyOnlyState(context);
+      if (!tab || !library) return;
+      const shown = !isContentShown(context);
+      tab.view.contents.value = new Map(tab.view.contents.peek()).set(library.path, shown);
+      if (shown) await tab.room.loadLibrary(library.path);
+    },
+  },
+];
+
+function isContentShown(context: Context): boolean {
+  const library = anyOnlyState(context);
+  if (!library || !context.tab) return false;
+  return context.tab.view.contents.value.get(library.path) ?? layoutOf(library.state).showsContent;
+}
+
+function side(which: Side, title: string, keys: readonly string[]): Command {
+  return {
+    id: `view.${which}`,
+    title,
+    keys,
+    menu: "View/3",
+    checked: ({ shell }) => shell.layouts.isShown(which),
+    run: ({ shell }) => shell.layouts.toggle(which),
+  };
+}
+
+const PANELS: readonly Command[] = [
+  {
+    id: "view.panel",
+    title: "Panel",
+    menu: "View/3",
+    choices: ({ shell }) =>
+      shell.layouts.panels().map(({ id, title }) => ({ title, argument: id })),
+    run: ({ shell }, argument) => shell.showPanel(argument as string),
+  },
+  side("left", "Left side", ["Ctrl+Alt+1"]),
+  side("bottom", "Lower side", ["Ctrl+Alt+2"]),
+  side("right", "Right side", ["Ctrl+Alt+3"]),
+  {
+    id: "view.focus",
+    title: "Canvas only",
+    detail: "Takes all panels away, or brings them back.",
+    keys: ["Ctrl+Alt+0"],
+    menu: "View/3",
+    run: ({ shell }) => shell.layouts.toggleFocus(),
+  },
+  {
+    id: "view.layout",
+    title: "Layout",
+    menu: "View/4",
+    choices: ({ shell }) => shell.layouts.names().map((name) => ({ title: name, argument: name })),
+    run: ({ shell }, argument) => shell.layouts.apply(argument as string),
+  },
+  {
+    id: "view.save-layout",
+    title: "Save layout…",
+    menu: "View/4",
+    run: async ({ shell }) => {
+      const name = await shell.prompt({
+        title: "Save layout",
+        label: "Name",
+        check: (text) => (text.trim() === "" ? "A layout needs a name." : null),
+      });
+      if (name) shell.layouts.save(name.trim());
+    },
+  },
+  {
+    id: "view.remove-layout",
+    title: "Remove layout",
+    menu: "View/4",
+    enabled: ({ shell }) => shell.layouts.own().length > 0,
+    choices: ({ shell }) => shell.layouts.own().map((name) => ({ title: name, argument: name })),
+    run: ({ shell }, argument) => shell.layouts.remove(argument as string),
+  },
+  {
+    id: "view.full-screen",
+    title: "Full screen",
+    keys: ["F11"],
+    menu: "View/5",
+    checked: () => globalThis.document?.fullscreenElement != null,
+    run: () =>
+      document.fullscreenElement
+        ? document.exitFullscreen()
+        : document.documentElement.requestFullscreen(),
+  },
+  {
+    id: "view.theme",
+    title: "Theme",
+    menu: "View/5",
+    choices: ({ page }) =>
+      THEMES.map(({ value, title }) => ({
+        title,
+        argument: value,
+        checked: page.settings.value.theme === value,
+      })),
+    run: ({ page }, argument) => {
+      page.settings.value = {
+        ...page.settings.peek(),
+        theme: argument as Settings["theme"],
+      };
+    },
+  },
+];
+
+const THEMES: readonly { value: Settings["theme"]; title: string }[] = [
+  { value: "system", title: "As the system" },
+  { value: "dark", title: "Dark" },
+  { value: "light", title: "Light" },
+];
+
+export const VIEW: readonly Command[] = [...LOOK, ...MODES, ...PANELS];
