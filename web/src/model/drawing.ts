@@ -190,7 +190,7 @@ function wrapped(at: number, length: number): number {
 }
 
 /** The point of the border that is nearest. */
-function onBorder(at: Point, box: Size): Point {
+export function onBorder(at: Point, box: Size): Point {
   const x = Math.min(box.width, Math.max(0, at.x));
   const y = Math.min(box.height, Math.max(0, at.y));
   const inset = Math.min(x, y, box.width - x, box.height - y);
