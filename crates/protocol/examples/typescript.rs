@@ -82,10 +82,13 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::NewMachine>();
     words.visit::<api::NewToken>();
     words.visit::<api::NewUser>();
+    words.visit::<api::CheckScript>();
+    words.visit::<api::JumpMachine>();
     words.visit::<api::ReloadMachine>();
     words.visit::<api::ResumeRun>();
     words.visit::<api::Retention>();
     words.visit::<api::SaveMachine>();
+    words.visit::<api::SaveState>();
     words.visit::<api::StartRun>();
 }
 
@@ -99,6 +102,7 @@ fn in_queries(words: &mut Words) {
     words.visit::<api::RevisionsFrom>();
     words.visit::<api::StateAt>();
     words.visit::<api::TreeFrom>();
+    words.visit::<api::UsagesOf>();
 }
 
 fn in_answers(words: &mut Words) {
@@ -112,15 +116,20 @@ fn in_answers(words: &mut Words) {
     words.visit::<api::KeptAs>();
     words.visit::<api::KeptValue>();
     words.visit::<api::LibraryRoot>();
+    words.visit::<api::LibraryUsages>();
     words.visit::<api::LogPage>();
     words.visit::<api::MachineDocument>();
     words.visit::<api::MachineProblem>();
+    words.visit::<api::MachineSteps>();
+    words.visit::<api::MachineVersions>();
     words.visit::<api::Picture>();
     words.visit::<api::Project>();
     words.visit::<api::Pruned>();
     words.visit::<api::RevisionPage>();
     words.visit::<api::RunOutput>();
     words.visit::<api::RunPhase>();
+    words.visit::<api::SavedState>();
+    words.visit::<api::ScriptProblem>();
     words.visit::<StateData>();
     words.visit::<api::Statistics>();
     words.visit::<api::TokenAbout>();

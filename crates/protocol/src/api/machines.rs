@@ -1,6 +1,6 @@
 //! Open machines: what several people edit at the same time.
 
-use super::MachineFile;
+use super::{LibraryName, MachineFile, RevisionKind};
 use serde::{Deserialize, Serialize};
 
 /// An open machine in one line.
@@ -13,7 +13,7 @@ pub struct MachineSummary {
     pub file: Option<MachineFile>,
     /// The root state's name.
     pub name: String,
-    /// Rises by one with every edit, undo, redo and reload. No number counts twice for a machine, also not after it was closed
+    /// Rises by one with every edit, undo, redo, reload and jump. No number counts twice for a machine, also not after it was closed
     /// or the server was started again.
     pub revision: u64,
     /// The revision that lies on disk.
@@ -68,6 +68,32 @@ pub struct SaveMachine {
     /// Save over files that another program changed.
     #[serde(default)]
     pub overwrite: bool,
+    /// Write a copy to `file`, and stay where it lies.
+    #[serde(default)]
+    pub copy: bool,
+}
+
+/// Saves a state of an open machine as a machine of its own: a library, if it lies below a library root.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct SaveState {
+    /// The state: ids joined by `/`.
+    pub path: String,
+    /// Its folder.
+    pub file: MachineFile,
+    /// Save over a machine that lies there.
+    #[serde(default)]
+    pub overwrite: bool,
+}
+
+/// Where a state was saved.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct SavedState {
+    /// Its folder.
+    pub file: MachineFile,
+    /// How library states name it; none if it lies below no library root.
+    pub library: Option<LibraryName>,
 }
 
 /// Closes an open machine.
@@ -176,6 +202,11 @@ pub struct Revision {
     pub name: String,
     /// When: ms since 1970, UTC.
     pub at_ms: u64,
+    /// What it was.
+    pub kind: RevisionKind,
+    /// The earliest revision that is known at which the machine was the very same; none if it never was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub same_as: Option<u64>,
     /// What is different now.
     pub changes: Vec<crate::document::Change>,
 }
@@ -203,7 +234,7 @@ pub struct Presence {
 }
 
 /// A fault of a machine.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineProblem {
     /// The state: ids joined by `/`.
@@ -216,6 +247,19 @@ pub struct MachineProblem {
     pub severity: Severity,
     /// What, where, and the way out.
     pub message: String,
+    /// Edits that would mend it, the one that keeps most first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repairs: Vec<Repair>,
+}
+
+/// An edit that mends a fault.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Repair {
+    /// What it does, for people; also the name of the step.
+    pub name: String,
+    /// The edit, as the machine is now.
+    pub edit: crate::edit::Edit,
 }
 
 /// How bad a problem is.

@@ -3,11 +3,15 @@
 mod files;
 mod history;
 mod house;
+mod library_usages;
 mod machines;
 mod past;
 mod people;
+mod python;
 mod refusal;
 mod runs;
+mod steps;
+mod versions;
 
 pub use files::{
     FileNode, LibraryNode, LibraryNodeKind, LibraryRoot, MachineFile, NodeKind, Project, TreeFrom,
@@ -17,10 +21,11 @@ pub use history::{
     LogLine, LogPage, LogQuery, MomentQuery, NamedValue,
 };
 pub use house::{Health, HouseStatus};
+pub use library_usages::{LibraryName, LibraryUsage, LibraryUsages, UsagesOf};
 pub use machines::{
     CloseMachine, CopyStates, DiskState, Done, EditMachine, MachineAt, MachineDocument,
-    MachineProblem, MachineStatus, MachineSummary, NewMachine, Presence, ReloadMachine, Revision,
-    RevisionPage, RevisionsFrom, SaveMachine, Severity, Undo,
+    MachineProblem, MachineStatus, MachineSummary, NewMachine, Presence, ReloadMachine, Repair,
+    Revision, RevisionPage, RevisionsFrom, SaveMachine, SaveState, SavedState, Severity, Undo,
 };
 pub use past::{
     Comparison, DataChange, DataKind, Happened, Holding, OutcomeCount, Parting, Picture,
@@ -30,9 +35,12 @@ pub use people::{
     ChangePassword, ChangeUser, Login, NewToken, NewUser, Right, Role, Session, TokenAbout,
     TokenMade, User,
 };
+pub use python::{CheckScript, ScriptProblem};
 pub use refusal::Refusal;
 pub use runs::{
     CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine,
     OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,
     StateAt,
 };
+pub use steps::{JumpMachine, MachineStep, MachineSteps, RevisionKind};
+pub use versions::{MachineVersion, MachineVersions};

@@ -13,8 +13,8 @@ use axum::http::StatusCode;
 use parking_lot::{Condvar, Mutex};
 use rafcon_model::{Fresh, StatePath};
 use rafcon_protocol::api::{
-    CloseMachine, CopyStates, EditMachine, MachineFile, MachineSummary, NewMachine, Presence,
-    SaveMachine, Undo,
+    CloseMachine, CopyStates, EditMachine, JumpMachine, MachineFile, MachineSummary, NewMachine,
+    Presence, SaveMachine, Undo,
 };
 use rafcon_protocol::document::Selection;
 use rafcon_storage::calendar::Date;
@@ -62,6 +62,8 @@ pub(crate) enum Wish {
     Undo(Undo),
     /// One's own last step again.
     Redo(Undo),
+    /// What it was at a revision.
+    Jump(JumpMachine),
 }
 
 impl Documents {
@@ -204,6 +206,9 @@ impl Documents {
         let (id, deed, what) = match wish {
             Wish::Undo(undo) => (undo.id, Deed::Along(Along::Back), What::Undo),
             Wish::Redo(redo) => (redo.id, Deed::Along(Along::Again), What::Redo),
+            Wish::Jump(JumpMachine { id, revision, over_others }) => {
+                (id, Deed::Jump { revision, over_others }, What::Jump { revision })
+            }
             Wish::Edit(wish) => {
                 let EditMachine { id, base: _, name, edit } = *wish;
                 check_name(&name)?;

@@ -76,6 +76,8 @@ pub(super) enum What {
     Redo,
     /// The machine became another one, which is kept under this name.
     Replace { document: String },
+    /// The machine became what it was at a revision.
+    Jump { revision: u64 },
 }
 
 /// The draft of an open machine. Nothing lies on disk until there is something to lose.

@@ -3,13 +3,14 @@
 
 use super::log::{Log, Page, Told};
 use super::merge;
+use super::past::{self, Past};
 use super::places::{Place, places};
 use super::steps::{Along, Step, Steps, Stuck, Way};
 use crate::Failure;
 use axum::http::StatusCode;
 use rafcon_model::edit::{Edit, EditError, apply};
 use rafcon_model::{BuiltinTypes, Machine, Rule};
-use rafcon_protocol::api::Revision;
+use rafcon_protocol::api::{MachineStep, MachineSteps, Revision, RevisionKind};
 use rafcon_protocol::document::{Change, changes};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -24,8 +25,15 @@ pub(super) enum Deed {
     Edit(String, Edit),
     /// One's own last step back, or again.
     Along(Along),
-    /// The machine becomes another one.
+    /// The machine becomes another one: the files are read again.
     Replace(Box<Machine>),
+    /// The machine becomes what it was at a revision.
+    Jump {
+        /// The revision.
+        revision: u64,
+        /// Also if that takes steps of others away.
+        over_others: bool,
+    },
 }
 
 /// Who does it, and under which id.
@@ -41,6 +49,10 @@ pub(super) struct Prepared {
     machine: Machine,
     changes: Vec<Change>,
     name: String,
+    kind: RevisionKind,
+    same_as: Option<u64>,
+    /// Where it belongs in the past.
+    place: past::Mark,
     mark: Mark,
 }
 
@@ -56,6 +68,9 @@ pub(super) struct OpenMachine {
     machine: Machine,
     revision: u64,
     steps: Steps,
+    past: Past,
+    /// Of the machine, in the past.
+    place: past::Mark,
     answered: Answered,
     log: Log,
 }
@@ -71,6 +86,8 @@ impl OpenMachine {
     /// A machine that has no past; its next revision follows `revision`.
     pub(super) fn new(machine: Machine, revision: u64) -> Self {
         Self {
+            past: Past::of(machine.clone(), revision),
+            place: past::Mark::default(),
             machine,
             revision,
             steps: Steps::default(),
@@ -99,6 +116,11 @@ impl OpenMachine {
         self.log.since(from)
     }
 
+    /// What was done to it since it was read.
+    pub(super) fn steps(&self) -> MachineSteps {
+        self.past.steps()
+    }
+
     /// The revision that this request has made already.
     pub(super) fn answered(&self, request: &Request) -> Option<u64> {
         self.answered.revisions.get(request).copied()
@@ -109,7 +131,10 @@ impl OpenMachine {
         match deed {
             Deed::Edit(name, edit) => self.edit(author, name, edit),
             Deed::Along(along) => self.along(author, along),
-            Deed::Replace(machine) => Ok(self.replace(author, *machine)),
+            Deed::Replace(machine) => {
+                Ok(self.replace(author, "Reload".to_owned(), RevisionKind::Reload, *machine))
+            }
+            Deed::Jump { revision, over_others } => self.jump(author, revision, over_others),
         }
     }
 
@@ -117,7 +142,7 @@ impl OpenMachine {
         let mut machine = self.machine.clone();
         let back = apply(&mut machine, edit, &BuiltinTypes).map_err(|error| refused(&error))?;
         let step = step(author, &name, Way::Edit(back), &machine, &self.machine);
-        Ok(self.prepared(machine, name, Mark::New(step)))
+        Ok(self.prepared(machine, name, RevisionKind::Edit, Mark::New(step)))
     }
 
     fn along(&self, author: &str, along: Along) -> Result<Prepared, Failure> {
@@ -136,40 +161,63 @@ impl OpenMachine {
             }
         };
         let step = step(author, &name, way, &machine, &self.machine);
-        Ok(self.prepared(machine, name, Mark::Moved(number, along, step)))
+        let kind = match along {
+            Along::Back => RevisionKind::Undo,
+            Along::Again => RevisionKind::Redo,
+        };
+        Ok(self.prepared(machine, name, kind, Mark::Moved(number, along, step)))
     }
 
-    fn replace(&self, author: &str, machine: Machine) -> Prepared {
-        let name = "Reload".to_owned();
+    fn replace(
+        &self,
+        author: &str,
+        name: String,
+        kind: RevisionKind,
+        machine: Machine,
+    ) -> Prepared {
         let way = Way::Whole(self.machine.clone());
         let step = step(author, &name, way, &machine, &self.machine);
-        self.prepared(machine, name, Mark::New(step))
+        self.prepared(machine, name, kind, Mark::New(step))
     }
 
-    fn prepared(&self, machine: Machine, name: String, mark: Mark) -> Prepared {
+    fn jump(&self, author: &str, to: u64, over_others: bool) -> Result<Prepared, Failure> {
+        let (node, machine) = self.past.machine(to).ok_or_else(|| not_kept(to))?;
+        if self.past.node(self.revision) == Some(node) {
+            let message = "the machine already is what it was then";
+            return Err(Failure::conflict("nothing_to_do", message));
+        }
+        let taken = self.past.taken_away(author, self.revision, node);
+        if !over_others && !taken.is_empty() {
+            return Err(others_edits(&taken));
+        }
+        let name = match self.past.name(node) {
+            Some(name) => format!("Jump to \"{name}\""),
+            None => "Jump to the start".to_owned(),
+        };
+        Ok(self.replace(author, name, RevisionKind::Jump, machine.clone()))
+    }
+
+    fn prepared(&self, machine: Machine, name: String, kind: RevisionKind, mark: Mark) -> Prepared {
         let changes = changes(&self.machine, &machine);
-        Prepared { machine, changes, name, mark }
+        let place = self.place.after(&self.machine, &machine, &changes);
+        let same_as = self.past.same_as(&machine, place);
+        Prepared { machine, changes, name, kind, same_as, place, mark }
     }
 
     /// Does what was prepared, and nothing since.
     pub(super) fn commit(&mut self, prepared: Prepared, request: Request, at_ms: u64) -> u64 {
-        let Prepared { machine, changes, name, mark } = prepared;
+        let Prepared { machine, changes, name, kind, same_as, place, mark } = prepared;
         self.revision += 1;
-        self.machine = machine;
+        (self.machine, self.place) = (machine, place);
         match mark {
             Mark::New(step) => self.steps.done(step, self.revision),
             Mark::Moved(number, along, step) => {
                 self.steps.moved(number, along, step, self.revision);
             }
         }
-        let revision = Revision {
-            revision: self.revision,
-            id: request.id.clone(),
-            author: request.author.clone(),
-            name,
-            at_ms,
-            changes,
-        };
+        let (revision, Request { id, author }) = (self.revision, request.clone());
+        let revision = Revision { revision, id, author, name, at_ms, kind, same_as, changes };
+        self.past.push(alone(&revision), &self.machine, place);
         // Everything in it came from JSON or from text, so that it is JSON.
         let text = serde_json::to_string(&revision).unwrap_or_default();
         self.log.push(Arc::new(Told { number: self.revision, text }));
@@ -187,6 +235,21 @@ impl Answered {
         {
             self.revisions.remove(&oldest);
         }
+    }
+}
+
+/// A revision without what it changed.
+fn alone(revision: &Revision) -> MachineStep {
+    let Revision { revision, id, author, name, at_ms, kind, same_as, changes: _ } = revision;
+    MachineStep {
+        revision: *revision,
+        id: id.clone(),
+        author: author.clone(),
+        name: name.clone(),
+        at_ms: *at_ms,
+        kind: *kind,
+        same_as: *same_as,
+        is_kept: true,
     }
 }
 
@@ -233,6 +296,25 @@ fn hindered(along: Along, stuck: &Stuck) -> Failure {
             Failure::conflict("built_upon", message)
         }
     }
+}
+
+fn not_kept(revision: u64) -> Failure {
+    let message = format!(
+        "the machine as it was at revision {revision} is not kept any more: the steps tell which ones are"
+    );
+    Failure::conflict("not_kept", message)
+}
+
+fn others_edits(taken: &BTreeMap<&str, usize>) -> Failure {
+    let counted = |(author, count): (&&str, &usize)| {
+        format!("{count} step{} of {author}", if *count == 1 { "" } else { "s" })
+    };
+    let taken: Vec<_> = taken.iter().map(counted).collect();
+    let message = format!(
+        "this takes {} away: ask them, or say `over_others`; a jump can be taken back",
+        taken.join(" and ")
+    );
+    Failure::conflict("others_edits", message)
 }
 
 fn moved_meanwhile(along: Along, name: &str, path: &str) -> Failure {

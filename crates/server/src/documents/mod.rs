@@ -14,6 +14,7 @@ mod kept;
 mod log;
 mod machine;
 mod merge;
+mod past;
 mod places;
 mod problems;
 mod recover;

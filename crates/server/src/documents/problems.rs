@@ -19,6 +19,7 @@ fn of_rule(problem: &Problem) -> MachineProblem {
             rafcon_model::Severity::Note => Severity::Note,
         },
         message: problem.to_string(),
+        repairs: Vec::new(),
     }
 }
 
@@ -31,5 +32,6 @@ pub(super) fn of_file(problem: &LoadProblem) -> MachineProblem {
         rule: "File".to_owned(),
         severity: if is_note { Severity::Note } else { Severity::Error },
         message: problem.to_string(),
+        repairs: Vec::new(),
     }
 }

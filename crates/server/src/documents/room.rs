@@ -19,7 +19,7 @@ use axum::http::StatusCode;
 use parking_lot::{Mutex, RwLock};
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
-    DiskState, MachineFile, MachineProblem, MachineStatus, MachineSummary, Presence,
+    DiskState, MachineFile, MachineProblem, MachineStatus, MachineSteps, MachineSummary, Presence,
 };
 use rafcon_storage::config::Naming;
 use rafcon_storage::{Libraries, LoadProblem, Saved};
@@ -156,6 +156,11 @@ impl Room {
     /// What a reader has not seen whose next revision is `from`.
     pub(crate) fn since(&self, from: u64) -> Page {
         self.open.read().machine.since(from)
+    }
+
+    /// What was done to it since it was read.
+    pub(super) fn steps(&self) -> MachineSteps {
+        self.open.read().machine.steps()
     }
 
     /// The latest truth, as long as it is open.

@@ -12,9 +12,9 @@ use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{
-    CloseMachine, CopyStates, Done, EditMachine, MachineAt, MachineDocument, MachineProblem,
-    MachineStatus, MachineSummary, NewMachine, Refusal, ReloadMachine, RevisionPage, RevisionsFrom,
-    Right, SaveMachine, Undo,
+    CloseMachine, CopyStates, Done, EditMachine, JumpMachine, MachineAt, MachineDocument,
+    MachineProblem, MachineStatus, MachineSteps, MachineSummary, NewMachine, Refusal,
+    ReloadMachine, RevisionPage, RevisionsFrom, Right, SaveMachine, Undo,
 };
 use rafcon_protocol::document::Selection;
 use std::sync::Arc;
@@ -34,6 +34,8 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
         .routes(routes!(edit))
         .routes(routes!(undo))
         .routes(routes!(redo))
+        .routes(routes!(steps))
+        .routes(routes!(jump))
         .routes(routes!(save))
         .routes(routes!(reload))
         .routes(routes!(close))
@@ -241,6 +243,43 @@ async fn redo(
     Body(redo): Body<Undo>,
 ) -> Result<Json<Done>, Failure> {
     change(house, who, machine, Wish::Redo(redo)).await
+}
+
+/// What was done to an open machine since it was read, without what it changed: a tree.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}/steps", tag = "machines",
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "The steps that are known", body = MachineSteps),
+        (status = 404, description = "It is not open", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
+    )
+)]
+async fn steps(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+) -> Result<Json<MachineSteps>, Failure> {
+    let room = house.documents.room(&machine)?;
+    house.documents.looks.work(move || Ok(Json(room.steps()))).await
+}
+
+/// Makes an open machine what it was at another revision: a new step, which its author can take back.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/jump", tag = "machines", request_body = JumpMachine,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "The machine is what it was then", body = Done),
+        (status = 400, description = "The body does not fit", body = Refusal),
+        (status = 404, description = "The machine is not open", body = Refusal),
+        (status = 409, description = "It takes steps of others away (`others_edits`), is not kept (`not_kept`), or changes nothing", body = Refusal),
+        (status = 503, description = "It cannot be written down, so that it was not done", body = Refusal),
+    )
+)]
+async fn jump(
+    State(house): State<Arc<House>>,
+    who: Who,
+    Path(machine): Path<String>,
+    Body(jump): Body<JumpMachine>,
+) -> Result<Json<Done>, Failure> {
+    change(house, who, machine, Wish::Jump(jump)).await
 }
 
 /// Saves an open machine.

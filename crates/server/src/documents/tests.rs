@@ -7,7 +7,7 @@ use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_model::edit::any::{Dice, edit};
 use rafcon_model::{BuiltinTypes, Machine, notation, problems};
-use rafcon_protocol::api::Revision;
+use rafcon_protocol::api::{MachineStep, Revision};
 use rafcon_protocol::document::{Document, Mirror};
 use rafcon_protocol::edit::Edit;
 
@@ -50,24 +50,58 @@ fn done(open: &mut OpenMachine, author: &str, deed: Deed) -> String {
     }
 }
 
-/// One line a deed: the author, then `<` (back), `>` (again) or an edit as JSON.
-fn check(lines: &[&str], expect: &Expect) {
+/// One line a deed: the author, then `<` (back), `>` (again), `@` or `@!` and a revision (jump, also over others), or an edit
+/// as JSON.
+fn deed(text: &str) -> Deed {
+    let jump = |revision: &str, over_others| {
+        let revision = revision.parse().expect("a revision");
+        Deed::Jump { revision, over_others }
+    };
+    match text {
+        "<" => Deed::Along(Along::Back),
+        ">" => Deed::Along(Along::Again),
+        text => {
+            if let Some(revision) = text.strip_prefix("@!") {
+                return jump(revision, true);
+            }
+            if let Some(revision) = text.strip_prefix('@') {
+                return jump(revision, false);
+            }
+            let edit: Edit = serde_json::from_str(text).expect("an edit");
+            let name = text.split('"').nth(3).expect("a name").to_owned();
+            Deed::Edit(name, (&edit).try_into().expect("an edit of the model"))
+        }
+    }
+}
+
+fn play(lines: &[&str]) -> (OpenMachine, String) {
     let mut open = OpenMachine::new(machine(START), 0);
     let mut out = Vec::new();
     for line in lines {
         let (author, what) = line.split_once(' ').expect("an author and a deed");
-        let deed = match what {
-            "<" => Deed::Along(Along::Back),
-            ">" => Deed::Along(Along::Again),
-            text => {
-                let edit: Edit = serde_json::from_str(text).expect("an edit");
-                let name = text.split('"').nth(3).expect("a name").to_owned();
-                Deed::Edit(name, (&edit).try_into().expect("an edit of the model"))
-            }
-        };
-        out.push(format!("{author}: {}\n", done(&mut open, author, deed)));
+        out.push(format!("{author}: {}\n", done(&mut open, author, deed(what))));
     }
-    expect.assert_eq(&(out.concat() + &notation::print(open.machine())));
+    (open, out.concat())
+}
+
+fn check(lines: &[&str], expect: &Expect) {
+    let (open, out) = play(lines);
+    expect.assert_eq(&(out + &notation::print(open.machine())));
+}
+
+/// The refusals, the steps that are known, and the name of a state in the end.
+fn check_steps(lines: &[&str], expect: &Expect) {
+    let (open, out) = play(lines);
+    let refused = out.lines().filter(|line| line.matches(": ").count() > 1);
+    let step = |step: MachineStep| {
+        let same = step.same_as.map_or_else(String::new, |same| format!(" = {same}"));
+        format!("{}{same} {:?} {} {}", step.revision, step.kind, step.author, step.name)
+    };
+    let steps = open.steps().steps.into_iter().map(step);
+    let name = open.machine().root.container().expect("a container").states.values().next();
+    let name = name.expect("a state").name.to_string();
+    let told: Vec<_> = refused.map(str::to_owned).chain(steps).chain([name]).collect();
+    expect.assert_eq(&told.join("\n"));
 }
 
 const NAME: &str = r#"ann {"edit":"set_name","path":"ROOT/AAAAAA","name":"Ann's"}"#;
@@ -257,6 +291,50 @@ fn a_reload_is_a_step_like_any_other() {
 }
 
 #[test]
+fn steps_are_a_tree_and_a_jump_leads_to_any_node() {
+    let name =
+        |name: &str| format!(r#"ann {{"edit":"set_name","path":"ROOT/AAAAAA","name":"{name}"}}"#);
+    let (one, two, other) = (name("One"), name("Two"), name("Other"));
+    check_steps(
+        &[&one, &two, "ann <", &other, "ann @2", "ann @0", "ann <", "ann @7", "ann @99", &one],
+        &expect![[r#"
+            ann: nothing_to_do: the machine already is what it was then
+            ann: not_kept: the machine as it was at revision 99 is not kept any more: the steps tell which ones are
+            1 Edit ann set_name
+            2 Edit ann set_name
+            3 = 1 Undo ann set_name
+            4 Edit ann set_name
+            5 = 2 Jump ann Jump to "set_name"
+            6 = 0 Jump ann Jump to the start
+            7 = 2 Undo ann Jump to the start
+            8 = 1 Edit ann set_name
+            One"#]],
+    );
+}
+
+#[test]
+fn a_jump_takes_steps_of_others_away_only_if_that_is_said() {
+    let anns = r#"ann {"edit":"set_name","path":"ROOT/AAAAAA","name":"Ann's"}"#;
+    let bobs = r#"bob {"edit":"set_name","path":"ROOT/BBBBBB","name":"Bob's"}"#;
+    let more = r#"bob {"edit":"set_name","path":"ROOT/BBBBBB","name":"More"}"#;
+    check_steps(
+        &[anns, bobs, more, "ann <", "ann @1", "bob @1", "ann @!1", "bob <", "ann <", "bob <"],
+        &expect![[r#"
+            ann: others_edits: this takes 2 steps of bob away: ask them, or say `over_others`; a jump can be taken back
+            bob: others_edits: this takes 1 step of ann away: ask them, or say `over_others`; a jump can be taken back
+            bob: built_upon: `set_name` cannot be taken back: ann has changed the name of ROOT/BBBBBB since (`Jump to "set_name"`); ask for that to be taken back first, or change it by hand
+            1 Edit ann set_name
+            2 Edit bob set_name
+            3 Edit bob set_name
+            4 Undo ann set_name
+            5 = 1 Jump ann Jump to "set_name"
+            6 = 4 Undo ann Jump to "set_name"
+            7 Undo bob set_name
+            AAAAAA"#]],
+    );
+}
+
+#[test]
 fn the_same_request_is_answered_by_what_it_did() {
     let mut open = OpenMachine::new(machine(START), 7);
     let request = Request { author: "ann".into(), id: "one".into() };
@@ -274,9 +352,14 @@ fn two_people(numbers: Vec<u16>) {
     let mut dice = Dice::new(numbers);
     while !dice.is_empty() {
         let author = ["ann", "bob"][dice.roll(2)];
-        let deed = match dice.roll(4) {
-            0 => Deed::Along(Along::Back),
-            1 => Deed::Along(Along::Again),
+        let deed = match dice.roll(9) {
+            0 | 1 => Deed::Along(Along::Back),
+            2 | 3 => Deed::Along(Along::Again),
+            4 => {
+                let back = u64::try_from(dice.roll(20)).expect("a number");
+                let revision = open.revision().saturating_sub(back);
+                Deed::Jump { revision, over_others: dice.roll(2) == 0 }
+            }
             _ => Deed::Edit("Any".into(), edit(open.machine(), &mut dice)),
         };
         let before = open.machine().clone();

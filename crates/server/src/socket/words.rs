@@ -70,7 +70,7 @@ fn list(head: &str, items: &[impl AsRef<str>]) -> String {
 mod tests {
     use super::{events, revisions, text};
     use rafcon_protocol::Event;
-    use rafcon_protocol::api::{HistoryEntry, Revision};
+    use rafcon_protocol::api::{HistoryEntry, Revision, RevisionKind};
     use rafcon_protocol::socket::ToClient;
 
     fn check(entries: Vec<HistoryEntry>) {
@@ -89,6 +89,8 @@ mod tests {
             author: "ana".to_owned(),
             name: "Rename".to_owned(),
             at_ms: 5,
+            kind: RevisionKind::Edit,
+            same_as: (revision == 4).then_some(2),
             changes: Vec::new(),
         };
         let two = vec![revision(3), revision(4)];

@@ -256,6 +256,54 @@ fn check_taken_over(between: impl FnOnce(&Path), expect: &Expect) {
 }
 
 #[test]
+fn the_tree_of_steps_outlives_the_server() {
+    let house = House::new();
+    write(&house, "one", MACHINE);
+    let id = open(&house, "one");
+    let first = revision(&house, &id);
+    let (ann, bob) = (Role::Engineer, Role::Admin);
+    let jump = |house: &House, role: Role, id_of_jump: &str, to: u64, over_others: bool| {
+        let wish = json!({ "id": id_of_jump, "revision": first + to, "over_others": over_others });
+        deed(house, role, &id, "jump", &wish)
+    };
+    let steps = |house: &House| get(house, &format!("/{id}/steps"));
+    let mut said = vec![rename(&house, ann, &id, "a1", "Ann's")];
+    said.push(rename(&house, bob, &id, "b1", "Bob's"));
+    said.push(jump(&house, ann, "a2", 1, false));
+    said.push(jump(&house, ann, "a3", 1, true));
+    said.push(jump(&house, ann, "a3", 0, true));
+    said.push(stands(&house, &id, first));
+    let before = steps(&house);
+    assert_eq!(before["start"], first);
+    let same: Vec<_> =
+        before["steps"].as_array().unwrap().iter().map(|step| &step["same_as"]).collect();
+    assert_eq!(same, [&Value::Null, &Value::Null, &json!(first + 1)]);
+    let house = House::at(house.end(), |_settings| {});
+    assert_eq!(open(&house, "one"), id);
+    assert_eq!(steps(&house), before);
+    said.push(jump(&house, bob, "b2", 2, false));
+    said.push(stands(&house, &id, first));
+    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b3" })));
+    said.push(jump(&house, bob, "b4", 77, false));
+    said.push(jump(&house, bob, "b5", 1, false));
+    said.push(stands(&house, &id, first));
+    expect![[r#"
+        edits: 200
+        edits: 200
+        jump: 409 others_edits
+        jump: 200
+        jump: 200
+          "Ann's" 3 saved 0 disk "same" changed
+        jump: 200
+          "Bob's" 4 saved 0 disk "same" changed recovered
+        undo: 200
+        jump: 409 not_kept
+        jump: 409 nothing_to_do
+          "Ann's" 5 saved 0 disk "same" changed recovered
+    "#]].assert_eq(&said.concat());
+}
+
+#[test]
 fn what_was_done_and_saved_is_not_done_again_however_often_the_server_is_started() {
     let mut house = House::new();
     write(&house, "one", MACHINE);

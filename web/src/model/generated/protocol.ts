@@ -78,6 +78,11 @@ export type ChangeUser = {
   /** Another password. */
   password: string | null, };
 
+/** Asks what Python's parser says about a script. Nothing of it runs. */
+export type CheckScript = {
+  /** The text. */
+  script: string, };
+
 /** Closes an open machine. */
 export type CloseMachine = {
   /** Give up edits that do not lie on disk. */
@@ -810,6 +815,15 @@ export type HouseStatus = {
 
 export type JsonValue = number | string | boolean | Array<JsonValue> | { [key in string]: JsonValue } | null;
 
+/** Makes an open machine what it was at another revision: a step like any other, which its author can take back. */
+export type JumpMachine = {
+  /** Chosen by the sender; the same id is carried out once. */
+  id: string,
+  /** The revision. */
+  revision: number,
+  /** Also if that takes steps of other people away. */
+  over_others: boolean, };
+
 /** How much of a run is kept. */
 export type Keeping = "off" | "status" | "full";
 
@@ -858,6 +872,13 @@ export type LibraryDocument = {
   /** Why the library was not found; none if it was. */
   missing?: string | null, };
 
+/** How library states name a library. */
+export type LibraryName = {
+  /** A library root and the folders below it, joined by `/`. */
+  path: string,
+  /** The folder of the library. */
+  name: string, };
+
 /** A library, or a folder of libraries. */
 export type LibraryNode = {
   /** Its name: the last part of a library path. */
@@ -878,6 +899,26 @@ export type LibraryRoot = {
   folder: string,
   /** What is in it. */
   children: Array<LibraryNode>, };
+
+/** A state that runs a library. */
+export type LibraryUsage = {
+  /** The open machine with it; none: it was found in files. */
+  machine: string | null,
+  /** The machine with it; none if it lies in no project. */
+  file: MachineFile | null,
+  /** The library with it; none if it lies below no library root. */
+  library: LibraryName | null,
+  /** The state: ids joined by `/`. */
+  path: string,
+  /** The names of the states on the path, the root's first. */
+  names: Array<string>, };
+
+/** Where a library is used. */
+export type LibraryUsages = {
+  /** In open machines as they are now, then in files of projects and library roots. */
+  usages: Array<LibraryUsage>,
+  /** Whether there are more, or more files than are looked at. */
+  is_cut: boolean, };
 
 /** The connection between server and runner. */
 export type LinkState = "up" | "down" | "over";
@@ -968,7 +1009,9 @@ export type MachineProblem = {
   /** How bad it is. */
   severity: Severity,
   /** What, where, and the way out. */
-  message: string, };
+  message: string,
+  /** Edits that would mend it, the one that keeps most first. */
+  repairs?: Array<Repair>, };
 
 /** The latest truth about an open machine. */
 export type MachineStatus = {
@@ -976,6 +1019,33 @@ export type MachineStatus = {
   summary: MachineSummary,
   /** Who else looks at it. */
   people: Array<Presence>, };
+
+/** A revision of an open machine, without what it changed. */
+export type MachineStep = {
+  /** Its number. */
+  revision: number,
+  /** The id of the edit, undo, redo, reload or jump. */
+  id: string,
+  /** Who made it. */
+  author: string,
+  /** What it is called; an undo has the name of what it takes back. */
+  name: string,
+  /** When: ms since 1970, UTC. */
+  at_ms: number,
+  /** What it was. */
+  kind: RevisionKind,
+  /** The earliest revision that is known at which the machine was the very same; none if it never was. */
+  same_as?: number | null,
+  /** Whether the machine can still become what it was then. */
+  is_kept: boolean, };
+
+/** The steps of an open machine that are known: a tree, for whoever goes back and on takes another branch. A node is a revision
+ * without `same_as`, or the start; it hangs on the node of the revision before. */
+export type MachineSteps = {
+  /** The revision as which the machine was read: the root of the tree. */
+  start: number,
+  /** In order; without a gap, but the oldest go when there are too many. */
+  steps: Array<MachineStep>, };
 
 /** An open machine in one line. */
 export type MachineSummary = {
@@ -985,7 +1055,7 @@ export type MachineSummary = {
   file: MachineFile | null,
   /** The root state's name. */
   name: string,
-  /** Rises by one with every edit, undo, redo and reload. No number counts twice for a machine, also not after it was closed
+  /** Rises by one with every edit, undo, redo, reload and jump. No number counts twice for a machine, also not after it was closed
    * or the server was started again. */
   revision: number,
   /** The revision that lies on disk. */
@@ -996,6 +1066,26 @@ export type MachineSummary = {
   disk: DiskState,
   /** Whether edits were recovered that a server that died had taken. */
   is_recovered: boolean, };
+
+/** A commit that touched a machine. */
+export type MachineVersion = {
+  /** Its hash, in hexadecimal. */
+  commit: string,
+  /** Who wrote it. */
+  author: string,
+  /** When it was written: ms since 1970, UTC. */
+  at_ms: number,
+  /** The first line of its message. */
+  subject: string, };
+
+/** The versions of a machine, as far as git knows them. */
+export type MachineVersions = {
+  /** Whether the machine's folder lies in a git repository, and there is a git to ask. */
+  is_git: boolean,
+  /** Commits that touched the folder, the newest first. */
+  versions: Array<MachineVersion>,
+  /** Whether there are older ones that are not told. */
+  is_cut: boolean, };
 
 /** Which moment is meant. */
 export type MomentQuery = {
@@ -1227,6 +1317,13 @@ export type ReloadMachine = {
   /** Chosen by the sender; the same id is carried out once. */
   id: string, };
 
+/** An edit that mends a fault. */
+export type Repair = {
+  /** What it does, for people; also the name of the step. */
+  name: string,
+  /** The edit, as the machine is now. */
+  edit: Edit, };
+
 /** Takes a run up again whose runner died. */
 export type ResumeRun = {
   /** Chosen by the sender; the same id is carried out once. */
@@ -1257,8 +1354,15 @@ export type Revision = {
   name: string,
   /** When: ms since 1970, UTC. */
   at_ms: number,
+  /** What it was. */
+  kind: RevisionKind,
+  /** The earliest revision that is known at which the machine was the very same; none if it never was. */
+  same_as?: number | null,
   /** What is different now. */
   changes: Array<Change>, };
+
+/** What made a revision. */
+export type RevisionKind = "edit" | "undo" | "redo" | "reload" | "jump";
 
 /** Revisions of an open machine from a cursor on. */
 export type RevisionPage = {
@@ -1363,10 +1467,43 @@ export type SaveMachine = {
   /** Save it in this folder from now on; none: where it lies. */
   file: MachineFile | null,
   /** Save over files that another program changed. */
+  overwrite: boolean,
+  /** Write a copy to `file`, and stay where it lies. */
+  copy: boolean, };
+
+/** Saves a state of an open machine as a machine of its own: a library, if it lies below a library root. */
+export type SaveState = {
+  /** The state: ids joined by `/`. */
+  path: string,
+  /** Its folder. */
+  file: MachineFile,
+  /** Save over a machine that lies there. */
   overwrite: boolean, };
+
+/** Where a state was saved. */
+export type SavedState = {
+  /** Its folder. */
+  file: MachineFile,
+  /** How library states name it; none if it lies below no library root. */
+  library: LibraryName | null, };
 
 /** What a breakpoint holds. */
 export type Scope = "branch" | "run";
+
+/** A place in a script that Python's parser does not take, or warns of. */
+export type ScriptProblem = {
+  /** The line, from 1 on. */
+  line: number,
+  /** The column, from 1 on; counted as JavaScript counts (UTF-16). */
+  column: number,
+  /** The line where it ends, if the parser says so. */
+  end_line?: number | null,
+  /** The column behind its end, if the parser says so. */
+  end_column?: number | null,
+  /** What the parser says. */
+  message: string,
+  /** An error keeps the script from running. */
+  severity: Severity, };
 
 /** States taken from a container, with what connects them: what *copy* gives and *paste* takes. */
 export type Selection = {
@@ -1694,6 +1831,13 @@ export type Unattended = "hold" | "continue" | "stop";
 export type Undo = {
   /** Chosen by the sender; the same id is carried out once. */
   id: string, };
+
+/** Which library's usages are asked for. */
+export type UsagesOf = {
+  /** A library root and the folders below it, joined by `/`. */
+  path: string,
+  /** The folder of the library. */
+  name: string, };
 
 /** One who may log in. */
 export type User = {
