@@ -55,6 +55,8 @@ export interface Page {
   readonly tabs: Signal<readonly OpenTab[]>;
   /** The machine in front. */
   readonly active: Signal<OpenTab | null>;
+  /** Whether machines that were open before are still on their way. */
+  readonly isRestoring: ReadonlySignal<boolean>;
   readonly notices: Signal<readonly Notice[]>;
   readonly settings: Signal<Settings>;
   /** Opens the machine in a folder, or brings it to the front. */

@@ -23,11 +23,19 @@ export interface ViewModes {
   readonly grid: boolean;
 }
 
+/** How an element differs from its counterpart in another machine. */
+export type Mark = "added" | "removed" | "changed";
+
+/** Where a view looks before anybody has chosen: the canvas fits the root then. */
+export const FIRST_CAMERA: Camera = { x: 0, y: 0, scale: 1 };
+
 export interface RoomView {
   readonly camera: Signal<Camera>;
   readonly selection: Signal<ReadonlySet<ElementKey>>;
   readonly hovered: Signal<ElementRef | null>;
   readonly modes: Signal<ViewModes>;
+  /** How elements differ from what the machine is compared with; null if it is compared with nothing. */
+  readonly marks: Signal<ReadonlyMap<ElementKey, Mark> | null>;
   /** Library states whose content is shown or hidden here, other than the file says. */
   readonly contents: Signal<ReadonlyMap<string, boolean>>;
 }
@@ -43,10 +51,11 @@ export const MODES: ViewModes = {
 
 export function newView(): RoomView {
   return {
-    camera: signal({ x: 0, y: 0, scale: 1 }),
+    camera: signal(FIRST_CAMERA),
     selection: signal<ReadonlySet<ElementKey>>(new Set()),
     hovered: signal<ElementRef | null>(null),
     modes: signal(MODES),
+    marks: signal<ReadonlyMap<ElementKey, Mark> | null>(null),
     contents: signal<ReadonlyMap<string, boolean>>(new Map()),
   };
 }

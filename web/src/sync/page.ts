@@ -22,6 +22,7 @@ import type { Address } from "./http.ts";
 import { newIds } from "./ids.ts";
 import { tellPresence } from "./presence.ts";
 import { OpenRoom, type RoomPorts } from "./room.ts";
+import { followSession } from "./session.ts";
 import { Shelf } from "./shelf.ts";
 
 export interface PageOptions {
@@ -30,8 +31,8 @@ export interface PageOptions {
   /** Another server than the one at the address. */
   readonly server?: Server;
   readonly clock?: Clock;
-  /** Where settings are kept; left out: in the browser. */
-  readonly shed?: Shed;
+  /** Where settings and open machines are kept; left out: in the browser. */
+  readonly sheds?: { readonly own: Shed; readonly shared: Shed };
 }
 
 /** So many notices are kept. */
@@ -41,7 +42,7 @@ const NOTICES_MAX = 1_000;
 export function startPage(options: PageOptions = {}): Page {
   const clock = options.clock ?? WALL_CLOCK;
   const server = options.server ?? connect(options.address ?? { url: "" });
-  const shed = options.shed ?? browserShed();
+  const sheds = options.sheds ?? browserSheds();
   const notices = signal<readonly Notice[]>([]);
   const tell: Page["tell"] = (notice) => {
     const id = (notices.peek().at(-1)?.id ?? 0) + 1;
@@ -57,17 +58,20 @@ export function startPage(options: PageOptions = {}): Page {
   });
   const shelf = new Shelf(server.request);
   const { projects, libraries } = followFiles(server, house, shelf);
-  const settings = signal(readSettings(shed));
-  effect(() => keepSettings(shed, settings.value));
+  const settings = signal(readSettings(sheds.shared));
+  effect(() => keepSettings(sheds.shared, settings.value));
   const ports = { server, shelf, clock, newId: newIds(), tell };
-  const { tabs, active, ...machines } = openMachines(ports, settings);
-  tellPresence(server, () => active.value, clock);
+  const machines = openMachines(ports, settings);
+  const isRestoring = followSession({ ...ports, ...sheds, ...machines });
+  tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
-  return { server, house, projects, libraries, tabs, active, notices, settings, tell, ...machines };
+  const told = { house, projects, libraries, isRestoring };
+  return { server, ...told, notices, settings, tell, ...machines };
 }
 
-function browserShed(): Shed {
-  return typeof window === "undefined" ? memoryShed() : shedOf(() => window.localStorage);
+function browserSheds(): { readonly own: Shed; readonly shared: Shed } {
+  if (typeof window === "undefined") return { own: memoryShed(), shared: memoryShed() };
+  return { own: shedOf(() => window.sessionStorage), shared: shedOf(() => window.localStorage) };
 }
 
 /** Projects and libraries, asked for again when files have changed. */

@@ -41,7 +41,7 @@ export class OpenRoom implements Room {
   readonly machine: Mirror;
   readonly version: Signal<number>;
   readonly revision: Signal<number>;
-  readonly status = signal<MachineStatus | null>(null);
+  readonly status: Signal<MachineStatus | null>;
   readonly people: ReadonlySignal<readonly Presence[]>;
   readonly pending = signal<readonly PendingEdit[]>([]);
   readonly steps: Signal<MachineSteps>;
@@ -52,12 +52,14 @@ export class OpenRoom implements Room {
   readonly #following: Following;
   readonly #deaf: () => void;
   #unsettled: () => void = () => {};
+  #toldOfRecovery = false;
 
   constructor(summary: MachineSummary, { revision, document }: MachineDocument, ports: RoomPorts) {
     this.#ports = ports;
     this.machine = new Mirror(document, (key) => ports.shelf.get(key));
     this.version = signal(this.machine.version);
     this.revision = signal(revision);
+    this.status = signal<MachineStatus | null>({ summary, people: [] });
     this.steps = signal({ start: revision, steps: [] });
     this.people = computed(() => this.#others());
     this.#deaf = ports.shelf.onArrival(() => this.#libraryChanged());
@@ -201,9 +203,11 @@ export class OpenRoom implements Room {
   }
 
   #stands(status: MachineStatus): void {
-    const isNews = status.summary.is_recovered && !this.status.peek()?.summary.is_recovered;
     this.status.value = status;
-    if (isNews) this.#tell("info", "edits that were not saved when the server ended are back");
+    const wasToldOf = this.#toldOfRecovery;
+    this.#toldOfRecovery = status.summary.is_recovered;
+    if (status.summary.is_recovered && !wasToldOf)
+      this.#tell("info", "edits that were not saved when the server ended are back");
   }
 
   #advance(revisions: readonly Revision[]): void {

@@ -1,0 +1,95 @@
+/** Opens again what was open when the page ended, and from then on keeps what is open. */
+
+import { effect, type Signal, signal } from "@preact/signals-core";
+import type { MachineFile } from "../model/generated/protocol.ts";
+import type { Notice, OpenTab } from "../store/page.ts";
+import { forgetGone } from "../store/selection.ts";
+import { RefusalError, type Server } from "../store/server.ts";
+import {
+  keepSession,
+  readSession,
+  restoreView,
+  type Session,
+  sessionOf,
+} from "../store/session.ts";
+import type { Shed } from "../store/shed.ts";
+import type { Clock } from "./clock.ts";
+
+export interface SessionPorts {
+  readonly server: Server;
+  readonly clock: Clock;
+  /** Of this tab of the browser. */
+  readonly own: Shed;
+  /** Of the browser: for a new tab after a crash. */
+  readonly shared: Shed;
+  readonly tabs: Signal<readonly OpenTab[]>;
+  readonly active: Signal<OpenTab | null>;
+  readonly open: (file: MachineFile) => Promise<OpenTab>;
+  readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
+}
+
+/** The session is written when nothing has changed for so long: a camera in flight is none of it. */
+const KEPT_AFTER_MS = 500;
+
+/** Whether it is still on its way back. */
+export function followSession(ports: SessionPorts): Signal<boolean> {
+  const session = readSession(ports.own) ?? readSession(ports.shared);
+  const isRestoring = signal(session !== null && session.tabs.length > 0);
+  void restore(ports, session).finally(() => {
+    isRestoring.value = false;
+    keep(ports);
+  });
+  return isRestoring;
+}
+
+function keep({ clock, own, shared, tabs, active }: SessionPorts): void {
+  let cancel = () => {};
+  effect(() => {
+    const session = sessionOf(tabs.value, active.value);
+    cancel();
+    cancel = clock.after(KEPT_AFTER_MS, () => {
+      for (const shed of [own, shared]) keepSession(shed, session);
+    });
+  });
+}
+
+async function restore(ports: SessionPorts, session: Session | null): Promise<void> {
+  if (!session) return;
+  await isUp(ports.server);
+  const opened = new Map<string, OpenTab>();
+  for (const kept of session.tabs) {
+    const tab = await openAgain(ports, kept.file);
+    if (!tab) continue;
+    restoreView(tab.view, kept);
+    forgetGone(tab.view, tab.room.machine);
+    opened.set(nameOf(kept.file), tab);
+  }
+  const front = session.active && opened.get(nameOf(session.active));
+  if (front) ports.active.value = front;
+}
+
+async function openAgain(ports: SessionPorts, file: MachineFile): Promise<OpenTab | null> {
+  try {
+    return await ports.open(file);
+  } catch (error) {
+    if (!(error instanceof RefusalError)) throw error;
+    const text = `${file.path} was open before and cannot be opened again: ${error.message}`;
+    ports.tell({ level: "warning", text });
+    return null;
+  }
+}
+
+/** Waits for the first connection. */
+function isUp(server: Server): Promise<void> {
+  return new Promise((up) => {
+    const stop = effect(() => {
+      if (server.link.value.state !== "up") return;
+      up();
+      queueMicrotask(() => stop());
+    });
+  });
+}
+
+function nameOf({ project, path }: MachineFile): string {
+  return `${project}/${path}`;
+}
