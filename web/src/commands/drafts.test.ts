@@ -1,0 +1,59 @@
+import { expect, test } from "vitest";
+import type { Edit } from "../model/generated/protocol.ts";
+import { machineOf } from "../model/plain.ts";
+import { sketch } from "../model/sketch.ts";
+import { type Draft, openDrafts } from "../store/drafts.ts";
+import type { OpenTab } from "../store/page.ts";
+import type { EditAnswer } from "../store/room.ts";
+import { applyDrafts } from "./drafts.ts";
+
+function house(answer: EditAnswer = { revision: 1 }) {
+  const machine = machineOf(sketch('R hierarchy\n  A "Scan" execution\n  B execution'));
+  const [edits, told]: [Edit[], string[]] = [[], []];
+  const room = {
+    id: "m",
+    machine,
+    edit: async (_: string, edit: Edit) => {
+      edits.push(edit);
+      return answer;
+    },
+  } as unknown as OpenTab["room"];
+  const page = { tell: ({ text }: { text: string }) => void told.push(text) };
+  const drafts = openDrafts(null);
+  const draft: Draft = { machine: "m", path: "R/A", field: "script", text: "new", base: "" };
+  return { edits, told, drafts, draft, apply: () => applyDrafts(page, { room }, drafts) };
+}
+
+test("drafts of the machine are applied and gone", async () => {
+  const { edits, told, drafts, draft, apply } = house();
+  drafts.keep(draft);
+  drafts.keep({ ...draft, path: "R", field: "description", text: "**what**" });
+  drafts.keep({ ...draft, machine: "another" });
+  expect(await apply()).toBe(true);
+  expect(edits).toEqual([
+    { edit: "set_script", path: "R/A", script: "new" },
+    { edit: "set_description", path: "R", description: "**what**" },
+  ]);
+  expect(told).toEqual([]);
+  expect([...drafts.all.value.values()].map(({ machine }) => machine)).toEqual(["another"]);
+});
+
+test("drafts that cannot be applied stay, and it is told why", async () => {
+  const { edits, told, drafts, draft, apply } = house();
+  drafts.keep({ ...draft, base: "it was like this" });
+  drafts.keep({ ...draft, path: "R/GONE" });
+  drafts.keep({ ...draft, path: "R" });
+  expect(await apply()).toBe(false);
+  expect(edits).toEqual([]);
+  expect(told).toHaveLength(3);
+  expect(told[0]).toContain("The script of Scan was changed by somebody else");
+  expect(drafts.all.value.size).toBe(3);
+});
+
+test("a refusal of the server keeps the draft", async () => {
+  const { told, drafts, draft, apply } = house({ refused: "not now" });
+  drafts.keep(draft);
+  expect(await apply()).toBe(false);
+  expect(told).toEqual(["not now"]);
+  expect(drafts.get(draft)?.text).toBe("new");
+});

@@ -1,0 +1,128 @@
+/** The description of a state: Markdown, shown as it reads, written as it stands. */
+
+import DOMPurify from "dompurify";
+import { Pencil } from "lucide-react";
+import { marked } from "marked";
+import { type KeyboardEvent, useId, useMemo, useState } from "react";
+import { setDescription } from "../../plan/states.ts";
+import { type DraftPlace, drafts } from "../../store/drafts.ts";
+import { Button, IconButton } from "../../ui/button.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { Fold } from "./fold.tsx";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import type { SeenState } from "./seen.ts";
+
+export function Description({ seen }: { seen: SeenState }) {
+  const { path, state, tab, readOnly } = seen;
+  const text = state.description ?? "";
+  const place: DraftPlace = { machine: tab.room.id, path, field: "description" };
+  useSignal(drafts.all);
+  const draft = drafts.get(place);
+  const [isWriting, setWriting] = useState(false);
+  const writes = !readOnly && (isWriting || draft !== undefined);
+  const pencil = (
+    <IconButton
+      label={writes ? "Show the description as it reads" : "Edit the description"}
+      icon={<Pencil size={14} />}
+      pressed={writes}
+      onClick={() => setWriting(!writes)}
+    />
+  );
+  const isEmpty = text === "" && !writes;
+  return (
+    <Fold title="Description" openAtFirst={!isEmpty} actions={readOnly || isEmpty ? null : pencil}>
+      {writes ? (
+        <Writing seen={seen} place={place} onDone={() => setWriting(false)} />
+      ) : isEmpty ? (
+        <Nothing readOnly={readOnly} onWrite={() => setWriting(true)} />
+      ) : (
+        <Markdown text={text} />
+      )}
+    </Fold>
+  );
+}
+
+function Nothing({ readOnly, onWrite }: { readOnly: boolean; onWrite: () => void }) {
+  if (readOnly) return <p className="inspector-none">No description.</p>;
+  return (
+    <Button kind="quiet" icon={<Pencil size={14} />} onClick={onWrite}>
+      Describe this state
+    </Button>
+  );
+}
+
+interface WritingProps {
+  readonly seen: SeenState;
+  readonly place: DraftPlace;
+  readonly onDone: () => void;
+}
+
+/** Kept as a draft at each key, applied with Ctrl+Enter and on leaving, given up with Escape. */
+function Writing({ seen: { path, state, edit }, place, onDone }: WritingProps) {
+  const id = useId();
+  const [refusal, run] = useRefusal();
+  const base = state.description ?? "";
+  const draft = drafts.get(place);
+  const stop = () => {
+    drafts.drop(place);
+    onDone();
+  };
+  const apply = async () => {
+    const text = drafts.get(place)?.text ?? base;
+    const said = text === base ? null : await edit((now) => setDescription(now, path, text));
+    if (said === null) stop();
+    return said;
+  };
+  const key = (event: KeyboardEvent<HTMLElement>) => {
+    const isDone = event.key === "Enter" && (event.ctrlKey || event.metaKey);
+    if (event.key !== "Escape" && !isDone) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (isDone) run(apply());
+    else stop();
+  };
+  return (
+    <div className="field">
+      <label className="field-label" htmlFor={id}>
+        Description, in Markdown
+      </label>
+      <textarea
+        id={id}
+        className="field-input inspector-writing"
+        // biome-ignore lint/a11y/noAutofocus: the user asked to write here
+        autoFocus
+        aria-describedby={`${id}-hint`}
+        value={draft?.text ?? base}
+        onChange={({ currentTarget: { value: text } }) =>
+          drafts.keep({ ...place, text, base: draft?.base ?? base })
+        }
+        onBlur={() => run(apply())}
+        onKeyDown={key}
+      />
+      <span id={`${id}-hint`} className="field-hint">
+        Ctrl+Enter or leaving the field keeps it, Escape gives it up.
+      </span>
+      <Refusal text={refusal} />
+      {draft && draft.base !== base && (
+        <p className="inspector-warning" role="note">
+          Somebody else changed the description meanwhile. It reads: {base || "(nothing)"}
+        </p>
+      )}
+    </div>
+  );
+}
+
+/** Text as Markdown; what could run or load anything is taken out. */
+function Markdown({ text }: { text: string }) {
+  const html = useMemo(() => {
+    const made = marked.parse(text, { async: false, gfm: true, breaks: true });
+    return DOMPurify.sanitize(made, { FORBID_TAGS: ["style", "form", "input", "img"] });
+  }, [text]);
+  return (
+    <div
+      className="inspector-markdown"
+      // biome-ignore lint/security/noDangerouslySetInnerHtml: DOMPurify has taken out what could do harm
+      dangerouslySetInnerHTML={{ __html: html }}
+    />
+  );
+}

@@ -1,0 +1,118 @@
+/** The script of a state: written as a draft that the browser keeps until it is applied, one step of the history. */
+
+import { Check, RotateCcw } from "lucide-react";
+import { useEffect, useMemo, useRef } from "react";
+import { globalsOf } from "../../model/globals.ts";
+import { outcomesOf, portsOf } from "../../model/machine.ts";
+import { setScript } from "../../plan/states.ts";
+import { type DraftPlace, drafts } from "../../store/drafts.ts";
+import { Button } from "../../ui/button.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import type { ScriptNames } from "./code/complete.ts";
+import { type ScriptEditor, scriptEditor } from "./code/script_editor.ts";
+import { Fold } from "./fold.tsx";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import { checkScript } from "./script_check.ts";
+import { ScriptConflict } from "./script_conflict.tsx";
+import type { SeenState } from "./seen.ts";
+
+export function Script({ seen }: { seen: SeenState }) {
+  const { path, state, tab, readOnly, edit } = seen;
+  const [refusal, run] = useRefusal();
+  useSignal(drafts.all);
+  const base = state.script ?? "";
+  const place: DraftPlace = { machine: tab.room.id, path, field: "script" };
+  const draft = readOnly ? undefined : drafts.get(place);
+  const text = draft?.text ?? base;
+  const isConflict = draft !== undefined && draft.base !== base && draft.text !== base;
+  const apply = async () => {
+    const latest = drafts.get(place);
+    if (!latest) return null;
+    const said =
+      latest.text === base ? null : await edit((now) => setScript(now, path, latest.text));
+    if (said === null && drafts.get(place)?.text === latest.text) drafts.drop(place);
+    return said;
+  };
+  const type = (typed: string) => {
+    if (typed === base) drafts.drop(place);
+    else drafts.keep({ ...place, text: typed, base: draft?.base ?? base });
+  };
+  return (
+    <Fold title="Script">
+      <Code key={path} seen={seen} text={text} onType={type} onApply={() => run(apply())} />
+      {draft && (
+        <div className="inspector-bar">
+          <span className="inspector-unapplied">Not applied yet</span>
+          <Button icon={<RotateCcw size={14} />} onClick={() => drafts.drop(place)}>
+            Reset
+          </Button>
+          <Button
+            kind="primary"
+            icon={<Check size={14} />}
+            keys="Ctrl+Enter"
+            title="Apply the script to the state"
+            onClick={() => run(apply())}
+          >
+            Apply
+          </Button>
+        </div>
+      )}
+      <Refusal text={refusal} />
+      {isConflict && draft && (
+        <ScriptConflict
+          theirs={base}
+          mine={draft.text}
+          onMine={() => run(apply())}
+          onTheirs={() => drafts.drop(place)}
+          onKeep={(merged) => drafts.keep({ ...place, text: merged, base })}
+        />
+      )}
+    </Fold>
+  );
+}
+
+interface CodeProps {
+  readonly seen: SeenState;
+  readonly text: string;
+  readonly onType: (text: string) => void;
+  readonly onApply: () => void;
+}
+
+/** The editor lives as long as the same state is shown; what comes from outside is put in. */
+function Code({ seen, text, onType, onApply }: CodeProps) {
+  const place = useRef<HTMLDivElement>(null);
+  const editor = useRef<ScriptEditor | null>(null);
+  const latest = useRef({ seen, onType, onApply, text });
+  latest.current = { seen, onType, onApply, text };
+  const check = useMemo(() => checkScript(seen.page), [seen.page]);
+  useEffect(() => {
+    if (!place.current) return;
+    const made = scriptEditor(place.current, {
+      text: latest.current.text,
+      readOnly: latest.current.seen.readOnly,
+      label: `Script of ${latest.current.seen.state.name}`,
+      names: () => namesOf(latest.current.seen),
+      check,
+      onType: (typed) => latest.current.onType(typed),
+      onApply: () => latest.current.onApply(),
+    });
+    editor.current = made;
+    return () => made.view.destroy();
+  }, [check]);
+  useEffect(() => editor.current?.put(text), [text]);
+  useEffect(() => editor.current?.setReadOnly(seen.readOnly), [seen.readOnly]);
+  return <div ref={place} className="inspector-code" />;
+}
+
+function namesOf({ state, machine }: SeenState): ScriptNames {
+  const ports = (kind: "input" | "output") =>
+    portsOf(state, kind).map(({ name, data_type }) => ({ name, detail: data_type }));
+  return {
+    inputs: ports("input"),
+    outputs: ports("output"),
+    outcomes: outcomesOf(state)
+      .toSorted((one, other) => Number(one.id < 0) - Number(other.id < 0))
+      .map(({ name, id }) => ({ name, detail: `outcome ${id}` })),
+    globals: globalsOf(machine).map(({ name }) => ({ name, detail: "global variable" })),
+  };
+}

@@ -1,0 +1,51 @@
+/** What every part of the inspector is given: the machine that is looked at, and the way of edits to it. */
+
+import { mayEdit } from "../../commands/subject.ts";
+import type { ElementRef } from "../../model/element.ts";
+import type { StateDocument } from "../../model/generated/protocol.ts";
+import type { Machine } from "../../model/machine.ts";
+import { isRefused, type Planned } from "../../plan/plan.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import { wasRefused } from "../../store/room.ts";
+
+/** A machine in the inspector. */
+export interface Seen {
+  readonly page: Page;
+  readonly tab: OpenTab;
+  readonly machine: Machine;
+  /** Makes an edit: null, or why it was refused, which is shown where it was asked for. */
+  readonly edit: (plan: (machine: Machine) => Planned) => Promise<string | null>;
+  /** Selects an element and brings it into sight. */
+  readonly show: (element: ElementRef) => void;
+  readonly hover: (element: ElementRef | null) => void;
+  readonly run: (command: string, argument?: unknown) => void;
+}
+
+/** A state in the inspector. */
+export interface SeenState extends Seen {
+  readonly path: string;
+  readonly state: StateDocument;
+  /** Whether nothing of it may be changed here. */
+  readonly readOnly: boolean;
+}
+
+/** Makes an edit: null, or why it was refused. */
+export async function makeEdit(
+  page: Page,
+  tab: OpenTab,
+  plan: (machine: Machine) => Planned,
+): Promise<string | null> {
+  if (!mayEdit(page)) {
+    return "You may look at this machine but not edit it: ask an admin for the role engineer.";
+  }
+  const planned = plan(tab.room.machine);
+  if (isRefused(planned)) return planned.refused;
+  const answer = await tab.room.edit(planned.name, planned.edit);
+  return wasRefused(answer) ? answer.refused : null;
+}
+
+export function seenState(seen: Seen, path: string): SeenState | null {
+  const state = seen.machine.state(path);
+  if (!state) return null;
+  return { ...seen, path, state, readOnly: seen.machine.isInLibrary(path) || !mayEdit(seen.page) };
+}
