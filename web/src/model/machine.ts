@@ -30,6 +30,9 @@ export interface Machine {
 export const ABORTED = -1;
 export const PREEMPTED = -2;
 
+/** The id that every decider has. */
+export const DECIDER_ID = "unique_decider_state_id";
+
 export const NO_OUTCOMES: readonly OutcomeDocument[] = [];
 export const NO_PORTS: readonly PortDocument[] = [];
 export const NO_TRANSITIONS: readonly TransitionDocument[] = [];

@@ -50,6 +50,7 @@ export function move(machine: Machine, paths: readonly string[], wanted: Point):
     const box = boxIn(machine, path);
     return state ? boxEdits(state, path, { ...box, x: box.x + by.x, y: box.y + by.y }) : [];
   });
+  if (by.x === 0 && by.y === 0) return refused("The states stay where they are.");
   edits.push(...shiftedBetween(machine, container, new Set(paths.map(idOf)), by));
   return { name: `Move ${statesInWords(machine, paths)}`, edit: together(edits) };
 }

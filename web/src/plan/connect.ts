@@ -1,0 +1,224 @@
+/** Connecting outcomes with states, and ports with ports: on one level, over several, and anew. */
+
+import type { ElementRef } from "../model/element.ts";
+import { type Ends, endsOf, isConnection, isPort, type PortRef } from "../model/ends.ts";
+import type { DataFlowDocument, Edit, StateDocument } from "../model/generated/protocol.ts";
+import { dataFlowsOf, type Machine, outcomesOf } from "../model/machine.ts";
+import { freshName, freshNumber } from "../model/names.ts";
+import { parentOf } from "../model/path.ts";
+import { courseBetween, fittingPort, flowEdits, portAt, portEdit } from "./flows.ts";
+import { interfaceAt, stateAt } from "./legal.ts";
+import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
+import { climb, freeOutcome, lineBetween, lineEdit, lineRefused } from "./transitions.ts";
+
+export type ConnectionEnd = "from" | "to";
+
+interface Ignored {
+  readonly path: string;
+  readonly id: number;
+}
+
+/** Whether a connection may lead from one to the other, as it would be made by `connect`. */
+export function canConnect(machine: Machine, from: ElementRef, to: ElementRef): true | Refused {
+  const edits = connection(machine, from, to);
+  return isRefused(edits) ? edits : true;
+}
+
+/** Connects two elements, whichever of them was named first; what is needed between their levels is made. */
+export function connect(machine: Machine, from: ElementRef, to: ElementRef): Planned {
+  const edits = connection(machine, from, to);
+  if (isRefused(edits)) return edits;
+  return { name: isPort(from) ? "Add data flow" : "Add transition", edit: together(edits) };
+}
+
+function connection(
+  machine: Machine,
+  from: ElementRef,
+  to: ElementRef,
+  ignored?: Ignored,
+): Edit[] | Refused {
+  if (isPort(from) && isPort(to)) return flow(machine, from, to, ignored);
+  if (isPort(from) && to.kind === "state") return toState(machine, from, to.path, ignored);
+  if (isPort(to) && from.kind === "state") return toState(machine, to, from.path, ignored);
+  if (isPort(from) || isPort(to)) {
+    return refused(
+      "Values flow from port to port, transitions lead from an outcome to a state: these two do not go together.",
+    );
+  }
+  return transition(machine, from, to, ignored);
+}
+
+function flow(
+  machine: Machine,
+  one: ElementRef & PortRef,
+  other: ElementRef & PortRef,
+  ignored: Ignored | undefined,
+): Edit[] | Refused {
+  const [first, second] = [portAt(machine, one), portAt(machine, other)];
+  if (isRefused(first)) return first;
+  if (isRefused(second)) return second;
+  const course = courseBetween(machine, first, second);
+  return isRefused(course) ? course : flowEdits(machine, course, ignored);
+}
+
+function transition(
+  machine: Machine,
+  one: ElementRef,
+  other: ElementRef,
+  ignored: Ignored | undefined,
+): Edit[] | Refused {
+  const backwards = lineBetween(one, other) === null && runsBackwards(one, other);
+  const [from, to] = backwards ? [other, one] : [one, other];
+  const source = from.kind === "state" ? outcomeOf(machine, from.path) : from;
+  if (isRefused(source)) return source;
+  const line = lineBetween(source, to);
+  if (!line) return climb(machine, source, to, ignored);
+  const own = ignored?.path === line.container ? ignored.id : undefined;
+  return lineRefused(machine, line, own) ?? [lineEdit(machine, line)];
+}
+
+/** Whether the line was drawn from its end: from an income to an outcome, or from the outcome of the state around. */
+function runsBackwards(one: ElementRef, other: ElementRef): boolean {
+  if (lineBetween(other, one) !== null) return true;
+  return (one.kind === "income" || one.kind === "state") && other.kind === "outcome";
+}
+
+function outcomeOf(machine: Machine, path: string): ElementRef | Refused {
+  const id = freeOutcome(machine, path);
+  const name = machine.state(path)?.name;
+  return id === null
+    ? refused(`All outcomes of ${name} lead somewhere: add one, or move the end of a transition.`)
+    : { kind: "outcome", path, id };
+}
+
+/** Connects with a state: a port gets the port that it needs there, an outcome leads to the state. */
+export function connectToState(machine: Machine, from: ElementRef, path: string): Planned {
+  const state = stateAt(machine, path);
+  if (isRefused(state)) return state;
+  if (isPort(from)) {
+    const edits = toState(machine, from, path);
+    return isRefused(edits) ? edits : { name: "Add port and data flow", edit: together(edits) };
+  }
+  if (from.kind === "outcome" && parentOf(from.path) === path) {
+    return toNewOutcome(machine, from, path);
+  }
+  return connect(machine, from, { kind: "state", path });
+}
+
+function toState(
+  machine: Machine,
+  from: ElementRef & PortRef,
+  path: string,
+  ignored?: Ignored,
+): Edit[] | Refused {
+  const other = portAt(machine, from);
+  if (isRefused(other)) return other;
+  const state = interfaceAt(machine, path);
+  if (isRefused(state)) return state;
+  const port = fittingPort(machine, other, path);
+  if (isRefused(port)) return port;
+  const course = courseBetween(machine, other, port);
+  if (isRefused(course)) return course;
+  const edits = flowEdits(machine, course, ignored);
+  return isRefused(edits) ? edits : [portEdit(port), ...edits];
+}
+
+/** Leads out of the container by an outcome that is made for it. */
+function toNewOutcome(
+  machine: Machine,
+  from: ElementRef & { readonly id: number },
+  path: string,
+): Planned {
+  const container = interfaceAt(machine, path);
+  if (isRefused(container)) return container;
+  const child = machine.state(from.path);
+  const source = child && outcomesOf(child).find(({ id }) => id === from.id);
+  if (!source) return refused("There is no such outcome any more: somebody may have removed it.");
+  const names = outcomesOf(container).map((each) => each.name);
+  const outcome = freshNumber(outcomesOf(container));
+  const name = freshName(source.name, names);
+  const line = lineBetween(from, { kind: "outcome", path, id: outcome });
+  if (!line) return refused("A state leads to outcomes of the state around it only.");
+  const bad = lineRefused(machine, line);
+  if (bad) return bad;
+  const edits: Edit[] = [{ edit: "add_outcome", path, outcome, name }, lineEdit(machine, line)];
+  return { name: "Add outcome and transition", edit: together(edits) };
+}
+
+/** Lets one end of a connection be elsewhere; on another level the connection is made anew. */
+export function reconnect(
+  machine: Machine,
+  connected: ElementRef,
+  end: ConnectionEnd,
+  target: ElementRef,
+): Planned {
+  if (!isConnection(connected)) {
+    return refused("Only transitions and data flows have ends.");
+  }
+  const container = stateAt(machine, connected.path);
+  if (isRefused(container)) return container;
+  const ends = endsOf(machine, connected);
+  if (!ends) return refused("There is no such connection any more: somebody may have removed it.");
+  const data = connected.kind === "data_flow";
+  const name = data ? "Change end of data flow" : "Change end of transition";
+  const now = end === "from" ? { ...ends, from: target } : { ...ends, to: target };
+  const edits = data
+    ? flowAnew(machine, container, connected, now)
+    : transitionAnew(machine, connected, now, end);
+  return isRefused(edits) ? edits : { name, edit: together(edits) };
+}
+
+type Connected = ElementRef & { readonly id: number };
+
+function transitionAnew(
+  machine: Machine,
+  connected: Connected,
+  ends: Ends,
+  end: ConnectionEnd,
+): Edit[] | Refused {
+  const { path, id } = connected;
+  const place = { path, transition: id };
+  const line = lineBetween(ends.from, ends.to);
+  if (line?.container === path) {
+    const bad = lineRefused(machine, line, id);
+    if (bad) return bad;
+    if (end === "to") return [{ edit: "set_transition_target", ...place, to: line.to }];
+    return [{ edit: "set_transition_origin", ...place, from: line.from }];
+  }
+  const edits = transition(machine, ends.from, ends.to, connected);
+  return isRefused(edits) ? edits : [{ edit: "remove_transition", ...place }, ...edits];
+}
+
+function flowAnew(
+  machine: Machine,
+  container: StateDocument,
+  connected: Connected,
+  ends: Ends,
+): Edit[] | Refused {
+  const { path, id } = connected;
+  const edits = connection(machine, ends.from, ends.to, connected);
+  if (isRefused(edits)) return edits;
+  const last = edits.at(-1);
+  const place = { path, data_flow: id };
+  if (last?.edit !== "add_data_flow" || last.path !== path) {
+    return [{ edit: "remove_data_flow", ...place }, ...edits];
+  }
+  const old = dataFlowsOf(container).find((flow) => flow.id === id);
+  return [...edits.slice(0, -1), ...moved(old, place, last)];
+}
+
+/** The flow stays, and keeps its id, where only one end is elsewhere. */
+function moved(
+  old: DataFlowDocument | undefined,
+  place: { readonly path: string; readonly data_flow: number },
+  { from, to }: Pick<Extract<Edit, { edit: "add_data_flow" }>, "from" | "to">,
+): Edit[] {
+  const sameFrom = old?.from_state === from.state && old.from_port === from.port;
+  const sameTo = old?.to_state === to.state && old.to_port === to.port;
+  if (sameFrom) return [{ edit: "set_data_flow_target", ...place, to }];
+  if (sameTo) return [{ edit: "set_data_flow_source", ...place, from }];
+  return [
+    { edit: "remove_data_flow", ...place },
+    { edit: "add_data_flow", ...place, from, to },
+  ];
+}
