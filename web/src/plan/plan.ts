@@ -19,8 +19,8 @@ export interface Refused {
 
 export type Planned = Plan | Refused;
 
-export function isRefused(planned: object | true): planned is Refused {
-  return planned !== true && "refused" in planned;
+export function isRefused(planned: unknown): planned is Refused {
+  return typeof planned === "object" && planned !== null && "refused" in planned;
 }
 
 export function refused(reason: string): Refused {
