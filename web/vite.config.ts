@@ -9,5 +9,5 @@ export default defineConfig({
   worker: { format: "es" },
   build: { target: "es2022", outDir: "dist", assetsInlineLimit: 0, chunkSizeWarningLimit: 2000 },
   server: { proxy: { "/api": { target: server, ws: true } } },
-  test: { include: ["src/**/*.test.{ts,tsx}"], environment: "node" },
+  test: { include: ["src/**/*.test.{ts,tsx}", "bench/**/*.test.ts"], environment: "node" },
 });

@@ -1,0 +1,81 @@
+/** How soon an edit shows, and what a thousand of them leave in memory. */
+
+import type { CDPSession, Page as Sheet } from "playwright-core";
+import { PICTURE_MARK } from "../src/canvas/marks.ts";
+import { median } from "./trace.ts";
+
+const EDITS = 30;
+const WARM_UP = 100;
+const MANY = 1_000;
+
+/** The ms from an edit to the first picture with it, in the middle of many: without the way to the server. */
+export async function editToPicture(sheet: Sheet): Promise<number> {
+  const times: number[] = [];
+  for (let turn = 0; turn < EDITS; turn++) times.push(await one(sheet, turn));
+  return median(times);
+}
+
+/** Moves the first child of the root; from the call to the mark of a picture that is as new. */
+function one(sheet: Sheet, turn: number): Promise<number> {
+  return sheet.evaluate(
+    ([step, mark]) =>
+      new Promise<number>((done, failed) => {
+        const room = window.__rafcon.context().tab?.room;
+        const path = room?.machine.children(room.machine.root)[0];
+        if (!room || path === undefined) throw new Error("no machine is open");
+        let version = Number.POSITIVE_INFINITY;
+        const seen = new PerformanceObserver((list) => {
+          const marks = list.getEntriesByName(mark) as PerformanceMark[];
+          const picture = marks.find(({ detail }) => detail >= version);
+          if (!picture) return;
+          seen.disconnect();
+          made.then(() => done(picture.startTime - begun), failed);
+        });
+        seen.observe({ type: "mark" });
+        const begun = performance.now();
+        const made = room.edit("Move", {
+          edit: "set_position",
+          path,
+          element: "state",
+          position: [50 + (step % 7) * 10, 60],
+        });
+        version = room.machine.version;
+      }),
+    [turn, PICTURE_MARK] as const,
+  );
+}
+
+/** By how much the page's memory is larger, in percent, after a thousand edits that were all undone. */
+export async function memoryGrowth(sheet: Sheet, session: CDPSession): Promise<number> {
+  await session.send("Performance.enable");
+  await editAndUndo(sheet, WARM_UP);
+  const before = await heap(session);
+  await editAndUndo(sheet, MANY);
+  const after = await heap(session);
+  process.stderr.write(`memory: ${megabytes(before)} MB before, ${megabytes(after)} MB after\n`);
+  return (after / before - 1) * 100;
+}
+
+function megabytes(bytes: number): number {
+  return Math.round(bytes / 104_857.6) / 10;
+}
+
+function editAndUndo(sheet: Sheet, times: number): Promise<void> {
+  return sheet.evaluate(async (count) => {
+    const room = window.__rafcon.context().tab?.room;
+    const path = room?.machine.children(room.machine.root)[0];
+    if (!room || path === undefined) throw new Error("no machine is open");
+    for (let turn = 0; turn < count; turn++) {
+      const position: [number, number] = [50 + (turn % 7) * 10, 60 + (turn % 5)];
+      await room.edit("Move", { edit: "set_position", path, element: "state", position });
+      await room.undo();
+    }
+  }, times);
+}
+
+/** What scripts hold after the garbage is gone. */
+async function heap(session: CDPSession): Promise<number> {
+  await session.send("HeapProfiler.collectGarbage");
+  const { metrics } = await session.send("Performance.getMetrics");
+  return metrics.find(({ name }) => name === "JSHeapUsedSize")?.value ?? Number.NaN;
+}

@@ -1,0 +1,83 @@
+/** The page under measurement: a browser without a GPU, the real server with the two machines, and how they are opened. */
+
+import { spawnSync } from "node:child_process";
+import { existsSync, rmSync } from "node:fs";
+import { join } from "node:path";
+import { type Browser, chromium, type Page as Sheet } from "playwright-core";
+import { binary, CHROMIUM, newPlace, REPOSITORY } from "../e2e/house/places.ts";
+import { Server } from "../e2e/house/server.ts";
+import { PICTURE_MARK } from "../src/canvas/marks.ts";
+import { writeLarge } from "./large.ts";
+
+export const VIEW = { width: 1600, height: 1000 };
+
+/** The machines by name: the mission that `rafcon new` makes, and ours. */
+export type Size = "mission_750" | "large_10000";
+
+export interface House {
+  readonly server: Server;
+  readonly browser: Browser;
+}
+
+export async function begin(): Promise<House> {
+  const server = await Server.start(newPlace(machines()));
+  const browser = await chromium.launch({
+    executablePath: CHROMIUM,
+    args: ["--no-sandbox", "--disable-gpu", "--force-device-scale-factor=1"],
+  });
+  return { server, browser };
+}
+
+export async function end({ server, browser }: House): Promise<void> {
+  await browser.close();
+  await server.dispose();
+}
+
+/** Both are made afresh: they say what is measured. */
+function machines(): Record<Size, string> {
+  const folder = join(REPOSITORY, "target", "bench-web");
+  const [mission, large] = [join(folder, "mission_750"), join(folder, "large_10000")];
+  rmSync(folder, { recursive: true, force: true });
+  const made = spawnSync(binary(), ["new", "--template", "mission", "--states", "750", mission]);
+  if (made.status !== 0) throw new Error(`no mission was made: ${made.stderr}`);
+  if (!existsSync(large)) writeLarge(large);
+  return { mission_750: mission, large_10000: large };
+}
+
+/** A fresh page in a profile of its own, let in and waiting for a machine. */
+export async function freshPage({ server, browser }: House): Promise<Sheet> {
+  const context = await browser.newContext({ viewport: VIEW });
+  const sheet = await context.newPage();
+  sheet.on("pageerror", (error) => process.stderr.write(`the page: ${error.message}\n`));
+  await sheet.goto(server.link);
+  await sheet.waitForFunction(() => window.__rafcon?.page.projects.value.length > 0);
+  return sheet;
+}
+
+/** Opens a machine as the command does; the ms from there to its first picture. */
+export async function open(sheet: Sheet, size: Size): Promise<number> {
+  return sheet.evaluate(
+    ([name, mark]) =>
+      new Promise<number>((done) => {
+        const { page, commands, context } = window.__rafcon;
+        const begun = performance.now();
+        const seen = new PerformanceObserver((list) => {
+          const picture = list.getEntriesByName(mark).find(({ startTime }) => startTime >= begun);
+          if (!picture || !page.active.value) return;
+          seen.disconnect();
+          done(picture.startTime - begun);
+        });
+        seen.observe({ type: "mark" });
+        const project = page.projects.value[0]?.id;
+        commands.run("file.open", context(), { project, path: name });
+      }),
+    [size, PICTURE_MARK] as const,
+  );
+}
+
+/** Closes the machine here and on the server, so that it is read from disk when it is opened again. */
+export async function forget(sheet: Sheet, server: Server): Promise<void> {
+  const id = await sheet.evaluate(() => window.__rafcon.page.active.value?.room.id);
+  await sheet.context().close();
+  await server.ask("POST", `/machines/${id}/close`, { discard: true });
+}

@@ -1,0 +1,90 @@
+/** Measures the page: `cargo xtask bench-web`. Prints a table, or with `--json` one JSON object a line. */
+
+import type { CDPSession, Page as Sheet } from "playwright-core";
+import { editToPicture, memoryGrowth } from "./edits.ts";
+import { asLines, asTable, type Figures } from "./figures.ts";
+import { lookAround } from "./gestures.ts";
+import { begin, end, forget, freshPage, type House, open, type Size } from "./house.ts";
+import { median, presentedIntervals, quantile, scriptingPerFrame, traced } from "./trace.ts";
+
+/** How often a machine is opened; the middle one counts. */
+const OPENINGS = 3;
+
+interface Frames {
+  readonly scripting: readonly number[];
+  readonly presented: readonly number[];
+}
+
+async function main(json: boolean): Promise<void> {
+  const house = await begin();
+  try {
+    const figures = await measured(house);
+    process.stdout.write(json ? asLines(figures) : asTable(figures));
+  } finally {
+    await end(house);
+  }
+}
+
+async function measured(house: House): Promise<Figures> {
+  const small = await frames(house, "mission_750");
+  const large = await frames(house, "large_10000");
+  const open_750_ms = await opening(house, "mission_750");
+  const open_10000_ms = await opening(house, "large_10000");
+  const edits = await edited(house);
+  return {
+    frame_750_median_ms: median(small.scripting),
+    frame_750_p95_ms: quantile(small.scripting, 0.95),
+    frame_10000_median_ms: median(large.scripting),
+    frame_10000_p95_ms: quantile(large.scripting, 0.95),
+    open_750_ms,
+    open_10000_ms,
+    edit_to_picture_ms: edits.picture_ms,
+    presented_750_median_ms: median(small.presented),
+    presented_10000_median_ms: median(large.presented),
+    memory_growth_percent: edits.growth_percent,
+  };
+}
+
+/** Looks around in a machine with all data flows shown, once to warm up and once to be measured. */
+async function frames(house: House, size: Size): Promise<Frames> {
+  const sheet = await freshPage(house);
+  await open(sheet, size);
+  await showAllFlows(sheet);
+  await lookAround(sheet);
+  const session = await sheet.context().newCDPSession(sheet);
+  const events = await traced(session, () => lookAround(sheet));
+  await forget(sheet, house.server);
+  const found = { scripting: scriptingPerFrame(events), presented: presentedIntervals(events) };
+  const counts = `${found.scripting.length} frames drawn, ${found.presented.length} shown`;
+  process.stderr.write(`${size}: ${counts}\n`);
+  return found;
+}
+
+async function showAllFlows(sheet: Sheet): Promise<void> {
+  await sheet.evaluate(() => {
+    const view = window.__rafcon.context().tab?.view;
+    if (view) view.modes.value = { ...view.modes.value, dataFlows: "all" };
+  });
+}
+
+async function opening(house: House, size: Size): Promise<number> {
+  const times: number[] = [];
+  for (let time = 0; time < OPENINGS; time++) {
+    const sheet = await freshPage(house);
+    times.push(await open(sheet, size));
+    await forget(sheet, house.server);
+  }
+  return median(times);
+}
+
+async function edited(house: House) {
+  const sheet = await freshPage(house);
+  await open(sheet, "mission_750");
+  const session: CDPSession = await sheet.context().newCDPSession(sheet);
+  const picture_ms = await editToPicture(sheet);
+  const growth_percent = await memoryGrowth(sheet, session);
+  await forget(sheet, house.server);
+  return { picture_ms, growth_percent };
+}
+
+await main(process.argv.includes("--json"));

@@ -1,0 +1,202 @@
+/** The page as a person uses it: finds things by role and name, presses, drags and types. Reads where things are from the page's
+ * own words, and never changes anything by them. */
+
+import type { Page as Sheet } from "playwright-core";
+import type { Commands, Context } from "../../src/commands/command.ts";
+import { childBox, portPlaces, rootSize } from "../../src/model/drawing.ts";
+import type { StateDocument } from "../../src/model/generated/protocol.ts";
+import type { Box, Point } from "../../src/model/geometry.ts";
+import { lineage } from "../../src/model/path.ts";
+import type { Page } from "../../src/store/page.ts";
+import type { Camera } from "../../src/store/view.ts";
+import type { Server } from "./server.ts";
+
+declare global {
+  interface Window {
+    /** What the page tells journeys and benches. */
+    readonly __rafcon: {
+      readonly page: Page;
+      readonly commands: Commands;
+      readonly context: () => Context;
+    };
+  }
+}
+
+/** A state with its place among its siblings. */
+interface Found {
+  readonly state: StateDocument;
+  readonly index: number;
+}
+
+export class App {
+  readonly sheet: Sheet;
+  readonly server: Server;
+
+  constructor(sheet: Sheet, server: Server) {
+    this.sheet = sheet;
+    this.server = server;
+  }
+
+  /** Comes by the owner's link. */
+  async enter(): Promise<void> {
+    await this.sheet.goto(this.server.link);
+    await this.sheet.waitForFunction(() => window.__rafcon?.page.server.link.value.state === "up");
+  }
+
+  /** Opens a machine of the project by the dialog, and waits until it is drawn. */
+  async open(name: string): Promise<void> {
+    await this.sheet.keyboard.press("Control+o");
+    const dialog = this.sheet.getByRole("dialog");
+    await dialog.getByText(name, { exact: true }).first().click();
+    await dialog.getByRole("button", { name: "Open" }).click();
+    await this.canvas.waitFor();
+  }
+
+  get canvas() {
+    return this.sheet.getByRole("application", { name: "State machine" });
+  }
+
+  /** Presses a key while the canvas has the focus. */
+  async press(key: string): Promise<void> {
+    await this.canvas.focus();
+    await this.sheet.keyboard.press(key);
+  }
+
+  /** Chooses a command of a menu in the bar. */
+  async menu(menu: string, item: string): Promise<void> {
+    await this.sheet.getByRole("menubar").getByRole("menuitem", { name: menu }).click();
+    await this.sheet.getByRole("menuitem", { name: item, exact: true }).click();
+  }
+
+  /** Does a command by the palette. */
+  async palette(words: string): Promise<void> {
+    await this.sheet.keyboard.press("Control+k");
+    await this.sheet.getByRole("combobox").fill(words);
+    await this.sheet.getByRole("option").first().waitFor();
+    await this.sheet.keyboard.press("Enter");
+  }
+
+  /** Waits until the page's own state is so. */
+  async until<T>(wanted: (context: Context, argument: T) => boolean, argument: T): Promise<void> {
+    const text = `(argument) => (${wanted.toString()})(window.__rafcon.context(), argument)`;
+    await this.sheet.waitForFunction(`(${text})(${JSON.stringify(argument)})`);
+  }
+
+  /** The names of the children of a state, or of the root. */
+  async children(path?: string): Promise<readonly string[]> {
+    return this.sheet.evaluate((at) => {
+      const machine = window.__rafcon.context().tab?.room.machine;
+      if (!machine) return [];
+      return machine.children(at ?? machine.root).map((child) => machine.state(child)?.name ?? "");
+    }, path);
+  }
+
+  /** The path of the only state with this name. */
+  async path(name: string): Promise<string> {
+    return this.sheet.evaluate((wanted) => {
+      const machine = window.__rafcon.context().tab?.room.machine;
+      const found = [...(machine?.paths() ?? [])].filter(
+        (path) => machine?.state(path)?.name === wanted,
+      );
+      const [path] = found;
+      if (!path || found.length > 1) throw new Error(`${found.length} states are called ${wanted}`);
+      return path;
+    }, name);
+  }
+
+  async state(path: string): Promise<StateDocument> {
+    const found = await this.sheet.evaluate(
+      (at) => window.__rafcon.context().tab?.room.machine.state(at),
+      path,
+    );
+    if (!found) throw new Error(`there is no state ${path}`);
+    return found;
+  }
+
+  /** What is selected, by keys: `state:A/B`. */
+  async selection(): Promise<readonly string[]> {
+    return this.sheet.evaluate(() => [
+      ...(window.__rafcon.context().tab?.view.selection.value ?? []),
+    ]);
+  }
+
+  /** Where a state is on the screen, as the file says. */
+  async box(path: string): Promise<Box> {
+    return this.onScreen(await this.worldBox(path));
+  }
+
+  /** The middle of a state on the screen. */
+  async middle(path: string): Promise<Point> {
+    const box = await this.box(path);
+    return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+  }
+
+  /** Where a port is on the screen: `income`, or the name of an outcome, input, output or scoped variable. */
+  async port(
+    path: string,
+    kind: "income" | "outcome" | "input" | "output" | "scoped_variable",
+    name = "income",
+  ): Promise<Point> {
+    const state = await this.state(path);
+    const box = await this.worldBox(path);
+    const place = portPlaces(state, path, box).find(
+      (port) => port.kind === kind && port.name === name,
+    );
+    if (!place) throw new Error(`${path} has no ${kind} ${name}`);
+    const at = { x: box.x + place.at.x, y: box.y + place.at.y, width: 0, height: 0 };
+    return this.onScreen(at);
+  }
+
+  /** Presses at one point, goes to another, and lets go there. */
+  async drag(from: Point, to: Point, before?: () => Promise<void>): Promise<void> {
+    const { mouse } = this.sheet;
+    await mouse.move(from.x, from.y);
+    await mouse.down();
+    await mouse.move((from.x * 2 + to.x) / 3, (from.y * 2 + to.y) / 3, { steps: 4 });
+    await mouse.move(to.x, to.y, { steps: 6 });
+    await before?.();
+    await mouse.up();
+  }
+
+  async click(at: Point, button: "left" | "right" = "left"): Promise<void> {
+    await this.sheet.mouse.click(at.x, at.y, { button });
+  }
+
+  /** A state's box in the root's coordinates: the sum of the positions on the way to it. */
+  private async worldBox(path: string): Promise<Box> {
+    const found: readonly Found[] = await this.sheet.evaluate(
+      (paths) => {
+        const machine = window.__rafcon.context().tab?.room.machine;
+        return paths.map((at, level) => {
+          const state = machine?.state(at);
+          const above = paths[level - 1];
+          if (!machine || !state) throw new Error(`there is no state ${at}`);
+          return { state, index: above ? machine.children(above).indexOf(at) : 0 };
+        });
+      },
+      [...lineage(path)],
+    );
+    const [root, ...inner] = found;
+    if (!root) throw new Error(`${path} is no path`);
+    let box: Box = { x: 0, y: 0, ...rootSize(root.state) };
+    for (const { state, index } of inner) {
+      const child = childBox(state, index, box);
+      box = { ...child, x: box.x + child.x, y: box.y + child.y };
+    }
+    return box;
+  }
+
+  private async onScreen(world: Box): Promise<Box> {
+    const camera: Camera | undefined = await this.sheet.evaluate(
+      () => window.__rafcon.context().tab?.view.camera.value,
+    );
+    const frame = await this.canvas.boundingBox();
+    if (!camera || !frame) throw new Error("no machine is shown");
+    return {
+      x: frame.x + (world.x - camera.x) * camera.scale,
+      y: frame.y + (world.y - camera.y) * camera.scale,
+      width: world.width * camera.scale,
+      height: world.height * camera.scale,
+    };
+  }
+}

@@ -1,0 +1,89 @@
+/** A journey: one person, or several, with browsers of their own, at one real server. A journey that fails leaves pictures. */
+
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { type Browser, type BrowserContextOptions, chromium } from "playwright-core";
+import { afterAll, test } from "vitest";
+import { App } from "./app.ts";
+import { CHROMIUM, examples, newPlace, RESULTS } from "./places.ts";
+import { Server } from "./server.ts";
+
+export interface Setting {
+  /** The machines of the project, by name: folders to copy. */
+  readonly machines?: Readonly<Record<string, string>>;
+  /** The machine that is open when the journey begins. */
+  readonly open?: string;
+  readonly browser?: BrowserContextOptions;
+}
+
+/** What a journey has at hand. */
+export interface Hands {
+  readonly app: App;
+  readonly server: Server;
+  /** One more person, in a browser of their own. */
+  readonly join: (options?: BrowserContextOptions) => Promise<App>;
+  /** One more tab of the same browser. */
+  readonly tab: (app: App) => Promise<App>;
+}
+
+let browser: Promise<Browser> | null = null;
+
+/** The browser of this file of journeys. */
+function theBrowser(): Promise<Browser> {
+  browser ??= chromium.launch({
+    executablePath: CHROMIUM,
+    args: ["--no-sandbox", "--disable-gpu", "--force-device-scale-factor=1"],
+  });
+  return browser;
+}
+
+afterAll(async () => (await browser)?.close());
+
+/** Goes the journey from a fresh server and a fresh browser profile. */
+export function journey(name: string, setting: Setting, go: (hands: Hands) => Promise<void>): void {
+  test(name, async () => {
+    const opened = setting.open ? [setting.open] : [];
+    const server = await Server.start(newPlace({ ...examples(...opened), ...setting.machines }));
+    const people: App[] = [];
+    try {
+      await go(await hands(server, people, setting));
+    } catch (error) {
+      await pictures(name, people);
+      throw error;
+    } finally {
+      await Promise.all(people.map((app) => app.sheet.context().close()));
+      await server.dispose();
+    }
+  });
+}
+
+async function hands(server: Server, people: App[], setting: Setting): Promise<Hands> {
+  const come = async (app: App) => {
+    people.push(app);
+    await app.enter();
+    return app;
+  };
+  const join = async (options?: BrowserContextOptions) => {
+    const context = await (await theBrowser()).newContext({
+      viewport: { width: 1600, height: 1000 },
+      reducedMotion: "reduce",
+      permissions: ["clipboard-read", "clipboard-write"],
+      ...setting.browser,
+      ...options,
+    });
+    context.setDefaultTimeout(10_000);
+    return come(new App(await context.newPage(), server));
+  };
+  const tab = async (app: App) => come(new App(await app.sheet.context().newPage(), server));
+  const app = await join();
+  if (setting.open) await app.open(setting.open);
+  return { app, server, join, tab };
+}
+
+async function pictures(name: string, people: readonly App[]): Promise<void> {
+  mkdirSync(RESULTS, { recursive: true });
+  const file = name.replaceAll(/[^a-z0-9]+/gi, "-").slice(0, 80);
+  for (const [number, { sheet }] of people.entries()) {
+    await sheet.screenshot({ path: join(RESULTS, `${file}-${number}.png`) }).catch(() => {});
+  }
+}

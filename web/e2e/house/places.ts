@@ -1,0 +1,48 @@
+/** Where the programs and folders are that journeys and benches need; what the environment does not say is found beside the
+ * repository's sources. */
+
+import { cpSync, existsSync, mkdirSync, mkdtempSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+
+/** The repository: programs start in `web`. */
+export const REPOSITORY = resolve(process.cwd(), "..");
+
+export const EXAMPLES = join(REPOSITORY, "examples");
+
+/** Where pictures of failed journeys and other results go. */
+export const RESULTS = join(REPOSITORY, "target", "e2e");
+
+export const CHROMIUM = process.env["RAFCON_CHROMIUM"] ?? "/usr/bin/chromium";
+
+/** The program under test. */
+export function binary(): string {
+  const found = process.env["RAFCON_BINARY"] ?? join(REPOSITORY, "target/debug/rafcon");
+  if (!existsSync(found)) throw new Error(`there is no ${found}: run \`cargo build\` first`);
+  return found;
+}
+
+/** A folder of its own for one server: projects, state and runs. */
+export interface Place {
+  readonly folder: string;
+  /** The folder that is served, named `missions`. */
+  readonly project: string;
+}
+
+/** A new place with copies of machines, by the name that they get: from the examples, or from anywhere. */
+export function newPlace(machines: Readonly<Record<string, string>>): Place {
+  const folder = mkdtempSync(join(tmpdir(), "rafcon-e2e-"));
+  const project = join(folder, "missions");
+  mkdirSync(project);
+  for (const [name, from] of Object.entries(machines)) {
+    cpSync(from, join(project, name), { recursive: true });
+  }
+  cpSync(join(EXAMPLES, "libraries"), join(folder, "libraries"), { recursive: true });
+  writeFileSync(join(folder, "config.yaml"), "TYPE: SM_CONFIG\nLIBRARY_PATHS: {}\n");
+  return { folder, project };
+}
+
+/** The examples that a name stands for. */
+export function examples(...names: readonly string[]): Record<string, string> {
+  return Object.fromEntries(names.map((name) => [name, join(EXAMPLES, name)]));
+}

@@ -1,0 +1,98 @@
+/** The real server, as a process with folders of its own: begun, ended, killed, begun again at the same port. */
+
+import { type ChildProcess, spawn } from "node:child_process";
+import { once } from "node:events";
+import { rmSync } from "node:fs";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import { binary, type Place } from "./places.ts";
+
+export class Server {
+  readonly place: Place;
+  #process: ChildProcess | null = null;
+  #link = "";
+
+  private constructor(place: Place) {
+    this.place = place;
+  }
+
+  static async start(place: Place): Promise<Server> {
+    const server = new Server(place);
+    await server.#begin(0);
+    return server;
+  }
+
+  /** The address that lets the owner in. */
+  get link(): string {
+    return this.#link;
+  }
+
+  /** Scheme, name and port. */
+  get url(): string {
+    return new URL(this.#link).origin;
+  }
+
+  get token(): string {
+    return new URL(this.#link).searchParams.get("token") ?? "";
+  }
+
+  /** Asks the interface below `/api/v1` as the owner; the answer as JSON. */
+  async ask<T>(method: string, path: string, body?: unknown): Promise<T> {
+    const headers = { authorization: `Bearer ${this.token}`, "content-type": "application/json" };
+    const wanted = {
+      method,
+      headers,
+      ...(body === undefined ? {} : { body: JSON.stringify(body) }),
+    };
+    const answer = await fetch(`${this.url}/api/v1${path}`, wanted);
+    const text = await answer.text();
+    if (!answer.ok) throw new Error(`${method} ${path}: ${answer.status} ${text}`);
+    return (text === "" ? null : JSON.parse(text)) as T;
+  }
+
+  /** Ends it as an operator does, by a signal. */
+  async end(signal: NodeJS.Signals = "SIGTERM"): Promise<void> {
+    const process = this.#process;
+    this.#process = null;
+    if (!process || process.exitCode !== null) return;
+    const gone = once(process, "exit");
+    process.kill(signal);
+    await gone;
+  }
+
+  /** Begins again where it was, with the same folders and token. */
+  async restart(): Promise<void> {
+    await this.#begin(Number(new URL(this.#link).port));
+  }
+
+  /** Ends it and forgets its folders. */
+  async dispose(): Promise<void> {
+    await this.end("SIGKILL");
+    rmSync(this.place.folder, { recursive: true, force: true });
+  }
+
+  async #begin(port: number): Promise<void> {
+    const { folder, project } = this.place;
+    const words = ["serve", project, "--bind", `127.0.0.1:${port}`, "--keep-token"];
+    words.push("--config", join(folder, "config.yaml"));
+    words.push("--library-path", `examples=${join(folder, "libraries")}`);
+    const env = {
+      ...process.env,
+      RAFCON_STATE: join(folder, "state"),
+      RAFCON_RUNS: join(folder, "runs"),
+    };
+    const child = spawn(binary(), words, { env, stdio: ["ignore", "pipe", "inherit"] });
+    this.#process = child;
+    this.#link = await firstLine(child);
+  }
+}
+
+async function firstLine(child: ChildProcess): Promise<string> {
+  if (!child.stdout) throw new Error("the server says nothing");
+  const lines = createInterface({ input: child.stdout });
+  const line = once(lines, "line").then(([text]) => String(text));
+  const gone = once(child, "exit").then(([code]) => {
+    throw new Error(`the server ended at once: ${code}`);
+  });
+  return Promise.race([line, gone]);
+}
