@@ -17,6 +17,9 @@ export interface Line {
   /** The ports that it joins. */
   readonly from: ElementKey;
   readonly to: ElementKey;
+  /** The paths of their states. */
+  readonly fromPath: string;
+  readonly toPath: string;
   /** The name of the port where it begins; of a start nothing. */
   readonly label: string;
   /** The id of the outcome where it begins; of others 0. */
@@ -60,6 +63,8 @@ interface Found extends Wanted {
   readonly kind: "transition" | "data_flow";
   readonly id: number;
   readonly key: ElementKey;
+  readonly fromPath: string;
+  readonly toPath: string;
   readonly label: string;
   readonly outcome: number;
 }
@@ -70,13 +75,13 @@ function endOf(
   owner: PlacedState,
   index: number,
   fits: (port: PortPlace) => boolean,
-): { readonly end: End; readonly port: PortPlace } | undefined {
+): { readonly end: End; readonly port: PortPlace; readonly path: string } | undefined {
   const port = owner.ports.find(fits);
   if (!port) return undefined;
   const inward = owner === container;
   const out = normal(port.at, owner.size, inward);
   const at = inward ? port.at : inContainer(owner, port.at);
-  return { port, end: { at, out, box: inward ? -1 : index } };
+  return { port, path: owner.path, end: { at, out, box: inward ? -1 : index } };
 }
 
 /** A point of a child in the coordinates of its container. */
@@ -121,6 +126,8 @@ function wantedOf(container: PlacedState, held: Held): readonly Found[] {
       key,
       from: from.port.key,
       to: to.port.key,
+      fromPath: from.path,
+      toPath: to.path,
       label: from.port.kind === "income" ? "" : from.port.name,
       outcome: from.port.kind === "outcome" ? from.port.id : 0,
       start: from.end,

@@ -41,6 +41,7 @@ export class PlacedState {
   #ports: readonly PortPlace[] | null = null;
   #name: Box | null = null;
   #lines: readonly Line[] | null = null;
+  #joined: ReadonlySet<string> | null = null;
   #byPath: ReadonlyMap<string, PlacedState> | null = null;
   /** What it was before it was stretched, with all that lies inside it. */
   #stretched: { readonly from: PlacedState; readonly by: Point } | null = null;
@@ -96,6 +97,14 @@ export class PlacedState {
       ? stretchedLines(this.#stretched.from.lines, this.#stretched.by)
       : linesOf(this, new Map());
     return this.#lines;
+  }
+
+  /** Ports that a transition inside leaves or leads to. */
+  get joined(): ReadonlySet<string> {
+    this.#joined ??= new Set(
+      this.lines.flatMap(({ kind, from, to }) => (kind === "transition" ? [from, to] : [])),
+    );
+    return this.#joined;
   }
 
   /** Whether the lines are known: finding them is the dearest part. */

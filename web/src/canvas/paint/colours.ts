@@ -1,0 +1,81 @@
+/** The colours of the canvas: names of inks, as the theme has them. */
+
+/** Colours by the names of inks. */
+export type Colours = Readonly<Record<string, string>>;
+
+/** Inks that are a variable of the page's theme. */
+const VARIABLES: Readonly<Record<string, string>> = {
+  ground: "--canvas-ground",
+  outline: "--canvas-outline",
+  "library-ground": "--canvas-library",
+  "library-outline": "--canvas-library-outline",
+  line: "--canvas-line",
+  "aborted-line": "--canvas-aborted-line",
+  "preempted-line": "--canvas-preempted-line",
+  flow: "--canvas-flow",
+  outcome: "--canvas-outcome",
+  income: "--canvas-outcome",
+  grid: "--canvas-grid",
+  ghost: "--canvas-ghost",
+  band: "--canvas-ghost",
+  drop: "--canvas-drop",
+  selection: "--canvas-selection",
+  hover: "--canvas-hover",
+  lit: "--canvas-lit",
+  hit: "--canvas-hit",
+  trail: "--canvas-trail",
+  text: "--text",
+  soft: "--text-soft",
+  data: "--data",
+  "data-text": "--data",
+  aborted: "--aborted",
+  preempted: "--preempted",
+  running: "--running",
+  waiting: "--waiting",
+  held: "--held",
+  added: "--added",
+  removed: "--removed",
+  changed: "--changed",
+  legal: "--success",
+  illegal: "--danger",
+  guide: "--accent",
+  handle: "--surface",
+  good: "--raised",
+  "on-good": "--text",
+  bad: "--danger-soft",
+  "on-bad": "--text",
+  "on-person": "--canvas-on-person",
+  person0: "--canvas-person-0",
+  person1: "--canvas-person-1",
+  person2: "--canvas-person-2",
+  person3: "--canvas-person-3",
+  person4: "--canvas-person-4",
+  person5: "--canvas-person-5",
+};
+
+const DEPTHS = 10;
+
+/** The colours as the styles of an element have them now. */
+export function coloursOf(element: Element): Colours {
+  const style = getComputedStyle(element);
+  const colours: Record<string, string> = {};
+  for (const [ink, variable] of Object.entries(VARIABLES)) {
+    colours[ink] = style.getPropertyValue(variable).trim() || "#888888";
+  }
+  const outer = rgb(style.getPropertyValue("--canvas-state"));
+  const inner = rgb(style.getPropertyValue("--canvas-state-deep"));
+  for (let depth = 0; depth < DEPTHS; depth++) {
+    const part = 1 - 0.72 ** depth;
+    const mixed = outer.map((value, index) =>
+      Math.round(value + ((inner[index] ?? value) - value) * part),
+    );
+    colours[`shade${depth}`] = `rgb(${mixed.join(" ")})`;
+  }
+  return colours;
+}
+
+/** Red, green and blue of `#rrggbb`. */
+function rgb(colour: string): readonly number[] {
+  const number = Number.parseInt(colour.trim().slice(1), 16);
+  return Number.isNaN(number) ? [128, 128, 128] : [number >> 16, (number >> 8) & 255, number & 255];
+}

@@ -1,0 +1,28 @@
+/** How wide texts are: measured once, then remembered. */
+
+import type { Measure } from "../scene/input.ts";
+import type { Context } from "./ink.ts";
+import { fontOf } from "./texts.ts";
+
+/** So many texts are remembered; then it begins anew. */
+const MOST = 20_000;
+
+/** Measures with this context; to be made anew when fonts have come. */
+export function measureWith(context: Context): Measure {
+  const known = new Map<string, Map<string, number>>();
+  return (text, size, bold) => {
+    const font = `${size}${bold}`;
+    let widths = known.get(font);
+    if (!widths || widths.size > MOST) {
+      widths = new Map();
+      known.set(font, widths);
+    }
+    let width = widths.get(text);
+    if (width === undefined) {
+      context.font = fontOf(size, bold);
+      width = context.measureText(text).width;
+      widths.set(text, width);
+    }
+    return width;
+  };
+}

@@ -1,0 +1,53 @@
+/** Texts, and the plates behind them. */
+
+import type { TextMark } from "../scene/list.ts";
+import type { Colours } from "./colours.ts";
+import { type Context, inkOf } from "./ink.ts";
+
+const FAMILY = '"Inter Variable", system-ui, sans-serif';
+
+/** The font of a text on the canvas. */
+export function fontOf(size: number, bold: boolean): string {
+  return `${bold ? 600 : 450} ${size}px ${FAMILY}`;
+}
+
+export function paintTexts(context: Context, texts: readonly TextMark[], colours: Colours): void {
+  context.textBaseline = "middle";
+  let [font, align, ink] = ["", "", ""];
+  for (const text of texts) {
+    if (text.text === "" && text.plate === null) continue;
+    context.globalAlpha = text.alpha;
+    const wanted = fontOf(text.size, text.bold);
+    if (wanted !== font) {
+      context.font = wanted;
+      font = wanted;
+    }
+    if (text.align !== align) {
+      context.textAlign = text.align;
+      align = text.align;
+    }
+    if (text.plate !== null) paintPlate(context, text, inkOf(colours, text.plate));
+    if (text.ink !== ink || text.plate !== null) {
+      context.fillStyle = inkOf(colours, text.ink);
+      ink = text.ink;
+    }
+    context.fillText(text.text, text.x, text.y + 0.5);
+  }
+}
+
+const AROUND = 4;
+
+function paintPlate(context: Context, text: TextMark, colour: string): void {
+  const width = (text.width || context.measureText(text.text).width) + 2 * AROUND;
+  const height = text.size + 5;
+  const left =
+    text.align === "left"
+      ? text.x - AROUND
+      : text.align === "right"
+        ? text.x + AROUND - width
+        : text.x - width / 2;
+  context.fillStyle = colour;
+  context.beginPath();
+  context.roundRect(left, text.y - height / 2, width, height, 4);
+  context.fill();
+}

@@ -1,0 +1,246 @@
+/** The canvas element with the picture of a machine: watches all that the picture depends on, and paints it anew, once a frame at
+ * most and never for nothing. */
+
+import { effect, signal } from "@preact/signals-core";
+import type { ElementKey } from "../model/element.ts";
+import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
+import type { Size } from "../model/geometry.ts";
+import type { OpenTab } from "../store/page.ts";
+import { NO_OVERLAY, type Overlay } from "./overlay.ts";
+import { type Colours, coloursOf } from "./paint/colours.ts";
+import { measureWith } from "./paint/measure.ts";
+import { paint } from "./paint/paint.ts";
+import { type Placed, placesOf } from "./placed.ts";
+import {
+  type Difference,
+  type Onlooker,
+  PLAIN,
+  type RunMark,
+  type SceneInput,
+} from "./scene/input.ts";
+import type { DrawList } from "./scene/list.ts";
+import { scene } from "./scene/scene.ts";
+
+/** What is shown beside the machine itself, by those who know it. */
+export interface Extras {
+  readonly differences?: ReadonlyMap<ElementKey, Difference>;
+  readonly hits?: ReadonlySet<ElementKey>;
+  readonly runs?: ReadonlyMap<string, RunMark>;
+}
+
+export interface PictureOptions {
+  readonly tab: OpenTab;
+  /** What gestures show now; a signal's reader, so that the picture follows it. */
+  readonly overlay: () => Overlay;
+  readonly extras?: () => Extras;
+}
+
+export interface Picture {
+  readonly canvas: HTMLCanvasElement;
+  /** In CSS pixels. */
+  readonly size: () => Size;
+  readonly places: () => Placed;
+  /** What is painted now. */
+  readonly list: () => DrawList;
+  /** Paints anew with the next frame. */
+  readonly redraw: () => void;
+  readonly colours: () => Colours;
+  /** Told after each painted frame. Returns the way to stop. */
+  readonly onFrame: (listener: () => void) => () => void;
+  readonly dispose: () => void;
+}
+
+/** So many ms a frame may take to find the ways of lines. */
+const ROUTING_MS = 5;
+
+const EMPTY: DrawList = { layers: [], wanted: [], unfinished: false };
+
+/** Puts a picture into an element, and keeps it true. */
+export function pictureIn(place: HTMLElement, options: PictureOptions): Picture {
+  const { room, view } = options.tab;
+  const canvas = document.createElement("canvas");
+  canvas.style.cssText = "display:block;width:100%;height:100%";
+  place.append(canvas);
+  const context = canvas.getContext("2d", { alpha: false, desynchronized: false });
+  const theme = signal(0);
+  let colours: Colours = coloursOf(place);
+  let measure = context && measureWith(context);
+  let size: Size = { width: place.clientWidth, height: place.clientHeight };
+  let list = EMPTY;
+  let frame = 0;
+  let asked = new Set<string>();
+  const listeners = new Set<() => void>();
+
+  const places = () =>
+    placesOf(
+      room.machine,
+      { modes: view.modes.peek(), contents: view.contents.peek() },
+      overlayNow(),
+    );
+  const overlayNow = () => options.overlay() ?? NO_OVERLAY;
+
+  const draw = () => {
+    frame = 0;
+    if (!context || !measure || size.width === 0 || size.height === 0) return;
+    const from = performance.now();
+    list = scene(inputOf(options, places(), size, measure, routingTime()));
+    const ratio = fit(canvas, size);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.fillStyle = colours["ground"] ?? "";
+    context.fillRect(0, 0, size.width, size.height);
+    paint(context, list, colours);
+    performance.measure("rafcon:frame", { start: from, end: performance.now() });
+    for (const path of list.wanted) load(path);
+    if (list.unfinished) redraw();
+    for (const listener of listeners) listener();
+  };
+  const redraw = () => {
+    if (frame === 0) frame = requestAnimationFrame(draw);
+  };
+  const load = (path: string) => {
+    if (asked.has(path)) return;
+    asked.add(path);
+    room.loadLibrary(path).then(redraw, () => undefined);
+  };
+
+  const stopFollowing = effect(() => {
+    follow(options);
+    theme.value;
+    redraw();
+  });
+  const stopHearing = room.onChange((touched) => {
+    if (touched === null) asked = new Set();
+    redraw();
+  });
+  const stopTheme = onTheme(() => {
+    colours = coloursOf(place);
+    theme.value++;
+  });
+  const resized = new ResizeObserver(() => {
+    size = { width: place.clientWidth, height: place.clientHeight };
+    redraw();
+  });
+  resized.observe(place);
+  const fontsCame = () => {
+    measure = context && measureWith(context);
+    redraw();
+  };
+  document.fonts?.addEventListener("loadingdone", fontsCame);
+
+  return {
+    canvas,
+    size: () => size,
+    places,
+    list: () => list,
+    redraw,
+    colours: () => colours,
+    onFrame: (listener) => {
+      listeners.add(listener);
+      return () => listeners.delete(listener);
+    },
+    dispose: () => {
+      cancelAnimationFrame(frame);
+      stopFollowing();
+      stopHearing();
+      stopTheme();
+      resized.disconnect();
+      document.fonts?.removeEventListener("loadingdone", fontsCame);
+      canvas.remove();
+    },
+  };
+}
+
+/** Reads all signals that the picture depends on. */
+function follow({ tab, overlay, extras }: PictureOptions): void {
+  const { room, view } = tab;
+  room.version.value;
+  room.people.value;
+  room.problems.value;
+  view.camera.value;
+  view.selection.value;
+  view.hovered.value;
+  view.modes.value;
+  view.contents.value;
+  overlay();
+  extras?.();
+}
+
+function inputOf(
+  { tab, overlay, extras }: PictureOptions,
+  placed: Placed,
+  size: Size,
+  measure: SceneInput["measure"],
+  mayRoute: () => boolean,
+): SceneInput {
+  const { room, view } = tab;
+  return {
+    ...PLAIN,
+    placed,
+    camera: view.camera.peek(),
+    view: size,
+    modes: view.modes.peek(),
+    selection: view.selection.peek(),
+    hovered: view.hovered.peek(),
+    overlay: overlay(),
+    people: onlookers(room.people.peek()),
+    problems: worst(room.problems.peek()),
+    measure,
+    mayRoute,
+    ...extras?.(),
+  };
+}
+
+function onlookers(people: OpenTab["room"]["people"]["value"]): readonly Onlooker[] {
+  return people.map(({ user, connection, selection }) => ({
+    name: user,
+    colour: connection,
+    selection,
+  }));
+}
+
+const RANK: Readonly<Record<Severity, number>> = { note: 0, warning: 1, error: 2 };
+const WORST = new WeakMap<readonly MachineProblem[], ReadonlyMap<string, Severity>>();
+
+/** The worst problem of each state. */
+function worst(problems: readonly MachineProblem[]): ReadonlyMap<string, Severity> {
+  const known = WORST.get(problems);
+  if (known) return known;
+  const found = new Map<string, Severity>();
+  for (const { path, severity } of problems) {
+    const before = found.get(path);
+    if (before === undefined || RANK[severity] > RANK[before]) found.set(path, severity);
+  }
+  WORST.set(problems, found);
+  return found;
+}
+
+/** Whether there is time left in this frame. The first is always granted. */
+function routingTime(): () => boolean {
+  let until = 0;
+  return () => {
+    const now = performance.now();
+    if (until === 0) until = now + ROUTING_MS;
+    return now <= until;
+  };
+}
+
+/** Makes the canvas as large as its place, in pixels of the screen, and says how many those are for a CSS pixel. */
+function fit(canvas: HTMLCanvasElement, size: Size): number {
+  const ratio = Math.max(1, window.devicePixelRatio || 1);
+  const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
+  if (canvas.width !== width) canvas.width = width;
+  if (canvas.height !== height) canvas.height = height;
+  return ratio;
+}
+
+/** Tells when the colours of the page may be others. */
+function onTheme(changed: () => void): () => void {
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  dark.addEventListener("change", changed);
+  const watcher = new MutationObserver(changed);
+  watcher.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
+  return () => {
+    dark.removeEventListener("change", changed);
+    watcher.disconnect();
+  };
+}

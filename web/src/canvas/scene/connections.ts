@@ -1,0 +1,168 @@
+/** Connections inside a container: transitions with arrow heads and, where there is room, the outcome's name; data flows as a
+ * thinner layer below. */
+
+import type { ElementKey } from "../../model/element.ts";
+import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import type { Line } from "../lines.ts";
+import { DETAIL, fade, TEXT } from "./detail.ts";
+import type { Drawing, Spot } from "./drawing.ts";
+import { shade } from "./drawing.ts";
+import type { Ink, Layer, LineMark } from "./list.ts";
+
+/** The part of a line that is near the view is drawn: nothing is so many pixels beyond it. */
+const BEYOND = 30;
+
+/** `inside` is the layer of the children. */
+export function connectionMarks(drawing: Drawing, spot: Spot): void {
+  const alpha = fade(spot.extent, DETAIL.ports);
+  const { modes } = drawing.input;
+  if (alpha === 0) return;
+  if (!spot.at.hasLines && !drawing.input.mayRoute()) {
+    drawing.unfinished = true;
+    return;
+  }
+  const layer = drawing.layer(spot.depth + 1);
+  const apart = Math.min(1, alpha);
+  for (const line of spot.at.lines) {
+    const x = spot.x + line.box.x * spot.scale;
+    const y = spot.y + line.box.y * spot.scale;
+    const [width, height] = [line.box.width * spot.scale, line.box.height * spot.scale];
+    if (!drawing.sees(x, y, width, height, BEYOND)) continue;
+    const look = lookOf(drawing, line);
+    if (
+      line.kind === "transition"
+        ? !modes.transitions && !look.loud
+        : !showsFlow(drawing, line, look.loud)
+    ) {
+      continue;
+    }
+    const mark = lineMark(spot, line, look, apart);
+    if (look.loud) drawing.layer(spot.depth + 2).lines.push(mark);
+    else if (line.kind === "transition") layer.lines.push(mark);
+    else layer.under.push(mark);
+    if (line.kind === "transition") labelMark(drawing, spot, line, mark, look, layer);
+    if (drawing.isSelected(line.key)) waypointMarks(drawing, spot, line);
+  }
+}
+
+interface LineLook {
+  readonly ink: Ink;
+  readonly width: number;
+  /** Whether somebody has picked it out. */
+  readonly loud: boolean;
+}
+
+function lookOf(drawing: Drawing, line: Line): LineLook {
+  const { key, kind, outcome } = line;
+  if (drawing.isSelected(key)) return { ink: "selection", width: 2.5, loud: true };
+  const isHovered = isThat(drawing.input.hovered, key);
+  const difference = drawing.input.differences.get(key);
+  if (drawing.lit.has(key) || isHovered) {
+    return { ink: kind === "transition" ? "lit" : "data", width: 2.25, loud: true };
+  }
+  if (difference) return { ink: difference, width: 2, loud: true };
+  if (kind === "data_flow") return { ink: "flow", width: 1, loud: false };
+  if (outcome === ABORTED) return { ink: "aborted-line", width: 1, loud: false };
+  if (outcome === PREEMPTED) return { ink: "preempted-line", width: 1, loud: false };
+  return { ink: "line", width: 1.4, loud: false };
+}
+
+function isThat(hovered: Drawing["input"]["hovered"], key: ElementKey): boolean {
+  if (!hovered || !("id" in hovered)) return false;
+  return key === `${hovered.kind}:${hovered.path}:${hovered.id}`;
+}
+
+function showsFlow(drawing: Drawing, line: Line, loud: boolean): boolean {
+  const { dataFlows } = drawing.input.modes;
+  if (loud || dataFlows === "all") return true;
+  if (dataFlows === "none") return false;
+  return drawing.focused.has(line.fromPath) || drawing.focused.has(line.toPath);
+}
+
+function lineMark(spot: Spot, line: Line, look: LineLook, alpha: number): LineMark {
+  const points: number[] = new Array(line.points.length * 2);
+  let next = 0;
+  for (const point of line.points) {
+    points[next++] = spot.x + point.x * spot.scale;
+    points[next++] = spot.y + point.y * spot.scale;
+  }
+  const isTransition = line.kind === "transition";
+  return {
+    what: line.key,
+    points,
+    ink: look.ink,
+    width: look.width,
+    radius: isTransition ? 6 : 0,
+    arrow: isTransition || look.loud ? Math.min(8, spot.extent * 0.03 + 2) : 0,
+    dash: false,
+    alpha,
+  };
+}
+
+/** The outcome's name in the middle of the piece where the line runs longest, if it fits there. */
+function labelMark(
+  drawing: Drawing,
+  spot: Spot,
+  line: Line,
+  mark: LineMark,
+  look: LineLook,
+  layer: Layer,
+): void {
+  const alpha = fade(spot.extent, DETAIL.labels);
+  if (alpha === 0 || line.label === "" || !drawing.input.modes.names) return;
+  const child = spot.at.child(line.fromPath);
+  if (
+    child &&
+    !look.loud &&
+    Math.min(child.box.width, child.box.height) * spot.scale >= DETAIL.labels
+  )
+    return;
+  const at = line.longest * 2;
+  const [fromX, fromY, toX, toY] = mark.points.slice(at, at + 4);
+  if (fromX === undefined || fromY === undefined || toX === undefined || toY === undefined) return;
+  const width = drawing.input.measure(line.label, TEXT.small, false);
+  const lying = Math.abs(toX - fromX) >= Math.abs(toY - fromY);
+  if (lying ? Math.abs(toX - fromX) < width + 16 : Math.abs(toY - fromY) < 34) return;
+  layer.texts.push({
+    what: `${line.key} label`,
+    x: (fromX + toX) / 2,
+    y: (fromY + toY) / 2,
+    text: line.label,
+    size: TEXT.small,
+    bold: false,
+    ink: look.loud ? "text" : (LABEL_INKS[look.ink] ?? "soft"),
+    align: "center",
+    alpha,
+    plate: shade(spot.depth),
+    width,
+  });
+}
+
+const LABEL_INKS: Readonly<Record<string, Ink>> = {
+  "aborted-line": "aborted",
+  "preempted-line": "preempted",
+};
+
+/** Where a selected connection can be taken: its ends, its waypoints, and the middles of its pieces. */
+function waypointMarks(drawing: Drawing, spot: Spot, line: Line): void {
+  const layer = drawing.layer(spot.depth + 2);
+  const put = (index: number, shape: "waypoint" | "handle") => {
+    const point = line.points[index];
+    if (!point) return;
+    layer.dots.push({
+      what: `${line.key} ${shape} ${index}`,
+      shape,
+      x: spot.x + point.x * spot.scale,
+      y: spot.y + point.y * spot.scale,
+      size: 7,
+      toX: 0,
+      toY: 0,
+      fill: "handle",
+      stroke: "selection",
+      alpha: 1,
+    });
+  };
+  put(0, "handle");
+  put(line.points.length - 1, "handle");
+  for (const index of line.waypoints) put(index, "waypoint");
+}

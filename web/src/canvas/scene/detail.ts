@@ -1,0 +1,33 @@
+/** How much of a state is drawn, by its size on the screen: the one table that says so. */
+
+import type { Size } from "../../model/geometry.ts";
+
+/** From this size on, in CSS pixels. */
+export const DETAIL = {
+  /** A box of its own; smaller ones are specks. */
+  box: 6,
+  /** Its name, and what is worth a badge. */
+  name: 24,
+  /** What stands inside, as far as that is large enough itself. */
+  content: 44,
+  /** Ports as dots, transitions inside. */
+  ports: 72,
+  /** Names of ports and outcomes, labels of connections inside. */
+  labels: 240,
+} as const;
+
+/** A speck is drawn from this size on. */
+export const SPECK = 1.2;
+
+/** Text on the screen has one of these sizes. */
+export const TEXT = { small: 11, usual: 12.5, large: 15 } as const;
+
+/** The size that counts: the shorter side, for long states somewhat more. */
+export function extent({ width, height }: Size): number {
+  return Math.min(Math.sqrt(width * height), 1.8 * Math.min(width, height));
+}
+
+/** From nothing at `from` to all of it a quarter later. */
+export function fade(size: number, from: number): number {
+  return Math.min(1, Math.max(0, (size - from) / (from * 0.25)));
+}

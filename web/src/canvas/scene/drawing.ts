@@ -1,0 +1,94 @@
+/** A picture in the making: what is given, what has been found so far, and small things that all parts of the scene need. */
+
+import type { ElementKey } from "../../model/element.ts";
+import { elementOf } from "../../model/element.ts";
+import type { Box } from "../../model/geometry.ts";
+import type { PlacedState } from "../tree.ts";
+import type { SceneInput } from "./input.ts";
+import { type Layer, newLayer } from "./list.ts";
+import { litBy } from "./lit.ts";
+
+/** A state on its way to the screen. */
+export interface Spot {
+  readonly at: PlacedState;
+  /** Its left top corner and size in CSS pixels. */
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+  /** CSS pixels for one of its own units. */
+  readonly scale: number;
+  readonly depth: number;
+  /** The size that decides about detail. */
+  readonly extent: number;
+  readonly outer: Spot | null;
+}
+
+export class Drawing {
+  readonly input: SceneInput;
+  readonly layers: Layer[] = [];
+  readonly wanted: string[] = [];
+  readonly lit: ReadonlySet<ElementKey>;
+  /** States that somebody looks at closely: selected, hovered, or with a selected part. */
+  readonly focused: ReadonlySet<string>;
+  readonly onlookers = new Map<string, number>();
+  /** Plates of names of containers, which other names keep away from. */
+  readonly plates: Box[] = [];
+  readonly width: number;
+  readonly height: number;
+  /** The innermost state whose border is nowhere in the view. */
+  covering: Spot | null = null;
+  unfinished = false;
+
+  constructor(input: SceneInput) {
+    this.input = input;
+    this.width = input.view.width;
+    this.height = input.view.height;
+    this.lit = litBy(input.placed, input.hovered);
+    this.focused = focusedBy(input);
+    input.people.forEach((person, index) => {
+      for (const path of person.selection) this.onlookers.set(path, index);
+    });
+  }
+
+  layer(depth: number): Layer {
+    while (this.layers.length <= depth) this.layers.push(newLayer());
+    return this.layers[depth] as Layer;
+  }
+
+  /** Whether any of a box can be seen, with so much around it. */
+  sees(x: number, y: number, width: number, height: number, around: number): boolean {
+    return (
+      x < this.width + around &&
+      y < this.height + around &&
+      x + width > -around &&
+      y + height > -around
+    );
+  }
+
+  isSelected(key: ElementKey): boolean {
+    return this.input.selection.has(key);
+  }
+}
+
+function focusedBy({ selection, hovered }: SceneInput): ReadonlySet<string> {
+  const paths = new Set<string>();
+  for (const key of selection) {
+    const element = elementOf(key);
+    if (element && element.kind !== "transition" && element.kind !== "data_flow") {
+      paths.add(element.path);
+    }
+  }
+  if (hovered && hovered.kind !== "transition" && hovered.kind !== "data_flow") {
+    paths.add(hovered.path);
+  }
+  return paths;
+}
+
+/** The ink of the ground of a state, by depth. */
+export function shade(depth: number): string {
+  return SHADES[Math.min(depth, SHADES.length - 1)] ?? "shade0";
+}
+
+/** So many depths are told apart. */
+const SHADES = Array.from({ length: 10 }, (_, depth) => `shade${depth}`);

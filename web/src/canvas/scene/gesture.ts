@@ -1,0 +1,109 @@
+/** What a gesture shows before it is done: guides, the rubber band, the line that is drawn, where things would go, and why not. */
+
+import { elementOf } from "../../model/element.ts";
+import type { Box, Point } from "../../model/geometry.ts";
+import { screenBox, screenFromWorld } from "../camera.ts";
+import { TEXT } from "./detail.ts";
+import type { Drawing } from "./drawing.ts";
+import type { BoxMark, Layer, LineMark } from "./list.ts";
+
+export function gestureMarks(drawing: Drawing): void {
+  const { overlay, camera } = drawing.input;
+  const layer = drawing.layer(drawing.layers.length);
+  for (const { from, to } of overlay.guides) {
+    layer.lines.push(line(drawing, "guide", [from, to], "guide", 1, true));
+  }
+  for (const ghost of overlay.ghosts) {
+    layer.boxes.push({
+      ...outline(screenBox(camera, ghost), "ghost", "selection", true),
+      fill: "ghost",
+    });
+  }
+  for (const [key, legal] of overlay.targets) stateTarget(drawing, layer, key, legal);
+  if (overlay.drop !== null) dropMarks(drawing, layer, overlay.drop);
+  if (overlay.band) {
+    layer.boxes.push({
+      ...outline(screenBox(camera, overlay.band), "band", "selection", false),
+      fill: "band",
+      radius: 0,
+    });
+  }
+  if (overlay.line) {
+    const { from, to, data, legal } = overlay.line;
+    const ink = legal === false ? "illegal" : legal ? "legal" : data ? "data" : "line";
+    layer.lines.push({ ...line(drawing, "line", [from, to], ink, 2, legal === false), arrow: 9 });
+  }
+  if (overlay.message) messageMarks(drawing, layer);
+}
+
+function line(
+  { input }: Drawing,
+  what: string,
+  points: readonly Point[],
+  ink: string,
+  width: number,
+  dash: boolean,
+): LineMark {
+  const flat = points.flatMap((point) => {
+    const { x, y } = screenFromWorld(input.camera, point);
+    return [x, y];
+  });
+  return { what, points: flat, ink, width, radius: 0, arrow: 0, dash, alpha: 1 };
+}
+
+function outline(box: Box, what: string, ink: string, dash: boolean): BoxMark {
+  return { ...box, what, radius: 4, fill: null, stroke: ink, line: 1.5, dash, alpha: 1 };
+}
+
+/** States where a connection may end; ports are marked where they are drawn. */
+function stateTarget(drawing: Drawing, layer: Layer, key: string, legal: boolean): void {
+  const element = elementOf(key);
+  if (element?.kind !== "state") return;
+  const box = drawing.input.placed.box(element.path);
+  if (!box) return;
+  const ink = legal ? "legal" : "illegal";
+  layer.boxes.push(outline(screenBox(drawing.input.camera, box), `${key} target`, ink, !legal));
+}
+
+/** The container, or the transition, that would take what is dropped. */
+function dropMarks(drawing: Drawing, layer: Layer, key: string): void {
+  const element = elementOf(key);
+  const frame = element && drawing.input.placed.frame(element.path);
+  if (!element || !frame) return;
+  if (element.kind === "state") {
+    const box = drawing.input.placed.box(element.path);
+    if (!box) return;
+    const mark = outline(screenBox(drawing.input.camera, box), `${key} drop`, "legal", false);
+    layer.boxes.push({ ...mark, fill: "drop", line: 2 });
+    return;
+  }
+  const found = frame.at.lines.find((each) => each.key === key);
+  if (!found) return;
+  const points = found.points.map(({ x, y }) => ({
+    x: frame.x + x * frame.unit,
+    y: frame.y + y * frame.unit,
+  }));
+  layer.lines.push({ ...line(drawing, `${key} drop`, points, "legal", 4, false), radius: 6 });
+}
+
+function messageMarks(drawing: Drawing, layer: Layer): void {
+  const { overlay, measure } = drawing.input;
+  if (!overlay.message) return;
+  const { at, text, bad } = overlay.message;
+  const width = measure(text, TEXT.usual, false);
+  const x = Math.max(8, Math.min(at.x + 16, drawing.width - width - 16));
+  const y = Math.max(14, Math.min(at.y + 24, drawing.height - 16));
+  layer.texts.push({
+    what: "message",
+    x,
+    y,
+    text,
+    size: TEXT.usual,
+    bold: false,
+    ink: bad ? "on-bad" : "on-good",
+    align: "left",
+    alpha: 1,
+    plate: bad ? "bad" : "good",
+    width,
+  });
+}

@@ -1,0 +1,147 @@
+/** Ports on the border of a state: dots that point the way, and their names where there is room. */
+
+import type { PortPlace } from "../../model/drawing.ts";
+import { sideOf } from "../../model/geometry.ts";
+import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import { DETAIL, fade, TEXT } from "./detail.ts";
+import type { Drawing, Spot } from "./drawing.ts";
+import { shade } from "./drawing.ts";
+import type { DotShape, Ink, Layer } from "./list.ts";
+import { cut } from "./words.ts";
+
+/** Ports to which a transition leads or from which one starts. */
+export type Connected = ReadonlySet<string>;
+
+export function portMarks(drawing: Drawing, spot: Spot, connected: Connected, open: boolean): void {
+  const alpha = fade(spot.extent, DETAIL.ports);
+  const named = fade(spot.extent, DETAIL.labels);
+  if (alpha === 0 && !drawing.focused.has(spot.at.path)) return;
+  const layer = drawing.layer(spot.depth);
+  const size = spot.extent >= DETAIL.labels ? 9 : spot.extent >= 110 ? 7 : 5.5;
+  const taken: Taken = { left: [], right: [], top: [], bottom: [] };
+  for (const port of spot.at.ports) {
+    if (!isShown(drawing, spot, port, connected)) continue;
+    const [x, y] = [spot.x + port.at.x * spot.scale, spot.y + port.at.y * spot.scale];
+    if (!drawing.sees(x, y, 0, 0, 240)) continue;
+    const side = sideOf(port.at, spot.at.size);
+    layer.dots.push({
+      what: port.key,
+      shape: SHAPES[port.kind],
+      x,
+      y,
+      size,
+      ...direction(port, side),
+      fill: portInk(port),
+      stroke: outlineOf(drawing, port),
+      alpha: Math.max(alpha, drawing.focused.has(spot.at.path) ? 1 : 0),
+    });
+    if (named > 0 && port.kind !== "income") {
+      label(drawing, spot, layer, port, { x, y, side, alpha: named, open, size }, taken);
+    }
+  }
+}
+
+export const SHAPES: Readonly<Record<PortPlace["kind"], DotShape>> = {
+  income: "income",
+  outcome: "outcome",
+  input: "data",
+  output: "data",
+  scoped_variable: "scoped",
+};
+
+function isShown(drawing: Drawing, spot: Spot, port: PortPlace, connected: Connected): boolean {
+  const isQuiet = port.kind === "outcome" && (port.id === ABORTED || port.id === PREEMPTED);
+  if (!isQuiet || drawing.input.modes.aborted) return true;
+  return drawing.focused.has(spot.at.path) || connected.has(port.key);
+}
+
+/** What colour a port has, and a line that begins there. */
+export function portInk(port: Pick<PortPlace, "kind" | "id">): Ink {
+  if (port.kind === "income") return "income";
+  if (port.kind !== "outcome") return "data";
+  return port.id === ABORTED ? "aborted" : port.id === PREEMPTED ? "preempted" : "outcome";
+}
+
+function outlineOf(drawing: Drawing, port: PortPlace): Ink | null {
+  if (drawing.isSelected(port.key)) return "selection";
+  if (drawing.lit.has(port.key)) return "lit";
+  const difference = drawing.input.differences.get(port.key);
+  if (difference) return difference;
+  const legal = drawing.input.overlay.targets.get(port.key);
+  return legal === undefined ? null : legal ? "legal" : "illegal";
+}
+
+type Side = ReturnType<typeof sideOf>;
+type Taken = Record<Side, number[]>;
+
+const OUT = {
+  left: { toX: -1, toY: 0 },
+  right: { toX: 1, toY: 0 },
+  top: { toX: 0, toY: -1 },
+  bottom: { toX: 0, toY: 1 },
+} as const;
+
+/** What comes in points inwards. */
+function direction(port: PortPlace, side: Side): { readonly toX: number; readonly toY: number } {
+  const { toX, toY } = OUT[side];
+  return port.kind === "income" || port.kind === "input" ? { toX: -toX, toY: -toY } : { toX, toY };
+}
+
+interface LabelPlace {
+  readonly x: number;
+  readonly y: number;
+  readonly side: Side;
+  readonly alpha: number;
+  readonly open: boolean;
+  readonly size: number;
+}
+
+const ROW = 14;
+
+/** The name inside the border; beside others only if there is a row free. */
+function label(
+  drawing: Drawing,
+  spot: Spot,
+  layer: Layer,
+  port: PortPlace,
+  place: LabelPlace,
+  taken: Taken,
+): void {
+  const { side } = place;
+  const isUpright = side === "left" || side === "right";
+  const text = cut(
+    port.name,
+    isUpright ? spot.width * 0.42 : 150,
+    TEXT.small,
+    false,
+    drawing.input.measure,
+  );
+  const width = drawing.input.measure(text, TEXT.small, false);
+  const along = isUpright ? place.y : place.x;
+  const apart = isUpright ? ROW : width + 8;
+  if (text === "" || taken[side].some((other) => Math.abs(other - along) < apart)) return;
+  taken[side].push(along);
+  const away = place.size / 2 + 5;
+  const align = side === "left" ? "left" : side === "right" ? "right" : "center";
+  const [x, y] = isUpright
+    ? [place.x + (side === "left" ? away : -away), place.y]
+    : [place.x, place.y + (side === "top" ? away + 5 : -away - 5)];
+  layer.texts.push({
+    what: `${port.key} name`,
+    x,
+    y,
+    text,
+    size: TEXT.small,
+    bold: false,
+    ink: labelInk(port),
+    align,
+    alpha: place.alpha,
+    plate: place.open ? shade(spot.depth) : null,
+    width,
+  });
+}
+
+function labelInk(port: PortPlace): Ink {
+  if (port.kind !== "outcome") return "data-text";
+  return port.id === ABORTED ? "aborted" : port.id === PREEMPTED ? "preempted" : "soft";
+}

@@ -1,0 +1,126 @@
+/** The box of a state with all that its border tells: its kind, what is selected, what differs, what runs. */
+
+import { layoutOf } from "../../model/drawing.ts";
+import type { Drawing, Spot } from "./drawing.ts";
+import { shade } from "./drawing.ts";
+import type { Difference, RunMark } from "./input.ts";
+import type { BoxMark, Layer } from "./list.ts";
+
+/** How far beyond the view a box is still drawn exactly. */
+const BEYOND = 40;
+
+export function stateMarks(drawing: Drawing, spot: Spot): void {
+  const layer = drawing.layer(spot.depth);
+  const { input } = drawing;
+  const { path, key } = spot.at;
+  layer.boxes.push(ground(drawing, spot));
+  const run = input.runs.get(path);
+  if (run) runMarks(layer, spot, run);
+  const difference = input.differences.get(key);
+  if (difference) layer.boxes.push(ring(spot, DIFFERENCE_INK[difference], 2, 2, key));
+  if (input.hits.has(key)) layer.boxes.push(ring(spot, "hit", 2, 4, key));
+  const onlooker = drawing.onlookers.get(path);
+  const person = onlooker === undefined ? undefined : input.people[onlooker];
+  if (person) onlookerMarks(layer, spot, person.name, `person${person.colour % PEOPLE}`);
+  if (input.hovered?.kind === "state" && input.hovered.path === path) {
+    layer.boxes.push(ring(spot, "hover", 1, 0, key));
+  }
+  if (drawing.isSelected(key)) layer.boxes.push(ring(spot, "selection", 2, 1, key));
+}
+
+/** So many colours of people there are. */
+export const PEOPLE = 6;
+
+export const DIFFERENCE_INK: Readonly<Record<Difference, string>> = {
+  added: "added",
+  removed: "removed",
+  changed: "changed",
+};
+
+/** The corner radius of a state of this size. */
+export function radiusOf(spot: Spot): number {
+  return Math.min(7, spot.extent * 0.09);
+}
+
+function ground(drawing: Drawing, spot: Spot): BoxMark {
+  const { at, depth } = spot;
+  const background = layoutOf(at.state).background;
+  const isLibrary = at.state.kind === "library";
+  return {
+    ...clipped(drawing, spot),
+    what: at.key,
+    radius: radiusOf(spot),
+    fill: background ?? (isLibrary ? "library-ground" : shade(depth)),
+    stroke: isLibrary ? "library-outline" : "outline",
+    line: spot.extent > 240 ? 1.5 : 1,
+    dash: at.state.library?.missing != null,
+    alpha: 1,
+  };
+}
+
+/** The part of a box near the view: canvases are not good at huge numbers. */
+function clipped(drawing: Drawing, spot: Spot) {
+  const left = Math.max(spot.x, -BEYOND);
+  const top = Math.max(spot.y, -BEYOND);
+  const right = Math.min(spot.x + spot.width, drawing.width + BEYOND);
+  const bottom = Math.min(spot.y + spot.height, drawing.height + BEYOND);
+  return { x: left, y: top, width: right - left, height: bottom - top };
+}
+
+function ring(spot: Spot, ink: string, line: number, away: number, what: string): BoxMark {
+  return {
+    what: `${what} ${ink}`,
+    x: spot.x - away,
+    y: spot.y - away,
+    width: spot.width + 2 * away,
+    height: spot.height + 2 * away,
+    radius: radiusOf(spot) + away,
+    fill: null,
+    stroke: ink,
+    line,
+    dash: false,
+    alpha: 1,
+  };
+}
+
+function onlookerMarks(layer: Layer, spot: Spot, name: string, ink: string): void {
+  layer.boxes.push(ring(spot, ink, 1.5, 3, spot.at.key));
+  layer.texts.push({
+    what: `${spot.at.key} onlooker`,
+    x: spot.x + 4,
+    y: spot.y - 10,
+    text: name,
+    size: 11,
+    bold: true,
+    ink: "on-person",
+    align: "left",
+    alpha: 1,
+    plate: ink,
+    width: 0,
+  });
+}
+
+/** Which colour, and which shape, says how a state runs. */
+const RUN_MARKS = {
+  running: { ink: "running", line: 3, dash: false },
+  waiting: { ink: "waiting", line: 2, dash: true },
+  held: { ink: "held", line: 3, dash: false },
+  failed: { ink: "aborted", line: 3, dash: false },
+  preempted: { ink: "preempted", line: 2, dash: true },
+  trail: { ink: "trail", line: 1.5, dash: false },
+} as const;
+
+function runMarks(layer: Layer, spot: Spot, { phase }: RunMark): void {
+  const { ink, line, dash } = RUN_MARKS[phase];
+  layer.boxes.push({ ...ring(spot, ink, line, 0, `${spot.at.key} run`), dash });
+  if (phase === "trail" || spot.extent < 24) return;
+  layer.icons.push({
+    what: `${spot.at.key} run`,
+    icon: phase,
+    x: spot.x + spot.width - 9,
+    y: spot.y + 9,
+    size: 12,
+    ink,
+    alpha: 1,
+  });
+}

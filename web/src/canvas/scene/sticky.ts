@@ -1,0 +1,194 @@
+/** The border of a container that fills the view, as a frame at the view's edges: its ports stay in sight and in reach. */
+
+import type { PortPlace } from "../../model/drawing.ts";
+import type { Point, Side, Size } from "../../model/geometry.ts";
+import { sideOf } from "../../model/geometry.ts";
+import type { Camera } from "../../store/view.ts";
+import type { Frame, Placed } from "../placed.ts";
+import { inside } from "../placed.ts";
+import type { PlacedState } from "../tree.ts";
+import { TEXT } from "./detail.ts";
+import { type Drawing, shade } from "./drawing.ts";
+import type { DotMark, Ink, TextMark } from "./list.ts";
+import { portInk, SHAPES } from "./ports.ts";
+import { cut } from "./words.ts";
+
+/** How wide the frame is, in CSS pixels. */
+export const FRAME = 10;
+
+export interface StickyPort {
+  readonly port: PortPlace;
+  /** In CSS pixels of the view. */
+  readonly at: Point;
+  readonly side: Side;
+}
+
+export interface Sticky {
+  readonly state: PlacedState;
+  readonly ports: readonly StickyPort[];
+}
+
+/** The innermost container around the whole view, with its ports at the view's edges; null if a border is in sight. */
+export function stickyFrame(placed: Placed, camera: Camera, view: Size): Sticky | null {
+  let found: Frame | null = null;
+  let next: Frame | null = placed.root && { at: placed.root, x: 0, y: 0, unit: 1 };
+  while (next && fills(next, camera, view)) {
+    found = next;
+    next = childAround(next, camera, view);
+  }
+  return found && found.at.children.length > 0 ? stuck(found, camera, view) : null;
+}
+
+function fills({ at, x, y, unit }: Frame, camera: Camera, view: Size): boolean {
+  const { width, height } = at.size;
+  return (
+    x < camera.x &&
+    y < camera.y &&
+    x + width * unit > camera.x + view.width / camera.scale &&
+    y + height * unit > camera.y + view.height / camera.scale
+  );
+}
+
+function childAround(frame: Frame, camera: Camera, view: Size): Frame | null {
+  for (const child of frame.at.children) {
+    const inner = inside(frame, child);
+    if (fills(inner, camera, view)) return inner;
+  }
+  return null;
+}
+
+function stuck(frame: Frame, camera: Camera, view: Size): Sticky {
+  const ports = frame.at.ports.map((port) => {
+    const side = sideOf(port.at, frame.at.size);
+    const x = (frame.x + port.at.x * frame.unit - camera.x) * camera.scale;
+    const y = (frame.y + port.at.y * frame.unit - camera.y) * camera.scale;
+    return { port, side, at: onEdge(side, x, y, view) };
+  });
+  return { state: frame.at, ports: apart(ports) };
+}
+
+function onEdge(side: Side, x: number, y: number, view: Size): Point {
+  const half = FRAME / 2;
+  const across = Math.min(view.width - 4 * FRAME, Math.max(4 * FRAME, x));
+  const down = Math.min(view.height - 4 * FRAME, Math.max(4 * FRAME, y));
+  switch (side) {
+    case "left":
+      return { x: half, y: down };
+    case "right":
+      return { x: view.width - half, y: down };
+    case "top":
+      return { x: across, y: half };
+    case "bottom":
+      return { x: across, y: view.height - half };
+  }
+}
+
+const PITCH = 18;
+
+/** Ports that would lie over each other move on along their edge, back towards the middle of the view. */
+function apart(ports: readonly StickyPort[]): readonly StickyPort[] {
+  const placed: StickyPort[] = [];
+  for (const port of ports) {
+    const isUpright = port.side === "left" || port.side === "right";
+    let at = port.at;
+    const along = (point: Point) => (isUpright ? point.y : point.x);
+    const isTaken = () =>
+      placed.some(
+        (other) => other.side === port.side && Math.abs(along(other.at) - along(at)) < PITCH,
+      );
+    for (let tries = 0; isTaken() && tries < ports.length; tries++) {
+      at = isUpright ? { x: at.x, y: at.y + PITCH } : { x: at.x - PITCH * 4, y: at.y };
+    }
+    placed.push({ ...port, at });
+  }
+  return placed;
+}
+
+export function stickyMarks(drawing: Drawing): void {
+  const { placed, camera, view } = drawing.input;
+  const spot = drawing.covering;
+  const sticky = spot && stickyFrame(placed, camera, view);
+  if (!sticky) return;
+  const layer = drawing.layer(drawing.layers.length);
+  edges(drawing, shade(spot.depth + 1));
+  for (const port of sticky.ports) {
+    layer.dots.push(stuckDot(drawing, port));
+    const named = port.port.kind !== "income" && (port.side === "left" || port.side === "right");
+    if (named) layer.texts.push(stuckName(drawing, port, shade(spot.depth)));
+  }
+}
+
+const OUT = { left: [-1, 0], right: [1, 0], top: [0, -1], bottom: [0, 1] } as const;
+
+function stuckDot(drawing: Drawing, { port, at, side }: StickyPort): DotMark {
+  const [x, y] = OUT[side];
+  const sign = port.kind === "income" || port.kind === "input" ? -1 : 1;
+  return {
+    what: `${port.key} sticky`,
+    shape: SHAPES[port.kind],
+    ...at,
+    size: 9,
+    toX: sign * x,
+    toY: sign * y,
+    fill: portInk(port),
+    stroke: drawing.lit.has(port.key) ? "lit" : null,
+    alpha: 1,
+  };
+}
+
+function stuckName(drawing: Drawing, { port, at, side }: StickyPort, plate: Ink): TextMark {
+  const { measure } = drawing.input;
+  const text = cut(port.name, 140, TEXT.small, false, measure);
+  return {
+    what: `${port.key} sticky name`,
+    x: at.x + (side === "left" ? 1 : -1) * (FRAME / 2 + 6),
+    y: at.y,
+    text,
+    size: TEXT.small,
+    bold: false,
+    ink: port.kind === "outcome" ? "soft" : "data-text",
+    align: side === "left" ? "left" : "right",
+    alpha: 1,
+    plate,
+    width: measure(text, TEXT.small, false),
+  };
+}
+
+function edges(drawing: Drawing, ground: string): void {
+  const layer = drawing.layer(drawing.layers.length - 1);
+  const { width, height } = drawing;
+  const strips = [
+    [0, 0, width, FRAME],
+    [0, height - FRAME, width, FRAME],
+    [0, FRAME, FRAME, height - 2 * FRAME],
+    [width - FRAME, FRAME, FRAME, height - 2 * FRAME],
+  ] as const;
+  for (const [x, y, wide, high] of strips) {
+    layer.specks.push({
+      what: "frame",
+      x,
+      y,
+      width: wide,
+      height: high,
+      radius: 0,
+      fill: ground,
+      stroke: null,
+      line: 0,
+      dash: false,
+      alpha: 1,
+    });
+  }
+  layer.boxes.push({
+    what: "frame",
+    x: FRAME,
+    y: FRAME,
+    width: width - 2 * FRAME,
+    height: height - 2 * FRAME,
+    radius: 6,
+    fill: null,
+    stroke: "outline",
+    line: 1,
+    dash: false,
+    alpha: 1,
+  });
+}

@@ -1,0 +1,47 @@
+/** Text that fits: cut with an ellipsis, or over several lines. */
+
+import type { Measure } from "./input.ts";
+
+/** The text, or as much of it as fits with an ellipsis; nothing if not even two letters do. */
+export function cut(text: string, width: number, size: number, bold: boolean, measure: Measure) {
+  if (measure(text, size, bold) <= width) return text;
+  let [low, high] = [0, text.length - 1];
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (measure(`${text.slice(0, middle)}…`, size, bold) <= width) low = middle;
+    else high = middle - 1;
+  }
+  return low < 2 ? "" : `${text.slice(0, low).trimEnd()}…`;
+}
+
+/** The text in at most so many lines, broken between words; what is left over is cut. */
+export function wrapped(
+  text: string,
+  width: number,
+  lines: number,
+  size: number,
+  measure: Measure,
+): readonly string[] {
+  if (lines <= 1 || measure(text, size, false) <= width) {
+    const only = cut(text, width, size, false, measure);
+    return only === "" ? [] : [only];
+  }
+  const found: string[] = [];
+  let line = "";
+  const words = text.split(/[\s_]+/);
+  for (const [index, word] of words.entries()) {
+    const longer = line === "" ? word : `${line} ${word}`;
+    if (line === "" || measure(longer, size, false) <= width) {
+      line = longer;
+      continue;
+    }
+    if (found.length === lines - 1) {
+      line = `${line} ${words.slice(index).join(" ")}`;
+      break;
+    }
+    found.push(cut(line, width, size, false, measure));
+    line = word;
+  }
+  found.push(cut(line, width, size, false, measure));
+  return found.filter((each) => each !== "");
+}
