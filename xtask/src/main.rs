@@ -9,6 +9,7 @@
 )]
 
 mod bench;
+mod bench_web;
 mod ci;
 mod conformance;
 mod demo;
@@ -50,6 +51,8 @@ enum Task {
     Conformance(conformance::Options),
     /// Measure speed and memory, against what we promise and against the reference.
     Bench(bench::Options),
+    /// Measure the speed of the page in a browser, against what we promise.
+    BenchWeb(bench_web::Options),
     /// Build everything and show a generated mission: in the page, or run live in this terminal.
     Demo(demo::Options),
     /// Pack an archive and a wheel.
@@ -85,6 +88,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Test(options) => test::run(&options),
         Task::Conformance(options) => conformance::run(&options),
         Task::Bench(options) => bench::run(&options),
+        Task::BenchWeb(options) => bench_web::run(&options),
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
         Task::Simulate(options) => simulate::run(&options),
