@@ -1,7 +1,7 @@
 /** How soon an edit shows, and what a thousand of them leave in memory. */
 
 import type { CDPSession, Page as Sheet } from "playwright-core";
-import { PICTURE_MARK } from "../src/canvas/marks.ts";
+import { FRAME } from "./house.ts";
 import { median } from "./trace.ts";
 
 const EDITS = 30;
@@ -15,33 +15,26 @@ export async function editToPicture(sheet: Sheet): Promise<number> {
   return median(times);
 }
 
-/** Moves the first child of the root; from the call to the mark of a picture that is as new. */
+/** Moves the first child of the root; from the call to the end of the next frame, which has it. */
 function one(sheet: Sheet, turn: number): Promise<number> {
   return sheet.evaluate(
-    ([step, mark]) =>
+    ([step, frame]) =>
       new Promise<number>((done, failed) => {
         const room = window.__rafcon.context().tab?.room;
         const path = room?.machine.children(room.machine.root)[0];
         if (!room || path === undefined) throw new Error("no machine is open");
-        let version = Number.POSITIVE_INFINITY;
         const seen = new PerformanceObserver((list) => {
-          const marks = list.getEntriesByName(mark) as PerformanceMark[];
-          const picture = marks.find(({ detail }) => detail >= version);
+          const picture = list.getEntriesByName(frame).find(({ startTime }) => startTime >= begun);
           if (!picture) return;
           seen.disconnect();
-          made.then(() => done(picture.startTime - begun), failed);
+          made.then(() => done(picture.startTime + picture.duration - begun), failed);
         });
-        seen.observe({ type: "mark" });
+        seen.observe({ type: "measure" });
+        const position: [number, number] = [50 + (step % 7) * 10, 60];
         const begun = performance.now();
-        const made = room.edit("Move", {
-          edit: "set_position",
-          path,
-          element: "state",
-          position: [50 + (step % 7) * 10, 60],
-        });
-        version = room.machine.version;
+        const made = room.edit("Move", { edit: "set_position", path, element: "state", position });
       }),
-    [turn, PICTURE_MARK] as const,
+    [turn, FRAME] as const,
   );
 }
 

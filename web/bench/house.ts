@@ -6,10 +6,12 @@ import { join } from "node:path";
 import { type Browser, chromium, type Page as Sheet } from "playwright-core";
 import { binary, CHROMIUM, newPlace, REPOSITORY } from "../e2e/house/places.ts";
 import { Server } from "../e2e/house/server.ts";
-import { PICTURE_MARK } from "../src/canvas/marks.ts";
 import { writeLarge } from "./large.ts";
 
 export const VIEW = { width: 1600, height: 1000 };
+
+/** What the canvas calls its frames on the browser's time line. */
+export const FRAME = "rafcon:frame";
 
 /** The machines by name: the mission that `rafcon new` makes, and ours. */
 export type Size = "mission_750" | "large_10000";
@@ -57,21 +59,21 @@ export async function freshPage({ server, browser }: House): Promise<Sheet> {
 /** Opens a machine as the command does; the ms from there to its first picture. */
 export async function open(sheet: Sheet, size: Size): Promise<number> {
   return sheet.evaluate(
-    ([name, mark]) =>
+    ([name, frame]) =>
       new Promise<number>((done) => {
         const { page, commands, context } = window.__rafcon;
         const begun = performance.now();
         const seen = new PerformanceObserver((list) => {
-          const picture = list.getEntriesByName(mark).find(({ startTime }) => startTime >= begun);
+          const picture = list.getEntriesByName(frame).find(({ startTime }) => startTime >= begun);
           if (!picture || !page.active.value) return;
           seen.disconnect();
-          done(picture.startTime - begun);
+          done(picture.startTime + picture.duration - begun);
         });
-        seen.observe({ type: "mark" });
+        seen.observe({ type: "measure" });
         const project = page.projects.value[0]?.id;
         commands.run("file.open", context(), { project, path: name });
       }),
-    [size, PICTURE_MARK] as const,
+    [size, FRAME] as const,
   );
 }
 
