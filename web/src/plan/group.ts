@@ -1,0 +1,330 @@
+/** Grouping, ungrouping and substituting: everything keeps its place on the screen. */
+
+import { layoutOf, rootSize } from "../model/drawing.ts";
+import type { Edit, StateDocument, TransitionDocument } from "../model/generated/protocol.ts";
+import { around, type Box, contains, type Point, type Size } from "../model/geometry.ts";
+import { changed } from "../model/layout.ts";
+import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
+import { childPath, idOf } from "../model/path.ts";
+import { boxEdits, boxIn, pins, sizeIn, waypointsEdit } from "./boxes.ts";
+import { drawnInto, underId } from "./documents.ts";
+import { commonContainer, containerAt, movableFrom } from "./legal.ts";
+import { statesInWords } from "./move.ts";
+import { newBox, newId, newName } from "./newcomers.ts";
+import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
+import { added } from "./states.ts";
+
+/** Puts states of one container, and scoped variables of it that are named, into a new hierarchy around them. */
+export function group(
+  machine: Machine,
+  paths: readonly string[],
+  scoped: readonly number[] = [],
+): Planned {
+  const path = commonContainer(machine, paths);
+  if (typeof path !== "string") return path;
+  const container = containerAt(machine, path);
+  if (isRefused(container)) return container;
+  const ids = new Set(paths.map(idOf));
+  const bad = entriesRefused(machine, path, container, ids);
+  if (bad) return bad;
+  const id = newId(machine, path);
+  const name = newName(machine, path, "Group");
+  const { box, nameBox } = groupBox(machine, path, paths);
+  const ways = groupedWaypoints(machine, path, container, ids, box);
+  const layout = changed(null, { position: box, size: box, nameBox, waypoints: ways.inner });
+  const edits: Edit[] = [
+    ...pins(machine, path, new Set(paths)),
+    ...shiftedChildren(machine, paths, { x: -box.x, y: -box.y }),
+    { edit: "group", path, states: [...ids], scoped_variables: [...scoped], id, name },
+    { edit: "set_layout", path: childPath(path, id), layout },
+    ...ways.outer,
+  ];
+  return {
+    name: `Group ${statesInWords(machine, paths)}`,
+    edit: together(edits),
+    select: [{ kind: "state", path: childPath(path, id) }],
+  };
+}
+
+function shiftedChildren(machine: Machine, paths: readonly string[], by: Point): Edit[] {
+  return paths.flatMap((path) => {
+    const state = machine.state(path);
+    const box = boxIn(machine, path);
+    return state ? boxEdits(state, path, { ...box, x: box.x + by.x, y: box.y + by.y }) : [];
+  });
+}
+
+function entriesRefused(
+  machine: Machine,
+  path: string,
+  container: StateDocument,
+  ids: ReadonlySet<string>,
+): Refused | null {
+  const entries = transitionsOf(container).filter((each) => isEntry(each, ids));
+  const targets = [...new Set(entries.map(({ to_state }) => to_state ?? ""))];
+  const [one, other] = targets.map((id) => machine.state(childPath(path, id))?.name ?? id);
+  if (one === undefined || other === undefined) return null;
+  return refused(
+    `Transitions from outside lead to both ${one} and ${other}, and a group is entered at one state only: group others, or remove one of these transitions first.`,
+  );
+}
+
+function isEntry(transition: TransitionDocument, ids: ReadonlySet<string>): boolean {
+  const { from_state, to_state, to_outcome } = transition;
+  return to_outcome == null && ids.has(to_state ?? "") && !ids.has(from_state ?? "");
+}
+
+/** The box around the states, with room for a border and the name, as far as the container has room. */
+function groupBox(
+  machine: Machine,
+  container: string,
+  paths: readonly string[],
+): { readonly box: Box; readonly nameBox: Box | undefined } {
+  const room = sizeIn(machine, container);
+  const bounds = around(paths.map((path) => boxIn(machine, path))) ?? { x: 0, y: 0, ...room };
+  const border = Math.max(bounds.width, bounds.height) * 0.1;
+  const left = Math.min(bounds.x, Math.max(0, bounds.x - border));
+  const top = Math.min(bounds.y, Math.max(0, bounds.y - 2 * border));
+  const right = bounds.x + bounds.width;
+  const bottom = bounds.y + bounds.height;
+  const width = Math.max(right, Math.min(room.width, right + border)) - left;
+  const height = Math.max(bottom, Math.min(room.height, bottom + border)) - top;
+  return {
+    box: { x: left, y: top, width, height },
+    nameBox: nameStrip({ width, height }, bounds.y - top),
+  };
+}
+
+/** The name above the content, if there is any room. */
+function nameStrip(size: Size, height: number): Box | undefined {
+  if (height < size.height * 0.02) return undefined;
+  const inset = height * 0.15;
+  return {
+    x: inset,
+    y: inset,
+    width: Math.max(inset, size.width - 2 * inset),
+    height: height - 2 * inset,
+  };
+}
+
+interface Ways {
+  readonly inner: ReadonlyMap<string, readonly Point[]>;
+  readonly outer: Edit[];
+}
+
+/** Waypoints inside the box go along; those of lines across its border are cut there. */
+function groupedWaypoints(
+  machine: Machine,
+  path: string,
+  container: StateDocument,
+  ids: ReadonlySet<string>,
+  box: Box,
+): Ways {
+  const { waypoints } = layoutOf(machine.state(path) ?? container);
+  const inner = new Map<string, readonly Point[]>();
+  const outer: Edit[] = [];
+  const exits = new Set<string>();
+  for (const transition of transitionsOf(container)) {
+    const key = `transition${transition.id}`;
+    const leaves = ids.has(transition.from_state ?? "");
+    const enters = isEntry(transition, ids);
+    const goal = JSON.stringify([transition.to_state, transition.to_outcome]);
+    const isSecond = leaves && exits.has(goal);
+    if (leaves) exits.add(goal);
+    const points = waypoints.get(key) ?? [];
+    if ((!leaves && !enters) || points.length === 0) continue;
+    const within = points.filter((point) => contains(box, point));
+    const moved = within.map(({ x, y }) => ({ x: x - box.x, y: y - box.y }));
+    if (leaves) inner.set(key, moved);
+    const staysInside =
+      leaves && ids.has(transition.to_state ?? "") && transition.to_outcome == null;
+    if (staysInside || isSecond) continue;
+    const beyond = points.filter((point) => !contains(box, point));
+    outer.push(waypointsEdit(path, { transition: transition.id }, beyond));
+  }
+  return { inner, outer };
+}
+
+/** Puts the children of a container where it stands. */
+export function ungroup(machine: Machine, path: string): Planned {
+  const parent = movableFrom(machine, path);
+  if (typeof parent !== "string") return parent;
+  const state = containerAt(machine, path);
+  if (isRefused(state)) return state;
+  const around = containerAt(machine, parent);
+  if (isRefused(around)) return around;
+  const children = machine
+    .children(path)
+    .filter((child) => machine.state(child)?.kind !== "decider");
+  const ids = freedIds(machine, parent, path, children);
+  const { x, y } = boxIn(machine, path);
+  const edits: Edit[] = [
+    ...pins(machine, parent, new Set([path])),
+    ...shiftedChildren(machine, children, { x, y }),
+    { edit: "ungroup", path: parent, state: idOf(path), fresh: ids.fresh },
+    ...freedWaypoints(parent, around, path, state, ids.byOld, { x, y }),
+  ];
+  return {
+    name: `Ungroup ${state.name}`,
+    edit: together(edits),
+    select: [...ids.byOld.values()].map((id) => ({ kind: "state", path: childPath(parent, id) })),
+  };
+}
+
+interface Freed {
+  readonly byOld: ReadonlyMap<string, string>;
+  /** Only those that are needed, in the order of need. */
+  readonly fresh: string[];
+}
+
+/** Ids of the children in the container around: their own unless those are taken there. */
+function freedIds(
+  machine: Machine,
+  parent: string,
+  path: string,
+  children: readonly string[],
+): Freed {
+  const siblings = machine
+    .children(parent)
+    .filter((other) => other !== path)
+    .map(idOf);
+  const taken = new Set([...siblings, idOf(parent)]);
+  const own = new Set(children.map(idOf));
+  const byOld = new Map<string, string>();
+  const fresh: string[] = [];
+  for (const child of children) {
+    const id = idOf(child);
+    const free = taken.has(id) ? newId(machine, parent, [...own, ...fresh]) : id;
+    if (free !== id) fresh.push(free);
+    taken.add(free);
+    byOld.set(id, free);
+  }
+  return { byOld, fresh };
+}
+
+/** Waypoints of the lines inside, under the ids that they get outside. */
+function freedWaypoints(
+  parent: string,
+  around: StateDocument,
+  path: string,
+  state: StateDocument,
+  ids: ReadonlyMap<string, string>,
+  by: Point,
+): Edit[] {
+  const { waypoints } = layoutOf(state);
+  const edits: Edit[] = [];
+  let next = Math.max(0, ...transitionsOf(around).map(({ id }) => id)) + 1;
+  for (const transition of transitionsOf(state)) {
+    if (!ids.has(transition.from_state ?? "")) continue;
+    if (!leadsOn(transition, around, path, state, ids)) continue;
+    const points = waypoints.get(`transition${transition.id}`) ?? [];
+    const moved = points.map((point) => ({ x: point.x + by.x, y: point.y + by.y }));
+    if (points.length > 0) edits.push(waypointsEdit(parent, { transition: next }, moved));
+    next++;
+  }
+  return edits;
+}
+
+/** Whether a transition inside has somewhere to lead once its container is gone. */
+function leadsOn(
+  { to_state, to_outcome }: TransitionDocument,
+  around: StateDocument,
+  path: string,
+  state: StateDocument,
+  ids: ReadonlyMap<string, string>,
+): boolean {
+  if (to_outcome == null) return ids.has(to_state ?? "");
+  const behind = transitionsOf(around).find(
+    ({ from_state, from_outcome }) => from_state === idOf(path) && from_outcome === to_outcome,
+  );
+  if (!behind) return false;
+  const back = behind.to_outcome == null && behind.to_state === idOf(path);
+  const start = startOf(state);
+  return (
+    !back || (start !== undefined && start.to_outcome == null && ids.has(start.to_state ?? ""))
+  );
+}
+
+/** Puts other states in the place of a state: its box and the places of its ports stay, connections where names fit. */
+export function substitute(
+  machine: Machine,
+  path: string,
+  states: readonly StateDocument[],
+  keepName: boolean,
+): Planned {
+  const container = movableFrom(machine, path);
+  if (typeof container !== "string") return container;
+  const old = machine.state(path);
+  const [model] = states;
+  if (!old || !model) return refused("There is nothing to put in the place of the state.");
+  const clash = states.some(({ path: inner }) => inner === `${model.path}/${idOf(path)}`);
+  const id = clash ? newId(machine, container) : idOf(path);
+  const [first, ...rest] = drawnInto(underId(states, id), boxIn(machine, path));
+  if (!first) return refused("There is nothing to put in the place of the state.");
+  const name = keepName ? old.name : model.name;
+  const layout = changed(first.layout, { ports: portsFrom(old, first) });
+  const edits: Edit[] = [
+    ...pins(machine, container, new Set([path])),
+    {
+      edit: "substitute_state",
+      path: container,
+      state: idOf(path),
+      states: [{ ...first, name, layout }, ...rest],
+    },
+  ];
+  return {
+    name: `Substitute ${old.name} by ${model.name}`,
+    edit: together(edits),
+    select: [{ kind: "state", path: childPath(container, id) }],
+  };
+}
+
+/** Places of the old ports for the new ones of the same name. */
+function portsFrom(old: StateDocument, now: StateDocument): ReadonlyMap<string, Point> {
+  const { ports } = layoutOf(old);
+  const found = new Map<string, Point>();
+  const take = (
+    prefix: string,
+    before: readonly { id: number; name: string }[],
+    after: readonly { id: number; name: string }[],
+  ) => {
+    for (const { id, name } of after) {
+      const twin = before.find((other) => other.name === name);
+      const at = twin && ports.get(`${prefix}${twin.id}`);
+      if (at) found.set(`${prefix}${id}`, at);
+    }
+  };
+  const income = ports.get("income");
+  if (income) found.set("income", income);
+  take("outcome", outcomesOf(old), outcomesOf(now));
+  take("input_data_port", portsOf(old, "input"), portsOf(now, "input"));
+  take("output_data_port", portsOf(old, "output"), portsOf(now, "output"));
+  return found;
+}
+
+/** Adds a copy of states, the first around the others, with its middle at a point, or where there is room. */
+export function addTemplate(
+  machine: Machine,
+  container: string,
+  states: readonly StateDocument[],
+  at?: Point,
+): Planned {
+  const around = containerAt(machine, container);
+  if (isRefused(around)) return around;
+  const [model] = states;
+  if (!model) return refused("There is nothing to copy.");
+  const size = rootSize(model);
+  const box = newBox(machine, container, at, size.width / size.height);
+  const id = newId(machine, container);
+  const name = newName(machine, container, model.name);
+  const copies = drawnInto(underId(states, id), box);
+  const [first, ...rest] = copies;
+  if (!first) return refused("There is nothing to copy.");
+  return added(
+    machine,
+    container,
+    around,
+    [{ ...first, name }, ...rest],
+    `Add copy of ${model.name}`,
+  );
+}
