@@ -1,5 +1,6 @@
 /** What others may ask of the canvas: where to look. What it shows it reads from the stores by itself. */
 
+import type { ReadonlySignal } from "@preact/signals-core";
 import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
 
@@ -25,4 +26,6 @@ export interface CanvasControl {
   /** Opens the menu of what is selected, at its place. */
   readonly openMenu: () => void;
   readonly focus: () => void;
+  /** The state that fills the view: what one works in. */
+  readonly stage: ReadonlySignal<string>;
 }

@@ -1,0 +1,66 @@
+/** Elements in words, for those who hear the page: "Scan, execution state, 2 outcomes, leads to Search". */
+
+import type { ElementRef } from "../model/element.ts";
+import { connectionInWords, isConnection, isPort, nameOf, transitionEnds } from "../model/ends.ts";
+import type { StateDocument } from "../model/generated/protocol.ts";
+import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
+import { idOf, parentOf } from "../model/path.ts";
+import { counted, KIND_WORDS } from "../plan/legal.ts";
+
+/** What is said of an element. */
+export function described(machine: Machine, element: ElementRef): string {
+  const state = machine.state(element.path);
+  if (!state) return "no longer there";
+  if (element.kind === "state") return stateInWords(machine, element.path, state);
+  if (isConnection(element)) {
+    const word = element.kind === "transition" ? "transition" : "data flow";
+    return `${word} ${connectionInWords(machine, element)}`;
+  }
+  if (element.kind === "income") return `income of ${state.name}`;
+  const name = nameOf(machine, element);
+  if (!isPort(element)) return `outcome ${name} of ${state.name}`;
+  const port = portsOf(state, element.kind).find(({ id }) => id === element.id);
+  return `${element.kind.replace("_", " ")} ${name} of ${state.name}, type ${port?.data_type ?? "unknown"}`;
+}
+
+function stateInWords(machine: Machine, path: string, state: StateDocument): string {
+  const kind = KIND_WORDS[state.kind];
+  const children = machine.children(path).length;
+  const own = outcomesOf(state).filter(({ id }) => id >= 0);
+  const parts = [
+    state.name,
+    kind,
+    isStart(machine, path) ? "start state" : "",
+    children > 0 && state.kind !== "library" ? counted(children, "state") : "",
+    counted(own.length, "outcome").replace(/^outcome$/, "1 outcome"),
+    leadsTo(machine, path),
+  ];
+  return parts.filter((part) => part !== "").join(", ");
+}
+
+function isStart(machine: Machine, path: string): boolean {
+  const parent = parentOf(path);
+  const container = parent === null ? undefined : machine.state(parent);
+  return container !== undefined && startOf(container)?.to_state === idOf(path);
+}
+
+function leadsTo(machine: Machine, path: string): string {
+  const parent = parentOf(path);
+  const container = parent === null ? undefined : machine.state(parent);
+  if (parent === null || !container) return "";
+  const names = new Set<string>();
+  for (const transition of transitionsOf(container)) {
+    if (transition.from_state !== idOf(path)) continue;
+    const { to } = transitionEnds(parent, transition);
+    names.add(
+      to.kind === "income"
+        ? nameOf(machine, { kind: "state", path: to.path })
+        : endName(machine, to),
+    );
+  }
+  return names.size === 0 ? "" : `leads to ${[...names].join(" and ")}`;
+}
+
+function endName(machine: Machine, to: ElementRef): string {
+  return `outcome ${nameOf(machine, to)} of ${machine.state(to.path)?.name ?? to.path}`;
+}

@@ -1,0 +1,491 @@
+/** The hand on the canvas: what pointer, wheel and keys do to one open machine, without a document. It holds the gesture that
+ * is under way, shows what would come of it, and sends the edit when it is complete. */
+
+import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
+import { type ElementRef, keyOf } from "../model/element.ts";
+import { type Box, around as boxAround, type Point, type Size } from "../model/geometry.ts";
+import { outcomesOf, portsOf, transitionsOf } from "../model/machine.ts";
+import { idOf, parentOf } from "../model/path.ts";
+import { move as movePlan } from "../plan/move.ts";
+import { isRefused, type Planned } from "../plan/plan.ts";
+import type { Dragged } from "../store/dragged.ts";
+import type { OpenTab } from "../store/page.ts";
+import { wasRefused } from "../store/room.ts";
+import { type Camera, select, selected, selectedStates, toggle } from "../store/view.ts";
+import { zoomedAt } from "./camera.ts";
+import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
+import type { Hit, PortRef } from "./hit/look.ts";
+import { filling, revealing } from "./looks.ts";
+import { NO_OVERLAY, type Overlay } from "./overlay.ts";
+import { type Placed, placesOf } from "./placed.ts";
+import { connecting } from "./tools/connect.ts";
+import { bringing } from "./tools/drop.ts";
+import { type Around, type Gesture, inState, type Pointer, type Result } from "./tools/gesture.ts";
+import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
+import { cursorAt, isStage, type Press, pressing } from "./tools/press.ts";
+import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
+
+/** What the hand needs of its surroundings. */
+export interface Desk {
+  readonly tab: OpenTab;
+  readonly size: () => Size;
+  /** What the wheel does without a key. */
+  readonly wheel: () => "zoom" | "pan";
+  /** Moves the camera there, at once or in a while. */
+  readonly fly: (to: Camera) => void;
+  readonly run: (command: string, argument?: unknown) => void;
+  /** Says why something cannot be done. */
+  readonly refuse: (reason: string) => void;
+  readonly rename: (path: string) => void;
+}
+
+/** A key that was pressed, by the name that browsers give it. */
+export interface Key {
+  readonly key: string;
+  readonly shift: boolean;
+  readonly ctrl: boolean;
+  readonly alt: boolean;
+}
+
+interface Touch {
+  readonly id: number;
+  readonly at: Point;
+}
+
+const MOUSE_TOLERANCE = 8;
+const TOUCH_TOLERANCE = 16;
+
+export class Hand {
+  readonly overlay: Signal<Overlay> = signal(NO_OVERLAY);
+  readonly cursor: Signal<string> = signal("default");
+  /** The innermost state that fills the view: what one works in. */
+  readonly stage: ReadonlySignal<string>;
+  readonly #desk: Desk;
+  #gesture: Gesture | null = null;
+  #pointer: Pointer | null = null;
+  #touches: readonly Touch[] = [];
+  #pinch: { readonly camera: Camera; readonly from: Fingers } | null = null;
+  #kept: { readonly key: readonly unknown[]; readonly places: Placed } | null = null;
+  /** Whether the overlay stays until the server has answered. */
+  #settling = 0;
+
+  constructor(desk: Desk) {
+    this.#desk = desk;
+    const { room, view } = desk.tab;
+    this.stage = computed(() => {
+      room.version.value;
+      view.camera.value;
+      view.contents.value;
+      return this.#stageNow();
+    });
+  }
+
+  /** The name of the gesture that is under way. */
+  get doing(): string | null {
+    return this.#gesture?.name ?? null;
+  }
+
+  /** Where everything is without the gesture. */
+  places(): Placed {
+    const { room, view } = this.#desk.tab;
+    const [modes, contents] = [view.modes.peek(), view.contents.peek()];
+    const key = [room.machine.version, modes, contents];
+    if (!this.#kept || this.#kept.key.some((part, index) => part !== key[index])) {
+      const places = placesOf(room.machine, { modes, contents }, NO_OVERLAY);
+      this.#kept = { key, places };
+    }
+    return this.#kept.places;
+  }
+
+  around(): Around {
+    const { room, view } = this.#desk.tab;
+    return {
+      machine: room.machine,
+      places: this.places(),
+      camera: view.camera.peek(),
+      size: this.#desk.size(),
+      look: {
+        selection: view.selection.peek(),
+        hovered: view.hovered.peek(),
+        modes: view.modes.peek(),
+        size: this.#desk.size(),
+      },
+    };
+  }
+
+  /** What is under a point of the view. */
+  at(point: Point, tolerance: number = MOUSE_TOLERANCE): Hit | null {
+    const { machine, places, look, camera } = this.around();
+    return hitAt(places, machine, look, camera, point, tolerance);
+  }
+
+  /** The button, or a finger, goes down. */
+  press(press: Press, how: { readonly pans: boolean; readonly finger?: number }): void {
+    this.#pointer = press;
+    if (how.finger !== undefined && this.#fingerDown(how.finger, press)) return;
+    if (this.#gesture?.isSticky && !how.pans) {
+      this.#stick(press);
+      return;
+    }
+    if (how.pans) {
+      this.#become(panning(press, this.around().camera));
+      return;
+    }
+    const hit = this.at(press, press.isTouch ? TOUCH_TOLERANCE : MOUSE_TOLERANCE);
+    this.#become(pressing(hit, press, this.around()));
+  }
+
+  /** The second finger ends what the first began: both zoom. */
+  #fingerDown(id: number, at: Point): boolean {
+    this.#touches = [...this.#touches.filter((touch) => touch.id !== id), { id, at }];
+    const [one, other] = this.#touches;
+    if (!one || !other) return false;
+    this.cancel();
+    this.#pinch = { camera: this.around().camera, from: [one.at, other.at] };
+    return true;
+  }
+
+  #stick(press: Press): void {
+    const gesture = this.#gesture?.move(press, this.around());
+    if (!gesture) return;
+    const marked = gesture.mark?.(this.around());
+    if (marked) this.#become(marked);
+    else this.#complete(gesture);
+  }
+
+  move(pointer: Pointer, finger?: number): void {
+    this.#pointer = pointer;
+    if (finger !== undefined && this.#fingerMoved(finger, pointer)) return;
+    if (this.#gesture) this.#become(this.#gesture.move(pointer, this.around()));
+    else if (finger === undefined) this.hover(pointer);
+  }
+
+  #fingerMoved(id: number, at: Point): boolean {
+    this.#touches = this.#touches.map((touch) => (touch.id === id ? { id, at } : touch));
+    const [one, other] = this.#touches;
+    if (!this.#pinch || !one || !other) return false;
+    const { camera, from } = this.#pinch;
+    this.#desk.tab.view.camera.value = pinched(camera, from, [one.at, other.at]);
+    return true;
+  }
+
+  release(pointer: Pointer, finger?: number): void {
+    this.#pointer = pointer;
+    if (finger !== undefined) this.#touches = this.#touches.filter(({ id }) => id !== finger);
+    if (this.#touches.length < 2) this.#pinch = null;
+    if (!this.#gesture || this.#gesture.isSticky) return;
+    this.#complete(this.#gesture);
+    this.hover(pointer);
+  }
+
+  /** The pointer is over the canvas, and no button is held. */
+  hover(point: Point): void {
+    const hit = this.at(point);
+    const { hovered } = this.#desk.tab.view;
+    const before = hovered.peek();
+    const now = hit?.element ?? null;
+    if ((before && keyOf(before)) !== (now && keyOf(now))) hovered.value = now;
+    this.cursor.value = cursorAt(hit);
+  }
+
+  /** The pointer has left the canvas. */
+  leave(): void {
+    if (this.#gesture) return;
+    this.#pointer = null;
+    this.#desk.tab.view.hovered.value = null;
+  }
+
+  doubleClick(pointer: Pointer): void {
+    this.#drop();
+    const hit = this.at(pointer);
+    if (!hit) return;
+    const { path } = hit.element;
+    if (hit.on === "name") this.#desk.rename(path);
+    else if (hit.on === "state" || hit.on === "grip") this.fit([path]);
+  }
+
+  turn(at: Point, wheel: Wheel): void {
+    const { camera } = this.#desk.tab.view;
+    camera.value = wheeled(camera.peek(), at, wheel, this.#desk.wheel());
+    if (this.#gesture && this.#pointer) {
+      this.#become(this.#gesture.move(this.#pointer, this.around()));
+    } else this.hover(at);
+  }
+
+  /** Something is held over the canvas by the browser's own drag and drop. */
+  bring(dragged: Dragged, pointer: Pointer): void {
+    this.#pointer = pointer;
+    this.#become(bringing(dragged, pointer, this.around()));
+  }
+
+  drop(): void {
+    if (this.#gesture) this.#complete(this.#gesture);
+  }
+
+  /** Ends what is under way without a change; false if nothing was. */
+  cancel(): boolean {
+    if (!this.#gesture) return false;
+    this.#drop();
+    return true;
+  }
+
+  /** A key was pressed; false if the canvas has no use for it. */
+  key(key: Key): boolean {
+    return this.#gesture ? this.#gestureKey(this.#gesture, key) : this.#freeKey(key);
+  }
+
+  /** Shift, Ctrl or Alt went down or up while the pointer rests. */
+  modifiers(keys: Omit<Key, "key">): void {
+    if (!this.#gesture || !this.#pointer || this.#gesture.isSticky) return;
+    const { x, y } = this.#pointer;
+    this.move({ x, y, ...keys });
+  }
+
+  #gestureKey(gesture: Gesture, { key, shift }: Key): boolean {
+    if (key === "Escape") return this.cancel();
+    if (key === "Enter" && gesture.isSticky) {
+      this.#complete(gesture);
+      return true;
+    }
+    const marked = key === " " ? gesture.mark?.(this.around()) : null;
+    if (marked) {
+      this.#become(marked);
+      return true;
+    }
+    const by = key === "Tab" ? (shift ? -1 : 1) : CYCLE[key];
+    if (by === undefined || !gesture.cycle) return false;
+    this.#become(gesture.cycle(by, this.around()));
+    return true;
+  }
+
+  #freeKey(key: Key): boolean {
+    if (key.key === "Escape") return this.#leaveLevel();
+    if (key.key === "Enter") return this.#enter();
+    if (key.key === "Tab") return this.#portStep(key.shift ? -1 : 1);
+    const arrow = ARROWS[key.key];
+    if (!arrow || key.shift) return false;
+    return key.ctrl || key.alt ? this.#nudge(arrow.by, key.alt) : this.walk(arrow.direction);
+  }
+
+  /** First the selection goes, then one is one level farther out. */
+  #leaveLevel(): boolean {
+    const { view } = this.#desk.tab;
+    if (view.selection.peek().size > 0) {
+      select(view, []);
+      return true;
+    }
+    const parent = parentOf(this.stage.peek());
+    if (parent === null) return false;
+    this.fit([parent]);
+    return true;
+  }
+
+  #enter(): boolean {
+    const [path] = selectedStates(this.#desk.tab.view);
+    if (path === undefined) return false;
+    const inside = entrance(this.#desk.tab.room.machine, this.places(), path);
+    this.fit([path]);
+    if (inside) select(this.#desk.tab.view, [inside]);
+    return true;
+  }
+
+  #portStep(by: 1 | -1): boolean {
+    const [from] = selected(this.#desk.tab.view);
+    const to = from && portWalk(this.places(), from, by);
+    if (!to) return false;
+    select(this.#desk.tab.view, [to]);
+    return true;
+  }
+
+  /** Begins to change the name of a state, in place; brings it into sight first. */
+  rename(path: string): void {
+    const box = this.places().box(path);
+    if (!box) return;
+    const { camera } = this.#desk.tab.view;
+    camera.value = revealing(box, camera.peek(), this.#desk.size());
+    this.#desk.rename(path);
+  }
+
+  /** Selects what follows in a direction, and brings it into sight. */
+  walk(direction: Direction): boolean {
+    const { room, view } = this.#desk.tab;
+    const from = selected(view).at(-1);
+    const stage: ElementRef = { kind: "state", path: this.stage.peek() };
+    const to = from
+      ? walked(room.machine, this.places(), from, direction)
+      : (entrance(room.machine, this.places(), stage.path) ?? stage);
+    if (to) {
+      select(view, [to]);
+      this.reveal(to);
+    }
+    return true;
+  }
+
+  /** Moves the selected states by a step, with Alt by a tenth of it. */
+  #nudge(by: Point, isFine: boolean): boolean {
+    const { room, view } = this.#desk.tab;
+    const paths = selectedStates(view);
+    const parent = paths[0] === undefined ? null : parentOf(paths[0]);
+    const box = parent === null ? undefined : this.places().box(parent);
+    if (!box || parent === null) return false;
+    const whole = Math.min(box.width, box.height) / this.places().unit(parent);
+    const step = whole / (isFine ? 500 : 50);
+    this.apply(movePlan(room.machine, paths, { x: by.x * step, y: by.y * step }));
+    return true;
+  }
+
+  #stageNow(): string {
+    const around = this.around();
+    const { size, machine, places, camera } = around;
+    const middle = { x: size.width / 2, y: size.height / 2 };
+    const line = statesAt(places, machine, camera, middle);
+    return line.findLast((path) => isStage(path, around)) ?? machine.root;
+  }
+
+  /** Begins a connection at what is selected, by keyboard. */
+  connect(): void {
+    const [from] = selected(this.#desk.tab.view);
+    const port = from && this.#firstPort(from);
+    if (!port) {
+      this.#desk.refuse("Select a state or a port first: there the connection begins.");
+      return;
+    }
+    this.#become(connecting(port, null, this.around(), true));
+  }
+
+  /** The port itself; of a state the first outcome that leads nowhere yet, or its first. */
+  #firstPort(from: ElementRef): PortRef | null {
+    if (from.kind === "transition" || from.kind === "data_flow") return null;
+    if (from.kind !== "state") return from as PortRef;
+    const { machine } = this.#desk.tab.room;
+    const [state, parent] = [machine.state(from.path), parentOf(from.path)];
+    const around = parent === null ? undefined : machine.state(parent);
+    if (!state) return null;
+    if (!around) return { kind: "income", path: from.path };
+    const taken = new Set(
+      transitionsOf(around)
+        .filter((one) => one.from_state === idOf(from.path))
+        .map((one) => one.from_outcome),
+    );
+    const own = outcomesOf(state).filter(({ id }) => id >= 0);
+    const outcome = own.find(({ id }) => !taken.has(id)) ?? own[0];
+    if (outcome) return { kind: "outcome", path: from.path, id: outcome.id };
+    const [output] = portsOf(state, "output");
+    return output
+      ? { kind: "output", path: from.path, id: output.id }
+      : { kind: "outcome", path: from.path, id: -1 };
+  }
+
+  /** Flies so that these states, or the root, fill the view. */
+  fit(paths: readonly string[]): void {
+    const { machine } = this.#desk.tab.room;
+    const wanted = paths.length === 0 ? [machine.root] : paths;
+    const boxes = wanted.flatMap((path) => this.places().box(path) ?? []);
+    const camera = filling(boxes, this.#desk.size());
+    if (camera) this.#desk.fly(camera);
+  }
+
+  reveal(element: ElementRef): void {
+    const { view } = this.#desk.tab;
+    const box = this.#shown(element);
+    if (!box) return;
+    const camera = revealing(box, view.camera.peek(), this.#desk.size());
+    if (camera !== view.camera.peek()) this.#desk.fly(camera);
+  }
+
+  /** Where an element is to be seen: ports with their state, connections as they are drawn. */
+  #shown(element: ElementRef): Box | null {
+    const places = this.places();
+    if (element.kind === "transition" || element.kind === "data_flow") {
+      const route = routeOf(places, { ...element, kind: element.kind });
+      return boxAround((route?.points ?? []).map((at) => ({ ...at, width: 0, height: 0 })));
+    }
+    return places.box(element.path) ?? null;
+  }
+
+  zoom(factor: number): void {
+    const { width, height } = this.#desk.size();
+    const { camera } = this.#desk.tab.view;
+    this.#desk.fly(zoomedAt(camera.peek(), { x: width / 2, y: height / 2 }, factor));
+  }
+
+  /** The container under the pointer, and where in it; null if the pointer is not over the canvas. */
+  pointer(): { readonly path: string; readonly at: Point } | null {
+    if (!this.#pointer) return null;
+    const { machine, places, camera } = this.around();
+    const path = statesAt(places, machine, camera, this.#pointer).at(-1);
+    if (path === undefined) return null;
+    const world = {
+      x: this.#pointer.x / camera.scale + camera.x,
+      y: this.#pointer.y / camera.scale + camera.y,
+    };
+    return { path, at: inState(places, path, world) };
+  }
+
+  #become(gesture: Gesture): void {
+    const { view } = this.#desk.tab;
+    const before = this.#gesture;
+    this.#gesture = gesture;
+    if (gesture.select && before?.select !== gesture.select) select(view, gesture.select);
+    if (gesture.camera) view.camera.value = gesture.camera;
+    this.overlay.value = gesture.overlay;
+    this.cursor.value = gesture.cursor;
+  }
+
+  #drop(): void {
+    this.#gesture = null;
+    this.overlay.value = NO_OVERLAY;
+    this.cursor.value = "default";
+  }
+
+  #complete(gesture: Gesture): void {
+    const { overlay } = gesture;
+    this.#drop();
+    this.#take(gesture.result(), overlay);
+  }
+
+  #take(result: Result, overlay: Overlay): void {
+    const { view } = this.#desk.tab;
+    if (result.select) select(view, result.select);
+    if (result.toggle) toggle(view, result.toggle);
+    if (result.run) this.#desk.run(result.run.command, result.run.argument);
+    if (result.plan) this.apply(result.plan, overlay);
+  }
+
+  /** Sends what is planned. What cannot be foretold shows as the gesture left it until the server answers. */
+  apply(plan: Planned, overlay: Overlay = NO_OVERLAY): void {
+    if (isRefused(plan)) {
+      this.#desk.refuse(plan.refused);
+      return;
+    }
+    const { room, view } = this.#desk.tab;
+    const before = room.version.peek();
+    const answer = room.edit(plan.name, plan.edit);
+    const isShown = room.version.peek() !== before;
+    if (isShown && plan.select) select(view, plan.select);
+    const settling = ++this.#settling;
+    if (!isShown)
+      this.overlay.value = { ...overlay, line: null, targets: new Map(), message: null };
+    void answer.then((made) => {
+      if (isShown) return;
+      if (settling === this.#settling && !this.#gesture) this.overlay.value = NO_OVERLAY;
+      if (plan.select && !wasRefused(made)) select(view, plan.select);
+    });
+  }
+}
+
+const CYCLE: Readonly<Record<string, 1 | -1>> = {
+  ArrowRight: 1,
+  ArrowDown: 1,
+  ArrowLeft: -1,
+  ArrowUp: -1,
+};
+
+const ARROWS: Readonly<
+  Record<string, { readonly direction: Direction; readonly by: Point } | undefined>
+> = {
+  ArrowRight: { direction: "next", by: { x: 1, y: 0 } },
+  ArrowLeft: { direction: "previous", by: { x: -1, y: 0 } },
+  ArrowDown: { direction: "in", by: { x: 0, y: 1 } },
+  ArrowUp: { direction: "out", by: { x: 0, y: -1 } },
+};

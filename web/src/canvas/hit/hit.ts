@@ -1,0 +1,290 @@
+/** What is under a point of the view. What is too small to be drawn cannot be hit; areas are generous, but never larger than
+ * half of the state that they belong to. Looks from the root inwards, only at what is near the point. */
+
+import type { PortPlace } from "../../model/drawing.ts";
+import { elementOf, keyOf } from "../../model/element.ts";
+import { type Box, contains, distance, type Point } from "../../model/geometry.ts";
+import type { Machine } from "../../model/machine.ts";
+import type { Camera } from "../../store/view.ts";
+import { screenBox, screenFromWorld, worldFromScreen } from "../camera.ts";
+import type { Placed } from "../placed.ts";
+import type { Places, Route } from "../places.ts";
+import { DETAIL } from "../scene/detail.ts";
+import { stickyFrame } from "../scene/sticky.ts";
+import { distanceToLine, middlesOf } from "./lines.ts";
+import type { Grip, Hit, LineRef, Look, PortRef, StateRef } from "./look.ts";
+import { extentOn, isPortShown, isRouteShown } from "./shown.ts";
+
+interface Search {
+  readonly places: Placed;
+  readonly machine: Machine;
+  readonly look: Look;
+  readonly camera: Camera;
+  /** In CSS pixels of the view. */
+  readonly point: Point;
+  readonly tolerance: number;
+}
+
+/** What is at this point of the view, given in CSS pixels; `tolerance` is how far one may miss it. */
+export function hitAt(
+  places: Placed,
+  machine: Machine,
+  look: Look,
+  camera: Camera,
+  point: Point,
+  tolerance: number,
+): Hit | null {
+  const search = { places, machine, look, camera, point, tolerance };
+  const line = statesAt(places, machine, camera, point);
+  const near = nearStates(search, line);
+  const innermost = line.at(-1);
+  return (
+    endHit(search) ??
+    stuckHit(search) ??
+    portHit(search, near) ??
+    gripHit(search) ??
+    (innermost === undefined ? null : insideHit(search, innermost)) ??
+    outerLine(search, line)
+  );
+}
+
+/** The states that the point is in, from the root to the innermost one that is drawn. */
+export function statesAt(
+  places: Places,
+  machine: Machine,
+  camera: Camera,
+  point: Point,
+): readonly string[] {
+  const found: string[] = [];
+  let next: string | undefined = isIn(places, camera, point, machine.root)
+    ? machine.root
+    : undefined;
+  while (next !== undefined) {
+    found.push(next);
+    const box = places.box(next);
+    const opens = box && extentOn(camera, box) >= DETAIL.content;
+    next = opens
+      ? places.children(next).findLast((child) => isIn(places, camera, point, child))
+      : undefined;
+  }
+  return found;
+}
+
+function isIn(places: Places, camera: Camera, point: Point, path: string): boolean {
+  const box = places.box(path);
+  if (!box || extentOn(camera, box) < DETAIL.box) return false;
+  return isNear(camera, box, point, 0);
+}
+
+function isNear(camera: Camera, box: Box, point: Point, reach: number): boolean {
+  const left = (box.x - camera.x) * camera.scale;
+  const top = (box.y - camera.y) * camera.scale;
+  return (
+    point.x >= left - reach &&
+    point.y >= top - reach &&
+    point.x <= left + box.width * camera.scale + reach &&
+    point.y <= top + box.height * camera.scale + reach
+  );
+}
+
+/** States whose border may be within reach: those around the point, and their children beside it. */
+function nearStates(search: Search, line: readonly string[]): readonly string[] {
+  const { places, machine, camera, point, tolerance } = search;
+  const near = new Set<string>(line);
+  const beside = (path: string) => {
+    const box = places.box(path);
+    if (box && isNear(camera, box, point, tolerance * 2)) near.add(path);
+  };
+  if (line.length === 0) beside(machine.root);
+  for (const path of line) for (const child of places.children(path)) beside(child);
+  return [...near];
+}
+
+function extentOf({ places, camera }: Search, path: string): number {
+  const box = places.box(path);
+  return box ? extentOn(camera, box) : 0;
+}
+
+/** Ports of the container that fills the view, in the frame at the view's edges. */
+function stuckHit({ places, camera, look, point, tolerance }: Search): Hit | null {
+  const frame = stickyFrame(places, camera, look.size);
+  const found = frame?.ports.find(({ at }) => distance(at, point) <= tolerance * 1.5);
+  const element = found && elementOf(found.port.key);
+  if (!element) return null;
+  return { on: "port", element: element as PortRef, at: worldFromScreen(camera, found.at) };
+}
+
+/** The nearest port; of two as near the inner one. */
+function portHit(search: Search, near: readonly string[]): Hit | null {
+  let best: { readonly path: string; readonly port: PortPlace; readonly away: number } | null =
+    null;
+  for (const path of near) {
+    const size = extentOf(search, path);
+    if (size < DETAIL.ports) continue;
+    const reach = Math.min(search.tolerance * 1.5, size / 4);
+    for (const port of search.places.ports(path)) {
+      const away = distance(screenFromWorld(search.camera, port.at), search.point);
+      if (away > reach || (best && away > best.away)) continue;
+      if (isPortShown(port, path, search)) best = { path, port, away };
+    }
+  }
+  if (!best) return null;
+  const element = elementOf(best.port.key);
+  return element && { on: "port", element: element as PortRef, at: best.port.at };
+}
+
+const GRIP_REACH = 7;
+
+/** Smaller states, in CSS pixels, are moved and not resized. */
+const LEAST_FOR_GRIPS = 16;
+
+/** Corners and sides of selected states. */
+function gripHit(search: Search): Hit | null {
+  for (const key of search.look.selection) {
+    const element = elementOf(key);
+    if (element?.kind !== "state" || search.machine.isInLibrary(element.path)) continue;
+    const box = search.places.box(element.path);
+    const grip = box && gripAt(screenBox(search.camera, box), search.point);
+    if (!grip || (element.path === search.machine.root && /[nw]/.test(grip))) continue;
+    return { on: "grip", element: element as StateRef, grip };
+  }
+  return null;
+}
+
+/** The corner or side of a box on the screen that is within reach. */
+export function gripAt(box: Box, point: Point, reach = 4): Grip | null {
+  const size = Math.min(box.width, box.height);
+  if (size < LEAST_FOR_GRIPS) return null;
+  const corner = Math.min(GRIP_REACH, size / 4);
+  const side = Math.min(reach, size / 8);
+  const x = nearest(point.x, box.x, box.x + box.width);
+  const y = nearest(point.y, box.y, box.y + box.height);
+  if (x.away <= corner && y.away <= corner) {
+    return `${y.first ? "n" : "s"}${x.first ? "w" : "e"}`;
+  }
+  const within = { x: inside(point.x, box.x, box.width), y: inside(point.y, box.y, box.height) };
+  if (x.away <= side && within.y) return x.first ? "w" : "e";
+  if (y.away <= side && within.x) return y.first ? "n" : "s";
+  return null;
+}
+
+function nearest(value: number, first: number, last: number) {
+  const [one, other] = [Math.abs(value - first), Math.abs(value - last)];
+  return { away: Math.min(one, other), first: one <= other };
+}
+
+function inside(value: number, start: number, length: number): boolean {
+  return value >= start && value <= start + length;
+}
+
+/** Ends and waypoints of selected connections, which lie above everything. */
+function endHit(search: Search): Hit | null {
+  for (const key of search.look.selection) {
+    const element = elementOf(key);
+    if (element?.kind !== "transition" && element?.kind !== "data_flow") continue;
+    const route = routeOf(search.places, element as LineRef);
+    const found = route && onSelected(search, route, element as LineRef);
+    if (found) return found;
+  }
+  return null;
+}
+
+/** The route of a connection, if it is drawn. */
+export function routeOf(places: Placed, element: LineRef): Route | undefined {
+  return places
+    .routes(element.path)
+    .find((route) => route.kind === element.kind && route.id === element.id);
+}
+
+function onSelected(search: Search, route: Route, element: LineRef): Hit | null {
+  if (search.machine.isInLibrary(route.path)) return null;
+  const waypoint = waypointHit(search, route, element);
+  if (waypoint) return waypoint;
+  const [first, last] = [route.points[0], route.points.at(-1)];
+  const isAt = (at: Point | undefined) =>
+    at !== undefined &&
+    distance(screenFromWorld(search.camera, at), search.point) <= search.tolerance;
+  if (isAt(last)) return { on: "end", element, end: "to" };
+  return isAt(first) ? { on: "end", element, end: "from" } : middleHit(search, route, element);
+}
+
+function waypointHit(search: Search, route: Route, element: LineRef): Hit | null {
+  const index = route.waypoints.findIndex((corner) => {
+    const at = route.points[corner];
+    return at && distance(screenFromWorld(search.camera, at), search.point) <= search.tolerance;
+  });
+  return index < 0 ? null : { on: "waypoint", element, index };
+}
+
+function middleHit(search: Search, route: Route, element: LineRef): Hit | null {
+  const found = middlesOf(route).find(
+    ({ at }) => distance(screenFromWorld(search.camera, at), search.point) <= search.tolerance,
+  );
+  return found ? { on: "middle", element, index: found.index } : null;
+}
+
+/** What is inside of the innermost state at the point: its lines, its name, itself. */
+function insideHit(search: Search, path: string): Hit {
+  const element = { kind: "state", path } as const;
+  return lineHit(search, path) ?? nameHit(search, element) ?? { on: "state", element };
+}
+
+/** Lines outside of all states, which lead around the root. */
+function outerLine(search: Search, line: readonly string[]): Hit | null {
+  return line.length > 0 ? null : lineHit(search, search.machine.root);
+}
+
+/** So few states are connected in no time, also if the picture has not done so yet. */
+const QUICKLY_ROUTED = 200;
+
+/** Whether the ways of a container's lines are known, or can be found at once: what is not drawn yet cannot be hit. */
+export function isRouted(places: Placed, path: string): boolean {
+  const state = places.frame(path)?.at;
+  return !!state && (state.hasLines || state.children.length <= QUICKLY_ROUTED);
+}
+
+/** The nearest connection of a container. */
+function lineHit(search: Search, path: string): Hit | null {
+  if (extentOf(search, path) < DETAIL.ports || !isRouted(search.places, path)) return null;
+  let best: { readonly route: Route; readonly away: number } | null = null;
+  for (const route of search.places.routes(path)) {
+    const away = distanceToLine(route.points, search.point, search.camera);
+    if (away > search.tolerance || (best && away >= best.away)) continue;
+    if (isRouteShown(route, search)) best = { route, away };
+  }
+  if (!best) return null;
+  const element: LineRef = { kind: best.route.kind, path, id: best.route.id };
+  if (search.machine.isInLibrary(path)) return { on: "line", element };
+  return (
+    waypointHit(search, best.route, element) ??
+    (search.look.selection.has(keyOf(element)) ? middleHit(search, best.route, element) : null) ?? {
+      on: "line",
+      element,
+    }
+  );
+}
+
+function nameHit(search: Search, element: StateRef): Hit | null {
+  const box = search.places.box(element.path);
+  if (!box || !search.look.modes.names || extentOf(search, element.path) < DETAIL.name) return null;
+  const name = search.places.name(element.path);
+  const isSelected = search.look.selection.has(keyOf(element));
+  if (name && isSelected) {
+    const { x, y, width, height } = screenBox(search.camera, name);
+    const corner = distance({ x: x + width, y: y + height }, search.point) <= search.tolerance;
+    if (corner) return { on: "name", element, corner };
+  }
+  const isOpen = search.places.children(element.path).length > 0;
+  const area = nameArea(screenBox(search.camera, box), extentOf(search, element.path), isOpen);
+  return contains(area, search.point) ? { on: "name", element, corner: false } : null;
+}
+
+/** Where the name of a state is written, on the screen: at the top of large ones, in the middle of others. */
+export function nameArea(on: Box, extent: number, isOpen: boolean): Box {
+  const height = Math.min(on.height, 26);
+  if (extent < DETAIL.labels && !(isOpen && extent >= DETAIL.content)) {
+    return { x: on.x, y: on.y + (on.height - height) / 2, width: on.width, height };
+  }
+  const [left, top] = [Math.max(on.x, 0), Math.max(on.y, 0)];
+  return { x: left, y: top, width: Math.min(on.width, 220), height: height + 6 };
+}

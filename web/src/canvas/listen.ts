@@ -1,0 +1,167 @@
+/** What browsers tell about pointer, wheel, keys and drags, as the hand understands it. */
+
+import type { ElementRef } from "../model/element.ts";
+import type { Point } from "../model/geometry.ts";
+import type { Dragged } from "../store/dragged.ts";
+import type { Hand } from "./hand.ts";
+import type { Reader } from "./reader.ts";
+import type { Pointer } from "./tools/gesture.ts";
+
+export interface Hearers {
+  readonly hand: Hand;
+  readonly reader: Reader;
+  /** What is being dragged onto the canvas. */
+  readonly dragged: () => Dragged | null;
+  /** The user takes over what moves by itself. */
+  readonly interrupt: () => void;
+  readonly choose: (element: ElementRef) => void;
+  /** The menu is wanted at a point of the view, or by keyboard. */
+  readonly menu: (at: Point | null) => void;
+}
+
+const LEFT = 0;
+const MIDDLE = 1;
+
+/** Listens at the element until the returned function is called. */
+export function listen(root: HTMLElement, hearers: Hearers): () => void {
+  const stop = new AbortController();
+  const { signal } = stop;
+  pointers(root, hearers, signal);
+  keys(root, hearers, signal);
+  drags(root, hearers, signal);
+  return () => stop.abort();
+}
+
+function pointerOf(root: HTMLElement, event: MouseEvent): Pointer {
+  const { left, top } = root.getBoundingClientRect();
+  return { x: event.clientX - left, y: event.clientY - top, ...modifiers(event) };
+}
+
+function modifiers(event: MouseEvent | KeyboardEvent) {
+  return { shift: event.shiftKey, ctrl: event.ctrlKey || event.metaKey, alt: event.altKey };
+}
+
+function fingerOf(event: PointerEvent): { readonly finger?: number } {
+  return event.pointerType === "touch" ? { finger: event.pointerId } : {};
+}
+
+/** Whether space is held: then the pointer moves the view. */
+const SPACE = new WeakSet<HTMLElement>();
+
+function pointers(
+  root: HTMLElement,
+  { hand, interrupt, menu }: Hearers,
+  signal: AbortSignal,
+): void {
+  const on = <K extends keyof HTMLElementEventMap>(
+    name: K,
+    hear: (event: HTMLElementEventMap[K]) => void,
+    options: AddEventListenerOptions = {},
+  ) => root.addEventListener(name, hear, { ...options, signal });
+  on("pointerdown", (event) => {
+    if (event.button !== LEFT && event.button !== MIDDLE) return;
+    event.preventDefault();
+    interrupt();
+    root.focus({ preventScroll: true });
+    root.setPointerCapture(event.pointerId);
+    const pans = event.button === MIDDLE || SPACE.has(root);
+    const press = { ...pointerOf(root, event), isTouch: event.pointerType === "touch" };
+    hand.press(press, { pans, ...fingerOf(event) });
+  });
+  on("pointermove", (event) => hand.move(pointerOf(root, event), fingerOf(event).finger));
+  on("pointerup", (event) => hand.release(pointerOf(root, event), fingerOf(event).finger));
+  on("pointercancel", (event) => {
+    hand.cancel();
+    hand.release(pointerOf(root, event), fingerOf(event).finger);
+  });
+  on("pointerleave", () => hand.leave());
+  on("dblclick", (event) => hand.doubleClick(pointerOf(root, event)));
+  on("contextmenu", (event) => {
+    event.preventDefault();
+    const isByKey = event.button !== 2 && event.detail === 0 && event.clientX === 0;
+    menu(isByKey ? null : pointerOf(root, event));
+  });
+  on(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      interrupt();
+      const { deltaX, deltaY, deltaMode } = event;
+      const { ctrl, shift } = modifiers(event);
+      hand.turn(pointerOf(root, event), { deltaX, deltaY, deltaMode, ctrl, shift });
+    },
+    { passive: false },
+  );
+}
+
+const MODIFIERS = new Set(["Shift", "Control", "Alt", "Meta"]);
+
+function keys(
+  root: HTMLElement,
+  { hand, reader, choose, menu }: Hearers,
+  signal: AbortSignal,
+): void {
+  root.addEventListener(
+    "keydown",
+    (event) => {
+      if (MODIFIERS.has(event.key)) hand.modifiers(modifiers(event));
+      const isUsed = hand.key({ key: event.key, ...modifiers(event) });
+      const isMenu = event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey);
+      if (!isUsed && isMenu) menu(null);
+      const pans = !isUsed && event.key === " ";
+      if (pans) SPACE.add(root);
+      if (isUsed || isMenu || pans) {
+        event.preventDefault();
+        event.stopPropagation();
+      }
+    },
+    { signal },
+  );
+  root.addEventListener(
+    "keyup",
+    (event) => {
+      if (event.key === " ") SPACE.delete(root);
+      if (MODIFIERS.has(event.key)) hand.modifiers(modifiers(event));
+    },
+    { signal },
+  );
+  root.addEventListener("blur", () => SPACE.delete(root), { signal });
+  root.addEventListener(
+    "click",
+    (event) => {
+      const element = reader.elementOf(event.target);
+      if (element) choose(element);
+    },
+    { signal },
+  );
+}
+
+function drags(root: HTMLElement, { hand, dragged }: Hearers, signal: AbortSignal): void {
+  const over = (event: DragEvent) => {
+    const what = dragged();
+    if (!what) return;
+    event.preventDefault();
+    if (event.dataTransfer) event.dataTransfer.dropEffect = "copy";
+    hand.bring(what, pointerOf(root, event));
+  };
+  root.addEventListener("dragenter", over, { signal });
+  root.addEventListener("dragover", over, { signal });
+  root.addEventListener(
+    "dragleave",
+    (event) => {
+      const to = event.relatedTarget;
+      if (!(to instanceof Node && root.contains(to))) hand.cancel();
+    },
+    { signal },
+  );
+  root.addEventListener(
+    "drop",
+    (event) => {
+      if (!dragged()) return;
+      event.preventDefault();
+      root.focus({ preventScroll: true });
+      hand.drop();
+    },
+    { signal },
+  );
+}

@@ -1,0 +1,48 @@
+/** Where the camera goes to show something. */
+
+import { around, type Box, type Size } from "../model/geometry.ts";
+import type { Camera } from "../store/view.ts";
+import { fitted, screenBox } from "./camera.ts";
+
+/** Room around what fills the view, in CSS pixels. */
+const MARGIN = 40;
+
+/** Everything in these boxes, as large as it fits. */
+export function filling(boxes: readonly Box[], size: Size): Camera | null {
+  const box = around(boxes);
+  return box && fitted(box, size, Math.min(MARGIN, size.width / 8, size.height / 8));
+}
+
+/** From this size on, in CSS pixels, a state can be read. */
+const READABLE = 60;
+
+/** The same camera if the box can be seen and read; otherwise one that moves and zooms no more than it takes. */
+export function revealing(box: Box, camera: Camera, size: Size): Camera {
+  const on = screenBox(camera, box);
+  const isTooLarge = on.width > size.width || on.height > size.height;
+  const isTooSmall = Math.min(on.width, on.height) < READABLE;
+  if (isTooLarge) return fitted(box, size, MARGIN);
+  if (!isTooSmall) return nudged(box, camera, size);
+  const least = Math.min(box.width, box.height);
+  const wanted = fitted(box, size, MARGIN);
+  const scale = Math.min(wanted.scale, (READABLE * 2) / Math.max(least, 1e-9));
+  return {
+    x: box.x + box.width / 2 - size.width / 2 / scale,
+    y: box.y + box.height / 2 - size.height / 2 / scale,
+    scale,
+  };
+}
+
+/** Moved so far that the box is in sight. */
+function nudged(box: Box, camera: Camera, size: Size): Camera {
+  const on = screenBox(camera, box);
+  const by = (start: number, length: number, whole: number) => {
+    const margin = Math.max(0, Math.min(MARGIN, (whole - length) / 2));
+    if (start < margin) return start - margin;
+    return start + length > whole - margin ? start + length - whole + margin : 0;
+  };
+  const x = by(on.x, on.width, size.width);
+  const y = by(on.y, on.height, size.height);
+  if (x === 0 && y === 0) return camera;
+  return { ...camera, x: camera.x + x / camera.scale, y: camera.y + y / camera.scale };
+}

@@ -1,0 +1,225 @@
+/** The canvas in the document: the picture, the hand that draws on it, and all that browsers tell about pointer, wheel, keys and
+ * drags. After `dispose` nothing of it is left. */
+
+import { effect } from "@preact/signals-core";
+import { type ElementRef, keyOf } from "../model/element.ts";
+import type { Point } from "../model/geometry.ts";
+import { isRefused } from "../plan/plan.ts";
+import { rename } from "../plan/states.ts";
+import { dragged } from "../store/dragged.ts";
+import type { OpenTab, Page } from "../store/page.ts";
+import { select, selected } from "../store/view.ts";
+import { panned, screenBox, visibleBox } from "./camera.ts";
+import type { CanvasControl } from "./control.ts";
+import { firstLook } from "./first_look.ts";
+import { Flight, WINDOW_FRAMES } from "./flight.ts";
+import { Hand } from "./hand.ts";
+import { nameArea } from "./hit/hit.ts";
+import { extentOn } from "./hit/shown.ts";
+import { listen } from "./listen.ts";
+import { type Extras, type Picture, pictureIn } from "./picture.ts";
+import { Reader, treeLines } from "./reader.ts";
+import { renameField } from "./rename_field.ts";
+
+export interface MountOptions {
+  readonly tab: OpenTab;
+  readonly page: Page;
+  /** Runs a command by its id. */
+  readonly run: (command: string, argument?: unknown) => void;
+  /** Opens the menu of elements; the point is in CSS pixels of the window. */
+  readonly menuAt: (at: Point, elements: readonly ElementRef[]) => void;
+  readonly extras?: () => Extras;
+}
+
+export interface Mounted {
+  readonly control: CanvasControl;
+  readonly picture: Picture;
+  readonly dispose: () => void;
+}
+
+let mounted = 0;
+
+/** Puts the canvas of a machine into an element, which it fills. */
+export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted {
+  const { tab, page } = options;
+  const root = application(place);
+  const flight = new Flight(tab.view.camera, WINDOW_FRAMES);
+  let closeField = () => {};
+  const hand: Hand = new Hand({
+    tab,
+    size: () => picture.size(),
+    wheel: () => page.settings.peek().wheel,
+    fly: (to) => flight.to(to),
+    run: options.run,
+    refuse: (text) => page.tell({ level: "warning", text }),
+    rename: (path) => {
+      closeField();
+      closeField = openField(root, place, hand, tab, path);
+    },
+  });
+  const picture = pictureIn(root, {
+    tab,
+    overlay: () => hand.overlay.value,
+    ...(options.extras ? { extras: options.extras } : {}),
+  });
+  picture.canvas.setAttribute("aria-hidden", "true");
+  const reader = new Reader(root, `rafcon-canvas-${++mounted}`);
+  const stopReading = keepReading(reader, hand, tab);
+  const stopLooking = firstLook(root, tab, hand);
+  const stopCursor = effect(() => {
+    root.style.cursor = hand.cursor.value;
+  });
+  const openMenu = (at: Point) => {
+    const elements = selected(tab.view);
+    const { left, top } = root.getBoundingClientRect();
+    options.menuAt({ x: at.x + left, y: at.y + top }, elements);
+  };
+  const stopListening = listen(root, {
+    hand,
+    reader,
+    dragged: () => dragged.peek(),
+    interrupt: () => flight.stop(),
+    choose: (element) => select(tab.view, [element]),
+    menu: (at) => {
+      if (at) choosesForMenu(hand, tab, at);
+      openMenu(at ?? placeOfSelection(hand, tab, picture));
+    },
+  });
+  return {
+    picture,
+    control: controlOf(root, hand, tab, picture, flight, () =>
+      openMenu(placeOfSelection(hand, tab, picture)),
+    ),
+    dispose: () => {
+      hand.cancel();
+      flight.stop();
+      closeField();
+      stopListening();
+      stopCursor();
+      stopLooking();
+      stopReading();
+      picture.dispose();
+      root.remove();
+    },
+  };
+}
+
+function application(place: HTMLElement): HTMLElement {
+  const root = document.createElement("div");
+  root.setAttribute("role", "application");
+  root.setAttribute("aria-label", "State machine");
+  root.tabIndex = 0;
+  root.className = "canvas";
+  root.style.cssText =
+    "position:absolute;inset:0;overflow:hidden;touch-action:none;user-select:none;-webkit-user-select:none";
+  if (getComputedStyle(place).position === "static") place.style.position = "relative";
+  place.append(root);
+  return root;
+}
+
+function controlOf(
+  root: HTMLElement,
+  hand: Hand,
+  tab: OpenTab,
+  picture: Picture,
+  flight: Flight,
+  openMenu: () => void,
+): CanvasControl {
+  const { camera } = tab.view;
+  return {
+    fit: (paths) => hand.fit(paths),
+    reveal: (element) => hand.reveal(element),
+    zoom: (factor) => hand.zoom(factor),
+    pan: (by) => {
+      flight.stop();
+      camera.value = panned(camera.peek(), by);
+    },
+    visible: () => visibleBox(camera.peek(), picture.size()),
+    pointer: () => hand.pointer(),
+    beginConnection: () => {
+      root.focus({ preventScroll: true });
+      hand.connect();
+    },
+    rename: (path) => hand.rename(path),
+    cancel: () => hand.cancel(),
+    openMenu,
+    focus: () => root.focus({ preventScroll: true }),
+    stage: hand.stage,
+  };
+}
+
+/** The menu is about what is under the pointer, unless that is selected already. */
+function choosesForMenu(hand: Hand, { view }: OpenTab, at: Point): void {
+  hand.cancel();
+  const element = hand.at(at)?.element;
+  if (!element) select(view, []);
+  else if (!view.selection.peek().has(keyOf(element))) select(view, [element]);
+}
+
+function placeOfSelection(hand: Hand, { view }: OpenTab, picture: Picture): Point {
+  const element = selected(view).at(-1);
+  const box = element && hand.places().box(element.path);
+  const { width, height } = picture.size();
+  if (!box) return { x: width / 2, y: height / 2 };
+  const on = screenBox(view.camera.peek(), box);
+  return {
+    x: Math.min(Math.max(on.x + on.width / 2, 0), width),
+    y: Math.min(Math.max(on.y + on.height / 2, 0), height),
+  };
+}
+
+/** The field over the name of a state; it goes when the camera moves. */
+function openField(
+  root: HTMLElement,
+  place: HTMLElement,
+  hand: Hand,
+  { room, view }: OpenTab,
+  path: string,
+): () => void {
+  const [state, box] = [room.machine.state(path), hand.places().box(path)];
+  if (!state || !box) return () => {};
+  const camera = view.camera.peek();
+  const isOpen = hand.places().children(path).length > 0;
+  const close = renameField({
+    place,
+    box: nameArea(screenBox(camera, box), extentOn(camera, box), isOpen),
+    name: state.name,
+    take: (name) => {
+      const plan = rename(room.machine, path, name);
+      if (isRefused(plan)) return plan.refused;
+      hand.apply(plan);
+      return null;
+    },
+    done: () => {
+      stop();
+      root.focus({ preventScroll: true });
+    },
+  });
+  const stop = effect(() => {
+    if (view.camera.value !== camera) close();
+  });
+  return close;
+}
+
+/** Keeps the hidden tree as the canvas is, once a frame at most. */
+function keepReading(reader: Reader, hand: Hand, { room, view }: OpenTab): () => void {
+  let frame = 0;
+  const show = () => {
+    frame = 0;
+    reader.show(treeLines(room.machine, hand.places(), hand.stage.peek(), selected(view)));
+  };
+  const stop = effect(() => {
+    room.version.value;
+    view.selection.value;
+    hand.stage.value;
+    if (frame === 0) frame = requestAnimationFrame(show);
+  });
+  const stopSaying = effect(() => {
+    reader.say(hand.overlay.value.message?.text ?? "");
+  });
+  return () => {
+    cancelAnimationFrame(frame);
+    stop();
+    stopSaying();
+  };
+}

@@ -1,0 +1,123 @@
+/** The graph for screen readers: a hidden tree of the level that one works in, which mirrors the selection. Large levels are
+ * told in part, around what is selected. */
+
+import { type ElementRef, keyOf } from "../model/element.ts";
+import type { Machine } from "../model/machine.ts";
+import { parentOf } from "../model/path.ts";
+import { described } from "./describe.ts";
+import type { Places } from "./places.ts";
+
+/** One line of the tree. */
+export interface TreeLine {
+  readonly element: ElementRef;
+  readonly text: string;
+  readonly level: 1 | 2 | 3;
+  readonly selected: boolean;
+  /** Its number among its siblings, from 1 on, and how many there are. */
+  readonly number: number;
+  readonly count: number;
+}
+
+const AROUND_MAX = 40;
+
+/** The tree of a level: the container, its children near the selection, and the selected part of one of them. */
+export function treeLines(
+  machine: Machine,
+  places: Places,
+  stage: string,
+  selection: readonly ElementRef[],
+): readonly TreeLine[] {
+  const active = selection.at(-1);
+  const container = levelOf(places, stage, active);
+  const chosen = new Set(selection.map(keyOf));
+  const line = (
+    element: ElementRef,
+    level: 1 | 2 | 3,
+    number: number,
+    count: number,
+  ): TreeLine => ({
+    element,
+    text: described(machine, element),
+    level,
+    selected: chosen.has(keyOf(element)),
+    number,
+    count,
+  });
+  const lines = [line({ kind: "state", path: container }, 1, 1, 1)];
+  const paths = places.children(container);
+  const at = Math.max(0, active ? paths.indexOf(active.path) : 0);
+  const first = Math.max(0, at - AROUND_MAX);
+  const part = active && active.kind !== "state" ? active : null;
+  if (part && part.path === container) lines.push(line(part, 2, 1, 1));
+  paths.slice(first, at + AROUND_MAX).forEach((path, index) => {
+    lines.push(line({ kind: "state", path }, 2, first + index + 1, paths.length));
+    if (part && part.path === path) lines.push(line(part, 3, 1, 1));
+  });
+  return lines;
+}
+
+/** The container of what is selected, or else the one that fills the view. */
+function levelOf(places: Places, stage: string, active: ElementRef | undefined): string {
+  if (!active || !places.box(active.path)) return stage;
+  if (active.kind === "transition" || active.kind === "data_flow") return active.path;
+  return parentOf(active.path) ?? active.path;
+}
+
+/** Out of sight, but not for screen readers. */
+const HIDDEN =
+  "position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%);white-space:nowrap;";
+
+/** The hidden tree in the document. */
+export class Reader {
+  readonly tree: HTMLElement;
+  readonly status: HTMLElement;
+  readonly #owner: HTMLElement;
+  readonly #name: string;
+  #lines: readonly TreeLine[] = [];
+
+  /** `owner` has the focus, and says which line of the tree stands for it. */
+  constructor(owner: HTMLElement, name: string) {
+    this.#owner = owner;
+    this.#name = name;
+    this.tree = document.createElement("div");
+    this.tree.setAttribute("role", "tree");
+    this.tree.setAttribute("aria-label", "States of this level");
+    this.tree.setAttribute("aria-multiselectable", "true");
+    this.tree.style.cssText = HIDDEN;
+    this.status = document.createElement("div");
+    this.status.setAttribute("role", "status");
+    this.status.style.cssText = HIDDEN;
+    owner.append(this.tree, this.status);
+  }
+
+  show(lines: readonly TreeLine[]): void {
+    this.#lines = lines;
+    const items = lines.map((line, index) => this.#item(line, index));
+    this.tree.replaceChildren(...items);
+    const active = items[lines.findLastIndex((line) => line.selected)];
+    if (active) this.#owner.setAttribute("aria-activedescendant", active.id);
+    else this.#owner.removeAttribute("aria-activedescendant");
+  }
+
+  #item(line: TreeLine, index: number): HTMLElement {
+    const item = document.createElement("div");
+    item.id = `${this.#name}-${index}`;
+    item.setAttribute("role", "treeitem");
+    item.setAttribute("aria-level", String(line.level));
+    item.setAttribute("aria-posinset", String(line.number));
+    item.setAttribute("aria-setsize", String(line.count));
+    item.setAttribute("aria-selected", String(line.selected));
+    item.textContent = line.text;
+    return item;
+  }
+
+  /** What an item of the tree stands for. */
+  elementOf(target: EventTarget | null): ElementRef | null {
+    const index = [...this.tree.children].indexOf(target as Element);
+    return this.#lines[index]?.element ?? null;
+  }
+
+  say(text: string): void {
+    if (this.status.textContent !== text) this.status.textContent = text;
+  }
+}

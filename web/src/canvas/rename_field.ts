@@ -1,0 +1,83 @@
+/** The field over a name in which it is changed in place. */
+
+import type { Box } from "../model/geometry.ts";
+
+export interface Renaming {
+  readonly place: HTMLElement;
+  /** Where the name stands, in CSS pixels of the place. */
+  readonly box: Box;
+  readonly name: string;
+  /** Takes the name; what it gives back is why not. */
+  readonly take: (name: string) => string | null;
+  /** After the field is gone. */
+  readonly done: () => void;
+}
+
+const WIDTH_MIN = 140;
+const HEIGHT = 28;
+
+/** Opens the field. Enter and leaving it take the name, Escape leaves it as it was. Returns the way to close it. */
+export function renameField(renaming: Renaming): () => void {
+  const { place, box, name } = renaming;
+  const field = document.createElement("input");
+  const reason = document.createElement("div");
+  field.value = name;
+  field.setAttribute("aria-label", `Name of ${name}`);
+  field.spellcheck = false;
+  const width = Math.max(WIDTH_MIN, Math.min(box.width, 360));
+  const left = box.x + (box.width - width) / 2;
+  const top = box.y + Math.max(0, (box.height - HEIGHT) / 2);
+  field.style.cssText = style(left, top, width);
+  reason.setAttribute("role", "alert");
+  reason.style.cssText = `${reasonStyle(left, top, width)};display:none`;
+  place.append(field, reason);
+  let isOpen = true;
+  const close = () => {
+    if (!isOpen) return;
+    isOpen = false;
+    field.remove();
+    reason.remove();
+    renaming.done();
+  };
+  const take = () => {
+    const refused = field.value === name ? null : renaming.take(field.value);
+    if (refused === null) {
+      close();
+      return;
+    }
+    reason.textContent = refused;
+    reason.style.display = "";
+    field.setAttribute("aria-invalid", "true");
+  };
+  field.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if (event.key === "Enter") take();
+    else if (event.key === "Escape") close();
+  });
+  field.addEventListener("blur", () => {
+    if (isOpen) take();
+    if (isOpen) close();
+  });
+  field.focus();
+  field.select();
+  return close;
+}
+
+function style(left: number, top: number, width: number): string {
+  return [
+    `position:absolute;left:${left}px;top:${top}px;width:${width}px;height:${HEIGHT}px`,
+    "box-sizing:border-box;padding:0 8px;border-radius:6px;font:inherit;text-align:center",
+    "background:var(--raised);color:var(--text)",
+    "border:1px solid var(--accent);outline:2px solid var(--accent)",
+    "z-index:2",
+  ].join(";");
+}
+
+function reasonStyle(left: number, top: number, width: number): string {
+  return [
+    `position:absolute;left:${left}px;top:${top + HEIGHT + 6}px;width:${Math.max(width, 240)}px`,
+    "box-sizing:border-box;padding:6px 8px;border-radius:6px;font:inherit",
+    "background:var(--raised);color:var(--danger)",
+    "border:1px solid var(--danger);z-index:2",
+  ].join(";");
+}

@@ -1,0 +1,64 @@
+/** The rubber band: selects what lies in it as a whole. */
+
+import { type ElementRef, keyOf } from "../../model/element.ts";
+import { type Box, contains, intersects, type Point } from "../../model/geometry.ts";
+import { isRouted } from "../hit/hit.ts";
+import { extentOn, isRouteShown } from "../hit/shown.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import { DETAIL } from "../scene/detail.ts";
+import { type Around, type Gesture, type Pointer, worldOf } from "./gesture.ts";
+
+/** Begins a rubber band where the pointer was pressed. `kept` stays selected beside what is in the band. */
+export function banding(
+  pressed: Pointer,
+  around: Around,
+  kept: readonly ElementRef[] = [],
+): Gesture {
+  return next(worldOf(pressed, around), kept, pressed, around);
+}
+
+function next(from: Point, kept: readonly ElementRef[], pointer: Pointer, around: Around): Gesture {
+  const to = worldOf(pointer, around);
+  const band: Box = {
+    x: Math.min(from.x, to.x),
+    y: Math.min(from.y, to.y),
+    width: Math.abs(to.x - from.x),
+    height: Math.abs(to.y - from.y),
+  };
+  const found = [...kept, ...enclosed(band, around)];
+  const targets = new Map(found.map((element) => [keyOf(element), true] as const));
+  return {
+    name: "band",
+    cursor: "crosshair",
+    overlay: { ...NO_OVERLAY, band, targets },
+    move: (then, there) => next(from, kept, then, there),
+    result: () => ({ select: found }),
+  };
+}
+
+/** States and connections that lie in the box as a whole; of states in each other the outer one. */
+export function enclosed(band: Box, around: Around): readonly ElementRef[] {
+  const found: ElementRef[] = [];
+  collect(around.machine.root, band, around, found);
+  return found;
+}
+
+function collect(path: string, band: Box, around: Around, found: ElementRef[]): void {
+  const { places, camera } = around;
+  const box = places.box(path);
+  if (!box || !intersects(box, band)) return;
+  if (extentOn(camera, box) < DETAIL.box) return;
+  if (isIn(box, band)) {
+    found.push({ kind: "state", path });
+    return;
+  }
+  for (const child of places.children(path)) collect(child, band, around, found);
+  for (const route of isRouted(places, path) ? places.routes(path) : []) {
+    if (!route.points.every((point) => contains(band, point))) continue;
+    if (isRouteShown(route, around)) found.push({ kind: route.kind, path, id: route.id });
+  }
+}
+
+function isIn(box: Box, band: Box): boolean {
+  return contains(band, box) && contains(band, { x: box.x + box.width, y: box.y + box.height });
+}

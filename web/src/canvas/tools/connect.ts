@@ -1,0 +1,255 @@
+/** Draws a connection from a port: to another port, or to a state, which gets the port that fits. Waypoints are set on the way
+ * by a key or, when it was begun by keyboard, by clicks; with the keyboard targets are chosen one after the other. */
+
+import { type ElementKey, keyOf } from "../../model/element.ts";
+import type { Edit } from "../../model/generated/protocol.ts";
+import type { Point } from "../../model/geometry.ts";
+import { isWithin, parentOf } from "../../model/path.ts";
+import { connect, connectToState } from "../../plan/connect.ts";
+import { isRefused, type Plan, type Planned, together } from "../../plan/plan.ts";
+import { screenBox, screenFromWorld, visibleBox } from "../camera.ts";
+import { gripAt, statesAt } from "../hit/hit.ts";
+import type { PortRef } from "../hit/look.ts";
+import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import { editsOf } from "./edits.ts";
+import { type Around, type Gesture, inState, ownState, type Pointer, worldOf } from "./gesture.ts";
+import {
+  type Ends,
+  endsBetween,
+  isData,
+  isLegal,
+  nearestPort,
+  type SeenPort,
+  seenPorts,
+} from "./targets.ts";
+
+/** So near, in CSS pixels, a line snaps to a port. */
+const SNAP = 18;
+
+interface Drawing {
+  readonly from: PortRef;
+  readonly at: Point;
+  readonly data: boolean;
+  readonly isSticky: boolean;
+  readonly through: readonly Point[];
+  /** What the ports on the screen come to, as of this camera and machine. */
+  readonly seen: Seen;
+}
+
+interface Seen {
+  readonly camera: Around["camera"];
+  readonly version: number;
+  readonly ports: readonly SeenPort[];
+  readonly legal: ReadonlyMap<ElementKey, Ends>;
+}
+
+/** Begins a connection at a port; `isSticky` if it goes on without a button. */
+export function connecting(
+  from: PortRef,
+  pointer: Pointer | null,
+  around: Around,
+  isSticky: boolean,
+): Gesture {
+  const place = around.places.ports(from.path).find(({ key }) => key === keyOf(from));
+  const box = visibleBox(around.camera, around.size);
+  const at = place?.at ?? { x: box.x, y: box.y };
+  const data = isData(from);
+  const drawing = { from, at, data, isSticky, through: [], seen: look(from, data, around) };
+  const start = pointer ?? { ...screenFromWorld(around.camera, at), ...NO_KEYS };
+  return pointer === null ? chosen(drawing, 0, start, around) : next(drawing, start, around);
+}
+
+const NO_KEYS = { shift: false, ctrl: false, alt: false };
+
+function look(from: PortRef, data: boolean, around: Around): Seen {
+  const ports = seenPorts(around, data);
+  const legal = new Map<ElementKey, Ends>();
+  for (const { element } of ports) {
+    const ends = endsBetween(around.machine, from, element);
+    if (isLegal(ends)) legal.set(keyOf(element), ends);
+  }
+  return { camera: around.camera, version: around.machine.version, ports, legal };
+}
+
+/** Zooming and other people's edits go on while a line is drawn. */
+function current(drawing: Drawing, around: Around): Drawing {
+  const { seen, from, data } = drawing;
+  const isSame = seen.camera === around.camera && seen.version === around.machine.version;
+  return isSame ? drawing : { ...drawing, seen: look(from, data, around) };
+}
+
+interface Aim {
+  readonly to: Point;
+  readonly legal: boolean | null;
+  readonly target: ElementKey | null;
+  readonly message: string | null;
+  readonly ends?: Ends | undefined;
+  readonly plan: () => Planned | null;
+}
+
+function next(before: Drawing, pointer: Pointer, around: Around): Gesture {
+  const drawing = current(before, around);
+  return shown(drawing, aimAt(drawing, pointer, around), pointer, around, null);
+}
+
+function shown(
+  drawing: Drawing,
+  aim: Aim,
+  pointer: Pointer,
+  around: Around,
+  index: number | null,
+): Gesture {
+  return {
+    name: "connect",
+    cursor: aim.legal === false ? "not-allowed" : "crosshair",
+    overlay: overlayOf(drawing, aim, pointer),
+    isSticky: drawing.isSticky,
+    move: (to, then) => next(drawing, to, then),
+    result: () => {
+      const plan = aim.plan();
+      return plan ? { plan: withWaypoints(plan, drawing, aim, around) } : {};
+    },
+    mark: (then) => {
+      if (aim.legal !== null) return null;
+      const at = worldOf(pointer, then);
+      return next({ ...drawing, through: [...drawing.through, at] }, pointer, then);
+    },
+    cycle: (by, then) => chosen(drawing, index === null ? 0 : index + by, pointer, then),
+  };
+}
+
+function overlayOf({ at, data, through, seen }: Drawing, aim: Aim, pointer: Point): Overlay {
+  const targets = new Map<ElementKey, boolean>();
+  for (const key of seen.legal.keys()) targets.set(key, true);
+  if (aim.target !== null) targets.set(aim.target, aim.legal === true);
+  const message =
+    aim.message === null ? null : { at: pointer, text: aim.message, bad: aim.legal === false };
+  return {
+    ...NO_OVERLAY,
+    line: { from: at, to: aim.to, through, data, legal: aim.legal },
+    targets,
+    message,
+  };
+}
+
+/** What the pointer is at: a port that fits, one that does not, a state, or nothing. */
+function aimAt(drawing: Drawing, pointer: Pointer, around: Around): Aim {
+  const { seen, from } = drawing;
+  const fitting = seen.ports.filter(({ element }) => seen.legal.has(keyOf(element)));
+  const near = nearestPort(fitting, pointer, around, SNAP);
+  if (near) return atPort(seen, near, around);
+  const others = seen.ports.filter(({ element }) => keyOf(element) !== keyOf(from));
+  const wrong = nearestPort(others, pointer, around, SNAP / 2);
+  if (wrong) return atWrong(drawing, wrong, around);
+  return atState(drawing, pointer, around) ?? nowhere(worldOf(pointer, around));
+}
+
+function nowhere(to: Point): Aim {
+  return { to, legal: null, target: null, message: null, plan: () => null };
+}
+
+function atPort(seen: Seen, port: SeenPort, around: Around): Aim {
+  const key = keyOf(port.element);
+  const ends = seen.legal.get(key);
+  return {
+    to: port.at,
+    legal: true,
+    target: key,
+    message: null,
+    ends,
+    plan: () => (ends ? connect(around.machine, ends.from, ends.to) : null),
+  };
+}
+
+function atWrong({ from }: Drawing, port: SeenPort, { machine }: Around): Aim {
+  const ends = endsBetween(machine, from, port.element);
+  const message = isLegal(ends) ? null : ends.refused;
+  const plan = () => (isLegal(ends) ? null : ends);
+  return { to: port.at, legal: false, target: keyOf(port.element), message, plan };
+}
+
+/** A state other than that where the line begins, and not the ground on which it is drawn. */
+function atState(drawing: Drawing, pointer: Pointer, around: Around): Aim | null {
+  const { from } = drawing;
+  const { machine, places, camera } = around;
+  const under = statesAt(places, machine, camera, pointer).at(-1);
+  const path = under === undefined ? null : ownState(machine, under);
+  if (path === null || path === from.path) return null;
+  if (isWithin(from.path, path) && !isAtBorder(from, path, pointer, around)) return null;
+  const plan = connectToState(machine, from, path);
+  return {
+    to: worldOf(pointer, around),
+    legal: !isRefused(plan),
+    target: keyOf({ kind: "state", path }),
+    message: isRefused(plan) ? plan.refused : said(plan, machine.state(path)?.name ?? path),
+    plan: () => plan,
+  };
+}
+
+/** On the border of the container around it a line ends in a new port of the container. */
+function isAtBorder(from: PortRef, path: string, pointer: Pointer, around: Around): boolean {
+  const box = parentOf(from.path) === path ? around.places.box(path) : undefined;
+  return box !== undefined && gripAt(screenBox(around.camera, box), pointer, 12) !== null;
+}
+
+/** What a connection to a state will make there. */
+function said(plan: Plan, name: string): string {
+  const edits = editsOf(plan.edit);
+  const port = edits.find((edit) => edit.edit === "add_port");
+  const outcome = edits.find((edit) => edit.edit === "add_outcome");
+  if (outcome) return `Makes the outcome “${outcome.name}” of “${name}”`;
+  return port
+    ? `Makes the ${port.list.replace("_", " ")} “${port.name}” in “${name}”`
+    : `To “${name}”`;
+}
+
+/** The target of that number, as the keyboard walks them: the nearest first. */
+function chosen(before: Drawing, number: number, pointer: Pointer, around: Around): Gesture {
+  const drawing = current(before, around);
+  const { seen, at } = drawing;
+  const fitting = seen.ports
+    .filter(({ element }) => seen.legal.has(keyOf(element)))
+    .sort((one, other) => square(one.at, at) - square(other.at, at));
+  const index = fitting.length === 0 ? 0 : (number + fitting.length) % fitting.length;
+  const port = fitting[index];
+  if (!port) {
+    const text = "Nothing on the screen can be connected to it: zoom out, or aim at a state.";
+    return shown(drawing, { ...nowhere(at), message: text }, pointer, around, 0);
+  }
+  const there = screenFromWorld(around.camera, port.at);
+  const owner = around.machine.state(port.element.path)?.name ?? port.element.path;
+  const message = `To ${port.name} of “${owner}”: Enter connects, arrows choose another`;
+  const aim = { ...atPort(seen, port, around), message };
+  return shown(drawing, aim, { ...pointer, ...there }, around, index);
+}
+
+function square(one: Point, other: Point): number {
+  return (one.x - other.x) ** 2 + (one.y - other.y) ** 2;
+}
+
+/** The plan with the waypoints that were set on the way, if it makes one connection. */
+function withWaypoints(
+  plan: Planned,
+  { through, from }: Drawing,
+  aim: Aim,
+  { places }: Around,
+): Planned {
+  if (isRefused(plan) || through.length === 0) return plan;
+  const edits = editsOf(plan.edit);
+  const [only, another] = edits.filter(
+    (edit) => edit.edit === "add_transition" || edit.edit === "add_data_flow",
+  );
+  if (!only || another) return plan;
+  const isBack = aim.ends !== undefined && keyOf(aim.ends.from) !== keyOf(from);
+  const points = through.map((at) => inState(places, only.path, at));
+  const waypoints = (isBack ? points.reverse() : points).map(({ x, y }): [number, number] => [
+    x,
+    y,
+  ]);
+  const element =
+    only.edit === "add_transition"
+      ? { transition: only.transition }
+      : { data_flow: only.data_flow };
+  const set: Edit = { edit: "set_waypoints", path: only.path, element, waypoints };
+  return { ...plan, edit: together([...edits, set]) };
+}

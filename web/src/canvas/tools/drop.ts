@@ -1,0 +1,133 @@
+/** Something is dragged onto the canvas from outside: a kind of state, or a library. */
+
+import { layoutOf } from "../../model/drawing.ts";
+import { keyOf } from "../../model/element.ts";
+import type { Box, Point } from "../../model/geometry.ts";
+import { insertState } from "../../plan/connect.ts";
+import { isRefused, type Planned } from "../../plan/plan.ts";
+import { addState } from "../../plan/states.ts";
+import type { Dragged } from "../../store/dragged.ts";
+import { distanceToLine } from "../hit/lines.ts";
+import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import type { Route } from "../places.ts";
+import { editsOf } from "./edits.ts";
+import { type Around, type Gesture, inState, type Pointer, worldOf } from "./gesture.ts";
+import { containerAt } from "./move.ts";
+
+/** Something is held over the canvas. */
+export function bringing(brought: Dragged, pointer: Pointer, around: Around): Gesture {
+  const container = containerAt(pointer, around, []);
+  const step =
+    container === null ? refusedHere(pointer) : into(brought, container, pointer, around);
+  return {
+    name: "drop",
+    cursor: "copy",
+    overlay: step.overlay,
+    move: (to, then) => bringing(brought, to, then),
+    result: step.result,
+  };
+}
+
+type Step = Pick<Gesture, "overlay" | "result">;
+
+function refusedHere(pointer: Pointer): Step {
+  const text = "States stand in hierarchies and concurrencies: drop it on one of them.";
+  const plan: Planned = { refused: text };
+  return {
+    overlay: { ...NO_OVERLAY, message: { at: pointer, text, bad: true } },
+    result: () => ({ plan }),
+  };
+}
+
+function into(brought: Dragged, container: string, pointer: Pointer, around: Around): Step {
+  const at = inState(around.places, container, worldOf(pointer, around));
+  const line = "insert" in brought ? lineUnder(container, pointer, around) : null;
+  if ("insert" in brought) {
+    const plan = line
+      ? insertState(around.machine, lineRef(line), { kind: brought.insert }, at)
+      : addState(around.machine, container, brought.insert, at);
+    const drop = keyOf(line ? lineRef(line) : { kind: "state", path: container });
+    return { overlay: planned(plan, container, drop, pointer, around), result: () => ({ plan }) };
+  }
+  const argument = { ...brought, container, at };
+  const overlay = {
+    ...NO_OVERLAY,
+    drop: keyOf({ kind: "state", path: container }),
+    ghosts: [ghost(container, cornerAt(container, pointer, around), around)],
+    message: { at: pointer, text: intoName(container, around), bad: false },
+  };
+  return { overlay, result: () => ({ run: { command: "insert.library", argument } }) };
+}
+
+function intoName(container: string, { machine }: Around): string {
+  return `Into “${machine.state(container)?.name ?? container}”`;
+}
+
+function planned(
+  plan: Planned,
+  container: string,
+  drop: string,
+  pointer: Pointer,
+  around: Around,
+): Overlay {
+  if (isRefused(plan)) {
+    return { ...NO_OVERLAY, drop, message: { at: pointer, text: plan.refused, bad: true } };
+  }
+  const added = editsOf(plan.edit).find((edit) => edit.edit === "add_state");
+  const layout = added?.states[0] && layoutOf(added.states[0]);
+  const text = drop.startsWith("transition:")
+    ? "Insert into the transition"
+    : intoName(container, around);
+  const at = layout?.position ?? cornerAt(container, pointer, around);
+  const box = ghost(container, at, around, layout?.size);
+  return { ...NO_OVERLAY, drop, ghosts: [box], message: { at: pointer, text, bad: false } };
+}
+
+/** A fifth of the container's shorter side, as new states are. */
+function sideIn(container: string, { places }: Around): number {
+  const box = places.box(container);
+  return box ? (Math.min(box.width, box.height) / places.unit(container)) * 0.2 : 1;
+}
+
+/** The left top corner, so that the new state's middle is at the pointer and all of it in the container. */
+function cornerAt(container: string, pointer: Pointer, around: Around): Point {
+  const { places } = around;
+  const middle = inState(places, container, worldOf(pointer, around));
+  const side = sideIn(container, around);
+  const box = places.box(container);
+  const unit = places.unit(container);
+  const kept = (value: number, length: number) =>
+    Math.min(Math.max(0, value - side / 2), Math.max(0, length / unit - side));
+  return { x: kept(middle.x, box?.width ?? 0), y: kept(middle.y, box?.height ?? 0) };
+}
+
+function ghost(
+  container: string,
+  at: Point,
+  around: Around,
+  size?: { readonly width: number; readonly height: number },
+): Box {
+  const { places } = around;
+  const outer = places.box(container) ?? { x: 0, y: 0 };
+  const unit = places.unit(container);
+  const side = sideIn(container, around);
+  return {
+    x: outer.x + at.x * unit,
+    y: outer.y + at.y * unit,
+    width: (size?.width ?? side) * unit,
+    height: (size?.height ?? side) * unit,
+  };
+}
+
+function lineUnder(container: string, pointer: Pointer, { places, camera }: Around): Route | null {
+  const near = places
+    .routes(container)
+    .find(
+      (route) => route.kind === "transition" && distanceToLine(route.points, pointer, camera) <= 8,
+    );
+  return near ?? null;
+}
+
+function lineRef({ path, id }: Route) {
+  return { kind: "transition", path, id } as const;
+}

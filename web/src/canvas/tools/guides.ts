@@ -1,0 +1,89 @@
+/** Lines along which boxes line up while they are moved or resized. All in the root's coordinates. */
+
+import { type Box, intersects, type Point } from "../../model/geometry.ts";
+import { visibleBox } from "../camera.ts";
+import type { Overlay } from "../overlay.ts";
+import type { Around } from "./gesture.ts";
+
+export type Guides = Overlay["guides"];
+
+/** Within so many CSS pixels a box snaps. */
+const SNAP = 5;
+
+/** What a box may line up with: the children of a container that can be seen, but for some, and the container itself. */
+export function neighbours(
+  around: Around,
+  container: string,
+  without: ReadonlySet<string>,
+): readonly Box[] {
+  const { places, camera, size } = around;
+  const seen = visibleBox(camera, size);
+  const paths = places.children(container).filter((path) => !without.has(path));
+  return [...paths, container].flatMap((path) => {
+    const box = places.box(path);
+    return box && intersects(box, seen) ? [box] : [];
+  });
+}
+
+type Axis = "x" | "y";
+
+interface Fit {
+  /** How far the box goes to line up. */
+  readonly by: number;
+  readonly at: number;
+  readonly box: Box;
+}
+
+/** Which lines of the box count: its start, middle and end along each axis. */
+export type Lines = readonly (0 | 0.5 | 1)[];
+
+/** How far a box must go to line up with others, and the lines that say so. */
+export function snapped(
+  box: Box,
+  others: readonly Box[],
+  around: Around,
+  lines: { readonly x: Lines; readonly y: Lines } = { x: [0, 0.5, 1], y: [0, 0.5, 1] },
+): { readonly by: Point; readonly guides: Guides } {
+  const reach = SNAP / around.camera.scale;
+  const x = best(box, others, "x", lines.x, reach);
+  const y = best(box, others, "y", lines.y, reach);
+  const by = { x: x?.by ?? 0, y: y?.by ?? 0 };
+  const there = { ...box, x: box.x + by.x, y: box.y + by.y };
+  const guides: Guides[number][] = [];
+  if (x) guides.push(guide(there, x, "x"));
+  if (y) guides.push(guide(there, y, "y"));
+  return { by, guides };
+}
+
+function best(
+  box: Box,
+  others: readonly Box[],
+  axis: Axis,
+  lines: Lines,
+  reach: number,
+): Fit | null {
+  const length = axis === "x" ? "width" : "height";
+  let found: Fit | null = null;
+  for (const other of others) {
+    for (const part of lines) {
+      const own = box[axis] + box[length] * part;
+      for (const otherPart of part === 0.5 ? [0.5] : [0, 1]) {
+        const at = other[axis] + other[length] * otherPart;
+        const by = at - own;
+        if (Math.abs(by) > reach || (found && Math.abs(by) >= Math.abs(found.by))) continue;
+        found = { by, at, box: other };
+      }
+    }
+  }
+  return found;
+}
+
+/** The line through both boxes. */
+function guide(box: Box, { at, box: other }: Fit, axis: Axis): Guides[number] {
+  const [along, length] = axis === "x" ? (["y", "height"] as const) : (["x", "width"] as const);
+  const from = Math.min(box[along], other[along]);
+  const to = Math.max(box[along] + box[length], other[along] + other[length]);
+  return axis === "x"
+    ? { from: { x: at, y: from }, to: { x: at, y: to } }
+    : { from: { x: from, y: at }, to: { x: to, y: at } };
+}

@@ -1,0 +1,237 @@
+/** Moves states: within their container, along guide lines; into another one; into a transition; with Alt as copies. */
+
+import { keyOf } from "../../model/element.ts";
+import { type Box, around as boxAround, type Point } from "../../model/geometry.ts";
+import { isContainer, transitionsOf } from "../../model/machine.ts";
+import { idOf, isWithin, parentOf } from "../../model/path.ts";
+import { duplicate } from "../../plan/clipboard.ts";
+import { insertState } from "../../plan/connect.ts";
+import { move, moveInto } from "../../plan/move.ts";
+import { isRefused, type Planned, together } from "../../plan/plan.ts";
+import { statesAt } from "../hit/hit.ts";
+import { distanceToLine } from "../hit/lines.ts";
+import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import type { Route } from "../places.ts";
+import { editsOf } from "./edits.ts";
+import {
+  type Around,
+  type Gesture,
+  inState,
+  minus,
+  type Pointer,
+  plus,
+  worldOf,
+} from "./gesture.ts";
+import { type Guides, neighbours, snapped } from "./guides.ts";
+import { preview } from "./preview.ts";
+
+interface Moving {
+  readonly paths: readonly string[];
+  /** Where it was taken, in the root's coordinates. */
+  readonly from: Point;
+  /** The container of the states; null if they have several. */
+  readonly container: string | null;
+  /** Around all of them. */
+  readonly box: Box;
+  readonly others: readonly Box[];
+}
+
+/** Begins to move states, from where the pointer was pressed. None of them is the root. */
+export function moving(paths: readonly string[], pressed: Pointer, around: Around): Gesture {
+  const parents = new Set(paths.map(parentOf));
+  const [parent] = parents;
+  const container = parents.size === 1 && parent !== undefined ? parent : null;
+  const boxes = paths.flatMap((path) => around.places.box(path) ?? []);
+  const start: Moving = {
+    paths,
+    from: worldOf(pressed, around),
+    container,
+    box: boxAround(boxes) ?? { x: 0, y: 0, width: 0, height: 0 },
+    others: container === null ? [] : neighbours(around, container, new Set(paths)),
+  };
+  return next(start, pressed, around);
+}
+
+interface Step {
+  readonly overlay: Overlay;
+  readonly cursor?: string;
+  readonly plan: () => Planned | null;
+}
+
+function next(start: Moving, pointer: Pointer, around: Around): Gesture {
+  const step = pointer.alt ? copy(start, pointer, around) : drop(start, pointer, around);
+  return {
+    name: "move",
+    cursor: step.cursor ?? "grabbing",
+    overlay: step.overlay,
+    move: (to, then) => next(start, to, then),
+    result: () => {
+      const plan = step.plan();
+      return plan ? { plan } : {};
+    },
+  };
+}
+
+function copy(start: Moving, pointer: Pointer, around: Around): Step {
+  const { by, guides } = way(start, pointer, around);
+  const overlay = { ...NO_OVERLAY, guides, ghosts: ghosts(start, by, around) };
+  return {
+    overlay,
+    cursor: "copy",
+    plan: () =>
+      isNone(by) ? null : duplicate(around.machine, start.paths, inside(start, by, around)),
+  };
+}
+
+function drop(start: Moving, pointer: Pointer, around: Around): Step {
+  const target = containerAt(pointer, around, start.paths);
+  if (target !== null && start.container !== null && target !== start.container) {
+    return intoContainer(start, target, pointer, around);
+  }
+  const line = lineUnder(start, pointer, around);
+  return line ? intoLine(start, line, pointer, around) : within(start, pointer, around);
+}
+
+/** Within the container: along guide lines, and not out of it. */
+function within(start: Moving, pointer: Pointer, around: Around): Step {
+  const { by, guides } = way(start, pointer, around);
+  if (isNone(by)) return { overlay: NO_OVERLAY, plan: () => null };
+  const plan = move(around.machine, start.paths, inside(start, by, around));
+  return { overlay: { ...preview(plan, around), guides }, plan: () => plan };
+}
+
+/** The way of the boxes, in the root's coordinates. */
+function way(
+  start: Moving,
+  pointer: Pointer,
+  around: Around,
+): { readonly by: Point; readonly guides: Guides } {
+  const wanted = minus(worldOf(pointer, around), start.from);
+  if (isNone(wanted)) return { by: wanted, guides: [] };
+  const box = { ...start.box, x: start.box.x + wanted.x, y: start.box.y + wanted.y };
+  const snap = pointer.ctrl
+    ? { by: { x: 0, y: 0 }, guides: [] }
+    : snapped(box, start.others, around);
+  const by = kept(start, plus(wanted, snap.by), around);
+  return { by, guides: snap.guides };
+}
+
+/** So far that the boxes stay inside their container, if they fit. */
+function kept({ box, container }: Moving, by: Point, { places }: Around): Point {
+  const outer = container === null ? undefined : places.box(container);
+  if (!outer) return by;
+  return {
+    x: bounded(by.x, outer.x - box.x, outer.x + outer.width - box.x - box.width),
+    y: bounded(by.y, outer.y - box.y, outer.y + outer.height - box.y - box.height),
+  };
+}
+
+function bounded(value: number, low: number, high: number): number {
+  return low > high ? value : Math.min(Math.max(value, low), high);
+}
+
+function isNone(by: Point): boolean {
+  return by.x === 0 && by.y === 0;
+}
+
+/** A way of the root's coordinates in those of the container. */
+function inside({ container }: Moving, by: Point, { places }: Around): Point {
+  const unit = container === null ? 1 : places.unit(container);
+  return { x: by.x / unit, y: by.y / unit };
+}
+
+function ghosts({ paths }: Moving, by: Point, { places }: Around): readonly Box[] {
+  return paths.flatMap((path) => {
+    const box = places.box(path);
+    return box ? [{ ...box, ...plus(box, by) }] : [];
+  });
+}
+
+/** The innermost container under the pointer that takes states: none inside of what is moved, and none in a library. */
+export function containerAt(
+  pointer: Point,
+  around: Around,
+  moved: readonly string[],
+): string | null {
+  const { machine, places, camera } = around;
+  const found = statesAt(places, machine, camera, pointer).findLast((path) => {
+    const state = machine.state(path);
+    if (!state || !isContainer(state) || machine.isInLibrary(path)) return false;
+    return !moved.some((one) => isWithin(path, one)) && isRoomy(around, path);
+  });
+  return found ?? null;
+}
+
+/** So small a container takes nothing: one could not see what was dropped. */
+function isRoomy({ places, camera }: Around, path: string): boolean {
+  const box = places.box(path);
+  return box !== undefined && Math.min(box.width, box.height) * camera.scale >= 40;
+}
+
+function intoContainer(start: Moving, target: string, pointer: Pointer, around: Around): Step {
+  const by = minus(worldOf(pointer, around), start.from);
+  const at = inState(around.places, target, plus(start.box, by));
+  const plan = moveInto(around.machine, start.paths, target, at);
+  const name = around.machine.state(target)?.name ?? target;
+  const message = isRefused(plan)
+    ? { at: pointer, text: plan.refused, bad: true }
+    : { at: pointer, text: `Move into “${name}”`, bad: false };
+  const overlay = {
+    ...NO_OVERLAY,
+    drop: keyOf({ kind: "state", path: target }),
+    ghosts: ghosts(start, by, around),
+    message,
+  };
+  return isRefused(plan)
+    ? { overlay, cursor: "not-allowed", plan: () => plan }
+    : { overlay, plan: () => plan };
+}
+
+const LINE_REACH = 8;
+
+/** The transition into which a single state would be dropped: one that has nothing to do with it yet. */
+function lineUnder({ paths, container }: Moving, pointer: Pointer, around: Around): Route | null {
+  const [path, ...others] = paths;
+  if (path === undefined || others.length > 0 || container === null) return null;
+  const routes = around.places.routes(container);
+  const near = routes.find(
+    (route) =>
+      route.kind === "transition" &&
+      distanceToLine(route.points, pointer, around.camera) <= LINE_REACH &&
+      !touches(route, path, around),
+  );
+  return near && !isConnected(path, container, around) ? near : null;
+}
+
+function touches(route: Route, path: string, { machine }: Around): boolean {
+  const state = machine.state(route.path);
+  const one = state && transitionsOf(state).find(({ id }) => id === route.id);
+  return one !== undefined && (one.from_state === idOf(path) || one.to_state === idOf(path));
+}
+
+function isConnected(path: string, container: string, { machine }: Around): boolean {
+  const state = machine.state(container);
+  const id = idOf(path);
+  return (
+    state !== undefined &&
+    transitionsOf(state).some((one) => one.from_state === id || one.to_state === id)
+  );
+}
+
+function intoLine(start: Moving, route: Route, pointer: Pointer, around: Around): Step {
+  const { by } = way({ ...start, others: [] }, pointer, around);
+  const [path = ""] = start.paths;
+  const transition = { kind: "transition", path: route.path, id: route.id } as const;
+  const at = inState(around.places, route.path, plus(start.box, by));
+  const plan = insertState(around.machine, transition, path, at);
+  const moved = move(around.machine, [path], inside(start, by, around));
+  if (isRefused(plan) || isRefused(moved)) return within(start, pointer, around);
+  const both = { ...plan, edit: together([...editsOf(moved.edit), ...editsOf(plan.edit)]) };
+  const shown = preview(moved, around);
+  const overlay = {
+    ...shown,
+    drop: keyOf(transition),
+    message: { at: pointer, text: "Insert into the transition", bad: false },
+  };
+  return { overlay, plan: () => both };
+}

@@ -1,0 +1,59 @@
+/** Moves and resizes the place of a name, within its state. */
+
+import type { Box, Point } from "../../model/geometry.ts";
+import { moveName, resizeName } from "../../plan/move.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import { type Around, type Gesture, inState, minus, type Pointer, worldOf } from "./gesture.ts";
+
+interface Naming {
+  readonly path: string;
+  readonly corner: boolean;
+  readonly from: Point;
+  /** In the state's own coordinates, as everything here. */
+  readonly box: Box;
+  readonly state: Box;
+}
+
+/** Begins to move the name of a state, or to resize its place by the corner at the right bottom. */
+export function naming(path: string, corner: boolean, pressed: Pointer, around: Around): Gesture {
+  const { places } = around;
+  const unit = places.unit(path);
+  const [name, state] = [places.name(path), places.box(path)];
+  const own = (box: Box | undefined): Box =>
+    box
+      ? { ...inState(places, path, box), width: box.width / unit, height: box.height / unit }
+      : { x: 0, y: 0, width: 1, height: 1 };
+  const from = inState(places, path, worldOf(pressed, around));
+  return next({ path, corner, from, box: own(name), state: own(state) }, pressed, around);
+}
+
+function next(start: Naming, pointer: Pointer, around: Around): Gesture {
+  const by = minus(inState(around.places, start.path, worldOf(pointer, around)), start.from);
+  const box = start.corner ? resized(start, by) : moved(start, by);
+  const plan = start.corner ? resizeName : moveName;
+  return {
+    name: "name",
+    cursor: start.corner ? "nwse-resize" : "grabbing",
+    overlay: { ...NO_OVERLAY, names: new Map([[start.path, box]]) },
+    move: (then, there) => next(start, then, there),
+    result: () => (by.x === 0 && by.y === 0 ? {} : { plan: plan(around.machine, start.path, box) }),
+  };
+}
+
+function moved({ box, state }: Naming, by: Point): Box {
+  return {
+    ...box,
+    x: Math.min(Math.max(box.x + by.x, 0), Math.max(0, state.width - box.width)),
+    y: Math.min(Math.max(box.y + by.y, 0), Math.max(0, state.height - box.height)),
+  };
+}
+
+/** An eighth of the state at least, as in the reference. */
+function resized({ box, state }: Naming, by: Point): Box {
+  const [width, height] = [box.width + by.x, box.height + by.y];
+  return {
+    ...box,
+    width: Math.min(Math.max(width, state.width / 8), state.width - box.x),
+    height: Math.min(Math.max(height, state.height / 8), state.height - box.y),
+  };
+}

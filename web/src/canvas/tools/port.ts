@@ -1,0 +1,39 @@
+/** Slides a port along the border of its state, around corners. */
+
+import { keyOf } from "../../model/element.ts";
+import type { Box, Point } from "../../model/geometry.ts";
+import { movePort } from "../../plan/move.ts";
+import type { PortRef } from "../hit/look.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import { type Around, type Gesture, inState, type Pointer, worldOf } from "./gesture.ts";
+
+/** Begins to slide a port; it stays on the border, as near to the pointer as it can. */
+export function sliding(port: PortRef, pointer: Pointer, around: Around): Gesture {
+  return next(port, null, pointer, around);
+}
+
+function next(port: PortRef, before: Point | null, pointer: Pointer, around: Around): Gesture {
+  const box = around.places.box(port.path);
+  const to = box && nearestOnBorder(box, worldOf(pointer, around));
+  const at = to ? inState(around.places, port.path, to) : before;
+  return {
+    name: "port",
+    cursor: "grabbing",
+    overlay: at ? { ...NO_OVERLAY, ports: new Map([[keyOf(port), at]]) } : NO_OVERLAY,
+    move: (then, there) => next(port, at, then, there),
+    result: () => (at ? { plan: movePort(around.machine, port, at) } : {}),
+  };
+}
+
+/** The point of the border of a box that is nearest to a point in or outside of it. */
+export function nearestOnBorder(box: Box, point: Point): Point {
+  const [right, bottom] = [box.x + box.width, box.y + box.height];
+  const x = Math.min(right, Math.max(box.x, point.x));
+  const y = Math.min(bottom, Math.max(box.y, point.y));
+  if (x !== point.x || y !== point.y) return { x, y };
+  const away = [x - box.x, right - x, y - box.y, bottom - y];
+  const least = Math.min(...away);
+  if (least === away[0]) return { x: box.x, y };
+  if (least === away[1]) return { x: right, y };
+  return least === away[2] ? { x, y: box.y } : { x, y: bottom };
+}

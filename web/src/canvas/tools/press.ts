@@ -1,0 +1,157 @@
+/** What a press of the button begins: a click if the pointer stays, otherwise the gesture for what was under it. */
+
+import { type ElementRef, elementOf, keyOf } from "../../model/element.ts";
+import { distance } from "../../model/geometry.ts";
+import { isContainer } from "../../model/machine.ts";
+import { parentOf } from "../../model/path.ts";
+import { routeOf } from "../hit/hit.ts";
+import { nearestPart } from "../hit/lines.ts";
+import type { Hit } from "../hit/look.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import { banding } from "./band.ts";
+import { connecting } from "./connect.ts";
+import { type Around, DRAG_DISTANCE, type Gesture, ownState, type Pointer } from "./gesture.ts";
+import { moving } from "./move.ts";
+import { naming } from "./name.ts";
+import { panning } from "./pan.ts";
+import { sliding } from "./port.ts";
+import { reconnecting } from "./reconnect.ts";
+import { cursorOf, resizing } from "./resize.ts";
+import { bending } from "./waypoint.ts";
+
+/** How it was pressed. */
+export interface Press extends Pointer {
+  readonly isTouch: boolean;
+}
+
+/** Begins with what is under the pointer. */
+export function pressing(hit: Hit | null, press: Press, around: Around): Gesture {
+  const isFar = (pointer: Pointer) => distance(pointer, press) >= DRAG_DISTANCE;
+  const still: Gesture = {
+    name: "press",
+    cursor: cursorAt(hit),
+    overlay: NO_OVERLAY,
+    move: (pointer, then) =>
+      isFar(pointer) ? dragging(hit, press, around).move(pointer, then) : still,
+    result: () => clicked(hit, press),
+  };
+  return still;
+}
+
+function clicked(hit: Hit | null, press: Press) {
+  if (!hit) return press.ctrl || press.shift ? {} : { select: [] };
+  return press.ctrl || press.shift ? { toggle: hit.element } : { select: [hit.element] };
+}
+
+/** The gesture that dragging begins there. */
+function dragging(hit: Hit | null, press: Press, around: Around): Gesture {
+  if (press.shift && (!hit || hit.on === "state" || hit.on === "name" || hit.on === "line")) {
+    return band(press, around);
+  }
+  if (!hit) return ground(press, around);
+  if (around.machine.isInLibrary(hit.element.path)) return stateDrag(hit, press, around);
+  switch (hit.on) {
+    case "grip":
+      return resizing(hit.element.path, hit.grip, press, around);
+    case "port":
+      return press.ctrl
+        ? sliding(hit.element, press, around)
+        : connecting(hit.element, press, around, false);
+    case "end":
+      return reconnecting(hit.element, hit.end, press, around);
+    case "waypoint":
+    case "middle":
+    case "line":
+      return { ...bent(hit, press, around), select: [hit.element] };
+    case "name":
+      if (press.ctrl && isSelected(hit.element, around)) {
+        return naming(hit.element.path, hit.corner, press, around);
+      }
+      return stateDrag(hit, press, around);
+    case "state":
+      return stateDrag(hit, press, around);
+  }
+}
+
+function bent(
+  hit: Extract<Hit, { readonly on: "waypoint" | "middle" | "line" }>,
+  press: Press,
+  around: Around,
+): Gesture {
+  if (hit.on !== "line") {
+    return bending(hit.element, hit.index, hit.on === "waypoint", press, around);
+  }
+  const route = routeOf(around.places, hit.element);
+  const index = route ? nearestPart(route, press, around.camera) : 0;
+  return bending(hit.element, index, false, press, around);
+}
+
+function isSelected(element: ElementRef, { look }: Around): boolean {
+  return look.selection.has(keyOf(element));
+}
+
+/** On the ground of the root, or of a state that fills the view, there is a rubber band; other states move. */
+function stateDrag(hit: Hit, press: Press, around: Around): Gesture {
+  const path = ownState(around.machine, hit.element.path);
+  const element = { kind: "state", path } as const;
+  if (press.isTouch && !isSelected(element, around)) return panning(press, around.camera);
+  if (hit.on === "state" && isStage(hit.element.path, around)) return ground(press, around);
+  if (parentOf(path) === null) return ground(press, around);
+  const states = isSelected(element, around) ? movable(path, around) : [path];
+  const gesture = moving(states.includes(path) ? states : [path], press, around);
+  return isSelected(element, around) ? gesture : withSelection(gesture, [element]);
+}
+
+function withSelection(gesture: Gesture, select: readonly ElementRef[]): Gesture {
+  return {
+    ...gesture,
+    select,
+    move: (pointer, then) => withSelection(gesture.move(pointer, then), select),
+  };
+}
+
+/** The selected states that can be moved along with one: they stand in its container. */
+function movable(along: string, { look, machine }: Around): readonly string[] {
+  return [...look.selection].flatMap((key) => {
+    const element = elementOf(key);
+    const isOwn = element?.kind === "state" && !machine.isInLibrary(element.path);
+    return isOwn && parentOf(element.path) === parentOf(along) ? [element.path] : [];
+  });
+}
+
+/** Whether the state is what one works in now, and not one thing among others. */
+export function isStage(path: string, { machine, places, camera, size }: Around): boolean {
+  if (parentOf(path) === null) return true;
+  const [state, box] = [machine.state(path), places.box(path)];
+  if (!state || !box || !(isContainer(state) || state.kind === "library")) return false;
+  return (
+    box.width * camera.scale >= size.width * 0.8 || box.height * camera.scale >= size.height * 0.8
+  );
+}
+
+function ground(press: Press, around: Around): Gesture {
+  return press.isTouch ? panning(press, around.camera) : band(press, around);
+}
+
+function band(press: Press, around: Around): Gesture {
+  const kept = [...around.look.selection].flatMap((key) => elementOf(key) ?? []);
+  return banding(press, around, press.ctrl ? kept : []);
+}
+
+/** The cursor over what a press would take. */
+export function cursorAt(hit: Hit | null): string {
+  switch (hit?.on) {
+    case "grip":
+      return cursorOf(hit.grip);
+    case "port":
+    case "end":
+      return "crosshair";
+    case "waypoint":
+    case "middle":
+      return "move";
+    case "line":
+      return "pointer";
+    default:
+      return "default";
+  }
+}

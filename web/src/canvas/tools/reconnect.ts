@@ -1,0 +1,98 @@
+/** Leads an end of a connection to another port; let go over nothing, it stays where it was. */
+
+import { type ElementKey, keyOf } from "../../model/element.ts";
+import type { Point } from "../../model/geometry.ts";
+import { reconnect } from "../../plan/connect.ts";
+import { isRefused, type Planned } from "../../plan/plan.ts";
+import { routeOf } from "../hit/hit.ts";
+import type { LineRef } from "../hit/look.ts";
+import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import { type Around, type Gesture, type Pointer, worldOf } from "./gesture.ts";
+import { nearestPort, type SeenPort, seenPorts } from "./targets.ts";
+
+const SNAP = 18;
+
+interface Leading {
+  readonly line: LineRef;
+  readonly end: "from" | "to";
+  /** The end that stays. */
+  readonly fixed: Point;
+  readonly seen: Seen;
+}
+
+interface Seen {
+  readonly camera: Around["camera"];
+  readonly version: number;
+  readonly ports: readonly SeenPort[];
+  readonly plans: ReadonlyMap<ElementKey, Planned>;
+}
+
+/** Begins to lead an end of a connection elsewhere. */
+export function reconnecting(
+  line: LineRef,
+  end: "from" | "to",
+  pointer: Pointer,
+  around: Around,
+): Gesture {
+  const points = routeOf(around.places, line)?.points ?? [];
+  const fixed = (end === "from" ? points.at(-1) : points[0]) ?? worldOf(pointer, around);
+  return next({ line, end, fixed, seen: look(line, end, around) }, pointer, around);
+}
+
+function look(line: LineRef, end: "from" | "to", around: Around): Seen {
+  const ports = seenPorts(around, line.kind === "data_flow");
+  const plans = new Map(
+    ports.map(({ element }) => [keyOf(element), reconnect(around.machine, line, end, element)]),
+  );
+  return { camera: around.camera, version: around.machine.version, ports, plans };
+}
+
+function next(before: Leading, pointer: Pointer, around: Around): Gesture {
+  const { seen, line, end } = before;
+  const isSame = seen.camera === around.camera && seen.version === around.machine.version;
+  const leading = isSame ? before : { ...before, seen: look(line, end, around) };
+  const aim = aimAt(leading, pointer, around);
+  return {
+    name: "reconnect",
+    cursor: aim.legal === false ? "not-allowed" : "crosshair",
+    overlay: overlayOf(leading, aim, pointer),
+    move: (to, then) => next(leading, to, then),
+    result: () => (aim.plan ? { plan: aim.plan } : {}),
+  };
+}
+
+interface Aim {
+  readonly to: Point;
+  readonly legal: boolean | null;
+  readonly target: ElementKey | null;
+  readonly plan: Planned | null;
+}
+
+function aimAt({ seen }: Leading, pointer: Pointer, around: Around): Aim {
+  const legal = seen.ports.filter(({ element }) => isFine(seen, keyOf(element)));
+  const port =
+    nearestPort(legal, pointer, around, SNAP) ?? nearestPort(seen.ports, pointer, around, SNAP / 2);
+  if (!port) return { to: worldOf(pointer, around), legal: null, target: null, plan: null };
+  const target = keyOf(port.element);
+  return { to: port.at, legal: isFine(seen, target), target, plan: seen.plans.get(target) ?? null };
+}
+
+function isFine({ plans }: Seen, key: ElementKey): boolean {
+  const plan = plans.get(key);
+  return plan !== undefined && !isRefused(plan);
+}
+
+function overlayOf({ line, end, fixed, seen }: Leading, aim: Aim, pointer: Point): Overlay {
+  const targets = new Map<ElementKey, boolean>();
+  for (const [key, plan] of seen.plans) if (!isRefused(plan)) targets.set(key, true);
+  if (aim.target !== null) targets.set(aim.target, aim.legal === true);
+  const [from, to] = end === "to" ? [fixed, aim.to] : [aim.to, fixed];
+  const { legal } = aim;
+  const text = aim.plan && isRefused(aim.plan) ? aim.plan.refused : null;
+  return {
+    ...NO_OVERLAY,
+    line: { from, to, through: [], data: line.kind === "data_flow", legal },
+    targets,
+    message: text === null ? null : { at: pointer, text, bad: true },
+  };
+}

@@ -1,0 +1,155 @@
+/** Resizes a state by a corner or side; with Ctrl its content is scaled along, with Shift the form stays. */
+
+import type { Box, Point } from "../../model/geometry.ts";
+import { parentOf } from "../../model/path.ts";
+import { allowedBox, resize } from "../../plan/move.ts";
+import type { Grip } from "../hit/look.ts";
+import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import { type Around, type Gesture, inState, minus, type Pointer, worldOf } from "./gesture.ts";
+import { type Guides, type Lines, neighbours, snapped } from "./guides.ts";
+import { preview } from "./preview.ts";
+
+interface Resizing {
+  readonly path: string;
+  readonly grip: Grip;
+  readonly from: Point;
+  /** The box at first, in the root's coordinates. */
+  readonly box: Box;
+  /** The box of the container; null for the root. */
+  readonly outer: Box | null;
+  readonly others: readonly Box[];
+}
+
+/** Begins to resize a state by what was pressed. */
+export function resizing(path: string, grip: Grip, pressed: Pointer, around: Around): Gesture {
+  const parent = parentOf(path);
+  const start: Resizing = {
+    path,
+    grip,
+    from: worldOf(pressed, around),
+    box: around.places.box(path) ?? { x: 0, y: 0, width: 1, height: 1 },
+    outer: parent === null ? null : (around.places.box(parent) ?? null),
+    others: parent === null ? [] : neighbours(around, parent, new Set([path])),
+  };
+  return next(start, pressed, around);
+}
+
+function next(start: Resizing, pointer: Pointer, around: Around): Gesture {
+  const { box, guides } = resized(start, pointer, around);
+  const isSame = Object.entries(start.box).every(([key, value]) => box[key as keyof Box] === value);
+  const plan = () => resize(around.machine, start.path, inParent(start, box, around), pointer.ctrl);
+  return {
+    name: "resize",
+    cursor: cursorOf(start.grip),
+    overlay: isSame ? NO_OVERLAY : shown(start, box, guides, pointer, around),
+    move: (to, then) => next(start, to, then),
+    result: () => (isSame ? {} : { plan: plan() }),
+  };
+}
+
+/** What comes of it; scaled content is left to the drawing, which needs no edit of each part for it. */
+function shown(
+  start: Resizing,
+  box: Box,
+  guides: Guides,
+  pointer: Pointer,
+  around: Around,
+): Overlay {
+  const then = inParent(start, box, around);
+  if (pointer.ctrl) {
+    const boxes = new Map([[start.path, allowedBox(around.machine, start.path, then, true)]]);
+    return { ...NO_OVERLAY, boxes, scaled: new Set([start.path]), guides };
+  }
+  return { ...preview(resize(around.machine, start.path, then, false), around), guides };
+}
+
+function inParent({ path }: Resizing, box: Box, { places }: Around): Box {
+  const parent = parentOf(path);
+  if (parent === null) return box;
+  const unit = places.unit(parent);
+  return {
+    ...inState(places, parent, box),
+    width: box.width / unit,
+    height: box.height / unit,
+  };
+}
+
+function resized(
+  start: Resizing,
+  pointer: Pointer,
+  around: Around,
+): { readonly box: Box; readonly guides: Guides } {
+  const by = minus(worldOf(pointer, around), start.from);
+  if (by.x === 0 && by.y === 0) return { box: start.box, guides: [] };
+  const least = leastSide(start, around);
+  const free = stretched(start, by, least);
+  if (pointer.shift) return { box: inForm(start, free, least), guides: [] };
+  const { by: more, guides } = snapped(free, start.others, around, linesOf(start.grip));
+  const total = { x: by.x + more.x, y: by.y + more.y };
+  return { box: stretched(start, total, least), guides };
+}
+
+/** A fiftieth of the container, as in the reference; of the root one unit. */
+function leastSide({ outer }: Resizing, { camera }: Around): number {
+  const least = outer ? Math.min(outer.width, outer.height) / 50 : 1;
+  return Math.max(least, 4 / camera.scale);
+}
+
+function linesOf(grip: Grip): { readonly x: Lines; readonly y: Lines } {
+  return {
+    x: grip.includes("w") ? [0] : grip.includes("e") ? [1] : [],
+    y: grip.includes("n") ? [0] : grip.includes("s") ? [1] : [],
+  };
+}
+
+/** The box with the taken sides moved, not smaller than allowed and not out of the container. */
+function stretched({ box, grip, outer }: Resizing, by: Point, least: number): Box {
+  let [left, top, right, bottom] = [box.x, box.y, box.x + box.width, box.y + box.height];
+  if (grip.includes("w")) left = Math.min(left + by.x, right - least);
+  if (grip.includes("e")) right = Math.max(right + by.x, left + least);
+  if (grip.includes("n")) top = Math.min(top + by.y, bottom - least);
+  if (grip.includes("s")) bottom = Math.max(bottom + by.y, top + least);
+  if (outer) {
+    if (grip.includes("w")) left = Math.max(left, Math.min(outer.x, box.x));
+    if (grip.includes("n")) top = Math.max(top, Math.min(outer.y, box.y));
+    const end = { x: outer.x + outer.width, y: outer.y + outer.height };
+    if (grip.includes("e")) right = Math.min(right, Math.max(end.x, box.x + box.width));
+    if (grip.includes("s")) bottom = Math.min(bottom, Math.max(end.y, box.y + box.height));
+  }
+  return { x: left, y: top, width: right - left, height: bottom - top };
+}
+
+/** The box with its first form, about the corner or side that stays. */
+function inForm({ box, grip, outer }: Resizing, free: Box, least: number): Box {
+  const isWide = grip === "e" || grip === "w";
+  const isHigh = grip === "n" || grip === "s";
+  const parts = [free.width / box.width, free.height / box.height] as const;
+  const wanted = isWide ? parts[0] : isHigh ? parts[1] : Math.max(...parts);
+  const factor = Math.max(wanted, least / Math.min(box.width, box.height));
+  const then = formed(box, grip, factor);
+  if (!outer || fitsIn(then, outer)) return then;
+  return formed(box, grip, Math.min(...parts, factor));
+}
+
+function formed(box: Box, grip: Grip, factor: number): Box {
+  const [width, height] = [box.width * factor, box.height * factor];
+  const x = grip.includes("w") ? box.x + box.width - width : box.x;
+  const y = grip.includes("n") ? box.y + box.height - height : box.y;
+  return { x, y, width, height };
+}
+
+function fitsIn(box: Box, outer: Box): boolean {
+  return (
+    box.x >= outer.x &&
+    box.y >= outer.y &&
+    box.x + box.width <= outer.x + outer.width &&
+    box.y + box.height <= outer.y + outer.height
+  );
+}
+
+/** The cursor of a corner or side. */
+export function cursorOf(grip: Grip): string {
+  if (grip === "n" || grip === "s") return "ns-resize";
+  if (grip === "e" || grip === "w") return "ew-resize";
+  return grip === "nw" || grip === "se" ? "nwse-resize" : "nesw-resize";
+}

@@ -1,0 +1,89 @@
+/** Where a connection may begin or end: the ports that can be seen, and what each would come to. */
+
+import { type ElementRef, elementOf, keyOf } from "../../model/element.ts";
+import { distance, intersects, type Point } from "../../model/geometry.ts";
+import type { Machine } from "../../model/machine.ts";
+import { canConnect } from "../../plan/connect.ts";
+import { isRefused, type Refused, refused } from "../../plan/plan.ts";
+import { screenFromWorld, visibleBox, worldFromScreen } from "../camera.ts";
+import type { PortRef } from "../hit/look.ts";
+import { extentOn } from "../hit/shown.ts";
+import { DETAIL } from "../scene/detail.ts";
+import { stickyFrame } from "../scene/sticky.ts";
+import type { Around } from "./gesture.ts";
+
+export interface SeenPort {
+  readonly element: PortRef;
+  readonly name: string;
+  /** In the root's coordinates. */
+  readonly at: Point;
+}
+
+/** Whether values go through the port, and not the run. */
+export function isData(element: ElementRef): boolean {
+  return (
+    element.kind === "input" || element.kind === "output" || element.kind === "scoped_variable"
+  );
+}
+
+/** All ports of one sort that are on the screen, outer ones first. */
+export function seenPorts(around: Around, data: boolean): readonly SeenPort[] {
+  const found: SeenPort[] = [];
+  collect(around.machine.root, data, around, found);
+  const { places, camera, size } = around;
+  const stuck = stickyFrame(places, camera, size);
+  if (!stuck) return found;
+  const frame = new Map(stuck.ports.map(({ port, at }) => [port.key, worldFromScreen(camera, at)]));
+  return found.map((port) => ({ ...port, at: frame.get(keyOf(port.element)) ?? port.at }));
+}
+
+function collect(path: string, data: boolean, around: Around, found: SeenPort[]): void {
+  const { places, camera, size } = around;
+  const box = places.box(path);
+  if (!box || extentOn(camera, box) < DETAIL.ports) return;
+  if (!intersects(box, visibleBox(camera, size))) return;
+  for (const port of places.ports(path)) {
+    const element = elementOf(port.key);
+    if (element && isData(element) === data) {
+      found.push({ element: element as PortRef, name: port.name, at: port.at });
+    }
+  }
+  for (const child of places.children(path)) collect(child, data, around, found);
+}
+
+/** From where to where a connection between two ports leads: people draw both ways. */
+export interface Ends {
+  readonly from: PortRef;
+  readonly to: PortRef;
+}
+
+/** The connection between a port and another, in the direction that is legal, or why there is none. */
+export function endsBetween(machine: Machine, one: PortRef, other: PortRef): Ends | Refused {
+  if (isData(one) !== isData(other)) {
+    return refused("A transition joins outcomes and incomes, a data flow joins data ports.");
+  }
+  const forth = canConnect(machine, one, other);
+  if (forth === true) return { from: one, to: other };
+  const back = canConnect(machine, other, one);
+  return back === true ? { from: other, to: one } : forth;
+}
+
+/** The port nearest to the pointer, within reach. */
+export function nearestPort(
+  ports: readonly SeenPort[],
+  pointer: Point,
+  around: Around,
+  reach: number,
+): SeenPort | null {
+  let best: SeenPort | null = null;
+  let least = reach;
+  for (const port of ports) {
+    const away = distance(screenFromWorld(around.camera, port.at), pointer);
+    if (away <= least) [best, least] = [port, away];
+  }
+  return best;
+}
+
+export function isLegal(ends: Ends | Refused): ends is Ends {
+  return !isRefused(ends);
+}

@@ -1,0 +1,115 @@
+/** Makes, moves and merges waypoints of a connection. */
+
+import { waypointsOf } from "../../model/drawing.ts";
+import { keyOf } from "../../model/element.ts";
+import { type Box, distance, type Point } from "../../model/geometry.ts";
+import { setWaypoints } from "../../plan/move.ts";
+import { routeOf } from "../hit/hit.ts";
+import { nearestOn } from "../hit/lines.ts";
+import type { LineRef } from "../hit/look.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import { type Around, type Gesture, inState, type Pointer, worldOf } from "./gesture.ts";
+
+interface Bending {
+  readonly element: LineRef;
+  readonly index: number;
+  /** Whether the waypoint was there before. */
+  readonly isOld: boolean;
+  /** The other waypoints before and behind it, in the container's coordinates. */
+  readonly before: readonly Point[];
+  readonly after: readonly Point[];
+  /** Ends of the connection, in the container's coordinates. */
+  readonly first: Point;
+  readonly last: Point;
+}
+
+/** Begins to drag a waypoint: an old one, or one that is made at this number. */
+export function bending(
+  element: LineRef,
+  index: number,
+  isOld: boolean,
+  pressed: Pointer,
+  around: Around,
+): Gesture {
+  const { machine, places } = around;
+  const state = machine.state(element.path);
+  const all = state ? waypointsOf(state, element.kind, element.id) : [];
+  const points = routeOf(places, element)?.points ?? [];
+  const end = (at: Point | undefined) =>
+    inState(places, element.path, at ?? worldOf(pressed, around));
+  const start: Bending = {
+    element,
+    index,
+    isOld,
+    before: all.slice(0, index),
+    after: all.slice(isOld ? index + 1 : index),
+    first: end(points[0]),
+    last: end(points.at(-1)),
+  };
+  return next(start, pressed, around);
+}
+
+/** So near to the straight line, in CSS pixels, a waypoint goes away. */
+const MERGE = 6;
+
+function next(start: Bending, pointer: Pointer, around: Around): Gesture {
+  const { element, before, after } = start;
+  const at = placed(start, pointer, around);
+  const isMerged = isStraight(start, at, around);
+  const points = isMerged ? [...before, ...after] : [...before, at, ...after];
+  const waypoints = new Map([[keyOf(element), points]]);
+  return {
+    name: "waypoint",
+    cursor: "grabbing",
+    overlay: { ...NO_OVERLAY, waypoints },
+    move: (then, there) => next(start, then, there),
+    result: () =>
+      isMerged && !start.isOld ? {} : { plan: setWaypoints(around.machine, element, points) },
+  };
+}
+
+/** Inside of the container; with Shift in an even direction from the point before or behind. */
+function placed(start: Bending, pointer: Pointer, around: Around): Point {
+  const { places } = around;
+  const { path } = start.element;
+  const free = inState(places, path, worldOf(pointer, around));
+  const at = pointer.shift ? even(neighbour(start, free), free) : free;
+  const box = places.box(path);
+  const unit = places.unit(path);
+  return box
+    ? boundedIn(at, { x: 0, y: 0, width: box.width / unit, height: box.height / unit })
+    : at;
+}
+
+function ends({ before, after, first, last }: Bending): readonly [Point, Point] {
+  return [before.at(-1) ?? first, after[0] ?? last];
+}
+
+/** The nearer of the points before and behind. */
+function neighbour(start: Bending, at: Point): Point {
+  const [one, other] = ends(start);
+  return distance(one, at) <= distance(other, at) ? one : other;
+}
+
+const EIGHTH = Math.PI / 4;
+
+/** As far from a point as it is, in the nearest of eight directions. */
+export function even(from: Point, to: Point): Point {
+  const angle = Math.round(Math.atan2(to.y - from.y, to.x - from.x) / EIGHTH) * EIGHTH;
+  const [x, y] = [Math.cos(angle), Math.sin(angle)];
+  const length = (to.x - from.x) * x + (to.y - from.y) * y;
+  return { x: from.x + x * length, y: from.y + y * length };
+}
+
+function boundedIn(at: Point, box: Box): Point {
+  return {
+    x: Math.min(Math.max(at.x, box.x), box.x + box.width),
+    y: Math.min(Math.max(at.y, box.y), box.y + box.height),
+  };
+}
+
+function isStraight(start: Bending, at: Point, { places, camera }: Around): boolean {
+  const [from, to] = ends(start);
+  const away = distance(nearestOn(from, to, at), at) * places.unit(start.element.path);
+  return away * camera.scale < MERGE;
+}
