@@ -1,0 +1,26 @@
+/** Defaults of ports as people type and read them: Python literals, plain words for texts, `$name` for global variables. */
+
+import type { JsonValue } from "./generated/protocol.ts";
+import { type Literal, parseLiteral } from "./literal.ts";
+import { shortType } from "./types.ts";
+import { python } from "./value.ts";
+
+const GLOBAL = /^\$./;
+
+/** The value as it is shown in a cell. */
+export function textOfDefault(value: JsonValue | undefined): string {
+  return typeof value === "string" && GLOBAL.test(value) ? value : python(value ?? null);
+}
+
+/** The value of what was typed for a port of this type, or why it is none. */
+export function readDefault(text: string, type: string): Literal {
+  const typed = text.trim();
+  if (GLOBAL.test(typed)) return { value: typed };
+  const isText = shortType(type) === "str";
+  if (typed === "") return { value: isText ? "" : null };
+  const literal = parseLiteral(typed);
+  if (!isText) return literal;
+  const isFitting =
+    "value" in literal && (literal.value === null || typeof literal.value === "string");
+  return isFitting ? literal : { value: text };
+}

@@ -1,0 +1,131 @@
+/** Semantic data: the user's notes at a state, keys with values or with keys of their own. */
+
+import type { JsonValue } from "./generated/protocol.ts";
+import { parseLiteral } from "./literal.ts";
+import { python } from "./value.ts";
+
+/** Keys from the outermost on. */
+export type KeyPath = readonly string[];
+
+/** One key, with how deep it stands. */
+export interface SemanticRow {
+  readonly keys: KeyPath;
+  /** Null where keys stand inside. */
+  readonly text: string | null;
+  /** How many keys stand inside. */
+  readonly size: number;
+}
+
+type Pairs = readonly (readonly [string, JsonValue])[];
+export type Semantic = JsonValue | null | undefined;
+
+/** All keys, each before those inside it; those inside of a folded one are left out. */
+export function semanticRows(data: Semantic, folded: ReadonlySet<string>): readonly SemanticRow[] {
+  const rows: SemanticRow[] = [];
+  const walk = (pairs: Pairs, outer: KeyPath) => {
+    for (const [key, value] of pairs) {
+      const keys = [...outer, key];
+      const inside = pairsOf(value);
+      rows.push({ keys, text: inside ? null : textOf(value), size: inside?.length ?? 0 });
+      if (inside && !folded.has(rowKey(keys))) walk(inside, keys);
+    }
+  };
+  walk(pairsOf(data ?? {}) ?? [], []);
+  return rows;
+}
+
+/** A text that is the same for the same keys. */
+export function rowKey(keys: KeyPath): string {
+  return JSON.stringify(keys);
+}
+
+/** How a value reads: texts as they are, unless they look like something else. */
+export function textOf(value: JsonValue): string {
+  if (typeof value !== "string") return python(value);
+  const isPlain = value !== "" && value === value.trim() && !/[\n\r]/.test(value);
+  return isPlain && "refused" in parseLiteral(value) ? value : python(value);
+}
+
+/** The value that was meant: a literal of Python, or else the text itself. */
+export function valueOf(text: string): JsonValue {
+  const literal = parseLiteral(text);
+  return "value" in literal ? literal.value : text;
+}
+
+export type Changed = { readonly data: JsonValue } | { readonly refused: string };
+
+/** The data with another value there. */
+export function withValue(data: Semantic, keys: KeyPath, value: JsonValue): JsonValue {
+  const [key, ...inner] = keys;
+  if (key === undefined) return value;
+  const pairs = pairsOf(data ?? {}) ?? [];
+  const put = (old: Semantic) => (inner.length === 0 ? value : withValue(old, inner, value));
+  const isThere = pairs.some(([name]) => name === key);
+  const next: Pairs = isThere
+    ? pairs.map(([name, old]) => [name, name === key ? put(old) : old] as const)
+    : [...pairs, [key, put(null)]];
+  return dictionary(next);
+}
+
+/** The data without the key. */
+export function withoutKey(data: Semantic, keys: KeyPath): JsonValue {
+  const key = keys.at(-1);
+  const outer = keys.slice(0, -1);
+  const pairs = pairsAt(data, outer).filter(([name]) => name !== key);
+  return withValue(data, outer, dictionary(pairs));
+}
+
+/** The data with another name for the key, at the same place. */
+export function withKey(data: Semantic, keys: KeyPath, wanted: string): Changed {
+  const name = wanted.trim();
+  const key = keys.at(-1) ?? "";
+  const outer = keys.slice(0, -1);
+  const pairs = pairsAt(data, outer);
+  if (name === "") return { refused: "A key has a name: write one, or remove the row." };
+  if (name !== key && pairs.some(([other]) => other === name)) {
+    return { refused: `There is a key ${name} already: choose another name.` };
+  }
+  const next = pairs.map(([other, value]) => [other === key ? name : other, value] as const);
+  return { data: withValue(data, outer, dictionary(next)) };
+}
+
+/** The data with a new key inside of these keys, and the name that it got. */
+export function withNewKey(
+  data: Semantic,
+  outer: KeyPath,
+  value: JsonValue,
+): { readonly data: JsonValue; readonly keys: KeyPath } {
+  const taken = new Set(pairsAt(data, outer).map(([key]) => key));
+  let name = "key";
+  for (let number = 1; taken.has(name); number++) name = `key_${number}`;
+  const keys = [...outer, name];
+  return { data: withValue(data, keys, value), keys };
+}
+
+function pairsAt(data: Semantic, keys: KeyPath): Pairs {
+  const [key, ...inner] = keys;
+  const pairs = pairsOf(data ?? {}) ?? [];
+  if (key === undefined) return pairs;
+  return pairsAt(pairs.find(([name]) => name === key)?.[1], inner);
+}
+
+/** What stands in a dict with texts as keys; null of every other value. */
+function pairsOf(value: JsonValue): Pairs | null {
+  if (value === null || typeof value !== "object" || Array.isArray(value)) return null;
+  const keys = Object.keys(value);
+  const [only] = keys;
+  if (keys.length !== 1 || only === undefined || !only.startsWith("__")) {
+    return keys.map((key) => [key, value[key] ?? null]);
+  }
+  const marked = only === "__dict__" ? value[only] : null;
+  if (!Array.isArray(marked)) return null;
+  const pairs = marked as readonly (readonly [JsonValue, JsonValue])[];
+  return pairs.every(([key]) => typeof key === "string") ? (pairs as Pairs) : null;
+}
+
+/** A dict, marked where JavaScript would change it. */
+function dictionary(pairs: Pairs): JsonValue {
+  const isPlain = pairs.every(([key]) => !key.startsWith("__") && !/^\d+$/.test(key));
+  if (isPlain) return Object.fromEntries(pairs);
+  return { __dict__: pairs.map(([key, value]) => [key, value]) };
+}

@@ -1,0 +1,98 @@
+/** Chooses where a connection begins or ends: among everything in its container that can. */
+
+import { useId, useState } from "react";
+import { type ElementRef, keyOf } from "../../model/element.ts";
+import { type ConnectionRef, type Ends, endInWords, endsIn, isPort } from "../../model/ends.ts";
+import { type Machine, portsOf } from "../../model/machine.ts";
+import { idOf } from "../../model/path.ts";
+import { fits, shortType } from "../../model/types.ts";
+
+export interface EndSelectProps {
+  readonly machine: Machine;
+  readonly container: string;
+  readonly kind: ConnectionRef["kind"];
+  readonly end: keyof Ends;
+  /** What it is, for everybody: "To". */
+  readonly label: string;
+  readonly hideLabel?: boolean | undefined;
+  readonly value: ElementRef | null;
+  /** The other end, whose type is to fit. */
+  readonly other?: ElementRef | null | undefined;
+  /** What stands there while nothing is chosen; it can be chosen again. */
+  readonly nothing?: string | undefined;
+  readonly disabled?: boolean | undefined;
+  readonly onChange: (end: ElementRef | null) => void;
+}
+
+/** All choices are looked up once somebody is about to choose: a container may have thousands. */
+export function EndSelect(props: EndSelectProps) {
+  const { machine, container, value, nothing, label, hideLabel, disabled, onChange } = props;
+  const id = useId();
+  const [isNear, setNear] = useState(false);
+  const choices = isNear ? choicesOf(props) : value ? [choiceOf(machine, container, value)] : [];
+  const come = () => setNear(true);
+  return (
+    <div className={hideLabel ? "inspector-end" : "field"}>
+      <label className={hideLabel ? "visually-hidden" : "field-label"} htmlFor={id}>
+        {label}
+      </label>
+      <select
+        id={id}
+        className={hideLabel ? "inspector-end-select" : "field-input"}
+        value={value ? keyOf(value) : ""}
+        title={value ? endInWords(machine, container, value) : nothing}
+        disabled={disabled}
+        onPointerEnter={come}
+        onFocus={come}
+        onChange={(event) => {
+          const key = event.currentTarget.value;
+          onChange(choices.find((choice) => choice.key === key)?.element ?? null);
+        }}
+      >
+        {(nothing !== undefined || value === null) && (
+          <option value="">{nothing ?? "Choose…"}</option>
+        )}
+        {choices.map(({ key, title, isUnfit }) => (
+          <option key={key} value={key} disabled={isUnfit}>
+            {title}
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+interface Choice {
+  readonly key: string;
+  readonly element: ElementRef;
+  readonly title: string;
+  readonly isUnfit: boolean;
+}
+
+function choiceOf(machine: Machine, container: string, element: ElementRef): Choice {
+  const title = endInWords(machine, container, element);
+  return { key: keyOf(element), element, title, isUnfit: false };
+}
+
+function choicesOf({ machine, container, kind, end, other }: EndSelectProps): readonly Choice[] {
+  const choices = endsIn(machine, container, kind, end).map((element) =>
+    choiceOf(machine, container, element),
+  );
+  const counts = new Map<string, number>();
+  for (const { title } of choices) counts.set(title, (counts.get(title) ?? 0) + 1);
+  const wanted = other && typeOf(machine, other);
+  return choices.map((choice) => {
+    const isTwin = (counts.get(choice.title) ?? 0) > 1;
+    const title = isTwin ? `${choice.title} (${idOf(choice.element.path)})` : choice.title;
+    const type = typeOf(machine, choice.element);
+    if (type === null || !wanted) return { ...choice, title };
+    const isUnfit = end === "to" ? !fits(wanted, type) : !fits(type, wanted);
+    return { ...choice, title: `${title}: ${shortType(type)}`, isUnfit };
+  });
+}
+
+function typeOf(machine: Machine, element: ElementRef): string | null {
+  const state = machine.state(element.path);
+  if (!state || !isPort(element)) return null;
+  return portsOf(state, element.kind).find(({ id }) => id === element.id)?.data_type ?? null;
+}

@@ -1,0 +1,120 @@
+/** The ways in which a state can end, and where each leads. */
+
+import { Plus } from "lucide-react";
+import { keyOf } from "../../model/element.ts";
+import { type Connection, connectionsIn } from "../../model/ends.ts";
+import type { OutcomeDocument } from "../../model/generated/protocol.ts";
+import { outcomesOf } from "../../model/machine.ts";
+import { parentOf } from "../../model/path.ts";
+import { connect, reconnect } from "../../plan/connect.ts";
+import { addOutcome } from "../../plan/ports.ts";
+import { removeElements } from "../../plan/states.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { type Column, Table } from "../../ui/table.tsx";
+import { EndSelect } from "./end_select.tsx";
+import { Fold } from "./fold.tsx";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import { useRenaming } from "./renaming.tsx";
+import { RowButtons } from "./row_buttons.tsx";
+import type { SeenState } from "./seen.ts";
+
+const ROWS_MAX = 12;
+
+export function Outcomes({ seen }: { seen: SeenState }) {
+  const { path, state, readOnly, edit } = seen;
+  const [refusal, run] = useRefusal();
+  const [rename, asking] = useRenaming(seen);
+  const outcomes = outcomesOf(state).toSorted(asPeopleRead);
+  const canChange = !readOnly && !state.library;
+  const refOf = ({ id }: OutcomeDocument) => ({ kind: "outcome", path, id }) as const;
+  const remove = (outcome: OutcomeDocument) =>
+    run(edit((now) => removeElements(now, [refOf(outcome)])));
+  const columns: readonly Column<OutcomeDocument>[] = [
+    { key: "id", title: "Id", width: "34px", align: "right", cell: ({ id }) => id },
+    {
+      key: "name",
+      title: "Name",
+      cell: ({ name }) => <span title={name}>{name}</span>,
+      edit: {
+        value: ({ id, name }) => (canChange && id >= 0 ? name : null),
+        commit: (outcome, text) => rename(refOf(outcome), text),
+      },
+    },
+    ...goals(seen, run),
+    {
+      key: "buttons",
+      title: "",
+      width: "46px",
+      cell: (outcome) => (
+        <RowButtons
+          what={`outcome ${outcome.name}`}
+          onShow={() => seen.show(refOf(outcome))}
+          onRemove={canChange && outcome.id >= 0 ? () => remove(outcome) : undefined}
+        />
+      ),
+    },
+  ];
+  const add = (
+    <IconButton
+      label="Add outcome"
+      icon={<Plus size={15} />}
+      onClick={() => run(edit((now) => addOutcome(now, path)))}
+    />
+  );
+  return (
+    <Fold title="Outcomes" count={outcomes.length} actions={canChange ? add : null}>
+      <Table
+        label={`Outcomes of ${state.name}`}
+        columns={columns}
+        rows={outcomes}
+        id={({ id }) => String(id)}
+        rowsMax={ROWS_MAX}
+        onHover={(outcome) => seen.hover(outcome && refOf(outcome))}
+        onDelete={canChange ? remove : undefined}
+      />
+      <Refusal text={refusal} />
+      {asking}
+    </Fold>
+  );
+}
+
+/** Own outcomes first, aborted and preempted last. */
+function asPeopleRead(one: OutcomeDocument, other: OutcomeDocument): number {
+  const isLast = Number(one.id < 0) - Number(other.id < 0);
+  return isLast === 0 ? Math.abs(one.id) - Math.abs(other.id) : isLast;
+}
+
+/** Where each outcome leads in the container around the state; the root's lead out of the machine. */
+function goals(
+  { path, machine, readOnly, edit }: SeenState,
+  run: (made: Promise<string | null>) => void,
+): readonly Column<OutcomeDocument>[] {
+  const container = parentOf(path);
+  if (container === null || machine.state(container)?.kind === "library") return [];
+  const begun = new Map<string, Connection>();
+  for (const row of connectionsIn(machine, container, "transition"))
+    begun.set(keyOf(row.ends.from), row);
+  const cell = ({ id, name }: OutcomeDocument) => {
+    const from = { kind: "outcome", path, id } as const;
+    const now = begun.get(keyOf(from));
+    return (
+      <EndSelect
+        machine={machine}
+        container={container}
+        kind="transition"
+        end="to"
+        label={`Where ${name} leads`}
+        hideLabel
+        nothing="nowhere"
+        value={now?.ends.to ?? null}
+        disabled={readOnly}
+        onChange={(to) => {
+          if (to && now) run(edit((latest) => reconnect(latest, now.element, "to", to)));
+          else if (to) run(edit((latest) => connect(latest, from, to)));
+          else if (now) run(edit((latest) => removeElements(latest, [now.element])));
+        }}
+      />
+    );
+  };
+  return [{ key: "to", title: "Leads to", cell }];
+}

@@ -1,0 +1,217 @@
+/** The inputs, outputs or scoped variables of a state, as a table that is edited in place. */
+
+import { Plus } from "lucide-react";
+import { readDefault, textOfDefault } from "../../model/default_text.ts";
+import type { PortRef } from "../../model/ends.ts";
+import type { PortDocument, RuntimeValueDocument } from "../../model/generated/protocol.ts";
+import { type Machine, type PortKind, portsOf } from "../../model/machine.ts";
+import { COMMON_TYPES, shortType } from "../../model/types.ts";
+import { isRefused, type Planned } from "../../plan/plan.ts";
+import {
+  addPort,
+  setPortDefault,
+  setPortType,
+  setRuntimeValue,
+  useRuntimeValue as withRuntimeValue,
+} from "../../plan/ports.ts";
+import { removeElements } from "../../plan/states.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { Checkbox } from "../../ui/field.tsx";
+import { type Column, Table } from "../../ui/table.tsx";
+import { Fold } from "./fold.tsx";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import { useRenaming } from "./renaming.tsx";
+import { RowButtons } from "./row_buttons.tsx";
+import type { SeenState } from "./seen.ts";
+
+export const PORT_TITLES: Readonly<
+  Record<PortKind, { readonly many: string; readonly one: string }>
+> = {
+  input: { many: "Inputs", one: "input" },
+  output: { many: "Outputs", one: "output" },
+  scoped_variable: { many: "Scoped variables", one: "scoped variable" },
+};
+
+const ROWS_MAX = 12;
+
+export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
+  const { path, state, readOnly, edit } = seen;
+  const [refusal, run] = useRefusal();
+  const [rename, asking] = useRenaming(seen);
+  const ports = portsOf(state, kind);
+  const { many, one } = PORT_TITLES[kind];
+  const isLibrary = state.library != null;
+  const canChange = !readOnly && !isLibrary;
+  const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
+  const remove = (port: PortDocument) => run(edit((now) => removeElements(now, [refOf(port)])));
+  const buttons: Column<PortDocument> = {
+    key: "buttons",
+    title: "",
+    width: "46px",
+    cell: (port) => (
+      <RowButtons
+        what={`${one} ${port.name}`}
+        onShow={() => seen.show(refOf(port))}
+        onRemove={canChange ? () => remove(port) : undefined}
+      />
+    ),
+  };
+  const columns = isLibrary
+    ? libraryColumns(seen, kind, run)
+    : ownColumns(seen, kind, canChange, rename);
+  const add = (
+    <IconButton
+      label={`Add ${one}`}
+      icon={<Plus size={15} />}
+      onClick={() => run(edit((now) => addPort(now, path, kind)))}
+    />
+  );
+  return (
+    <Fold
+      title={many}
+      count={ports.length}
+      openAtFirst={ports.length > 0}
+      actions={canChange ? add : null}
+    >
+      {ports.length === 0 ? (
+        <p className="inspector-none">No {many.toLowerCase()}.</p>
+      ) : (
+        <Table
+          label={`${many} of ${state.name}`}
+          columns={[...columns, buttons]}
+          rows={ports}
+          id={({ id }) => String(id)}
+          rowsMax={ROWS_MAX}
+          onHover={(port) => seen.hover(port && refOf(port))}
+          onDelete={canChange ? remove : undefined}
+        />
+      )}
+      <Refusal text={refusal} />
+      {asking}
+    </Fold>
+  );
+}
+
+function ownColumns(
+  { path, machine, edit }: SeenState,
+  kind: PortKind,
+  canChange: boolean,
+  rename: (element: PortRef, name: string) => Promise<string | null>,
+): readonly Column<PortDocument>[] {
+  const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
+  const value = (text: (port: PortDocument) => string) => (port: PortDocument) =>
+    canChange ? text(port) : null;
+  return [
+    {
+      key: "name",
+      title: "Name",
+      width: "minmax(0, 1.2fr)",
+      cell: ({ name }) => <span title={name}>{name}</span>,
+      edit: { value: value(({ name }) => name), commit: (port, text) => rename(refOf(port), text) },
+    },
+    {
+      key: "type",
+      title: "Type",
+      cell: ({ data_type }) => <code title={data_type}>{shortType(data_type)}</code>,
+      edit: {
+        value: value(({ data_type }) => shortType(data_type)),
+        commit: (port, text) => edit((now) => setPortType(now, refOf(port), text)),
+        suggestions: () => typesIn(machine),
+        mono: true,
+      },
+    },
+    {
+      key: "default",
+      title: kind === "scoped_variable" ? "Initial value" : "Default",
+      cell: (port) => <Value value={textOfDefault(port.default)} />,
+      edit: {
+        value: value((port) => textOfDefault(port.default)),
+        commit: (port, text) =>
+          edit((now) => read(text, port, (literal) => setPortDefault(now, refOf(port), literal))),
+        mono: true,
+      },
+    },
+  ];
+}
+
+function Value({ value, faint = false }: { value: string; faint?: boolean }) {
+  return (
+    <code title={value} className={faint ? "inspector-faint" : undefined}>
+      {value}
+    </code>
+  );
+}
+
+/** What becomes of a text that is to be the value of a port. */
+export function read(
+  text: string,
+  port: PortDocument,
+  then: (value: NonNullable<PortDocument["default"]> | null) => Planned,
+): Planned {
+  const literal = readDefault(text, port.data_type);
+  return isRefused(literal) ? literal : then(literal.value);
+}
+
+/** A library state has the library's defaults, and may use values of its own instead. */
+function libraryColumns(
+  { path, state, readOnly, edit }: SeenState,
+  kind: PortKind,
+  run: (made: Promise<string | null>) => void,
+): readonly Column<PortDocument>[] {
+  const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
+  const list = kind === "input" ? state.library?.inputs : state.library?.outputs;
+  const set = new Map<number, RuntimeValueDocument>(list?.map((each) => [each.port, each]));
+  const valueHere = (port: PortDocument) => set.get(port.id)?.value ?? port.default;
+  return [
+    {
+      key: "name",
+      title: "Name",
+      width: "minmax(0, 1.2fr)",
+      cell: ({ name, data_type }) => <span title={`${name}: ${shortType(data_type)}`}>{name}</span>,
+    },
+    {
+      key: "default",
+      title: "In the library",
+      cell: (port) => <Value value={textOfDefault(port.default)} faint />,
+    },
+    {
+      key: "value",
+      title: "Here",
+      cell: (port) => (
+        <Value value={textOfDefault(valueHere(port))} faint={!set.get(port.id)?.used} />
+      ),
+      edit: {
+        value: (port) => (readOnly ? null : textOfDefault(valueHere(port))),
+        commit: (port, text) =>
+          edit((now) => read(text, port, (value) => setRuntimeValue(now, refOf(port), value))),
+        mono: true,
+      },
+    },
+    {
+      key: "used",
+      title: "Use",
+      width: "38px",
+      cell: (port) => (
+        <Checkbox
+          label={<span className="visually-hidden">Use the value of {port.name} here</span>}
+          title="Use the value here instead of the library's"
+          checked={set.get(port.id)?.used ?? false}
+          disabled={readOnly}
+          onChange={(used) => run(edit((now) => withRuntimeValue(now, refOf(port), used)))}
+        />
+      ),
+    },
+  ];
+}
+
+/** Types that are offered: the usual ones, and those that the machine uses. */
+function typesIn(machine: Machine): readonly string[] {
+  const types = new Set(COMMON_TYPES);
+  for (const path of machine.paths()) {
+    const state = machine.state(path);
+    if (!state) continue;
+    for (const list of ["input", "output", "scoped_variable"] as const)
+      for (const { data_type } of portsOf(state, list)) types.add(shortType(data_type));
+  }
+  return [...types];
+}

@@ -1,0 +1,115 @@
+/** Asks what a rename does in the script before it is done: every place is shown. */
+
+import { type ReactNode, useRef, useState } from "react";
+import type { ElementRef } from "../../model/element.ts";
+import { nameOf } from "../../model/ends.ts";
+import { lineAt, renameInScript, type ScriptUse, scriptUses } from "../../model/python.ts";
+import { renameElement } from "../../plan/rename_in_script.ts";
+import { type Draft, drafts } from "../../store/drafts.ts";
+import { Button } from "../../ui/button.tsx";
+import { Dialog } from "../../ui/dialog.tsx";
+import type { SeenState } from "./seen.ts";
+
+type Choice = "script" | "name" | "nothing";
+
+interface Question {
+  readonly from: string;
+  readonly to: string;
+  readonly script: string;
+  readonly uses: readonly ScriptUse[];
+  readonly answer: (choice: Choice) => void;
+}
+
+/** The way to rename a port or outcome, and the dialog that asks, to be put somewhere. */
+export function useRenaming(
+  seen: SeenState,
+): readonly [(element: ElementRef, name: string) => Promise<string | null>, ReactNode] {
+  const [question, setQuestion] = useState<Question | null>(null);
+  const asked = useRef<Promise<string | null> | null>(null);
+  const ask = (from: string, to: string, script: string, uses: readonly ScriptUse[]) =>
+    new Promise<Choice>((resolve) => {
+      const answer = (choice: Choice) => {
+        setQuestion(null);
+        resolve(choice);
+      };
+      setQuestion({ from, to, script, uses, answer });
+    });
+  const rename = async (element: ElementRef, text: string) => {
+    const name = text.trim();
+    const from = nameOf(seen.machine, element);
+    const { script, uses } = calls(seen, element, from);
+    const choice = uses.length === 0 || name === "" ? "name" : await ask(from, name, script, uses);
+    if (choice === "nothing") return null;
+    const inScript = choice === "script";
+    const refusal = await seen.edit((now) => renameElement(now, element, name, inScript));
+    if (refusal === null && inScript) renameInDraft(seen, element, from, name);
+    return refusal;
+  };
+  // Leaving the cell for the dialog commits once more: that is the same question.
+  const once = (element: ElementRef, name: string) => {
+    asked.current ??= rename(element, name).finally(() => {
+      asked.current = null;
+    });
+    return asked.current;
+  };
+  return [once, question && <Asking {...question} />];
+}
+
+function draftOf({ tab, path }: SeenState): Draft | undefined {
+  return drafts.get({ machine: tab.room.id, path, field: "script" });
+}
+
+/** The places in the script as the user sees it. */
+function calls(seen: SeenState, element: ElementRef, name: string) {
+  const script = draftOf(seen)?.text ?? seen.state.script ?? "";
+  const uses = scriptUses(script).filter((use) => use.of === element.kind && use.name === name);
+  return { script, uses };
+}
+
+function renameInDraft(seen: SeenState, element: ElementRef, from: string, to: string): void {
+  const draft = draftOf(seen);
+  if (!draft) return;
+  const { uses } = calls(seen, element, from);
+  const base = seen.tab.room.machine.state(seen.path)?.script ?? "";
+  drafts.keep({ ...draft, base, text: renameInScript(draft.text, uses, to) });
+}
+
+function Asking({ from, to, script, uses, answer }: Question) {
+  const lines = new Map(uses.map((use) => [lineAt(script, use.from).line, use]));
+  const after = (use: ScriptUse) => {
+    const { line } = lineAt(script, use.from);
+    const inLine = uses.filter((other) => lineAt(script, other.from).line === line);
+    const renamed = renameInScript(script, inLine, to);
+    return lineAt(renamed, Math.min(...inLine.map((other) => other.from))).text;
+  };
+  return (
+    <Dialog
+      title={`Rename ${from} to ${to}`}
+      width={640}
+      onClose={() => answer("nothing")}
+      footer={
+        <>
+          <Button onClick={() => answer("nothing")}>Cancel</Button>
+          <Button onClick={() => answer("name")}>The name only</Button>
+          <Button kind="primary" onClick={() => answer("script")}>
+            Also in the script
+          </Button>
+        </>
+      }
+    >
+      <p>
+        The script calls it by its name in{" "}
+        {uses.length === 1 ? "one place" : `${uses.length} places`}. Connections follow in any case.
+      </p>
+      <ul className="inspector-changes">
+        {[...lines].map(([line, use]) => (
+          <li key={line}>
+            <span className="inspector-line">{line}</span>
+            <code className="inspector-removed">{lineAt(script, use.from).text}</code>
+            <code className="inspector-added">{after(use)}</code>
+          </li>
+        ))}
+      </ul>
+    </Dialog>
+  );
+}

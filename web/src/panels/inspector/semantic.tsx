@@ -1,0 +1,242 @@
+/** Semantic data of a state: a tree of keys that is edited in place, or as JSON. */
+
+import { Braces, ChevronDown, ChevronRight, FolderPlus, Plus, Trash2 } from "lucide-react";
+import { useState } from "react";
+import type { JsonValue } from "../../model/generated/protocol.ts";
+import {
+  rowKey,
+  type SemanticRow,
+  semanticRows,
+  valueOf as valueOfText,
+  withKey,
+  withNewKey,
+  withoutKey,
+  withValue,
+} from "../../model/semantic.ts";
+import { refused } from "../../plan/plan.ts";
+import { setSemanticData } from "../../plan/states.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { type Column, Table } from "../../ui/table.tsx";
+import { Fold } from "./fold.tsx";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import type { SeenState } from "./seen.ts";
+
+const ROWS_MAX = 16;
+
+export function Semantic({ seen }: { seen: SeenState }) {
+  const { state, readOnly } = seen;
+  const [asText, setAsText] = useState(false);
+  const [folded, setFolded] = useState<ReadonlySet<string>>(new Set());
+  const [refusal, run] = useRefusal();
+  const data = state.semantic_data;
+  const rows = semanticRows(data, folded);
+  const put = (next: JsonValue) => putData(seen, next);
+  const add = (value: JsonValue) => run(put(withNewKey(data, [], value).data));
+  const buttons = (
+    <>
+      <IconButton
+        label="Show as JSON"
+        icon={<Braces size={14} />}
+        pressed={asText}
+        onClick={() => setAsText(!asText)}
+      />
+      {!readOnly && (
+        <>
+          <IconButton
+            label="Add key with keys inside"
+            icon={<FolderPlus size={14} />}
+            onClick={() => add({})}
+          />
+          <IconButton
+            label="Add key with value"
+            icon={<Plus size={15} />}
+            onClick={() => add("")}
+          />
+        </>
+      )}
+    </>
+  );
+  return (
+    <Fold title="Semantic data" count={rows.length} openAtFirst={rows.length > 0} actions={buttons}>
+      {asText ? (
+        <AsText seen={seen} />
+      ) : rows.length === 0 ? (
+        <p className="inspector-none">No semantic data: notes for planners, tools and people.</p>
+      ) : (
+        <Table
+          label={`Semantic data of ${state.name}`}
+          columns={columnsOf(seen, folded, setFolded, run)}
+          rows={rows}
+          id={({ keys }) => rowKey(keys)}
+          rowsMax={ROWS_MAX}
+          onDelete={readOnly ? undefined : ({ keys }) => run(put(withoutKey(data, keys)))}
+          onOpen={({ keys }) => setFolded(toggled(folded, rowKey(keys)))}
+        />
+      )}
+      <Refusal text={refusal} />
+    </Fold>
+  );
+}
+
+function putData({ path, edit }: SeenState, data: JsonValue): Promise<string | null> {
+  return edit((now) => setSemanticData(now, path, data));
+}
+
+function toggled(set: ReadonlySet<string>, key: string): ReadonlySet<string> {
+  const next = new Set(set);
+  if (!next.delete(key)) next.add(key);
+  return next;
+}
+
+function columnsOf(
+  seen: SeenState,
+  folded: ReadonlySet<string>,
+  setFolded: (folded: ReadonlySet<string>) => void,
+  run: (made: Promise<string | null>) => void,
+): readonly Column<SemanticRow>[] {
+  const { path, state, readOnly, edit } = seen;
+  const data = state.semantic_data;
+  const put = (next: JsonValue) => putData(seen, next);
+  const rename = ({ keys }: SemanticRow, name: string) =>
+    edit((now) => {
+      const next = withKey(data, keys, name);
+      return "refused" in next ? refused(next.refused) : setSemanticData(now, path, next.data);
+    });
+  const fold = ({ keys }: SemanticRow) => setFolded(toggled(folded, rowKey(keys)));
+  return [
+    {
+      key: "key",
+      title: "Key",
+      cell: (row) => (
+        <Key row={row} isFolded={folded.has(rowKey(row.keys))} onFold={() => fold(row)} />
+      ),
+      edit: {
+        value: ({ keys }) => (readOnly ? null : (keys.at(-1) ?? "")),
+        commit: rename,
+      },
+    },
+    {
+      key: "value",
+      title: "Value",
+      cell: ({ text, size }) =>
+        text === null ? (
+          <span className="inspector-faint">{size === 1 ? "1 key" : `${size} keys`}</span>
+        ) : (
+          <span title={text}>{text}</span>
+        ),
+      edit: {
+        value: ({ text }) => (readOnly ? null : text),
+        commit: ({ keys }, text) => put(withValue(data, keys, valueOfText(text))),
+      },
+    },
+    {
+      key: "buttons",
+      title: "",
+      width: "46px",
+      cell: (row) =>
+        readOnly ? null : (
+          <Buttons
+            row={row}
+            onAdd={() => run(put(withNewKey(data, row.keys, "").data))}
+            onRemove={() => run(put(withoutKey(data, row.keys)))}
+          />
+        ),
+    },
+  ];
+}
+
+interface KeyProps {
+  readonly row: SemanticRow;
+  readonly isFolded: boolean;
+  readonly onFold: () => void;
+}
+
+const INDENT_PX = 12;
+
+function Key({ row: { keys, text, size }, isFolded, onFold }: KeyProps) {
+  const name = keys.at(-1) ?? "";
+  const Arrow = isFolded ? ChevronRight : ChevronDown;
+  return (
+    <span className="inspector-key" style={{ paddingLeft: (keys.length - 1) * INDENT_PX }}>
+      {text === null && size > 0 ? (
+        <IconButton
+          className="inspector-mini"
+          label={isFolded ? `Open ${name}` : `Fold ${name}`}
+          icon={<Arrow size={13} />}
+          onClick={onFold}
+        />
+      ) : (
+        <span className="inspector-twist" />
+      )}
+      <span title={name}>{name}</span>
+    </span>
+  );
+}
+
+interface ButtonsProps {
+  readonly row: SemanticRow;
+  readonly onAdd: () => void;
+  readonly onRemove: () => void;
+}
+
+function Buttons({ row: { keys, text }, onAdd, onRemove }: ButtonsProps) {
+  const name = keys.at(-1) ?? "";
+  return (
+    <span className="inspector-row-buttons">
+      {text === null && (
+        <IconButton
+          className="inspector-mini"
+          label={`Add key inside ${name}`}
+          icon={<Plus size={13} />}
+          onClick={onAdd}
+        />
+      )}
+      <IconButton
+        className="inspector-mini"
+        label={`Remove ${name}`}
+        icon={<Trash2 size={13} />}
+        onClick={onRemove}
+      />
+    </span>
+  );
+}
+
+function AsText({ seen }: { seen: SeenState }) {
+  const { path, state, readOnly, edit } = seen;
+  const commit = (text: string) =>
+    edit((now) => {
+      const data = parsed(text);
+      return data === undefined ? refused("This is no JSON.") : setSemanticData(now, path, data);
+    });
+  return (
+    <TextField
+      key={path}
+      label="Semantic data as JSON"
+      multiline
+      mono
+      readOnly={readOnly}
+      value={JSON.stringify(state.semantic_data ?? {}, null, 2)}
+      check={(text) => (parsed(text) === undefined ? reasonOf(text) : null)}
+      hint="Ctrl+Enter or leaving the field keeps it."
+      onCommit={commit}
+    />
+  );
+}
+
+function parsed(text: string): JsonValue | undefined {
+  try {
+    return JSON.parse(text) as JsonValue;
+  } catch {
+    return undefined;
+  }
+}
+
+function reasonOf(text: string): string {
+  try {
+    JSON.parse(text);
+    return "";
+  } catch (error) {
+    return `This is no JSON: ${error instanceof Error ? error.message : String(error)}`;
+  }
+}
