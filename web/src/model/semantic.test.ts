@@ -3,7 +3,7 @@ import type { JsonValue } from "./generated/protocol.ts";
 import {
   semanticRows,
   textOf,
-  valueOf,
+  valueOfText,
   withKey,
   withNewKey,
   withoutKey,
@@ -75,5 +75,5 @@ test("what is shown is read as the same value", () => {
     [1, "a"],
     "a\nb",
   ];
-  for (const value of values) expect(valueOf(textOf(value))).toEqual(value);
+  for (const value of values) expect(valueOfText(textOf(value))).toEqual(value);
 });

@@ -47,7 +47,7 @@ export function textOf(value: JsonValue): string {
 }
 
 /** The value that was meant: a literal of Python, or else the text itself. */
-export function valueOf(text: string): JsonValue {
+export function valueOfText(text: string): JsonValue {
   const literal = parseLiteral(text);
   return "value" in literal ? literal.value : text;
 }
@@ -119,7 +119,7 @@ function pairsOf(value: JsonValue): Pairs | null {
   }
   const marked = only === "__dict__" ? value[only] : null;
   if (!Array.isArray(marked)) return null;
-  const pairs = marked as readonly (readonly [JsonValue, JsonValue])[];
+  const pairs = marked as unknown as readonly (readonly [JsonValue, JsonValue])[];
   return pairs.every(([key]) => typeof key === "string") ? (pairs as Pairs) : null;
 }
 

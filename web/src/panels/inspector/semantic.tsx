@@ -7,7 +7,7 @@ import {
   rowKey,
   type SemanticRow,
   semanticRows,
-  valueOf as valueOfText,
+  valueOfText,
   withKey,
   withNewKey,
   withoutKey,
