@@ -6,6 +6,7 @@
 
 pub mod access;
 mod blocking;
+mod child;
 mod description;
 mod documents;
 mod extract;

@@ -23,6 +23,7 @@ mod routes;
 mod steps;
 #[cfg(test)]
 mod tests;
+mod versions;
 mod wires;
 
 pub(crate) use documents::{Documents, Wish};

@@ -475,7 +475,7 @@ fn unwritten(error: &PrivateError) -> Failure {
     Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_written_down", message)
 }
 
-fn vanished(folder: &Path) -> Failure {
+pub(super) fn vanished(folder: &Path) -> Failure {
     let message =
         format!("there is no machine in {} any more: save it to write it again", folder.display());
     Failure::conflict("machine_gone", message)

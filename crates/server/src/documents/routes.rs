@@ -24,6 +24,7 @@ use utoipa_axum::routes;
 /// The routes of this part.
 pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
     OpenApiRouter::new()
+        .merge(super::versions::routes())
         .routes(routes!(machines, make))
         .routes(routes!(open))
         .routes(routes!(machine))

@@ -300,7 +300,8 @@ fn the_tree_of_steps_outlives_the_server() {
         jump: 409 not_kept
         jump: 409 nothing_to_do
           "Ann's" 5 saved 0 disk "same" changed recovered
-    "#]].assert_eq(&said.concat());
+    "#]]
+    .assert_eq(&said.concat());
 }
 
 #[test]

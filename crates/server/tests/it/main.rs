@@ -18,3 +18,4 @@ mod socket_machines;
 mod socket_runs;
 mod tls;
 mod together;
+mod versions;

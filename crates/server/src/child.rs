@@ -1,0 +1,116 @@
+//! Programs that the server asks something and that end soon: bounded in time and in what they may say. Must never know what
+//! they are asked.
+
+use std::io;
+use std::process::{ExitStatus, Stdio};
+use std::time::Duration;
+use tokio::io::{AsyncRead, AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::process::Command;
+
+/// So much of what a program says about what went wrong is kept.
+const ERROR_BYTES: u64 = 4096;
+
+/// How much a program may do.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// How long it may take.
+    pub(crate) patience: Duration,
+    /// How many bytes it may say.
+    pub(crate) output: u64,
+}
+
+/// What a program said.
+#[derive(Debug)]
+pub(crate) struct Said {
+    pub(crate) status: ExitStatus,
+    pub(crate) output: Vec<u8>,
+    /// The beginning of what it said about what went wrong.
+    pub(crate) error: String,
+}
+
+/// Why a program said nothing.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ChildError {
+    /// It is not there, or cannot be started.
+    #[error("it cannot be started")]
+    NotStarted(#[source] io::Error),
+    /// It was ended.
+    #[error("it took longer than {} ms", .0.as_millis())]
+    TooLong(Duration),
+    /// It was ended.
+    #[error("it said more than {0} bytes")]
+    TooMuch(u64),
+    /// Nobody can talk with it.
+    #[error("it cannot be talked with")]
+    Lost(#[source] io::Error),
+}
+
+/// Runs a program to its end with this input. It is ended when nobody waits for it any more.
+pub(crate) async fn ask(
+    mut command: Command,
+    input: Vec<u8>,
+    bounds: Bounds,
+) -> Result<Said, ChildError> {
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).kill_on_drop(true);
+    let mut child = command.spawn().map_err(ChildError::NotStarted)?;
+    let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+    let talk = async {
+        let give = async {
+            let Some(mut stdin) = stdin else { return };
+            // One that does not want to hear more says why.
+            stdin.write_all(&input).await.unwrap_or_default();
+        };
+        let ((), output, error) =
+            tokio::join!(give, heard(stdout, bounds.output + 1), heard(stderr, ERROR_BYTES));
+        let output = output.map_err(ChildError::Lost)?;
+        if output.len() as u64 > bounds.output {
+            return Err(ChildError::TooMuch(bounds.output));
+        }
+        let error = String::from_utf8_lossy(&error.unwrap_or_default()).trim().to_owned();
+        let status = child.wait().await.map_err(ChildError::Lost)?;
+        Ok(Said { status, output, error })
+    };
+    let said = tokio::time::timeout(bounds.patience, talk).await;
+    said.unwrap_or(Err(ChildError::TooLong(bounds.patience)))
+}
+
+/// At most so many bytes. What comes behind them is not read: the program ends, or is ended.
+async fn heard(from: Option<impl AsyncRead + Unpin>, most: u64) -> io::Result<Vec<u8>> {
+    let mut heard = Vec::new();
+    if let Some(from) = from {
+        from.take(most).read_to_end(&mut heard).await?;
+    }
+    Ok(heard)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bounds, ask};
+    use expect_test::{Expect, expect};
+    use std::time::Duration;
+    use tokio::process::Command;
+
+    async fn check(patience_ms: u64, script: &str, input: &str, expect: Expect) {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", script]);
+        let bounds = Bounds { patience: Duration::from_millis(patience_ms), output: 10 };
+        let said = match ask(shell, input.as_bytes().to_vec(), bounds).await {
+            Ok(said) => {
+                let output = String::from_utf8_lossy(&said.output).into_owned();
+                format!("{:?} {output:?} {:?}", said.status.code(), said.error)
+            }
+            Err(error) => error.to_string(),
+        };
+        expect.assert_eq(&said);
+    }
+
+    #[tokio::test]
+    async fn a_program_is_heard_to_its_end_and_no_longer() {
+        check(60_000, "cat; echo no >&2; exit 3", "hello", expect![[r#"Some(3) "hello" "no""#]])
+            .await;
+        check(60_000, "exit 0", &"x".repeat(1 << 20), expect![[r#"Some(0) "" """#]]).await;
+        check(60_000, "echo 0123456789", "", expect!["it said more than 10 bytes"]).await;
+        check(60_000, "exec cat /dev/zero", "", expect!["it said more than 10 bytes"]).await;
+        check(50, "exec tail -f /dev/null", "", expect!["it took longer than 50 ms"]).await;
+    }
+}

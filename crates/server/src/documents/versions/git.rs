@@ -1,0 +1,220 @@
+//! What git knows about a folder: its commits, and its files as of a commit. Knows git's commands; must never know what the
+//! files mean.
+//!
+//! A repository is somebody else's: nothing that its configuration names is run. So there is no checkout and no archive, which
+//! filter, and no configuration of a user or the system; objects that are not there are not fetched.
+
+use crate::child::{Bounds, ChildError, Said, ask};
+use crate::{Failure, failure::reason};
+use axum::http::StatusCode;
+use rafcon_protocol::api::{MachineVersion, MachineVersions};
+use std::path::Path;
+use std::time::Duration;
+use tokio::process::Command;
+
+/// So many commits are told.
+const COMMITS_MAX: usize = 200;
+/// So many bytes may the files of a commit have together.
+const BYTES_MAX: u64 = 128 << 20;
+/// So many files may a commit have below the folder.
+const FILES_MAX: usize = 200_000;
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// One file of a commit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct File {
+    /// Below the folder, joined by `/`: names, none of them `.` or `..`.
+    pub(super) path: String,
+    object: String,
+    bytes: u64,
+}
+
+/// The folder of a machine, as git sees it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Folder<'f> {
+    pub(super) path: &'f Path,
+    /// Where programs are looked for.
+    pub(super) programs: Option<&'f str>,
+}
+
+impl Folder<'_> {
+    fn git(&self, arguments: &[&str]) -> Command {
+        let mut git = Command::new("git");
+        git.env_clear().envs(self.programs.map(|path| ("PATH", path)));
+        git.env("GIT_CONFIG_NOSYSTEM", "1").env("GIT_CONFIG_GLOBAL", "/dev/null");
+        git.env("GIT_ALLOW_PROTOCOL", "none").env("GIT_NO_LAZY_FETCH", "1");
+        git.env("GIT_OPTIONAL_LOCKS", "0").env("GIT_TERMINAL_PROMPT", "0").env("LC_ALL", "C.UTF-8");
+        git.args(["--no-pager", "-c", "core.fsmonitor=false", "-c", "core.hooksPath=/dev/null"]);
+        git.args(["-c", "log.showSignature=false"]).arg("-C").arg(self.path).args(arguments);
+        git
+    }
+
+    async fn ask(
+        &self,
+        arguments: &[&str],
+        input: Vec<u8>,
+        output: u64,
+    ) -> Result<Said, ChildError> {
+        ask(self.git(arguments), input, Bounds { patience: PATIENCE, output }).await
+    }
+
+    /// Commits that touched it, the newest first.
+    pub(super) async fn versions(&self) -> Result<MachineVersions, Failure> {
+        let most = format!("--max-count={}", COMMITS_MAX + 1);
+        let form = "--format=%H%n%an%n%at%n%s";
+        let log = ["log", "-z", "--no-color", "--no-show-signature", "--encoding=UTF-8", &most];
+        let log = [&log[..], &[form, "--", "."]].concat();
+        let said = match self.ask(&log, Vec::new(), 8 << 20).await {
+            Err(ChildError::NotStarted(_)) => return Ok(MachineVersions::default()),
+            said => said.map_err(|error| failed(&error))?,
+        };
+        if !said.status.success() {
+            return no_versions(&said);
+        }
+        let text = String::from_utf8_lossy(&said.output);
+        let mut versions: Vec<_> = text.split_terminator('\0').filter_map(version).collect();
+        let is_cut = versions.len() > COMMITS_MAX;
+        versions.truncate(COMMITS_MAX);
+        Ok(MachineVersions { is_git: true, versions, is_cut })
+    }
+
+    /// The files below it in a commit.
+    pub(super) async fn files(&self, commit: &str) -> Result<Vec<File>, Failure> {
+        check_hash(commit)?;
+        let list = ["ls-tree", "-r", "-z", "--long", commit, "--"];
+        let said = self.ask(&list, Vec::new(), 64 << 20).await.map_err(|error| failed(&error))?;
+        if !said.status.success() {
+            return Err(no_version(commit, &said.error));
+        }
+        let text = String::from_utf8_lossy(&said.output);
+        let files: Vec<_> = text.split_terminator('\0').filter_map(file).collect();
+        if files.is_empty() {
+            return Err(no_version(commit, "the folder is not in it"));
+        }
+        Ok(files)
+    }
+
+    /// What these files hold, in their order.
+    pub(super) async fn contents(&self, files: &[File]) -> Result<Vec<Vec<u8>>, Failure> {
+        let bytes: u64 = files.iter().map(|file| file.bytes).sum();
+        if files.len() > FILES_MAX || bytes > BYTES_MAX {
+            let message = format!(
+                "the machine has {} files with {bytes} bytes in this version, and {FILES_MAX} with {BYTES_MAX} are the most: \
+                 look at it with git",
+                files.len()
+            );
+            return Err(Failure::new(
+                StatusCode::UNPROCESSABLE_ENTITY,
+                "version_too_large",
+                message,
+            ));
+        }
+        let wanted: Vec<u8> =
+            files.iter().flat_map(|file| format!("{}\n", file.object).into_bytes()).collect();
+        let most = bytes + 128 * files.len() as u64;
+        let said = self.ask(&["cat-file", "--batch"], wanted, most).await;
+        let said = said.map_err(|error| failed(&error))?;
+        let mut rest = &*said.output;
+        let contents = files.iter().map(|file| content(file, &mut rest)).collect::<Option<_>>();
+        contents
+            .ok_or_else(|| refused(&format!("not all of its objects are there: {}", said.error)))
+    }
+}
+
+/// The next object of a batch.
+fn content(file: &File, rest: &mut &[u8]) -> Option<Vec<u8>> {
+    let head = format!("{} blob {}\n", file.object, file.bytes);
+    let body = rest.strip_prefix(head.as_bytes())?;
+    let (content, behind) = body.split_at_checked(usize::try_from(file.bytes).ok()?)?;
+    *rest = behind.strip_prefix(b"\n")?;
+    Some(content.to_vec())
+}
+
+fn version(text: &str) -> Option<MachineVersion> {
+    let mut lines = text.splitn(4, '\n').map(str::to_owned);
+    let (commit, author, at) = (lines.next()?, lines.next()?, lines.next()?);
+    let at_ms = at.parse::<u64>().unwrap_or_default().saturating_mul(1000);
+    Some(MachineVersion { commit, author, at_ms, subject: lines.next().unwrap_or_default() })
+}
+
+/// A line of the list, if it is a regular file with a path that leads below the folder.
+fn file(line: &str) -> Option<File> {
+    let (about, path) = line.split_once('\t')?;
+    let mut about = about.split_ascii_whitespace();
+    let (mode, kind, object) = (about.next()?, about.next()?, about.next()?);
+    let bytes = about.next()?.parse().ok()?;
+    let is_file = kind == "blob" && matches!(mode, "100644" | "100755");
+    let is_below = path.split('/').all(|name| !matches!(name, "" | "." | ".."));
+    let (path, object) = (path.to_owned(), object.to_owned());
+    (is_file && is_below).then_some(File { path, object, bytes })
+}
+
+/// A whole hash, so that it is no option, no branch and no path.
+fn check_hash(commit: &str) -> Result<(), Failure> {
+    let is_hex = commit.bytes().all(|byte| byte.is_ascii_hexdigit());
+    if is_hex && matches!(commit.len(), 40 | 64) {
+        return Ok(());
+    }
+    let message = "a commit is named by its whole hash, 40 or 64 hexadecimal digits";
+    Err(Failure::bad("bad_commit", message))
+}
+
+/// There is no repository, none with a commit, or git does not want to tell.
+fn no_versions(said: &Said) -> Result<MachineVersions, Failure> {
+    if said.error.contains("not a git repository") {
+        return Ok(MachineVersions::default());
+    }
+    if said.error.contains("does not have any commits yet") {
+        return Ok(MachineVersions { is_git: true, ..MachineVersions::default() });
+    }
+    Err(refused(&said.error))
+}
+
+fn no_version(commit: &str, why: &str) -> Failure {
+    let message = format!(
+        "there is no version {commit} of this machine ({why}): its `versions` lists those that there are"
+    );
+    Failure::not_found("no_such_version", message)
+}
+
+fn refused(why: &str) -> Failure {
+    let message = format!("git does not tell what it knows: {why}");
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "git_refused", message)
+}
+
+fn failed(error: &ChildError) -> Failure {
+    let message = format!("git cannot be asked: {}", reason(error));
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "git_refused", message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{check_hash, file};
+
+    #[test]
+    fn only_regular_files_below_the_folder_count() {
+        let path = |line: &str| file(line).map(|file| file.path);
+        assert_eq!(
+            path("100644 blob abc      12\tA/core_data.json"),
+            Some("A/core_data.json".into())
+        );
+        for line in [
+            "120000 blob abc 12\tlink",
+            "160000 commit abc -\tmodule",
+            "100644 blob abc 12\t../out",
+            "100644 blob abc 12\tA/../../out",
+            "100644 blob abc 12\t/etc/passwd",
+            "100644 blob abc",
+        ] {
+            assert_eq!(path(line), None, "{line}");
+        }
+    }
+
+    #[test]
+    fn a_commit_is_a_whole_hash() {
+        check_hash(&"0a".repeat(20)).unwrap();
+        for text in ["", "HEAD", "--output=x", "0a0a", &"0g".repeat(20), "HEAD~1"] {
+            check_hash(text).unwrap_err();
+        }
+    }
+}

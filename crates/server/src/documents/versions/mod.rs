@@ -1,0 +1,94 @@
+//! Other versions of an open machine, to compare it with: what lies on disk, and what git knows. Knows folders and how a machine
+//! is read from one; must never know who compares.
+
+mod git;
+mod routes;
+
+pub(super) use routes::routes;
+
+use super::disk;
+use crate::{Failure, House};
+use axum::http::StatusCode;
+use git::{File, Folder};
+use rafcon_protocol::api::MachineVersions;
+use rafcon_protocol::document::Document;
+use rafcon_storage::files::{HEADER, MACHINE_LAYOUT, Part};
+use rafcon_storage::{Libraries, fill_library, load};
+use std::path::Path;
+use std::{fs, io};
+use tempfile::TempDir;
+use tokio::runtime::Handle;
+
+/// The machine as it lies on disk now: a [`Document`] as JSON.
+fn saved(house: &House, id: &str) -> Result<Vec<u8>, Failure> {
+    let folder = house.documents.room(id)?.folder();
+    let on_disk = disk::read(&folder, &house.projects.libraries())?;
+    let on_disk = on_disk.ok_or_else(|| super::room::vanished(&folder))?;
+    Ok(on_disk.document)
+}
+
+/// The commits that touched the machine's folder.
+async fn versions(house: &House, id: &str) -> Result<MachineVersions, Failure> {
+    let path = house.documents.room(id)?.folder();
+    if !path.is_dir() {
+        return Ok(MachineVersions::default());
+    }
+    let programs = (house.settings.variable)("PATH");
+    Folder { path: &path, programs: programs.as_deref() }.versions().await
+}
+
+/// The machine as of a commit: a [`Document`] as JSON. To be called on a thread that may wait.
+fn version(house: &House, id: &str, commit: &str) -> Result<Vec<u8>, Failure> {
+    let path = house.documents.room(id)?.folder();
+    let programs = (house.settings.variable)("PATH");
+    let folder = Folder { path: &path, programs: programs.as_deref() };
+    let (files, contents) = Handle::current().block_on(async {
+        let mut files = folder.files(commit).await?;
+        files.retain(|file| is_of_machine(&file.path));
+        let contents = folder.contents(&files).await?;
+        Ok::<_, Failure>((files, contents))
+    })?;
+    let place = put(&house.settings.state, &files, &contents).map_err(|error| no_room(&error))?;
+    document(place.path(), commit, &house.projects.libraries())
+}
+
+/// Whether a machine is read from files of this name.
+fn is_of_machine(path: &str) -> bool {
+    let name = path.rsplit('/').next().unwrap_or(path);
+    name == HEADER
+        || name == MACHINE_LAYOUT
+        || Part::ALL.iter().any(|part| name == part.file_name())
+}
+
+/// The files in a folder that goes away when nobody needs it.
+fn put(state: &Path, files: &[File], contents: &[Vec<u8>]) -> io::Result<TempDir> {
+    let place = tempfile::Builder::new().prefix("version-").tempdir_in(state)?;
+    for (file, content) in files.iter().zip(contents) {
+        let path = place.path().join(&file.path);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        fs::write(path, content)?;
+    }
+    Ok(place)
+}
+
+/// The machine in a folder of our own, with libraries as they are now.
+fn document(folder: &Path, commit: &str, libraries: &Libraries) -> Result<Vec<u8>, Failure> {
+    let unread = |why: String| {
+        let message = format!("the machine as of {commit} cannot be read: {why}");
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_version", message)
+    };
+    let loaded = load(folder, &Libraries::default());
+    let loaded = loaded.map_err(|error| {
+        unread(error.to_string().replace(&*folder.to_string_lossy(), "its folder"))
+    })?;
+    let mut look_up = |state: &mut _| drop(fill_library(state, libraries));
+    let machine = Document::of(&loaded.machine).read(&mut look_up);
+    Ok(disk::content(&machine.map_err(|error| unread(error.to_string()))?)?.1)
+}
+
+fn no_room(error: &io::Error) -> Failure {
+    let message = format!("the version cannot be put into the server's folder: {error}; make room");
+    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_room", message)
+}

@@ -1,0 +1,85 @@
+//! What is asked about other versions of an open machine. Knows requests and answers.
+
+use crate::extract::Path;
+use crate::{Failure, House};
+use axum::Json;
+use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse as _, Response};
+use rafcon_protocol::api::{MachineVersions, Refusal};
+use rafcon_protocol::document::Document;
+use std::sync::Arc;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// The routes of this part.
+pub(in super::super) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(saved)).routes(routes!(versions)).routes(routes!(version))
+}
+
+/// An open machine as it lies on disk now.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}/saved", tag = "machines",
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "The machine", body = Document),
+        (status = 403, description = "A link in it leads out of the project", body = Refusal),
+        (status = 404, description = "It is not open", body = Refusal),
+        (status = 409, description = "There are no files any more", body = Refusal),
+        (status = 422, description = "They cannot be read", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
+    )
+)]
+async fn saved(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+) -> Result<Response, Failure> {
+    let at = Arc::clone(&house);
+    Ok(json(at.documents.loads.work(move || super::saved(&house, &machine)).await?))
+}
+
+/// The git commits that touched an open machine's folder.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}/versions", tag = "machines",
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "The newest first; none where there is no git", body = MachineVersions),
+        (status = 404, description = "It is not open", body = Refusal),
+        (status = 422, description = "Git does not tell them", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
+    )
+)]
+async fn versions(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+) -> Result<Json<MachineVersions>, Failure> {
+    let at = Arc::clone(&house);
+    let ask = move || tokio::runtime::Handle::current().block_on(super::versions(&house, &machine));
+    Ok(Json(at.documents.loads.work(ask).await?))
+}
+
+/// An open machine as of a git commit, with libraries as they are now.
+#[utoipa::path(get, path = "/api/v1/machines/{machine}/versions/{commit}", tag = "machines",
+    params(
+        ("machine" = String, Path, description = "The machine's id"),
+        ("commit" = String, Path, description = "The commit's whole hash"),
+    ),
+    responses(
+        (status = 200, description = "The machine", body = Document),
+        (status = 400, description = "This is no hash", body = Refusal),
+        (status = 404, description = "It is not open, or not in this commit", body = Refusal),
+        (status = 422, description = "It cannot be read, or is too large", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
+        (status = 503, description = "There is no room for its files", body = Refusal),
+    )
+)]
+async fn version(
+    State(house): State<Arc<House>>,
+    Path((machine, commit)): Path<(String, String)>,
+) -> Result<Response, Failure> {
+    let at = Arc::clone(&house);
+    let read = move || super::version(&house, &machine, &commit);
+    Ok(json(at.documents.loads.work(read).await?))
+}
+
+fn json(document: Vec<u8>) -> Response {
+    ([(CONTENT_TYPE, "application/json")], document).into_response()
+}
