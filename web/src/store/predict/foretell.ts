@@ -2,8 +2,12 @@
 
 import type { Edit } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
+import { children } from "./children.ts";
+import { connections } from "./connections.ts";
 import { Draft, type Write } from "./draft.ts";
+import { ownInterface } from "./interface.ts";
 import { own } from "./own.ts";
+import { places } from "./places.ts";
 
 /** The writes that the edit comes to; null if only the server knows. */
 export function foretell(machine: Machine, edit: Edit): readonly Write[] | null {
@@ -11,7 +15,9 @@ export function foretell(machine: Machine, edit: Edit): readonly Write[] | null 
   return write(draft, edit) ? draft.writes : null;
 }
 
+const KINDS = [own, ownInterface, connections, places, children];
+
 function write(draft: Draft, edit: Edit): boolean {
   if (edit.edit === "batch") return edit.edits.every((each) => write(draft, each));
-  return own(draft, edit);
+  return KINDS.some((kind) => kind(draft, edit));
 }

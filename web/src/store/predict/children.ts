@@ -1,0 +1,88 @@
+/** Foretells states that come and go. */
+
+import type { Edit, OutcomeDocument, StateDocument } from "../../model/generated/protocol.ts";
+import {
+  ABORTED,
+  dataFlowsOf,
+  isContainer,
+  outcomesOf,
+  PREEMPTED,
+  transitionsOf,
+} from "../../model/machine.ts";
+import { childPath, idOf } from "../../model/path.ts";
+import { placed, withList } from "../lists.ts";
+import { drop, nextTransition } from "./connections.ts";
+import type { Draft } from "./draft.ts";
+
+const DECIDER = "unique_decider_state_id";
+const MANDATORY: readonly OutcomeDocument[] = [
+  { id: PREEMPTED, name: "preempted" },
+  { id: ABORTED, name: "aborted" },
+];
+
+/** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
+export function children(draft: Draft, edit: Edit): boolean {
+  if (edit.edit === "add_state") return add(draft, edit.path, edit.states);
+  if (edit.edit === "remove_state") return remove(draft, edit.path, edit.state);
+  return false;
+}
+
+function add(draft: Draft, path: string, states: readonly StateDocument[]): boolean {
+  const parent = draft.state(path);
+  const [first] = states;
+  if (!parent || !isContainer(parent) || !first) return false;
+  if (draft.state(childPath(path, first.path))) return false;
+  // The interface of a library is the library's.
+  if (states.some((state) => state.library && !state.outcomes)) return false;
+  for (const state of states) draft.put(whole(path, state));
+  const decider = childPath(first.path, DECIDER);
+  if (first.kind === "barrier" && !states.some((state) => state.path === decider)) {
+    draft.put(newDecider(childPath(path, decider)));
+  }
+  lead(draft, parent, first);
+  return true;
+}
+
+/** The state at its place, with the outcomes that each state has. */
+function whole(parent: string, state: StateDocument): StateDocument {
+  const missing = MANDATORY.filter(({ id }) => !outcomesOf(state).some((other) => other.id === id));
+  const outcomes = [...missing, ...outcomesOf(state)].sort((one, other) => one.id - other.id);
+  return { ...state, path: childPath(parent, state.path), outcomes };
+}
+
+function newDecider(path: string): StateDocument {
+  const outcomes = [...MANDATORY, { id: 0, name: "success" }];
+  return { path, name: "Decider", kind: "decider", outcomes };
+}
+
+/** In a barrier, what a child can end with leads to the decider. */
+function lead(draft: Draft, parent: StateDocument, child: StateDocument): void {
+  const hasDecider = draft.state(childPath(parent.path, DECIDER)) !== undefined;
+  if (parent.kind !== "barrier" || !hasDecider || child.path === DECIDER) return;
+  let state = parent;
+  for (const { id: outcome } of outcomesOf(child)) {
+    if (outcome < 0) continue;
+    const id = nextTransition(state);
+    const transition = {
+      id,
+      from_state: child.path,
+      from_outcome: outcome,
+      to_state: DECIDER,
+    };
+    state = withList(state, "transitions", placed(state.transitions, id, transition));
+  }
+  draft.put(state);
+}
+
+function remove(draft: Draft, path: string, id: string): boolean {
+  const parent = draft.state(path);
+  const child = draft.state(childPath(path, id));
+  if (!parent || !child || child.kind === "decider" || id === idOf(path)) return false;
+  const at = (...ends: (string | null | undefined)[]) => ends.includes(id);
+  const transitions = transitionsOf(parent).filter((t) => at(t.from_state, t.to_state));
+  const flows = dataFlowsOf(parent).filter((flow) => at(flow.from_state, flow.to_state));
+  const ids = (list: readonly { readonly id: number }[]) => list.map((each) => each.id);
+  drop(draft, path, ids(transitions), ids(flows));
+  draft.remove(child.path);
+  return true;
+}

@@ -1,0 +1,200 @@
+/** A server of a few lines, for tests: it makes the edits that can be foretold, refuses all others, and says what a test lets
+ * through, when the test lets it through. */
+
+import { signal } from "@preact/signals-core";
+import type {
+  Change,
+  Document,
+  Edit,
+  EditMachine,
+  MachineSummary,
+  Revision,
+  StateDocument,
+  ToClient,
+} from "../model/generated/protocol.ts";
+import { isSame } from "../model/json.ts";
+import { Mirror } from "../store/mirror.ts";
+import { foretell } from "../store/predict/foretell.ts";
+import { type Follower, type Link, RefusalError, type Server } from "../store/server.ts";
+
+const SESSION = {
+  user: "anna",
+  role: "engineer",
+  rights: [],
+  version: "0",
+  expires_ms: null,
+} as const;
+
+interface Waiting {
+  readonly edit: EditMachine;
+  readonly answered: (revision: number) => void;
+  readonly failed: (error: Error) => void;
+}
+
+export const MACHINE: MachineSummary = {
+  id: "m",
+  file: { project: "p", path: "machine" },
+  name: "Machine",
+  revision: 1,
+  saved_revision: 1,
+  is_changed: false,
+  disk: "same",
+  is_recovered: false,
+};
+
+export class FakeServer implements Server {
+  readonly link = signal<Link>({
+    state: "up",
+    session: { ...SESSION, rights: [] },
+    connection: 1,
+  });
+  readonly pulse = signal(null);
+  readonly asked: string[] = [];
+  readonly said: unknown[] = [];
+  readonly model: Mirror;
+  revision = 1;
+  isOpen = true;
+  readonly #revisions: Revision[] = [];
+  readonly #made = new Map<string, number>();
+  readonly #followers = new Map<Follower, { next: number }>();
+  readonly #waiting: Waiting[] = [];
+  #answers: (() => void)[] = [];
+
+  constructor(document: Document) {
+    this.model = new Mirror(document, () => undefined);
+  }
+
+  document(): Document {
+    const states = [...this.model.paths()].flatMap((path) => this.model.state(path) ?? []);
+    return { header: this.model.header, states };
+  }
+
+  async request<T>(method: string, path: string): Promise<T> {
+    this.asked.push(`${method} ${path}`);
+    if (path === "/machines/open") this.isOpen = true;
+    if (path === "/machines/open") return { ...MACHINE, revision: this.revision } as T;
+    if (!this.isOpen) throw this.#closed(404);
+    if (path.endsWith("/document")) {
+      return { revision: this.revision, document: this.document() } as T;
+    }
+    if (path.endsWith("/steps")) return { start: 1, steps: [] } as T;
+    return [] as T;
+  }
+
+  follow(follower: Follower): () => void {
+    const topic = follower.topic();
+    if (topic.topic === "machine_history") this.#followers.set(follower, { next: topic.from });
+    return () => void this.#followers.delete(follower);
+  }
+
+  edit(_: string, edit: EditMachine): Promise<number> {
+    return new Promise((answered, failed) => this.#waiting.push({ edit, answered, failed }));
+  }
+
+  undo(): Promise<number> {
+    return Promise.reject(new RefusalError({ code: "no_step", message: "nothing to undo" }, 409));
+  }
+
+  redo(): Promise<number> {
+    return this.undo();
+  }
+
+  say(frame: unknown): void {
+    this.said.push(frame);
+  }
+
+  retry(): void {}
+
+  /** Takes the next edit that has arrived, and makes or refuses it. Its answer waits. */
+  take(): void {
+    const next = this.#waiting.shift();
+    if (!next) return;
+    const { edit, answered, failed } = next;
+    if (!this.isOpen) this.#answers.push(() => failed(this.#closed(409)));
+    else {
+      const made = this.#made.get(edit.id) ?? this.make(edit.id, edit.edit);
+      const why = new RefusalError({ code: "rule", message: "it breaks a rule" }, 409);
+      this.#answers.push(() => (made === null ? failed(why) : answered(made)));
+    }
+  }
+
+  /** Somebody makes an edit; gives its revision, null if it is refused. */
+  make(id: string, edit: Edit): number | null {
+    const writes = foretell(this.model, edit);
+    if (!writes) return null;
+    const before = this.document();
+    this.model.transact(() => this.model.foretell(writes));
+    this.revision += 1;
+    this.#made.set(id, this.revision);
+    const changes = changesBetween(before, this.document());
+    const { revision } = this;
+    const about = { id, author: "ben", name: "Step", at_ms: 0, kind: "edit" } as const;
+    this.#revisions.push({ revision, ...about, changes });
+    return revision;
+  }
+
+  /** The oldest answer arrives. */
+  answer(): void {
+    this.#answers.shift()?.();
+  }
+
+  /** The next revisions arrive, at most so many. */
+  tell(count: number): void {
+    for (const [follower, at] of this.#followers) {
+      const revisions = this.#revisions.filter(({ revision }) => revision >= at.next);
+      const told = revisions.slice(0, count);
+      if (told.length === 0) continue;
+      at.next += told.length;
+      follower.frame({ frame: "revisions", subscription: 1, revisions: told });
+    }
+  }
+
+  /** Tells a follower of the history something else. */
+  news(frame: ToClient): void {
+    for (const follower of [...this.#followers.keys()]) {
+      this.#followers.delete(follower);
+      follower.frame(frame);
+    }
+  }
+
+  get isIdle(): boolean {
+    return this.#waiting.length === 0 && this.#answers.length === 0;
+  }
+
+  #closed(status: number): RefusalError {
+    return new RefusalError({ code: "no_such_machine", message: "no machine is open" }, status);
+  }
+}
+
+function changesBetween(before: Document, after: Document): Change[] {
+  const [old, now] = [byPath(before), byPath(after)];
+  const gone = [...old.keys()].filter((path) => !now.has(path));
+  const removed = gone.map((path): Change => ({ change: "state_removed", path }));
+  const header: Change = { change: "header", header: after.header };
+  return [
+    ...removed,
+    ...after.states.flatMap((state) => changesOf(old.get(state.path), state)),
+    header,
+  ];
+}
+
+function changesOf(old: StateDocument | undefined, state: StateDocument): Change[] {
+  if (isSame(old, state)) return [];
+  const { path, transitions = [], data_flows = [], ...alone } = state;
+  const changes: Change[] = [{ change: "state", state: { path, ...alone } }];
+  const ids = (one: readonly { id: number }[], other: readonly { id: number }[] = []) =>
+    new Set([...one, ...other].map(({ id }) => id));
+  for (const id of ids(transitions, old?.transitions)) {
+    const transition = transitions.find((each) => each.id === id);
+    changes.push({ change: "transition", path, id, ...(transition ? { transition } : {}) });
+  }
+  for (const id of ids(data_flows, old?.data_flows)) {
+    const data_flow = data_flows.find((each) => each.id === id);
+    changes.push({ change: "data_flow", path, id, ...(data_flow ? { data_flow } : {}) });
+  }
+  return changes;
+}
+
+function byPath(document: Document): ReadonlyMap<string, StateDocument> {
+  return new Map(document.states.map((state) => [state.path, state]));
+}

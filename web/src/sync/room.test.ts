@@ -1,0 +1,159 @@
+import fc from "fast-check";
+import { describe, expect, it } from "vitest";
+import type { Document, Edit } from "../model/generated/protocol.ts";
+import { sketch } from "../model/sketch.ts";
+import type { Notice } from "../store/page.ts";
+import { anyEdit } from "../store/predict/any_edit.ts";
+import { FakeClock } from "./fake_clock.ts";
+import { FakeServer, MACHINE } from "./fake_server.ts";
+import { OpenRoom } from "./room.ts";
+import { Shelf } from "./shelf.ts";
+
+const TEXT = `
+  R "Root" hierarchy 0 0 400 300 outcome done input speed:int=3 scoped found:list
+    A "Scan" execution 20 20 80 60 outcome ok outcome lost output pose:list
+    B barrier 200 20 80 60 outcome ok input pose:list
+      unique_decider_state_id decider outcome success
+      C execution outcome ok
+    R > A
+    A.ok > B
+    B.ok > R.done
+    A.pose >> B.pose`;
+
+function setUp(document: Document = sketch(TEXT)) {
+  const server = new FakeServer(document);
+  const notices: Omit<Notice, "id" | "at_ms">[] = [];
+  let count = 0;
+  const room = new OpenRoom(
+    MACHINE,
+    { revision: 1, document },
+    {
+      server,
+      shelf: new Shelf(server.request.bind(server)),
+      clock: new FakeClock(),
+      newId: () => `own-${++count}`,
+      tell: (notice) => notices.push(notice),
+    },
+  );
+  return { server, room, notices };
+}
+
+/** Lets everything that was resolved go on. */
+async function settle(): Promise<void> {
+  for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();
+}
+
+function documentOf({ machine }: OpenRoom): Document {
+  const states = [...machine.paths()].flatMap((path) => machine.state(path) ?? []);
+  return { header: machine.header, states };
+}
+
+const RENAME: Edit = { edit: "set_name", path: "R/A", name: "Look" };
+
+describe("an open machine", () => {
+  it("shows an edit at once, and keeps it when it is answered", async () => {
+    const { server, room } = setUp();
+    const answer = room.edit("Rename", RENAME);
+    expect(room.machine.state("R/A")?.name).toBe("Look");
+    expect(room.pending.value.map(({ name }) => name)).toEqual(["Rename"]);
+    server.take();
+    server.answer();
+    await settle();
+    expect(room.pending.value).toHaveLength(1);
+    server.tell(1);
+    expect(await answer).toEqual({ revision: 2 });
+    expect(room.pending.value).toEqual([]);
+    expect(room.machine.state("R/A")?.name).toBe("Look");
+  });
+
+  it("tells which states are different, and nothing when a prediction comes true", async () => {
+    const { server, room } = setUp();
+    const told: (string[] | null)[] = [];
+    room.onChange((touched) => told.push(touched && [...touched]));
+    void room.edit("Rename", RENAME);
+    const shown = room.machine.state("R/A");
+    server.take();
+    server.tell(1);
+    expect(told).toEqual([["R/A"]]);
+    expect(room.machine.state("R/A")).toBe(shown);
+  });
+
+  it("takes a refused edit back and says why", async () => {
+    const { server, room, notices } = setUp();
+    const before = documentOf(room);
+    const answer = room.edit("Start", { edit: "remove_state", path: "R", state: "A" });
+    expect(room.machine.state("R/A")).toBeUndefined();
+    server.make("x", { edit: "remove_state", path: "R", state: "A" });
+    server.take();
+    server.answer();
+    expect(await answer).toEqual({ refused: "it breaks a rule" });
+    expect(documentOf(room)).toEqual(before);
+    expect(notices).toEqual([
+      { level: "warning", text: "Root: “Start” was not done: it breaks a rule" },
+    ]);
+  });
+
+  it("is opened again when the server has forgotten it, and asks for its edits again", async () => {
+    const { server, room, notices } = setUp();
+    const answer = room.edit("Rename", RENAME);
+    server.isOpen = false;
+    server.take();
+    server.answer();
+    await settle();
+    expect(server.asked).toContain("POST /machines/open");
+    server.take();
+    server.answer();
+    server.tell(1);
+    expect(await answer).toEqual({ revision: 2 });
+    expect(notices).toEqual([]);
+  });
+
+  it("gets the whole machine when its history is gone", async () => {
+    const { server, room } = setUp();
+    server.make("x", { edit: "remove_state", path: "R", state: "A" });
+    void room.edit("Rename", { edit: "set_name", path: "R/B", name: "Wait" });
+    server.news({ frame: "reset", subscription: 1, revision: 2 });
+    await settle();
+    expect(room.machine.state("R/A")).toBeUndefined();
+    expect(room.machine.state("R/B")?.name).toBe("Wait");
+    expect(room.revision.value).toBe(2);
+  });
+
+  it("shows what the server has once nothing is on its way, whatever came in which order", async () => {
+    const step = fc.record({
+      what: fc.constantFrom("edit", "edit", "foreign", "take", "answer", "tell", "reset"),
+      seed: fc.nat(),
+    });
+    const check = async (steps: readonly { readonly what: string; readonly seed: number }[]) => {
+      const { server, room } = setUp();
+      for (const { what, seed } of steps) {
+        act(server, room, what, seed);
+        await settle();
+      }
+      for (let turn = 0; turn < 500 && (turn === 0 || !server.isIdle); turn += 1) {
+        server.take();
+        server.answer();
+        server.tell(10);
+        await settle();
+      }
+      expect(room.pending.value).toEqual([]);
+      expect(documentOf(room)).toEqual(server.document());
+    };
+    const steps = fc.array(step, { maxLength: 40 });
+    await fc.assert(fc.asyncProperty(steps, check), { numRuns: 300 });
+  });
+});
+
+function act(server: FakeServer, room: OpenRoom, what: string, seed: number): void {
+  let state = seed;
+  const pick = (bound: number) => {
+    state = (Math.imul(state, 1_103_515_245) + 12_345) >>> 0;
+    return (state >>> 8) % bound;
+  };
+  if (what === "edit") void room.edit("Edit", anyEdit(room.machine, pick));
+  else if (what === "foreign") server.make(`foreign-${seed}`, anyEdit(server.model, pick));
+  else if (what === "take") server.take();
+  else if (what === "answer") server.answer();
+  else if (what === "tell") server.tell(1 + (seed % 3));
+  else server.news({ frame: "reset", subscription: 1, revision: server.revision });
+}
