@@ -18,7 +18,7 @@ const TEXT = `
     A.pose >> R.found`;
 
 /** What is different after the edit: paths that are gone, and the states that are there. */
-function after(
+function done(
   edit: Edit,
 ): { gone: string[]; states: Record<string, Partial<StateDocument>> } | null {
   const document = sketch(TEXT);
