@@ -84,11 +84,12 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     if (!context || !measure || size.width === 0 || size.height === 0) return;
     const from = performance.now();
     list = scene(inputOf(options, places(), size, measure, routingTime()));
-    const ratio = fit(canvas, size);
+    const ratio = backed(canvas, size);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = colours["ground"] ?? "";
     context.fillRect(0, 0, size.width, size.height);
     paint(context, list, colours);
+    performance.clearMeasures("rafcon:frame");
     performance.measure("rafcon:frame", { start: from, end: performance.now() });
     for (const path of list.wanted) load(path);
     if (list.unfinished) redraw();
@@ -225,7 +226,7 @@ function routingTime(): () => boolean {
 }
 
 /** Makes the canvas as large as its place, in pixels of the screen, and says how many those are for a CSS pixel. */
-function fit(canvas: HTMLCanvasElement, size: Size): number {
+function backed(canvas: HTMLCanvasElement, size: Size): number {
   const ratio = Math.max(1, window.devicePixelRatio || 1);
   const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
   if (canvas.width !== width) canvas.width = width;

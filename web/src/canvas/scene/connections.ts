@@ -4,17 +4,17 @@
 import type { ElementKey } from "../../model/element.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import type { Line } from "../lines.ts";
-import { DETAIL, fade, TEXT } from "./detail.ts";
+import { DETAIL, extent, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import { shade } from "./drawing.ts";
-import type { Ink, Layer, LineMark } from "./list.ts";
+import type { Ink, LineMark } from "./list.ts";
 
 /** The part of a line that is near the view is drawn: nothing is so many pixels beyond it. */
 const BEYOND = 30;
 
 /** `inside` is the layer of the children. */
 export function connectionMarks(drawing: Drawing, spot: Spot): void {
-  const alpha = fade(spot.extent, DETAIL.ports);
+  const alpha = fade(spot.extent, DETAIL.content);
   const { modes } = drawing.input;
   if (alpha === 0) return;
   if (!spot.at.hasLines && !drawing.input.mayRoute()) {
@@ -40,7 +40,7 @@ export function connectionMarks(drawing: Drawing, spot: Spot): void {
     if (look.loud) drawing.layer(spot.depth + 2).lines.push(mark);
     else if (line.kind === "transition") layer.lines.push(mark);
     else layer.under.push(mark);
-    if (line.kind === "transition") labelMark(drawing, spot, line, mark, look, layer);
+    if (line.kind === "transition") labelMark(drawing, spot, line, mark, look);
     if (drawing.isSelected(line.key)) waypointMarks(drawing, spot, line);
   }
 }
@@ -87,43 +87,45 @@ function lineMark(spot: Spot, line: Line, look: LineLook, alpha: number): LineMa
     points[next++] = spot.y + point.y * spot.scale;
   }
   const isTransition = line.kind === "transition";
+  const size = sizeOfEnd(spot, line);
+  const far = look.loud ? 1 : Math.min(1, Math.max(0.35, size / DETAIL.lines));
   return {
     what: line.key,
     points,
     ink: look.ink,
-    width: look.width,
+    width: look.loud ? look.width : look.width * Math.max(0.7, far),
     radius: isTransition ? 6 : 0,
-    arrow: isTransition || look.loud ? Math.min(8, spot.extent * 0.03 + 2) : 0,
+    arrow: isTransition ? arrowOf(size) : look.loud ? 7 : 0,
     dash: false,
-    alpha,
+    alpha: alpha * far,
   };
 }
 
+/** How large the state is that the line leads to; of the container's own end the one that it comes from. */
+function sizeOfEnd(spot: Spot, line: Line): number {
+  const child = spot.at.child(line.toPath) ?? spot.at.child(line.fromPath);
+  if (!child) return 0;
+  return extent({ width: child.box.width * spot.scale, height: child.box.height * spot.scale });
+}
+
+/** Where ports are drawn they are the arrow heads; where boxes are tiny there is no room for any. */
+function arrowOf(size: number): number {
+  if (size >= DETAIL.ports) return 0;
+  return size < 16 ? 0 : Math.min(7, size * 0.2);
+}
+
 /** The outcome's name in the middle of the piece where the line runs longest, if it fits there. */
-function labelMark(
-  drawing: Drawing,
-  spot: Spot,
-  line: Line,
-  mark: LineMark,
-  look: LineLook,
-  layer: Layer,
-): void {
-  const alpha = fade(spot.extent, DETAIL.labels);
-  if (alpha === 0 || line.label === "" || !drawing.input.modes.names) return;
-  const child = spot.at.child(line.fromPath);
-  if (
-    child &&
-    !look.loud &&
-    Math.min(child.box.width, child.box.height) * spot.scale >= DETAIL.labels
-  )
-    return;
+function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, look: LineLook): void {
+  if (line.label === "" || !drawing.input.modes.names) return;
+  const alpha = look.loud ? 1 : labelAlpha(spot, line);
+  if (alpha === 0) return;
   const at = line.longest * 2;
   const [fromX, fromY, toX, toY] = mark.points.slice(at, at + 4);
   if (fromX === undefined || fromY === undefined || toX === undefined || toY === undefined) return;
   const width = drawing.input.measure(line.label, TEXT.small, false);
   const lying = Math.abs(toX - fromX) >= Math.abs(toY - fromY);
   if (lying ? Math.abs(toX - fromX) < width + 16 : Math.abs(toY - fromY) < 34) return;
-  layer.texts.push({
+  drawing.labels.push({
     what: `${line.key} label`,
     x: (fromX + toX) / 2,
     y: (fromY + toY) / 2,
@@ -136,6 +138,15 @@ function labelMark(
     plate: shade(spot.depth),
     width,
   });
+}
+
+/** Labels come with the states that their lines leave, and go where these show the names of their outcomes. */
+function labelAlpha(spot: Spot, line: Line): number {
+  const child = spot.at.child(line.fromPath);
+  if (!child) return 0;
+  const [width, height] = [child.box.width * spot.scale, child.box.height * spot.scale];
+  const size = extent({ width, height });
+  return size >= DETAIL.labels ? 0 : fade(size, DETAIL.lines);
 }
 
 const LABEL_INKS: Readonly<Record<string, Ink>> = {

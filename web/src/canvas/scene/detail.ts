@@ -8,11 +8,13 @@ export const DETAIL = {
   box: 6,
   /** Its name, and what is worth a badge. */
   name: 24,
-  /** What stands inside, as far as that is large enough itself. */
-  content: 44,
-  /** Ports as dots, transitions inside. */
+  /** Ports as dots. */
   ports: 72,
-  /** Names of ports and outcomes, labels of connections inside. */
+  /** What stands inside, as far as that is large enough itself, with transitions between. Before, that is a texture. */
+  content: 80,
+  /** Labels of connections, by the size of the state that they come from. */
+  lines: 54,
+  /** Names of ports and outcomes. */
   labels: 240,
 } as const;
 
@@ -24,7 +26,7 @@ export const TEXT = { small: 11, usual: 12.5, large: 15 } as const;
 
 /** The size that counts: the shorter side, for long states somewhat more. */
 export function extent({ width, height }: Size): number {
-  return Math.min(Math.sqrt(width * height), 1.8 * Math.min(width, height));
+  return Math.min(Math.sqrt(width * height), 2.5 * Math.min(width, height));
 }
 
 /** From nothing at `from` to all of it a quarter later. */

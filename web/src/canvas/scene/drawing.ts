@@ -5,7 +5,7 @@ import { elementOf } from "../../model/element.ts";
 import type { Box } from "../../model/geometry.ts";
 import type { PlacedState } from "../tree.ts";
 import type { SceneInput } from "./input.ts";
-import { type Layer, newLayer } from "./list.ts";
+import { type Layer, newLayer, type TextMark } from "./list.ts";
 import { litBy } from "./lit.ts";
 
 /** A state on its way to the screen. */
@@ -34,6 +34,9 @@ export class Drawing {
   readonly onlookers = new Map<string, number>();
   /** Plates of names of containers, which other names keep away from. */
   readonly plates: Box[] = [];
+  /** Names of ports, and labels of connections, that would be good to have. */
+  readonly portNames: TextMark[] = [];
+  readonly labels: TextMark[] = [];
   readonly width: number;
   readonly height: number;
   /** The innermost state whose border is nowhere in the view. */

@@ -117,6 +117,7 @@ function middleMarks(
   const rows = Math.min(3, Math.floor((spot.height - 4) / pitch));
   const lines =
     modes.names && rows > 0 ? wrapped(spot.at.state.name, room, rows, size, measure) : [];
+  if (isCovered(drawing, spot, lines.length * pitch)) return;
   const middle = spot.y + spot.height / 2;
   let y = middle - ((lines.length - 1) * pitch) / 2;
   for (const text of lines) {
@@ -131,7 +132,7 @@ function middleMarks(
       align: "center",
       alpha,
       plate: null,
-      width: room,
+      width: measure(text, size, false),
     });
     y += pitch;
   }
@@ -146,6 +147,14 @@ function middleMarks(
     spot.x + (lines.length === 0 ? (spot.width - width) / 2 : 5),
     top,
     alpha,
+  );
+}
+
+/** Whether the name of a state around stands where this one would. */
+function isCovered(drawing: Drawing, spot: Spot, height: number): boolean {
+  const y = spot.y + (spot.height - height) / 2;
+  return drawing.plates.some((plate) =>
+    meets(plate, spot.x + 4, y + 2, Math.max(0, spot.width - 8), Math.max(0, height - 4)),
   );
 }
 

@@ -6,7 +6,7 @@ import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import { shade } from "./drawing.ts";
-import type { DotShape, Ink, Layer } from "./list.ts";
+import type { DotShape, Ink } from "./list.ts";
 import { cut } from "./words.ts";
 
 /** Ports to which a transition leads or from which one starts. */
@@ -17,7 +17,7 @@ export function portMarks(drawing: Drawing, spot: Spot, connected: Connected, op
   const named = fade(spot.extent, DETAIL.labels);
   if (alpha === 0 && !drawing.focused.has(spot.at.path)) return;
   const layer = drawing.layer(spot.depth);
-  const size = spot.extent >= DETAIL.labels ? 9 : spot.extent >= 110 ? 7 : 5.5;
+  const size = spot.extent >= DETAIL.labels ? 10 : spot.extent >= 110 ? 8 : 6;
   const taken: Taken = { left: [], right: [], top: [], bottom: [] };
   for (const port of spot.at.ports) {
     if (!isShown(drawing, spot, port, connected)) continue;
@@ -36,7 +36,7 @@ export function portMarks(drawing: Drawing, spot: Spot, connected: Connected, op
       alpha: Math.max(alpha, drawing.focused.has(spot.at.path) ? 1 : 0),
     });
     if (named > 0 && port.kind !== "income") {
-      label(drawing, spot, layer, port, { x, y, side, alpha: named, open, size }, taken);
+      label(drawing, spot, port, { x, y, side, alpha: named, open, size }, taken);
     }
   }
 }
@@ -52,7 +52,11 @@ export const SHAPES: Readonly<Record<PortPlace["kind"], DotShape>> = {
 function isShown(drawing: Drawing, spot: Spot, port: PortPlace, connected: Connected): boolean {
   const isQuiet = port.kind === "outcome" && (port.id === ABORTED || port.id === PREEMPTED);
   if (!isQuiet || drawing.input.modes.aborted) return true;
-  return drawing.focused.has(spot.at.path) || connected.has(port.key);
+  return (
+    drawing.focused.has(spot.at.path) ||
+    connected.has(port.key) ||
+    (spot.at.hasLines && spot.at.joined.has(port.key))
+  );
 }
 
 /** What colour a port has, and a line that begins there. */
@@ -102,7 +106,6 @@ const ROW = 14;
 function label(
   drawing: Drawing,
   spot: Spot,
-  layer: Layer,
   port: PortPlace,
   place: LabelPlace,
   taken: Taken,
@@ -126,7 +129,7 @@ function label(
   const [x, y] = isUpright
     ? [place.x + (side === "left" ? away : -away), place.y]
     : [place.x, place.y + (side === "top" ? away + 5 : -away - 5)];
-  layer.texts.push({
+  drawing.portNames.push({
     what: `${port.key} name`,
     x,
     y,

@@ -6,6 +6,7 @@ import { DETAIL, extent, SPECK } from "./detail.ts";
 import { Drawing, type Spot, shade } from "./drawing.ts";
 import { gestureMarks } from "./gesture.ts";
 import type { SceneInput } from "./input.ts";
+import { labelMarks } from "./labels.ts";
 import type { BoxMark, DrawList } from "./list.ts";
 import { nameMarks } from "./names.ts";
 import { portMarks } from "./ports.ts";
@@ -21,6 +22,7 @@ export function scene(input: SceneInput): DrawList {
   if (root) {
     visit(drawing, rootSpot(root, input), NOTHING);
     stickyMarks(drawing);
+    labelMarks(drawing);
     gestureMarks(drawing);
   }
   return { layers: drawing.layers, wanted: drawing.wanted, unfinished: drawing.unfinished };
@@ -47,25 +49,27 @@ function spotOf(
 /** Draws a state that is in sight and large enough, and what is inside it. */
 function visit(drawing: Drawing, spot: Spot, connected: ReadonlySet<string>): void {
   stateMarks(drawing, spot);
-  const children = shownChildren(drawing, spot);
-  const joined = joinedBy(spot, children !== null);
-  if (children) {
+  const children = childrenOf(drawing, spot);
+  const open = children.length > 0 && spot.extent >= DETAIL.content;
+  const isAround = covers(drawing, spot);
+  if (!isAround) nameMarks(drawing, spot, open);
+  if (open) {
     connectionMarks(drawing, spot);
+    const joined = joinedBy(spot);
     for (const child of children) visitChild(drawing, spot, child, joined);
-  }
-  if (covers(drawing, spot)) drawing.covering ??= spot;
-  else {
-    portMarks(drawing, spot, outerJoined(connected, joined), children !== null);
-    nameMarks(drawing, spot, children !== null);
-  }
+  } else for (const child of children) textureOf(drawing, spot, child);
+  if (isAround) drawing.covering ??= spot;
+  else portMarks(drawing, spot, connected, open);
 }
 
-/** The children, if the state is large enough to show them; null if it has none, or shows none. */
-function shownChildren(drawing: Drawing, spot: Spot): readonly PlacedState[] | null {
-  if (spot.extent < DETAIL.content) return null;
-  const { children } = spot.at;
-  if (spot.at.opened && children.length === 0) drawing.wanted.push(spot.at.path);
-  return children.length === 0 ? null : children;
+const NO_CHILDREN: readonly PlacedState[] = [];
+
+/** The children, if the state is large enough to show anything of them. */
+function childrenOf(drawing: Drawing, spot: Spot): readonly PlacedState[] {
+  if (spot.extent < DETAIL.name) return NO_CHILDREN;
+  const { children, opened, path } = spot.at;
+  if (opened && children.length === 0) drawing.wanted.push(path);
+  return children;
 }
 
 function visitChild(
@@ -88,7 +92,16 @@ function visitChild(
   visit(drawing, spotOf(child, x, y, outer.scale * child.scale, outer.depth + 1, outer), joined);
 }
 
-/** A state too small for more than a colour: that of how it runs, or of its depth. */
+/** What a state has inside that is too small for its content: a hint of where something is. */
+function textureOf(drawing: Drawing, outer: Spot, child: PlacedState): void {
+  const { box } = child;
+  const [width, height] = [box.width * outer.scale, box.height * outer.scale];
+  if (width < SPECK || height < SPECK) return;
+  const [x, y] = [outer.x + box.x * outer.scale, outer.y + box.y * outer.scale];
+  drawing.layer(outer.depth + 1).specks.push(speck(drawing, outer, child, x, y, width, height));
+}
+
+/** A state that is no more than a colour: that of how it runs, or of its depth. */
 function speck(
   drawing: Drawing,
   outer: Spot,
@@ -103,7 +116,7 @@ function speck(
   const loud = drawing.isSelected(child.key)
     ? "selection"
     : (differences.get(child.key) ?? (hits.has(child.key) ? "hit" : undefined));
-  const fill = loud ?? (run === undefined ? shade(outer.depth + 2) : (RUN_INKS[run] ?? "running"));
+  const quiet = run === undefined ? shade(outer.depth + 1) : (RUN_INKS[run] ?? "running");
   return {
     what: child.key,
     x,
@@ -111,7 +124,7 @@ function speck(
     width,
     height,
     radius: 0,
-    fill,
+    fill: loud ?? quiet,
     stroke: null,
     line: 0,
     dash: false,
@@ -128,13 +141,9 @@ const RUN_INKS: Readonly<Record<string, string>> = {
   trail: "trail",
 };
 
-/** Ports that transitions of the container join, as far as that is known. */
-function joinedBy(spot: Spot, open: boolean): ReadonlySet<string> {
-  return open && spot.at.hasLines ? spot.at.joined : NOTHING;
-}
-
-function outerJoined(outer: ReadonlySet<string>, own: ReadonlySet<string>): ReadonlySet<string> {
-  return own.size === 0 ? outer : outer.size === 0 ? own : new Set([...outer, ...own]);
+/** Ports that transitions inside the state join, as far as that is known. */
+function joinedBy(spot: Spot): ReadonlySet<string> {
+  return spot.at.hasLines ? spot.at.joined : NOTHING;
 }
 
 /** Whether nothing of the state's border is in the view. */
