@@ -27,19 +27,31 @@ export interface Place {
   readonly folder: string;
   /** The folder that is served, named `missions`. */
   readonly project: string;
+  /** Library roots by name: copies in the project, so that they can be edited too. */
+  readonly libraries: Readonly<Record<string, string>>;
 }
 
-/** A new place with copies of machines, by the name that they get: from the examples, or from anywhere. */
-export function newPlace(machines: Readonly<Record<string, string>>): Place {
+const LIBRARIES = { examples: join(EXAMPLES, "libraries") };
+
+/** A new place with copies of machines, by the name that they get, and of libraries. */
+export function newPlace(
+  machines: Readonly<Record<string, string>>,
+  roots: Readonly<Record<string, string>> = LIBRARIES,
+): Place {
   const folder = mkdtempSync(join(tmpdir(), "rafcon-e2e-"));
   const project = join(folder, "missions");
   mkdirSync(project);
   for (const [name, from] of Object.entries(machines)) {
     cpSync(from, join(project, name), { recursive: true });
   }
-  cpSync(join(EXAMPLES, "libraries"), join(folder, "libraries"), { recursive: true });
+  const libraries: Record<string, string> = {};
+  for (const [name, from] of Object.entries(roots)) {
+    const copy = join(project, "libraries", name);
+    cpSync(from, copy, { recursive: true });
+    libraries[name] = copy;
+  }
   writeFileSync(join(folder, "config.yaml"), "TYPE: SM_CONFIG\nLIBRARY_PATHS: {}\n");
-  return { folder, project };
+  return { folder, project, libraries };
 }
 
 /** The examples that a name stands for. */

@@ -72,10 +72,12 @@ export class Server {
   }
 
   async #begin(port: number): Promise<void> {
-    const { folder, project } = this.place;
+    const { folder, project, libraries } = this.place;
     const words = ["serve", project, "--bind", `127.0.0.1:${port}`, "--keep-token"];
     words.push("--config", join(folder, "config.yaml"));
-    words.push("--library-path", `examples=${join(folder, "libraries")}`);
+    for (const [name, root] of Object.entries(libraries)) {
+      words.push("--library-path", `${name}=${root}`);
+    }
     const env = {
       ...process.env,
       RAFCON_STATE: join(folder, "state"),

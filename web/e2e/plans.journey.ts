@@ -1,0 +1,251 @@
+/** Whatever the page plans, the server takes: random plans on growing machines, each refused by the page or made. */
+
+import fc from "fast-check";
+import { afterAll, beforeAll, expect, test } from "vitest";
+import type { ElementRef } from "../src/model/element.ts";
+import { endsOf, isConnection } from "../src/model/ends.ts";
+import type { Document, Edit } from "../src/model/generated/protocol.ts";
+import type { Machine } from "../src/model/machine.ts";
+import { dataFlowsOf, outcomesOf, portsOf, transitionsOf } from "../src/model/machine.ts";
+import { machineOf } from "../src/model/plain.ts";
+import { copySelection, duplicate, paste } from "../src/plan/clipboard.ts";
+import {
+  connect,
+  connectFromSibling,
+  connectToParent,
+  connectToSibling,
+  connectToState,
+  insertState,
+  reconnect,
+} from "../src/plan/connect.ts";
+import { documentsOf } from "../src/plan/documents.ts";
+import { addTemplate, group, substitute, ungroup } from "../src/plan/group.ts";
+import { align, distribute, move, moveInto, resize } from "../src/plan/move.ts";
+import { isRefused, type Planned } from "../src/plan/plan.ts";
+import { addOutcome, addPort, renamePort, setPortType } from "../src/plan/ports.ts";
+import {
+  addState,
+  changeKind,
+  removeElements,
+  rename,
+  setId,
+  setStart,
+} from "../src/plan/states.ts";
+import { examples, newPlace } from "./house/places.ts";
+import { Server } from "./house/server.ts";
+
+const MACHINES = [
+  ["hierarchy_and_data", 1],
+  ["barrier_with_decider", 2],
+  ["preemptive_with_timer", 3],
+  ["library_reuse", 4],
+  ["error_recovery", 5],
+] as const;
+
+let server: Server;
+
+beforeAll(async () => {
+  server = await Server.start(newPlace(examples(...MACHINES.map(([name]) => name))));
+});
+
+afterAll(async () => {
+  await server?.dispose();
+});
+
+/** Chooses by numbers, so that the same numbers make the same plans. */
+class Dice {
+  readonly #numbers: readonly number[];
+  #next = 0;
+
+  constructor(numbers: readonly number[]) {
+    this.#numbers = numbers;
+  }
+
+  roll(sides: number): number {
+    const number = this.#numbers[this.#next++ % this.#numbers.length] ?? 0;
+    return number % Math.max(1, sides);
+  }
+
+  one<T>(items: readonly T[]): T | undefined {
+    return items[this.roll(items.length)];
+  }
+
+  some<T>(items: readonly T[]): T[] {
+    return items.filter(() => this.roll(2) === 0);
+  }
+}
+
+function elements(machine: Machine): readonly ElementRef[] {
+  return [...machine.paths()].flatMap((path): ElementRef[] => {
+    const state = machine.state(path);
+    if (!state) return [];
+    const of = (
+      kind: "outcome" | "input" | "output" | "scoped_variable" | "transition" | "data_flow",
+      list: readonly { id: number }[],
+    ) => list.map(({ id }): ElementRef => ({ kind, path, id }));
+    return [
+      { kind: "state", path },
+      { kind: "income", path },
+      ...of("outcome", outcomesOf(state)),
+      ...of("input", portsOf(state, "input")),
+      ...of("output", portsOf(state, "output")),
+      ...of("scoped_variable", portsOf(state, "scoped_variable")),
+      ...of("transition", transitionsOf(state)),
+      ...of("data_flow", dataFlowsOf(state)),
+    ];
+  });
+}
+
+const TYPES = ["int", "float", "str", "list", "object", "numpy.ndarray"];
+const KINDS = ["execution", "hierarchy", "barrier", "preemptive"] as const;
+
+/** Any plan, sensible or not. */
+function anyPlan(machine: Machine, dice: Dice): Planned {
+  const all = elements(machine);
+  const paths = [...machine.paths()];
+  const any = (...kinds: ElementRef["kind"][]) =>
+    dice.one(all.filter(({ kind }) => kinds.includes(kind))) ?? {
+      kind: "state",
+      path: machine.root,
+    };
+  const path = dice.one(paths) ?? machine.root;
+  const other = dice.one(paths) ?? machine.root;
+  const siblings = dice.some(machine.children(other));
+  const at = { x: dice.roll(100), y: dice.roll(100) };
+  const kind = dice.one(KINDS) ?? "execution";
+  const plans: readonly (() => Planned)[] = [
+    () => addState(machine, path, kind, at),
+    () => addState(machine, path, kind),
+    () => addOutcome(machine, path),
+    () =>
+      addPort(machine, path, dice.one(["input", "output", "scoped_variable"] as const) ?? "input", {
+        data_type: dice.one(TYPES) ?? "int",
+      }),
+    () =>
+      addPort(machine, path, dice.one(["input", "output", "scoped_variable"] as const) ?? "input"),
+    () => setPortType(machine, any("input", "output", "scoped_variable"), dice.one(TYPES) ?? "int"),
+    () => renamePort(machine, any("input", "output", "scoped_variable"), `name${dice.roll(5)}`),
+    () => rename(machine, path, `Name ${dice.roll(5)}`),
+    () => setId(machine, path, `ID${dice.roll(9)}`),
+    () =>
+      removeElements(
+        machine,
+        dice.roll(4) === 0 ? [any("state")] : [any("transition", "data_flow", "input", "outcome")],
+      ),
+    () => changeKind(machine, path, kind),
+    () => setStart(machine, path),
+    () => connect(machine, any("outcome", "income"), any("income", "outcome", "state")),
+    () => connect(machine, any("outcome", "income"), any("income", "outcome", "state")),
+    () =>
+      connect(
+        machine,
+        any("input", "output", "scoped_variable"),
+        any("input", "output", "scoped_variable"),
+      ),
+    () =>
+      connect(
+        machine,
+        any("input", "output", "scoped_variable"),
+        any("input", "output", "scoped_variable"),
+      ),
+    () => connectToState(machine, any("input", "output", "scoped_variable", "outcome"), path),
+    () =>
+      reconnect(
+        machine,
+        any("transition", "data_flow"),
+        dice.one(["from", "to"] as const) ?? "to",
+        any("income", "outcome", "input", "output", "scoped_variable", "state"),
+      ),
+    () => insertState(machine, any("transition"), dice.roll(2) === 0 ? path : { kind }, at),
+    () => connectToSibling(machine, path),
+    () => connectFromSibling(machine, path),
+    () => connectToParent(machine, path),
+    () =>
+      group(
+        machine,
+        siblings,
+        dice.some(
+          portsOf(
+            machine.state(other) ?? { path: "", name: "", kind: "execution" },
+            "scoped_variable",
+          ).map(({ id }) => id),
+        ),
+      ),
+    () => ungroup(machine, path),
+    () => substitute(machine, path, documentsOf(machine, other), dice.roll(2) === 0),
+    () => addTemplate(machine, path, documentsOf(machine, other), at),
+    () => move(machine, siblings, at),
+    () => moveInto(machine, siblings, path, at),
+    () =>
+      resize(
+        machine,
+        path,
+        { ...at, width: 1 + dice.roll(90), height: 1 + dice.roll(90) },
+        dice.roll(2) === 0,
+      ),
+    () => align(machine, siblings, "left"),
+    () => distribute(machine, siblings, "vertical"),
+    () => duplicate(machine, siblings, at),
+    () => {
+      const selection = copySelection(
+        machine,
+        siblings.map((each) => ({ kind: "state", path: each })),
+      );
+      return isRefused(selection) ? selection : paste(machine, path, selection, at);
+    },
+  ];
+  return dice.one(plans)?.() ?? { refused: "no plan" };
+}
+
+interface Opened {
+  readonly id: string;
+}
+
+interface Told {
+  readonly document: Document;
+}
+
+async function walk(id: string, numbers: readonly number[][]): Promise<number> {
+  let made = 0;
+  for (const [index, each] of numbers.entries()) {
+    const { document } = await server.ask<Told>("GET", `/machines/${id}/document`);
+    if (document.states.length > 300) break;
+    const machine = machineOf(document);
+    const planned = anyPlan(machine, new Dice(each));
+    if (isRefused(planned)) {
+      expect(planned.refused.length).toBeGreaterThan(20);
+      continue;
+    }
+    await make(id, `${index}-${each.join()}`, planned.name, planned.edit);
+    made++;
+    await lookAt(id, planned.select ?? []);
+  }
+  return made;
+}
+
+async function make(id: string, edit_id: string, name: string, edit: Edit): Promise<void> {
+  try {
+    await server.ask("POST", `/machines/${id}/edits`, { id: edit_id, base: null, name, edit });
+  } catch (error) {
+    throw new Error(`${name}: ${String(error)}\n${JSON.stringify(edit).slice(0, 3000)}`);
+  }
+}
+
+/** What is to be selected is there, and so are both ends of every connection. */
+async function lookAt(id: string, selected: readonly ElementRef[]): Promise<void> {
+  const machine = machineOf((await server.ask<Told>("GET", `/machines/${id}/document`)).document);
+  for (const { path } of selected) expect(machine.state(path), path).toBeDefined();
+  for (const element of elements(machine)) {
+    if (isConnection(element)) expect(endsOf(machine, element), element.path).not.toBeNull();
+  }
+}
+
+test.each(MACHINES)("plans for %s are taken by the server", async (path, seed) => {
+  const project = (await server.ask<{ id: string }[]>("GET", "/projects"))[0]?.id;
+  const { id } = await server.ask<Opened>("POST", "/machines/open", { project, path });
+  const numbers = fc.sample(fc.array(fc.nat(9999), { minLength: 24, maxLength: 24 }), {
+    seed,
+    numRuns: 400,
+  });
+  expect(await walk(id, numbers)).toBeGreaterThan(100);
+});
