@@ -1,18 +1,15 @@
 /** The ways in which a state can end, and where each leads. */
 
 import { Plus } from "lucide-react";
-import { keyOf } from "../../model/element.ts";
-import { type Connection, connectionsIn } from "../../model/ends.ts";
 import type { OutcomeDocument } from "../../model/generated/protocol.ts";
 import { outcomesOf } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
-import { connect, reconnect } from "../../plan/connect.ts";
 import { addOutcome } from "../../plan/ports.ts";
 import { removeElements } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { type Column, Table } from "../../ui/table.tsx";
-import { EndSelect } from "./end_select.tsx";
 import { Fold } from "./fold.tsx";
+import { Goal } from "./goal.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { RowButtons } from "./row_buttons.tsx";
@@ -21,7 +18,7 @@ import type { SeenState } from "./seen.ts";
 const ROWS_MAX = 12;
 
 export function Outcomes({ seen }: { seen: SeenState }) {
-  const { path, state, readOnly, edit } = seen;
+  const { path, state, machine, readOnly, edit } = seen;
   const [refusal, run] = useRefusal();
   const [rename, asking] = useRenaming(seen);
   const outcomes = outcomesOf(state).toSorted(asPeopleRead);
@@ -29,6 +26,21 @@ export function Outcomes({ seen }: { seen: SeenState }) {
   const refOf = ({ id }: OutcomeDocument) => ({ kind: "outcome", path, id }) as const;
   const remove = (outcome: OutcomeDocument) =>
     run(edit((now) => removeElements(now, [refOf(outcome)])));
+  const container = parentOf(path);
+  const goal = (around: string): Column<OutcomeDocument> => ({
+    key: "to",
+    title: "Leads to",
+    cell: (outcome) => (
+      <Goal
+        seen={seen}
+        container={around}
+        outcome={outcome}
+        label={`Where ${outcome.name} leads`}
+        hideLabel
+        run={run}
+      />
+    ),
+  });
   const columns: readonly Column<OutcomeDocument>[] = [
     { key: "id", title: "Id", width: "34px", align: "right", cell: ({ id }) => id },
     {
@@ -40,7 +52,9 @@ export function Outcomes({ seen }: { seen: SeenState }) {
         commit: (outcome, text) => rename(refOf(outcome), text),
       },
     },
-    ...goals(seen, run),
+    ...(container === null || machine.state(container)?.kind === "library"
+      ? []
+      : [goal(container)]),
     {
       key: "buttons",
       title: "",
@@ -82,39 +96,4 @@ export function Outcomes({ seen }: { seen: SeenState }) {
 function asPeopleRead(one: OutcomeDocument, other: OutcomeDocument): number {
   const isLast = Number(one.id < 0) - Number(other.id < 0);
   return isLast === 0 ? Math.abs(one.id) - Math.abs(other.id) : isLast;
-}
-
-/** Where each outcome leads in the container around the state; the root's lead out of the machine. */
-function goals(
-  { path, machine, readOnly, edit }: SeenState,
-  run: (made: Promise<string | null>) => void,
-): readonly Column<OutcomeDocument>[] {
-  const container = parentOf(path);
-  if (container === null || machine.state(container)?.kind === "library") return [];
-  const begun = new Map<string, Connection>();
-  for (const row of connectionsIn(machine, container, "transition"))
-    begun.set(keyOf(row.ends.from), row);
-  const cell = ({ id, name }: OutcomeDocument) => {
-    const from = { kind: "outcome", path, id } as const;
-    const now = begun.get(keyOf(from));
-    return (
-      <EndSelect
-        machine={machine}
-        container={container}
-        kind="transition"
-        end="to"
-        label={`Where ${name} leads`}
-        hideLabel
-        nothing="nowhere"
-        value={now?.ends.to ?? null}
-        disabled={readOnly}
-        onChange={(to) => {
-          if (to && now) run(edit((latest) => reconnect(latest, now.element, "to", to)));
-          else if (to) run(edit((latest) => connect(latest, from, to)));
-          else if (now) run(edit((latest) => removeElements(latest, [now.element])));
-        }}
-      />
-    );
-  };
-  return [{ key: "to", title: "Leads to", cell }];
 }

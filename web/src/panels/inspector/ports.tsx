@@ -24,13 +24,16 @@ import { useRenaming } from "./renaming.tsx";
 import { RowButtons } from "./row_buttons.tsx";
 import type { SeenState } from "./seen.ts";
 
-export const PORT_TITLES: Readonly<
-  Record<PortKind, { readonly many: string; readonly one: string }>
-> = {
-  input: { many: "Inputs", one: "input" },
-  output: { many: "Outputs", one: "output" },
-  scoped_variable: { many: "Scoped variables", one: "scoped variable" },
-};
+export const PORT_TITLES = {
+  input: { many: "Inputs", single: "Input", one: "input", value: "Default" },
+  output: { many: "Outputs", single: "Output", one: "output", value: "Default" },
+  scoped_variable: {
+    many: "Scoped variables",
+    single: "Scoped variable",
+    one: "scoped variable",
+    value: "Initial value",
+  },
+} as const;
 
 const ROWS_MAX = 12;
 
@@ -122,7 +125,7 @@ function ownColumns(
     },
     {
       key: "default",
-      title: kind === "scoped_variable" ? "Initial value" : "Default",
+      title: PORT_TITLES[kind].value,
       cell: (port) => <Value value={textOfDefault(port.default)} />,
       edit: {
         value: value((port) => textOfDefault(port.default)),
@@ -205,7 +208,7 @@ function libraryColumns(
 }
 
 /** Types that are offered: the usual ones, and those that the machine uses. */
-function typesIn(machine: Machine): readonly string[] {
+export function typesIn(machine: Machine): readonly string[] {
   const types = new Set(COMMON_TYPES);
   for (const path of machine.paths()) {
     const state = machine.state(path);

@@ -1,14 +1,9 @@
 /** What the inspector is about: what is selected, as far as it is still there. */
 
 import type { ElementRef } from "../../model/element.ts";
-import {
-  type ConnectionRef,
-  endsOf,
-  isConnection,
-  isPort,
-  type PortRef,
-} from "../../model/ends.ts";
-import { type Machine, outcomesOf, portsOf } from "../../model/machine.ts";
+import { type ConnectionRef, isConnection, isPort, type PortRef } from "../../model/ends.ts";
+import type { Machine } from "../../model/machine.ts";
+import { isThere } from "../../store/selection.ts";
 
 export type Subject =
   | { readonly kind: "machine" }
@@ -28,14 +23,6 @@ export function subjectOf(machine: Machine, elements: readonly ElementRef[]): Su
   if (isConnection(only)) return { kind: "connection", connection: only };
   if (only.kind === "outcome") return { kind: "outcome", path: only.path, id: only.id };
   return { kind: "state", path: only.path };
-}
-
-export function isThere(machine: Machine, element: ElementRef): boolean {
-  const state = machine.state(element.path);
-  if (!state) return false;
-  if (isPort(element)) return portsOf(state, element.kind).some(({ id }) => id === element.id);
-  if (isConnection(element)) return endsOf(machine, element) !== null;
-  return element.kind !== "outcome" || outcomesOf(state).some(({ id }) => id === element.id);
 }
 
 /** The state that has the subject. */

@@ -1,0 +1,65 @@
+/** The ports that a value passes on its way, each to be shown on the canvas. */
+
+import { keyOf } from "../../model/element.ts";
+import { type Hop, nameOf } from "../../model/ends.ts";
+import { namesTo } from "../../model/machine.ts";
+import { type Column, Table } from "../../ui/table.tsx";
+import { Fold } from "./fold.tsx";
+import { PORT_TITLES } from "./ports.tsx";
+import type { Seen } from "./seen.ts";
+
+export interface ChainTableProps {
+  readonly seen: Seen;
+  readonly title: string;
+  readonly hops: readonly Hop[];
+  /** What is said if there are none. */
+  readonly none?: string | undefined;
+}
+
+const ROWS_MAX = 12;
+
+export function ChainTable({ seen, title, hops, none }: ChainTableProps) {
+  const { machine, show, hover } = seen;
+  const columns: readonly Column<Hop>[] = [
+    {
+      key: "port",
+      title: "Port",
+      cell: ({ port, steps }) => {
+        const names = namesTo(machine, port.path);
+        return (
+          <span
+            title={`${names.join(" / ")}.${nameOf(machine, port)}`}
+            style={{ paddingLeft: Math.max(0, steps - 1) * 10 }}
+          >
+            {names.at(-1)}.{nameOf(machine, port)}
+          </span>
+        );
+      },
+    },
+    {
+      key: "kind",
+      title: "Kind",
+      width: "110px",
+      cell: ({ port }) => <span className="inspector-faint">{PORT_TITLES[port.kind].one}</span>,
+    },
+  ];
+  return (
+    <Fold title={title} count={hops.length}>
+      {hops.length === 0 ? (
+        <p className="inspector-none">{none}</p>
+      ) : (
+        <Table
+          label={title}
+          columns={columns}
+          rows={hops}
+          id={({ port }) => keyOf(port)}
+          rowsMax={ROWS_MAX}
+          hideHead
+          onSelect={({ port }) => hover(port)}
+          onOpen={({ port }) => show(port)}
+          onHover={(hop) => hover(hop?.port ?? null)}
+        />
+      )}
+    </Fold>
+  );
+}

@@ -1,0 +1,30 @@
+/** Signs of the kinds of states, and words for all that can be selected. */
+
+import { GitFork, Layers, Library, type LucideIcon, Split, SquareCode, Zap } from "lucide-react";
+import type { ElementKind } from "../../model/element.ts";
+import type { StateKind } from "../../model/generated/protocol.ts";
+
+export const KIND_ICONS: Readonly<Record<StateKind, LucideIcon>> = {
+  execution: SquareCode,
+  hierarchy: Layers,
+  barrier: GitFork,
+  preemptive: Zap,
+  decider: Split,
+  library: Library,
+};
+
+export const ELEMENT_WORDS: Readonly<Record<ElementKind, string>> = {
+  state: "state",
+  income: "income",
+  outcome: "outcome",
+  input: "input",
+  output: "output",
+  scoped_variable: "scoped variable",
+  transition: "transition",
+  data_flow: "data flow",
+};
+
+/** `1 state`, `3 data flows`. */
+export function counted(count: number, word: string): string {
+  return `${count} ${word}${count === 1 ? "" : "s"}`;
+}

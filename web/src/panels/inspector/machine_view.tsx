@@ -1,0 +1,97 @@
+/** The machine in the inspector, while nothing is selected: what it is, how large it is, and its interface. */
+
+import type { StateKind } from "../../model/generated/protocol.ts";
+import { dataFlowsOf, type Machine, transitionsOf } from "../../model/machine.ts";
+import { KIND_WORDS } from "../../plan/legal.ts";
+import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { Description } from "./description.tsx";
+import { Fold } from "./fold.tsx";
+import { Outcomes } from "./outcomes.tsx";
+import { Ports } from "./ports.tsx";
+import type { SeenState } from "./seen.ts";
+
+export function MachineView({ seen }: { seen: SeenState }) {
+  const { machine, tab, readOnly, edit } = seen;
+  const status = useSignal(tab.room.status);
+  const { header } = machine;
+  const file = status?.summary.file;
+  return (
+    <>
+      <Fold title="Machine">
+        <div className="inspector-fields">
+          <TextField
+            key={tab.room.id}
+            label="Version"
+            value={header.version ?? ""}
+            readOnly={readOnly}
+            placeholder="none"
+            onCommit={(text) =>
+              edit(() => ({
+                name: "Change version of the machine",
+                edit: { edit: "set_version", version: text.trim() || null },
+              }))
+            }
+          />
+          <TextField
+            label="Folder"
+            mono
+            readOnly
+            value={file ? `${file.project}/${file.path}` : "not saved yet"}
+          />
+          <TextField label="Made (UTC)" readOnly value={header.creation_time} />
+          <TextField
+            label="Written by"
+            readOnly
+            value={header.used_rafcon_version ? `RAFCON ${header.used_rafcon_version}` : "unknown"}
+          />
+        </div>
+      </Fold>
+      <Counts machine={machine} />
+      <Description key={`description ${tab.room.id}`} seen={seen} />
+      <Ports seen={seen} kind="input" />
+      <Ports seen={seen} kind="output" />
+      <Outcomes seen={seen} />
+    </>
+  );
+}
+
+function Counts({ machine }: { machine: Machine }) {
+  const counts = countsOf(machine);
+  const [states] = counts;
+  return (
+    <Fold title="Contents" count={states?.[1]}>
+      <dl className="inspector-counts">
+        {counts.map(([word, count]) => (
+          <div key={word}>
+            <dt>{word}</dt>
+            <dd>{count}</dd>
+          </div>
+        ))}
+      </dl>
+    </Fold>
+  );
+}
+
+/** States in all, those of each kind, and connections; kinds that are not there are left out. */
+function countsOf(machine: Machine): readonly (readonly [string, number])[] {
+  const kinds = new Map<StateKind, number>();
+  let [states, transitions, flows, depth] = [0, 0, 0, 0];
+  for (const path of machine.paths()) {
+    const state = machine.state(path);
+    if (!state) continue;
+    states += 1;
+    kinds.set(state.kind, (kinds.get(state.kind) ?? 0) + 1);
+    transitions += transitionsOf(state).length;
+    flows += dataFlowsOf(state).length;
+    depth = Math.max(depth, path.split("/").length);
+  }
+  const ofKinds = [...kinds].map(([kind, count]) => [KIND_WORDS[kind], count] as const);
+  return [
+    ["states", states],
+    ...ofKinds,
+    ["transitions", transitions],
+    ["data flows", flows],
+    ["levels", depth],
+  ];
+}

@@ -1,0 +1,66 @@
+/** An outcome in the inspector: its name, where it leads, and what leads to it. */
+
+import { keyOf } from "../../model/element.ts";
+import { type Connection, connectionInWords, connectionsIn } from "../../model/ends.ts";
+import { outcomesOf } from "../../model/machine.ts";
+import { parentOf } from "../../model/path.ts";
+import { TextField } from "../../ui/field.tsx";
+import { Fold } from "./fold.tsx";
+import { Goal } from "./goal.tsx";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import { useRenaming } from "./renaming.tsx";
+import type { SeenState } from "./seen.ts";
+
+export function OutcomeView({ seen, id }: { seen: SeenState; id: number }) {
+  const { path, state, machine, readOnly } = seen;
+  const [refusal, run] = useRefusal();
+  const [rename, asking] = useRenaming(seen);
+  const element = { kind: "outcome", path, id } as const;
+  const outcome = outcomesOf(state).find((each) => each.id === id);
+  if (!outcome) return null;
+  const key = keyOf(element);
+  const container = parentOf(path);
+  const leading = connectionsIn(machine, path, "transition").filter(
+    ({ ends }) => keyOf(ends.to) === key,
+  );
+  return (
+    <>
+      <Fold title="Outcome">
+        <div className="inspector-fields">
+          <TextField
+            key={key}
+            label="Name"
+            value={outcome.name}
+            readOnly={readOnly || state.library != null || id < 0}
+            onCommit={(text) => rename(element, text)}
+          />
+          <TextField label="Id" mono readOnly value={String(id)} />
+          {container !== null && (
+            <Goal seen={seen} container={container} outcome={outcome} label="Leads to" run={run} />
+          )}
+        </div>
+        <Refusal text={refusal} />
+        {asking}
+      </Fold>
+      {leading.length > 0 && (
+        <Fold title="Reached from inside by" count={leading.length}>
+          <Leading seen={seen} rows={leading} />
+        </Fold>
+      )}
+    </>
+  );
+}
+
+function Leading({ seen, rows }: { seen: SeenState; rows: readonly Connection[] }) {
+  return (
+    <ul className="inspector-list">
+      {rows.map(({ element }) => (
+        <li key={keyOf(element)}>
+          <button type="button" className="inspector-link" onClick={() => seen.show(element)}>
+            {connectionInWords(seen.machine, element)}
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,67 @@
+/** Where a state stands in its container, how large it is, and its colour. */
+
+import { useState } from "react";
+import { layoutOf } from "../../model/drawing.ts";
+import type { Box } from "../../model/geometry.ts";
+import { parentOf } from "../../model/path.ts";
+import { boxIn } from "../../plan/boxes.ts";
+import { resize, setBackground } from "../../plan/move.ts";
+import { refused } from "../../plan/plan.ts";
+import { Checkbox, TextField } from "../../ui/field.tsx";
+import { Colour } from "./colour.tsx";
+import { Fold } from "./fold.tsx";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import type { SeenState } from "./seen.ts";
+
+export function Place({ seen }: { seen: SeenState }) {
+  const { path, state, machine, readOnly, edit } = seen;
+  const [refusal, run] = useRefusal();
+  const [withContent, setWithContent] = useState(false);
+  const box = boxIn(machine, path);
+  const isRoot = parentOf(path) === null;
+  const put = (side: keyof Box) => (text: string) =>
+    edit((now) => {
+      const value = Number(text);
+      if (!Number.isFinite(value)) return refused(`${text} is no number.`);
+      return resize(now, path, { ...boxIn(now, path), [side]: value }, withContent);
+    });
+  const field = (side: keyof Box, label: string) => (
+    <TextField
+      key={`${side} ${path}`}
+      label={label}
+      type="number"
+      value={String(rounded(box[side]))}
+      readOnly={readOnly}
+      onCommit={put(side)}
+    />
+  );
+  return (
+    <Fold title="Size and place" openAtFirst={false}>
+      <div className="inspector-grid">
+        {!isRoot && field("x", "x")}
+        {!isRoot && field("y", "y")}
+        {field("width", "Width")}
+        {field("height", "Height")}
+      </div>
+      {!readOnly && (
+        <Checkbox
+          label="Another size scales the content"
+          checked={withContent}
+          onChange={setWithContent}
+        />
+      )}
+      <Colour
+        key={`colour ${path}`}
+        label="Background colour"
+        value={layoutOf(state).background ?? null}
+        disabled={readOnly}
+        onChange={(rgb) => run(edit((now) => setBackground(now, path, rgb)))}
+      />
+      <Refusal text={refusal} />
+    </Fold>
+  );
+}
+
+function rounded(value: number): number {
+  return Math.round(value * 100) / 100;
+}

@@ -1,0 +1,95 @@
+/** A port or scoped variable in the inspector: what it is, what feeds it, and what it feeds, from end to end. */
+
+import { textOfDefault } from "../../model/default_text.ts";
+import { keyOf } from "../../model/element.ts";
+import { chain, type PortRef } from "../../model/ends.ts";
+import type { PortDocument } from "../../model/generated/protocol.ts";
+import { portsOf } from "../../model/machine.ts";
+import { shortType } from "../../model/types.ts";
+import { setPortDefault, setPortType, setRuntimeValue } from "../../plan/ports.ts";
+import { TextField } from "../../ui/field.tsx";
+import { ChainTable } from "./chain_table.tsx";
+import { Fold } from "./fold.tsx";
+import { PORT_TITLES, read, typesIn } from "./ports.tsx";
+import { useRenaming } from "./renaming.tsx";
+import type { SeenState } from "./seen.ts";
+
+export function PortView({ seen, port: ref }: { seen: SeenState; port: PortRef }) {
+  const { machine, state } = seen;
+  const port = portsOf(state, ref.kind).find(({ id }) => id === ref.id);
+  if (!port) return null;
+  return (
+    <>
+      <Fields key={keyOf(ref)} seen={seen} element={ref} port={port} />
+      <ChainTable
+        seen={seen}
+        title="Fed by"
+        hops={chain(machine, ref, "backwards")}
+        none="Nothing feeds it: it has its default."
+      />
+      <ChainTable
+        seen={seen}
+        title="Feeds"
+        hops={chain(machine, ref, "forwards")}
+        none="It feeds nothing."
+      />
+    </>
+  );
+}
+
+interface FieldsProps {
+  readonly seen: SeenState;
+  readonly element: PortRef;
+  readonly port: PortDocument;
+}
+
+function Fields({ seen, element, port }: FieldsProps) {
+  const { state, machine, readOnly, edit } = seen;
+  const [rename, asking] = useRenaming(seen);
+  const isLibrary = state.library != null;
+  const canChange = !readOnly && !isLibrary;
+  const list = element.kind === "input" ? state.library?.inputs : state.library?.outputs;
+  const here = list?.find((each) => each.port === port.id);
+  return (
+    <Fold title={PORT_TITLES[element.kind].single}>
+      <div className="inspector-fields">
+        <TextField
+          label="Name"
+          value={port.name}
+          readOnly={!canChange}
+          onCommit={(text) => rename(element, text)}
+        />
+        <TextField
+          label="Type"
+          mono
+          value={shortType(port.data_type)}
+          readOnly={!canChange}
+          suggestions={typesIn(machine)}
+          onCommit={(text) => edit((now) => setPortType(now, element, text))}
+        />
+        <TextField
+          label={isLibrary ? "Default in the library" : PORT_TITLES[element.kind].value}
+          mono
+          value={textOfDefault(port.default)}
+          readOnly={!canChange}
+          onCommit={(text) =>
+            edit((now) => read(text, port, (value) => setPortDefault(now, element, value)))
+          }
+        />
+        {isLibrary && (
+          <TextField
+            label={here?.used ? "Value used here" : "Value here, not used"}
+            mono
+            value={textOfDefault(here?.value ?? port.default)}
+            readOnly={readOnly}
+            onCommit={(text) =>
+              edit((now) => read(text, port, (value) => setRuntimeValue(now, element, value)))
+            }
+          />
+        )}
+        <TextField label="Id" mono readOnly value={String(port.id)} />
+      </div>
+      {asking}
+    </Fold>
+  );
+}

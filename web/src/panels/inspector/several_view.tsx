@@ -1,0 +1,123 @@
+/** Several selected elements in the inspector: what they have in common, and what can be done with all of them. */
+
+import type { Command, Context } from "../../commands/command.ts";
+import { layoutOf } from "../../model/drawing.ts";
+import { type ElementRef, keyOf } from "../../model/element.ts";
+import { nameOf } from "../../model/ends.ts";
+import { setBackground } from "../../plan/move.ts";
+import { isRefused, type Planned, refused, together } from "../../plan/plan.ts";
+import { Button } from "../../ui/button.tsx";
+import { type Column, Table } from "../../ui/table.tsx";
+import { useHost } from "../context.tsx";
+import { type Bytes, Colour } from "./colour.tsx";
+import { Fold } from "./fold.tsx";
+import { counted, ELEMENT_WORDS } from "./kinds.ts";
+import { Refusal, useRefusal } from "./refusal.tsx";
+import type { Seen } from "./seen.ts";
+
+export interface SeveralViewProps {
+  readonly seen: Seen;
+  readonly elements: readonly ElementRef[];
+  /** Whether they are what is selected: commands act on the selection. */
+  readonly isSelected: boolean;
+}
+
+export function SeveralView({ seen, elements, isSelected }: SeveralViewProps) {
+  const paths = elements.flatMap((each) => (each.kind === "state" ? [each.path] : []));
+  const editable = paths.filter((path) => !seen.machine.isInLibrary(path));
+  return (
+    <>
+      <Fold title="Selected" count={elements.length}>
+        <Chosen seen={seen} elements={elements} />
+      </Fold>
+      {isSelected && <Actions run={seen.run} />}
+      {editable.length > 0 && <Background seen={seen} paths={editable} />}
+    </>
+  );
+}
+
+const ROWS_MAX = 10;
+
+function Chosen({ seen, elements }: { seen: Seen; elements: readonly ElementRef[] }) {
+  const counts = new Map<string, number>();
+  for (const { kind } of elements)
+    counts.set(ELEMENT_WORDS[kind], (counts.get(ELEMENT_WORDS[kind]) ?? 0) + 1);
+  const columns: readonly Column<ElementRef>[] = [
+    { key: "name", title: "Name", cell: (element) => nameOf(seen.machine, element) },
+    {
+      key: "kind",
+      title: "Kind",
+      width: "110px",
+      cell: ({ kind }) => <span className="inspector-faint">{ELEMENT_WORDS[kind]}</span>,
+    },
+  ];
+  return (
+    <>
+      <p className="inspector-none">
+        {[...counts].map(([word, count]) => counted(count, word)).join(", ")}
+      </p>
+      <Table
+        label="Selected elements"
+        columns={columns}
+        rows={elements}
+        id={keyOf}
+        rowsMax={ROWS_MAX}
+        hideHead
+        onHover={seen.hover}
+        onOpen={seen.show}
+      />
+    </>
+  );
+}
+
+/** What the menus Edit and Arrange can do with several elements now. */
+function Actions({ run }: { run: Seen["run"] }) {
+  const { commands, context } = useHost();
+  const now = context();
+  const offered = commands.all().filter((command) => isOffered(command, now));
+  return (
+    <Fold title="All of them">
+      <div className="inspector-buttons">
+        {offered.map(({ id, title, detail, keys }) => (
+          <Button key={id} title={detail ?? title} keys={keys?.[0]} onClick={() => run(id)}>
+            {title}
+          </Button>
+        ))}
+      </div>
+    </Fold>
+  );
+}
+
+function isOffered({ id, menu, choices, enabled }: Command, now: Context): boolean {
+  const isFitting = menu?.startsWith("Arrange/") === true || id === "edit.delete";
+  return isFitting && !choices && enabled?.(now) !== false;
+}
+
+function Background({ seen, paths }: { seen: Seen; paths: readonly string[] }) {
+  const [refusal, run] = useRefusal();
+  const colours = new Set(
+    paths.map((path) => {
+      const state = seen.machine.state(path);
+      return state ? (layoutOf(state).background ?? null) : null;
+    }),
+  );
+  const [only = null] = colours;
+  const paint = (colour: Bytes | null) =>
+    seen.edit((now): Planned => {
+      const planned = paths.map((path) => setBackground(now, path, colour));
+      const bad = planned.find(isRefused);
+      if (bad) return refused(bad.refused);
+      const edits = planned.flatMap((each) => (isRefused(each) ? [] : [each.edit]));
+      return { name: `Colour ${counted(paths.length, "state")}`, edit: together(edits) };
+    });
+  return (
+    <Fold title="Looks">
+      <Colour
+        label={colours.size > 1 ? "Background colour (several now)" : "Background colour"}
+        value={colours.size > 1 ? null : only}
+        onChange={(colour) => run(paint(colour))}
+      />
+      <Refusal text={refusal} />
+    </Fold>
+  );
+}
