@@ -245,7 +245,7 @@ export function isRouted(places: Placed, path: string): boolean {
 
 /** The nearest connection of a container. */
 function lineHit(search: Search, path: string): Hit | null {
-  if (extentOf(search, path) < DETAIL.ports || !isRouted(search.places, path)) return null;
+  if (extentOf(search, path) < DETAIL.content || !isRouted(search.places, path)) return null;
   let best: { readonly route: Route; readonly away: number } | null = null;
   for (const route of search.places.routes(path)) {
     const away = distanceToLine(route.points, search.point, search.camera);

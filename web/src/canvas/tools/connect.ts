@@ -4,7 +4,7 @@
 import { type ElementKey, keyOf } from "../../model/element.ts";
 import type { Edit } from "../../model/generated/protocol.ts";
 import type { Point } from "../../model/geometry.ts";
-import { isWithin, parentOf } from "../../model/path.ts";
+import { idOf, isWithin, parentOf } from "../../model/path.ts";
 import { connect, connectToState } from "../../plan/connect.ts";
 import { isRefused, type Plan, type Planned, together } from "../../plan/plan.ts";
 import { screenBox, screenFromWorld, visibleBox } from "../camera.ts";
@@ -83,7 +83,6 @@ interface Aim {
   readonly legal: boolean | null;
   readonly target: ElementKey | null;
   readonly message: string | null;
-  readonly ends?: Ends | undefined;
   readonly plan: () => Planned | null;
 }
 
@@ -107,7 +106,7 @@ function shown(
     move: (to, then) => next(drawing, to, then),
     result: () => {
       const plan = aim.plan();
-      return plan ? { plan: withWaypoints(plan, drawing, aim, around) } : {};
+      return plan ? { plan: withWaypoints(plan, drawing, around) } : {};
     },
     mark: (then) => {
       if (aim.legal !== null) return null;
@@ -156,7 +155,6 @@ function atPort(seen: Seen, port: SeenPort, around: Around): Aim {
     legal: true,
     target: key,
     message: null,
-    ends,
     plan: () => (ends ? connect(around.machine, ends.from, ends.to) : null),
   };
 }
@@ -228,28 +226,34 @@ function square(one: Point, other: Point): number {
 }
 
 /** The plan with the waypoints that were set on the way, if it makes one connection. */
-function withWaypoints(
-  plan: Planned,
-  { through, from }: Drawing,
-  aim: Aim,
-  { places }: Around,
-): Planned {
+function withWaypoints(plan: Planned, { through, from }: Drawing, { places }: Around): Planned {
   if (isRefused(plan) || through.length === 0) return plan;
   const edits = editsOf(plan.edit);
   const [only, another] = edits.filter(
     (edit) => edit.edit === "add_transition" || edit.edit === "add_data_flow",
   );
   if (!only || another) return plan;
-  const isBack = aim.ends !== undefined && keyOf(aim.ends.from) !== keyOf(from);
   const points = through.map((at) => inState(places, only.path, at));
-  const waypoints = (isBack ? points.reverse() : points).map(({ x, y }): [number, number] => [
-    x,
-    y,
-  ]);
+  const waypoints = (endsAt(only, from) ? points.reverse() : points).map(
+    ({ x, y }): [number, number] => [x, y],
+  );
   const element =
     only.edit === "add_transition"
       ? { transition: only.transition }
       : { data_flow: only.data_flow };
   const set: Edit = { edit: "set_waypoints", path: only.path, element, waypoints };
   return { ...plan, edit: together([...edits, set]) };
+}
+
+/** Whether the connection ends where its line was begun: it was drawn backwards. */
+function endsAt(
+  made: Extract<Edit, { readonly edit: "add_transition" | "add_data_flow" }>,
+  from: PortRef,
+): boolean {
+  const id = "id" in from ? from.id : null;
+  if (made.edit === "add_data_flow") {
+    return made.to.port === id && made.to.state === idOf(from.path);
+  }
+  if ("outcome" in made.to) return made.path === from.path && made.to.outcome === id;
+  return from.kind === "income" && made.to.state === idOf(from.path);
 }

@@ -62,7 +62,7 @@ function dragging(hit: Hit | null, press: Press, around: Around): Gesture {
     case "waypoint":
     case "middle":
     case "line":
-      return { ...bent(hit, press, around), select: [hit.element] };
+      return withSelection(bent(hit, press, around), [hit.element]);
     case "name":
       if (press.ctrl && isSelected(hit.element, around)) {
         return naming(hit.element.path, hit.corner, press, around);

@@ -1,0 +1,89 @@
+import fc from "fast-check";
+import { expect, test } from "vitest";
+import { type Driver, driver } from "./testing/driver.ts";
+
+const point = fc.record({
+  x: fc.integer({ min: -50, max: 1050 }),
+  y: fc.integer({ min: -50, max: 850 }),
+});
+const keys = fc.record({ shift: fc.boolean(), ctrl: fc.boolean(), alt: fc.boolean() });
+const KEYS = ["Escape", "Enter", "Tab", " ", "ArrowRight", "ArrowDown", "Control"];
+
+const act = fc.oneof(
+  fc.record({ act: fc.constant("press" as const), point, keys }),
+  fc.record({ act: fc.constant("drag" as const), point, keys }),
+  fc.record({ act: fc.constant("release" as const) }),
+  fc.record({ act: fc.constant("key" as const), key: fc.constantFrom(...KEYS), keys }),
+  fc.record({
+    act: fc.constant("turn" as const),
+    point,
+    delta: fc.integer({ min: -400, max: 400 }),
+  }),
+  fc.record({ act: fc.constant("connect" as const) }),
+  fc.record({ act: fc.constant("bring" as const), point }),
+  fc.record({ act: fc.constant("click" as const), point, keys }),
+);
+
+type Act = typeof act extends fc.Arbitrary<infer T> ? T : never;
+
+function perform(canvas: Driver, each: Act): void {
+  if (each.act === "press") canvas.press(each.point, each.keys);
+  else if (each.act === "drag") canvas.drag(each.point, each.keys);
+  else if (each.act === "release") canvas.release();
+  else if (each.act === "key") canvas.key(each.key, each.keys);
+  else if (each.act === "turn") canvas.turn(each.point, { deltaY: each.delta });
+  else if (each.act === "connect") canvas.hand.connect();
+  else if (each.act === "bring") canvas.bring({ insert: "execution" }, each.point);
+  else canvas.click(each.point, each.keys);
+}
+
+test("whatever the hand does, nothing throws and no gesture leaves anything behind", async () => {
+  await fc.assert(
+    fc.asyncProperty(fc.array(act, { maxLength: 30 }), async (acts) => {
+      const canvas = driver();
+      for (const each of acts) perform(canvas, each);
+      canvas.release();
+      canvas.hand.cancel();
+      await canvas.answered();
+      expect(canvas.isClear()).toBe(true);
+      const { x, y, scale } = canvas.view.camera.value;
+      expect([x, y, scale].every(Number.isFinite)).toBe(true);
+    }),
+    { numRuns: 200 },
+  );
+});
+
+test("any drag can be cancelled without an edit", () => {
+  fc.assert(
+    fc.property(point, point, keys, (from, to, held) => {
+      const canvas = driver().press(from, held).drag(to);
+      canvas.hand.cancel();
+      canvas.release();
+      expect([canvas.room.made, canvas.isClear()]).toEqual([[], true]);
+    }),
+    { numRuns: 200 },
+  );
+});
+
+test("what cannot be foretold shows as it was left until the server answers", async () => {
+  const canvas = driver().press("A").drag({ x: 450, y: 500 }).release();
+  const foretold = canvas.room.version.value > 0;
+  expect(canvas.isClear()).toBe(foretold);
+  await canvas.answered();
+  expect(canvas.isClear()).toBe(true);
+});
+
+test("keys that change a gesture count while the pointer rests", () => {
+  const canvas = driver().press("A").by(33, 57);
+  canvas.hand.modifiers({ shift: false, ctrl: false, alt: true });
+  expect(canvas.hand.overlay.value.ghosts).toHaveLength(1);
+  canvas.hand.modifiers({ shift: false, ctrl: false, alt: false });
+  expect(canvas.hand.overlay.value.boxes.size).toBe(1);
+});
+
+test("the pointer knows the container that it is over", () => {
+  expect(driver().hover({ x: 500, y: 600 }).hand.pointer()).toEqual({
+    path: "R/C",
+    at: { x: 400, y: 250 },
+  });
+});

@@ -1,0 +1,262 @@
+/** The canvas without a browser, for tests: a machine in short text, the real hand, tools, plans and places. Points may be
+ * said as the screen's, as a state (`A`, its middle) or as a port (`A.ok`, `A.income`). */
+
+import { signal } from "@preact/signals-core";
+import { elementOf, keyOf } from "../../model/element.ts";
+import type { Edit } from "../../model/generated/protocol.ts";
+import { centre, type Point } from "../../model/geometry.ts";
+import { sketch } from "../../model/sketch.ts";
+import type { Dragged } from "../../store/dragged.ts";
+import { Mirror } from "../../store/mirror.ts";
+import { foretell } from "../../store/predict/foretell.ts";
+import type { EditAnswer, PendingEdit, Room } from "../../store/room.ts";
+import { newView, type RoomView, select, selected } from "../../store/view.ts";
+import { screenFromWorld } from "../camera.ts";
+import { Hand } from "../hand.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import type { Pointer } from "../tools/gesture.ts";
+import type { Wheel } from "../tools/pan.ts";
+
+export type Where = string | Point;
+
+interface Keys {
+  readonly shift?: boolean;
+  readonly ctrl?: boolean;
+  readonly alt?: boolean;
+}
+
+/** A room without a server: what can be foretold is done at once, the rest is only kept. */
+export class PlainRoom implements Room {
+  readonly id = "test";
+  readonly machine: Mirror;
+  readonly version = signal(0);
+  readonly status = signal(null);
+  readonly people = signal([]);
+  readonly pending = signal<readonly PendingEdit[]>([]);
+  readonly steps: Room["steps"] = signal({
+    now: 0,
+    steps: [],
+  } as unknown as Room["steps"]["value"]);
+  readonly revision = signal(0);
+  readonly problems = signal([]);
+  readonly made: { readonly name: string; readonly edit: Edit }[] = [];
+
+  constructor(text: string) {
+    this.machine = new Mirror(sketch(text), () => undefined);
+  }
+
+  readonly onChange = () => () => {};
+
+  edit(name: string, edit: Edit): Promise<EditAnswer> {
+    this.made.push({ name, edit });
+    const writes = foretell(this.machine, edit);
+    if (writes) this.machine.transact(() => this.machine.foretell(writes));
+    if (writes) this.version.value += 1;
+    return Promise.resolve({ revision: this.made.length });
+  }
+
+  readonly undo = () => Promise.resolve({ refused: "not here" });
+  readonly redo = () => Promise.resolve({ refused: "not here" });
+  readonly jump = () => Promise.resolve({ refused: "not here", code: "not_here" });
+  readonly loadLibrary = () => Promise.resolve();
+  readonly close = () => {};
+}
+
+export class Driver {
+  readonly room: PlainRoom;
+  readonly view: RoomView = newView();
+  readonly hand: Hand;
+  readonly refusals: string[] = [];
+  readonly commands: string[] = [];
+  readonly renamed: string[] = [];
+  wheel: "zoom" | "pan" = "zoom";
+  #at: Point = { x: 0, y: 0 };
+  #keys: Keys = {};
+
+  constructor(text: string) {
+    this.room = new PlainRoom(text);
+    this.hand = new Hand({
+      tab: { room: this.room, view: this.view },
+      size: () => ({ width: 1000, height: 800 }),
+      wheel: () => this.wheel,
+      fly: (to) => {
+        this.view.camera.value = to;
+      },
+      run: (command, argument) => {
+        this.commands.push(`${command} ${JSON.stringify(argument)}`);
+      },
+      refuse: (reason) => this.refusals.push(reason),
+      rename: (path) => this.renamed.push(path),
+    });
+  }
+
+  /** A point of the view. */
+  point(where: Where): Point {
+    if (typeof where !== "string") return where;
+    const [name = "", port] = where.split(".");
+    const { machine } = this.room;
+    const path = [...machine.paths()].find((each) => each === name || each.endsWith(`/${name}`));
+    const box = path === undefined ? undefined : this.hand.places().box(path);
+    if (path === undefined || !box) throw new Error(`no state ${where}`);
+    if (port === undefined) return screenFromWorld(this.view.camera.value, centre(box));
+    const found = this.hand
+      .places()
+      .ports(path)
+      .find((each) => each.name === port);
+    if (!found) throw new Error(`no port ${where}`);
+    return screenFromWorld(this.view.camera.value, found.at);
+  }
+
+  #pointer(): Pointer {
+    const { shift = false, ctrl = false, alt = false } = this.#keys;
+    return { ...this.#at, shift, ctrl, alt };
+  }
+
+  /** After the answers to all edits. */
+  async answered(): Promise<this> {
+    for (let turn = 0; turn < 3; turn++) await Promise.resolve();
+    return this;
+  }
+
+  press(
+    where: Where,
+    keys: Keys = {},
+    how: { readonly touch?: number; readonly pans?: boolean } = {},
+  ): this {
+    this.#at = this.point(where);
+    this.#keys = keys;
+    const finger = how.touch === undefined ? {} : { finger: how.touch };
+    const press = { ...this.#pointer(), isTouch: how.touch !== undefined };
+    this.hand.press(press, { pans: how.pans ?? false, ...finger });
+    return this;
+  }
+
+  /** In several steps, as pointers move. */
+  drag(where: Where, keys: Keys = this.#keys, finger?: number): this {
+    const [from, to] = [this.#at, this.point(where)];
+    this.#keys = keys;
+    for (const part of [0.3, 0.7, 1]) {
+      this.#at = { x: from.x + (to.x - from.x) * part, y: from.y + (to.y - from.y) * part };
+      this.hand.move(this.#pointer(), finger);
+    }
+    return this;
+  }
+
+  by(x: number, y: number, keys?: Keys): this {
+    return this.drag({ x: this.#at.x + x, y: this.#at.y + y }, keys);
+  }
+
+  release(finger?: number): this {
+    this.hand.release(this.#pointer(), finger);
+    return this;
+  }
+
+  click(where: Where, keys: Keys = {}): this {
+    return this.press(where, keys).release();
+  }
+
+  doubleClick(where: Where): this {
+    this.click(where).click(where);
+    this.hand.doubleClick(this.#pointer());
+    return this;
+  }
+
+  hover(where: Where): this {
+    this.#at = this.point(where);
+    this.hand.move(this.#pointer());
+    return this;
+  }
+
+  key(key: string, keys: Keys = {}): this {
+    const { shift = false, ctrl = false, alt = false } = keys;
+    this.hand.key({ key, shift, ctrl, alt });
+    return this;
+  }
+
+  turn(where: Where, wheel: Partial<Wheel>): this {
+    this.#at = this.point(where);
+    const still = { deltaX: 0, deltaY: 0, deltaMode: 0, ctrl: false, shift: false };
+    this.hand.turn(this.#at, { ...still, ...wheel });
+    return this;
+  }
+
+  bring(dragged: Dragged, where: Where): this {
+    this.#at = this.point(where);
+    this.hand.bring(dragged, this.#pointer());
+    return this;
+  }
+
+  drop(): this {
+    this.hand.drop();
+    return this;
+  }
+
+  select(...keys: readonly string[]): this {
+    select(
+      this.view,
+      keys.flatMap((key) => elementOf(key) ?? []),
+    );
+    return this;
+  }
+
+  /** Whether nothing of a gesture is left. */
+  isClear(): boolean {
+    return this.hand.doing === null && this.hand.overlay.value === NO_OVERLAY;
+  }
+
+  /** Where a state is in its container now: `20 30 80 60`. */
+  box(id: string): string {
+    const { machine } = this.room;
+    const path = [...machine.paths()].find((each) => each === id || each.endsWith(`/${id}`));
+    const box = path && this.hand.places().box(path);
+    if (!box) return "none";
+    return [box.x, box.y, box.width, box.height].map(short).join(" ");
+  }
+
+  selection(): string {
+    return selected(this.view).map(keyOf).join(" ");
+  }
+
+  /** What was made, what is selected, what was refused: one line each. */
+  text(): string {
+    const lines = this.room.made.map(({ name, edit }) => `${name}: ${editsText(edit)}`);
+    for (const reason of this.refusals) lines.push(`refused: ${reason}`);
+    for (const command of this.commands) lines.push(`run: ${command}`);
+    lines.push(`selected: ${this.selection() || "nothing"}`);
+    return lines.join("\n");
+  }
+}
+
+export function driver(text: string = ARM): Driver {
+  return new Driver(text);
+}
+
+/** A machine for tests, drawn one to one on the screen. */
+export const ARM = `
+  R "Root" hierarchy 0 0 900 700 outcome done input speed:int=3 scoped found:int
+    A "Scan" execution 50 100 200 150 outcome ok outcome lost output pose:int
+    B "Grasp" execution 400 100 200 150 outcome ok input pose:int
+    C "Box" hierarchy 100 350 500 300 outcome ok
+      D "Inner" execution 50 80 150 100 outcome ok
+    R > A
+    A.ok > B
+    B.ok > R.done
+`;
+
+function editsText(edit: Edit): string {
+  if (edit.edit === "batch") return edit.edits.map(editsText).join("; ");
+  const { edit: word, ...rest } = edit;
+  return `${word} ${Object.values(rest).map(valueText).join(" ")}`;
+}
+
+function valueText(value: unknown): string {
+  if (typeof value === "number") return short(value);
+  if (typeof value === "string") return value;
+  return JSON.stringify(value, (_, inner) =>
+    typeof inner === "number" ? Number(short(inner)) : inner,
+  );
+}
+
+function short(value: number): string {
+  return String(Math.round(value * 100) / 100);
+}

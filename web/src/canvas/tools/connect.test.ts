@@ -1,0 +1,112 @@
+import { expect, test } from "vitest";
+import { driver } from "../testing/driver.ts";
+
+test("a transition is drawn from port to port, and says where it may end", () => {
+  const canvas = driver().press("A.lost").by(50, 50);
+  const { targets, line } = canvas.hand.overlay.value;
+  expect(targets.get("income:R/C")).toBe(true);
+  expect(targets.has("input:R/B:0")).toBe(false);
+  expect(line).toMatchObject({ data: false, legal: null });
+  canvas.drag("C.income");
+  expect(canvas.hand.overlay.value.line?.legal).toBe(true);
+  expect(canvas.release().text()).toBe(
+    'Add transition: add_transition R 3 {"state":"A","outcome":1} {"state":"C"}\nselected: nothing',
+  );
+});
+
+test("the line snaps to a port that is near", () => {
+  const canvas = driver();
+  const near = canvas.point("C.income");
+  canvas.press("A.lost").drag({ x: near.x - 12, y: near.y + 8 });
+  expect(canvas.hand.overlay.value.line?.to).toEqual(near);
+});
+
+test("a data flow is drawn the other way round too", () => {
+  const canvas = driver().press("B.pose").drag("A.pose").release();
+  expect(canvas.text()).toContain(
+    'add_data_flow R 0 {"state":"A","port":0} {"state":"B","port":0}',
+  );
+});
+
+test("dropped on a state it makes the ports that it needs, over levels", () => {
+  const canvas = driver().press("A.pose").drag("D");
+  expect(canvas.hand.overlay.value.message?.text).toContain("Makes the input “pose” in “Inner”");
+  canvas.release();
+  expect(canvas.text()).toContain(
+    "add_port R/C/D input 0 pose int null; add_port R/C input 0 pose",
+  );
+});
+
+test("dropped on the border of the container an outcome becomes one of the container", () => {
+  const canvas = driver().press("D.ok").drag({ x: 598, y: 600 });
+  expect(canvas.hand.overlay.value.message?.text).toBe("Makes the outcome “ok_0” of “Box”");
+});
+
+test("what is not legal is said at the pointer, and refused when it is let go", () => {
+  const canvas = driver().press("A.ok").drag("C.income");
+  const { message, line } = canvas.hand.overlay.value;
+  expect([line?.legal, message?.bad]).toEqual([false, true]);
+  canvas.release();
+  expect(canvas.room.made).toEqual([]);
+  expect(canvas.refusals).toEqual([message?.text]);
+  expect(canvas.isClear()).toBe(true);
+});
+
+test("let go over nothing nothing comes of it, and Escape ends it", () => {
+  const nothing = driver().press("A.lost").drag({ x: 700, y: 300 }).release();
+  expect([nothing.text(), nothing.isClear()]).toEqual(["selected: nothing", true]);
+  const escaped = driver().press("A.lost").drag("C.income").key("Escape").release();
+  expect([escaped.text(), escaped.isClear()]).toEqual(["selected: nothing", true]);
+});
+
+test("the view zooms while a line is drawn", () => {
+  const canvas = driver().press("A.lost").drag("C.income");
+  canvas.turn({ x: 500, y: 400 }, { deltaY: 240 });
+  expect(canvas.view.camera.value.scale).toBeLessThan(1);
+  expect(canvas.hand.doing).toBe("connect");
+  expect(canvas.drag("C.income").release().text()).toContain("add_transition R 3");
+});
+
+test("space sets waypoints on the way", () => {
+  const canvas = driver().press("A.lost").drag({ x: 300, y: 300 }).key(" ");
+  expect(canvas.hand.overlay.value.line?.through).toEqual([{ x: 300, y: 300 }]);
+  canvas.drag("C.income").release();
+  expect(canvas.text()).toContain('set_waypoints R {"transition":3} [[300,300]]');
+});
+
+test("drawn backwards the waypoints are turned round", () => {
+  const canvas = driver()
+    .press("C.income")
+    .drag({ x: 40, y: 330 })
+    .key(" ")
+    .drag({ x: 280, y: 300 });
+  canvas.key(" ").drag("A.lost").release();
+  expect(canvas.text()).toContain('set_waypoints R {"transition":3} [[280,300],[40,330]]');
+});
+
+test("by keyboard targets are chosen one after the other", () => {
+  const canvas = driver().select("state:R/A");
+  canvas.hand.connect();
+  expect(canvas.hand.overlay.value.message?.text).toContain("Enter connects");
+  const first = canvas.hand.overlay.value.line?.to;
+  canvas.key("ArrowRight");
+  expect(canvas.hand.overlay.value.line?.to).not.toEqual(first);
+  canvas.key("Tab", { shift: true });
+  expect(canvas.hand.overlay.value.line?.to).toEqual(first);
+  canvas.key("Enter");
+  expect(canvas.text()).toContain('add_transition R 3 {"state":"A","outcome":1}');
+  expect(canvas.isClear()).toBe(true);
+});
+
+test("begun by keyboard it goes on by pointer: clicks set waypoints, and the last one connects", () => {
+  const canvas = driver().select("outcome:R/A:1");
+  canvas.hand.connect();
+  canvas.hover({ x: 300, y: 300 }).click({ x: 300, y: 300 }).hover("C.income").click("C.income");
+  expect(canvas.text()).toContain('set_waypoints R {"transition":3} [[300,300]]');
+});
+
+test("without a state or port there is nothing to begin at", () => {
+  const canvas = driver();
+  canvas.hand.connect();
+  expect(canvas.refusals).toHaveLength(1);
+});

@@ -1,0 +1,94 @@
+import { expect, test } from "vitest";
+import { type Driver, driver } from "../testing/driver.ts";
+
+const MACHINE = `
+  R hierarchy 0 0 900 700
+    A execution 50 100 100 100 outcome ok
+    B execution 600 100 100 100 outcome ok
+    C execution 600 400 100 100 outcome ok
+    R > A
+    A.ok > B
+`;
+
+function middle(canvas: Driver) {
+  const [from, to] = [canvas.point("A.ok"), canvas.point("B.income")];
+  return { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
+}
+
+test("dragging a line makes a waypoint, and shows it", () => {
+  const canvas = driver(MACHINE);
+  const { x, y } = middle(canvas);
+  canvas.press({ x, y }).drag({ x, y: y + 80 });
+  expect(canvas.hand.doing).toBe("waypoint");
+  expect(canvas.hand.overlay.value.waypoints.get("transition:R:1")).toEqual([{ x, y: y + 80 }]);
+  canvas.release();
+  expect(canvas.text()).toContain(`set_waypoints R {"transition":1} [[${x},${y + 80}]]`);
+  expect(canvas.selection()).toBe("transition:R:1");
+});
+
+test("a waypoint near the straight line goes away", () => {
+  const canvas = driver(MACHINE);
+  const { x, y } = middle(canvas);
+  canvas
+    .press({ x, y })
+    .drag({ x, y: y + 80 })
+    .release();
+  canvas.press({ x, y: y + 80 }).drag({ x, y: y + 2 });
+  canvas.release();
+  expect(canvas.room.made.at(-1)?.edit).toMatchObject({ waypoints: [] });
+});
+
+test("with Shift a waypoint keeps an even direction", () => {
+  const canvas = driver(MACHINE);
+  const at = middle(canvas);
+  const from = canvas.point("A.ok");
+  canvas.press(at).drag({ x: from.x + 100, y: from.y + 90 }, { shift: true });
+  const [point] = canvas.hand.overlay.value.waypoints.get("transition:R:1") ?? [];
+  expect((point?.x ?? 0) - from.x).toBeCloseTo((point?.y ?? 0) - from.y);
+});
+
+test("Escape leaves the line as it was", () => {
+  const canvas = driver(MACHINE);
+  const { x, y } = middle(canvas);
+  canvas
+    .press({ x, y })
+    .drag({ x, y: y + 80 })
+    .key("Escape")
+    .release();
+  expect([canvas.room.made, canvas.isClear()]).toEqual([[], true]);
+});
+
+test("the end of a selected line is led to another state", () => {
+  const canvas = driver(MACHINE).select("transition:R:1").press("B.income").drag("C.income");
+  expect(canvas.hand.overlay.value.line?.legal).toBe(true);
+  canvas.release();
+  expect(canvas.text()).toBe(
+    'Change end of transition: set_transition_target R 1 {"state":"C"}\nselected: transition:R:1',
+  );
+});
+
+test("let go over nothing the end stays where it was", () => {
+  const canvas = driver(MACHINE).select("transition:R:1").press("B.income");
+  canvas.drag({ x: 400, y: 600 }).release();
+  expect([canvas.room.made, canvas.refusals, canvas.isClear()]).toEqual([[], [], true]);
+});
+
+test("with Ctrl a port slides along the border, around corners", () => {
+  const canvas = driver(MACHINE).press("A.ok", { ctrl: true }).drag({ x: 90, y: 300 });
+  expect(canvas.hand.overlay.value.ports.get("outcome:R/A:0")).toEqual({ x: 40, y: 100 });
+  canvas.release();
+  expect(canvas.text()).toContain('set_position R/A {"outcome":0} [40,100]');
+  expect(canvas.point("A.ok")).toEqual({ x: 90, y: 200 });
+});
+
+test("with Ctrl the name of a selected state moves, its corner resizes it", () => {
+  const canvas = driver().select("state:R/C").press({ x: 150, y: 365 }, { ctrl: true }).by(20, 40);
+  expect(canvas.hand.doing).toBe("name");
+  canvas.release();
+  expect(canvas.text()).toContain("set_position R/C name");
+  const before = driver().select("state:R/C");
+  const name = before.hand.places().name("R/C");
+  if (!name) throw new Error("no name");
+  before.press({ x: name.x + name.width, y: name.y + name.height }, { ctrl: true }).by(-100, -20);
+  expect(before.release().text()).toContain("set_size R/C name");
+});
