@@ -1,0 +1,51 @@
+/** Which connection of a container is which of another: by id, and where that is another one by its ends. */
+
+import type { DataFlowDocument, TransitionDocument } from "./generated/protocol.ts";
+import { isSame } from "./json.ts";
+
+type Line = TransitionDocument | DataFlowDocument;
+
+export interface LinePair {
+  readonly old: Line | null;
+  readonly now: Line | null;
+}
+
+/** Those that came, went, or lead elsewhere. `idNow` says what the id of a state was changed to. */
+export function pairConnections(
+  old: readonly Line[],
+  now: readonly Line[],
+  idNow: (id: string) => string,
+): readonly LinePair[] {
+  const ends = (line: Line) => endsOf(line, idNow);
+  const same = (one: Line, other: Line) =>
+    isSame(
+      ends(one),
+      endsOf(other, (id) => id),
+    );
+  const earlier = new Map(old.map((line) => [line.id, line]));
+  const changed: LinePair[] = [];
+  const added: Line[] = [];
+  for (const line of now) {
+    const before = earlier.get(line.id);
+    if (before) earlier.delete(line.id);
+    if (!before) added.push(line);
+    else if (!same(before, line)) changed.push({ old: before, now: line });
+  }
+  const gone = [...earlier.values()];
+  for (const line of added) {
+    const at = gone.findIndex((before) => same(before, line));
+    if (at >= 0) gone.splice(at, 1);
+    else changed.push({ old: null, now: line });
+  }
+  return [...changed, ...gone.map((line) => ({ old: line, now: null }))];
+}
+
+/** Where it begins and leads, by the ids of now. */
+function endsOf(line: Line, idNow: (id: string) => string): readonly unknown[] {
+  const id = (state: string | null | undefined) => (state == null ? null : idNow(state));
+  if ("from_port" in line) {
+    return [id(line.from_state), line.from_port, id(line.to_state), line.to_port];
+  }
+  const { from_state, from_outcome, to_state, to_outcome } = line;
+  return [id(from_state), from_outcome ?? null, id(to_state), to_outcome ?? null];
+}
