@@ -13,7 +13,7 @@ import { parentOf } from "../model/path.ts";
 import { type ContentOf, Graft } from "./graft.ts";
 import { placed, withList } from "./lists.ts";
 import type { Write } from "./predict/draft.ts";
-import { States } from "./states.ts";
+import { type Earlier, States } from "./states.ts";
 
 /** Paths of states that are different; null: all may be. */
 export type Touched = ReadonlySet<string> | null;
@@ -108,9 +108,12 @@ export class Mirror implements Machine {
     this.#header = header;
   }
 
-  /** What the server tells of one revision. Nothing may be foretold meanwhile. */
-  confirm(changes: readonly Change[]): void {
+  /** What the server tells of one revision; gives what stood there before. Nothing may be foretold meanwhile. */
+  confirm(changes: readonly Change[]): Earlier {
+    const { earlier, stop } = this.#states.watch();
     for (const change of changes) this.#change(change);
+    stop();
+    return earlier;
   }
 
   /** Shows what an edit will do. */

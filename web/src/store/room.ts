@@ -9,6 +9,7 @@ import type {
   Presence,
 } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
+import type { Trace } from "./trace.ts";
 
 /** An edit that was made here and not answered yet: it is shown already where it can be foretold. */
 export interface PendingEdit {
@@ -44,6 +45,8 @@ export interface Room {
   readonly pending: ReadonlySignal<readonly PendingEdit[]>;
   /** The steps that are known, the oldest first: a tree. */
   readonly steps: ReadonlySignal<MachineSteps>;
+  /** What a step changed, if it was told since the page follows the machine and not too long ago. */
+  readonly trace: (revision: number) => Trace | undefined;
   /** The revision that the confirmed machine is at. */
   readonly revision: ReadonlySignal<number>;
   /** What is wrong with the machine, as of the last change that settled. */

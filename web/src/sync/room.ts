@@ -19,6 +19,7 @@ import type { Notice } from "../store/page.ts";
 import { foretell } from "../store/predict/foretell.ts";
 import type { EditAnswer, JumpAnswer, PendingEdit, Room } from "../store/room.ts";
 import { RefusalError, type Server } from "../store/server.ts";
+import { type Trace, Traces, traceOf } from "../store/trace.ts";
 import type { Clock } from "./clock.ts";
 import { Following } from "./following.ts";
 import { Pending } from "./pending.ts";
@@ -48,6 +49,7 @@ export class OpenRoom implements Room {
   readonly problems = signal<readonly MachineProblem[]>([]);
   readonly #ports: RoomPorts;
   readonly #onItsWay = new Pending();
+  readonly #traces = new Traces();
   readonly #listeners = new Set<(touched: Touched) => void>();
   readonly #following: Following;
   readonly #deaf: () => void;
@@ -98,6 +100,10 @@ export class OpenRoom implements Room {
   redo(): Promise<EditAnswer> {
     const id = this.#ports.newId();
     return this.#ask(id, "Redo", null, () => this.#ports.server.redo(this.id, id));
+  }
+
+  trace(revision: number): Trace | undefined {
+    return this.#traces.get(revision);
   }
 
   async jump(revision: number, overOthers: boolean): Promise<JumpAnswer> {
@@ -215,7 +221,8 @@ export class OpenRoom implements Room {
     batch(() => {
       this.#renew(() => {
         for (const { revision, id, changes } of fresh) {
-          this.machine.confirm(changes);
+          const earlier = this.machine.confirm(changes);
+          this.#traces.put(revision, traceOf(earlier, this.machine));
           this.revision.value = revision;
           this.#settle(id);
         }
