@@ -5,9 +5,12 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import type { ElementRef } from "../src/model/element.ts";
 import { endsOf, isConnection } from "../src/model/ends.ts";
 import type { Document, Edit } from "../src/model/generated/protocol.ts";
+import type { Point } from "../src/model/geometry.ts";
 import type { Machine } from "../src/model/machine.ts";
 import { dataFlowsOf, outcomesOf, portsOf, transitionsOf } from "../src/model/machine.ts";
+import { idOf, lineage } from "../src/model/path.ts";
 import { machineOf } from "../src/model/plain.ts";
+import { boxIn } from "../src/plan/boxes.ts";
 import { copySelection, duplicate, paste } from "../src/plan/clipboard.ts";
 import {
   connect,
@@ -218,6 +221,7 @@ async function walk(id: string, numbers: readonly number[][]): Promise<number> {
     }
     await make(id, `${index}-${each.join()}`, planned.name, planned.edit);
     made++;
+    if (/^(Group|Ungroup) /.test(planned.name)) await staysInSight(id, machine);
     await lookAt(id, planned.select ?? []);
   }
   return made;
@@ -240,9 +244,40 @@ async function lookAt(id: string, selected: readonly ElementRef[]): Promise<void
   }
 }
 
+/** Everything that is still there shows where it was. */
+async function staysInSight(id: string, before: Machine): Promise<void> {
+  const machine = machineOf((await server.ask<Told>("GET", `/machines/${id}/document`)).document);
+  const now = cornersById(machine);
+  for (const [state, corner] of cornersById(before)) {
+    const then = now.get(state);
+    if (!then) continue;
+    expect(then.x, `${state} in x`).toBeCloseTo(corner.x, 3);
+    expect(then.y, `${state} in y`).toBeCloseTo(corner.y, 3);
+  }
+}
+
+/** Where states stand in the root's coordinates, by ids that only one state has. */
+function cornersById(machine: Machine): ReadonlyMap<string, Point> {
+  const corners = new Map<string, Point>();
+  const twice = new Set<string>();
+  for (const path of machine.paths()) {
+    const id = idOf(path);
+    if (corners.has(id)) twice.add(id);
+    const boxes = lineage(path)
+      .slice(1)
+      .map((each) => boxIn(machine, each));
+    const x = boxes.reduce((sum, box) => sum + box.x, 0);
+    corners.set(id, { x, y: boxes.reduce((sum, box) => sum + box.y, 0) });
+  }
+  for (const id of twice) corners.delete(id);
+  return corners;
+}
+
 test.each(MACHINES)("plans for %s are taken by the server", async (path, seed) => {
   const project = (await server.ask<{ id: string }[]>("GET", "/projects"))[0]?.id;
-  const { id } = await server.ask<Opened>("POST", "/machines/open", { project, path });
+  const { id } = await server.ask<Opened>("POST", "/machines/open", {
+    file: { project, path },
+  });
   const numbers = fc.sample(fc.array(fc.nat(9999), { minLength: 24, maxLength: 24 }), {
     seed,
     numRuns: 400,

@@ -26,10 +26,31 @@ export function placedDocumentsOf(machine: Machine, path: string): StateDocument
   return [{ ...first, layout: changed(first.layout, { position: box, size: box }) }, ...rest];
 }
 
-/** The same states under another id for the first. */
+/** The same states under another id for the first; what connects its content with itself follows. */
 export function underId(states: readonly StateDocument[], id: string): StateDocument[] {
   const old = states[0]?.path ?? "";
-  return states.map((state) => ({ ...state, path: id + state.path.slice(old.length) }));
+  const [before, now] = [idOf(old), idOf(id)];
+  const renamed = (end: string) => (end === before ? now : end);
+  return states.map((state, index) => {
+    const path = id + state.path.slice(old.length);
+    if (index > 0) return { ...state, path };
+    return {
+      ...state,
+      path,
+      ...(state.transitions && {
+        transitions: state.transitions.map((transition) =>
+          transition.to_outcome == null ? transition : { ...transition, to_state: now },
+        ),
+      }),
+      ...(state.data_flows && {
+        data_flows: state.data_flows.map((flow) => ({
+          ...flow,
+          from_state: renamed(flow.from_state),
+          to_state: renamed(flow.to_state),
+        })),
+      }),
+    };
+  });
 }
 
 /** The same states drawn into a box, with everything inside in proportion. */

@@ -1,7 +1,13 @@
 /** Grouping, ungrouping and substituting: everything keeps its place on the screen. */
 
 import { layoutOf, rootSize } from "../model/drawing.ts";
-import type { Edit, StateDocument, TransitionDocument } from "../model/generated/protocol.ts";
+import type {
+  Edit,
+  Goal,
+  OutcomeOf,
+  StateDocument,
+  TransitionDocument,
+} from "../model/generated/protocol.ts";
 import { around, type Box, contains, type Point, type Size } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
 import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
@@ -13,6 +19,7 @@ import { statesInWords } from "./move.ts";
 import { newBox, newId, newName } from "./newcomers.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
 import { added } from "./states.ts";
+import { kindRefused } from "./transitions.ts";
 
 /** Puts states of one container, and scoped variables of it that are named, into a new hierarchy around them. */
 export function group(
@@ -157,12 +164,17 @@ export function ungroup(machine: Machine, path: string): Planned {
     .children(path)
     .filter((child) => machine.state(child)?.kind !== "decider");
   const ids = freedIds(machine, parent, path, children);
+  const lines = freedLines(around, path, state, ids.byOld);
+  for (const line of lines) {
+    const bad = kindRefused(around, line);
+    if (bad) return bad;
+  }
   const { x, y } = boxIn(machine, path);
   const edits: Edit[] = [
     ...pins(machine, parent, new Set([path])),
     ...shiftedChildren(machine, children, { x, y }),
     { edit: "ungroup", path: parent, state: idOf(path), fresh: ids.fresh },
-    ...freedWaypoints(parent, around, path, state, ids.byOld, { x, y }),
+    ...freedWaypoints(parent, around, state, lines, { x, y }),
   ];
   return {
     name: `Ungroup ${state.name}`,
@@ -202,47 +214,67 @@ function freedIds(
   return { byOld, fresh };
 }
 
-/** Waypoints of the lines inside, under the ids that they get outside. */
-function freedWaypoints(
-  parent: string,
+/** A line inside of a container as it is without the container. */
+interface FreedLine {
+  readonly key: string;
+  readonly from: OutcomeOf;
+  readonly to: Goal;
+}
+
+/** The lines that stay, in the order in which they get ids. */
+function freedLines(
   around: StateDocument,
   path: string,
   state: StateDocument,
   ids: ReadonlyMap<string, string>,
+): readonly FreedLine[] {
+  return transitionsOf(state).flatMap((transition) => {
+    const from = ids.get(transition.from_state ?? "");
+    const to = freedGoal(transition, around, path, state, ids);
+    if (from === undefined || !to) return [];
+    const outcome = transition.from_outcome ?? 0;
+    return [{ key: `transition${transition.id}`, from: { state: from, outcome }, to }];
+  });
+}
+
+function freedWaypoints(
+  parent: string,
+  around: StateDocument,
+  state: StateDocument,
+  lines: readonly FreedLine[],
   by: Point,
 ): Edit[] {
   const { waypoints } = layoutOf(state);
-  const edits: Edit[] = [];
-  let next = Math.max(0, ...transitionsOf(around).map(({ id }) => id)) + 1;
-  for (const transition of transitionsOf(state)) {
-    if (!ids.has(transition.from_state ?? "")) continue;
-    if (!leadsOn(transition, around, path, state, ids)) continue;
-    const points = waypoints.get(`transition${transition.id}`) ?? [];
+  const next = Math.max(0, ...transitionsOf(around).map(({ id }) => id)) + 1;
+  return lines.flatMap(({ key }, index) => {
+    const points = waypoints.get(key) ?? [];
+    if (points.length === 0) return [];
     const moved = points.map((point) => ({ x: point.x + by.x, y: point.y + by.y }));
-    if (points.length > 0) edits.push(waypointsEdit(parent, { transition: next }, moved));
-    next++;
-  }
-  return edits;
+    return [waypointsEdit(parent, { transition: next + index }, moved)];
+  });
 }
 
-/** Whether a transition inside has somewhere to lead once its container is gone. */
-function leadsOn(
+/** Where a transition inside leads once its container is gone; null if nowhere. */
+function freedGoal(
   { to_state, to_outcome }: TransitionDocument,
   around: StateDocument,
   path: string,
   state: StateDocument,
   ids: ReadonlyMap<string, string>,
-): boolean {
-  if (to_outcome == null) return ids.has(to_state ?? "");
+): Goal | null {
+  const inner = (id: string | null | undefined): Goal | null => {
+    const free = ids.get(id ?? "");
+    return free === undefined ? null : { state: free };
+  };
+  if (to_outcome == null) return inner(to_state);
   const behind = transitionsOf(around).find(
     ({ from_state, from_outcome }) => from_state === idOf(path) && from_outcome === to_outcome,
   );
-  if (!behind) return false;
-  const back = behind.to_outcome == null && behind.to_state === idOf(path);
+  if (!behind) return null;
+  if (behind.to_outcome != null) return { outcome: behind.to_outcome };
+  if (behind.to_state !== idOf(path)) return { state: behind.to_state ?? "" };
   const start = startOf(state);
-  return (
-    !back || (start !== undefined && start.to_outcome == null && ids.has(start.to_state ?? ""))
-  );
+  return start?.to_outcome == null ? inner(start?.to_state) : null;
 }
 
 /** Puts other states in the place of a state: its box and the places of its ports stay, connections where names fit. */
@@ -257,6 +289,7 @@ export function substitute(
   const old = machine.state(path);
   const [model] = states;
   if (!old || !model) return refused("There is nothing to put in the place of the state.");
+  if (model.kind === "decider") return deciderRefused();
   const clash = states.some(({ path: inner }) => inner === `${model.path}/${idOf(path)}`);
   const id = clash ? newId(machine, container) : idOf(path);
   const [first, ...rest] = drawnInto(underId(states, id), boxIn(machine, path));
@@ -277,6 +310,10 @@ export function substitute(
     edit: together(edits),
     select: [{ kind: "state", path: childPath(container, id) }],
   };
+}
+
+function deciderRefused(): Refused {
+  return refused("A decider belongs to its barrier: choose another state, or the barrier.");
 }
 
 /** Places of the old ports for the new ones of the same name. */
@@ -313,6 +350,7 @@ export function addTemplate(
   if (isRefused(around)) return around;
   const [model] = states;
   if (!model) return refused("There is nothing to copy.");
+  if (model.kind === "decider") return deciderRefused();
   const size = rootSize(model);
   const box = newBox(machine, container, at, size.width / size.height);
   const id = newId(machine, container);

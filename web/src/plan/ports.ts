@@ -1,11 +1,19 @@
 /** Outcomes, data ports, scoped variables, and the values that library states set for ports. */
 
 import type { ElementRef } from "../model/element.ts";
-import { isPort, type PortRef } from "../model/ends.ts";
+import { endInWords, flowEnds, isPort, type PortRef } from "../model/ends.ts";
 import type { Edit, JsonValue, PortDocument, StateDocument } from "../model/generated/protocol.ts";
-import { isContainer, type Machine, outcomesOf, type PortKind, portsOf } from "../model/machine.ts";
+import {
+  dataFlowsOf,
+  isContainer,
+  type Machine,
+  outcomesOf,
+  type PortKind,
+  portsOf,
+} from "../model/machine.ts";
 import { freshNumber, numberedName } from "../model/names.ts";
-import { defaultOf, isTypeName, shortType, valueFits } from "../model/types.ts";
+import { parentOf } from "../model/path.ts";
+import { defaultOf, fits, isTypeName, shortType, valueFits } from "../model/types.ts";
 import { python } from "../model/value.ts";
 import { article, interfaceAt, KIND_WORDS, stateAt } from "./legal.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
@@ -165,13 +173,56 @@ export function renamePort(machine: Machine, element: ElementRef, name: string):
   return { name: `Rename ${PORT_WORDS[at.kind]} ${port.name}`, edit };
 }
 
+/** A flow at the port that the type would not fit. */
+function flowsRefused(machine: Machine, at: PortRef, type: string): Refused | undefined {
+  for (const { container, gives, other } of flowsAt(machine, at)) {
+    const found = typeAt(machine, other);
+    if (found === null || (gives ? fits(type, found) : fits(found, type))) continue;
+    return refused(
+      `A data flow connects it with ${endInWords(machine, container, other)} of the type ${shortType(found)}, which ${type} does not fit: delete the flow first, or use object.`,
+    );
+  }
+  return undefined;
+}
+
+interface FlowAt {
+  readonly container: string;
+  readonly gives: boolean;
+  readonly other: ElementRef;
+}
+
+/** The data flows at a port, inside and outside of its state. */
+function flowsAt(machine: Machine, at: PortRef): readonly FlowAt[] {
+  const parent = parentOf(at.path);
+  const containers = parent === null ? [at.path] : [at.path, parent];
+  return containers.flatMap((container) => {
+    const state = machine.state(container);
+    return (state ? dataFlowsOf(state) : []).flatMap((flow): FlowAt[] => {
+      const ends = flowEnds(machine, container, flow);
+      if (ends && isSame(ends.from, at)) return [{ container, gives: true, other: ends.to }];
+      if (ends && isSame(ends.to, at)) return [{ container, gives: false, other: ends.from }];
+      return [];
+    });
+  });
+}
+
+function isSame(element: ElementRef, at: PortRef): boolean {
+  return isPort(element) && element.path === at.path && element.id === at.id;
+}
+
+function typeAt(machine: Machine, element: ElementRef): string | null {
+  const state = machine.state(element.path);
+  if (!state || !isPort(element)) return null;
+  return portsOf(state, element.kind).find(({ id }) => id === element.id)?.data_type ?? null;
+}
+
 /** Another type; a default that no longer fits becomes the type's own. */
 export function setPortType(machine: Machine, element: ElementRef, type: string): Planned {
   const found = findPort(machine, element, interfaceAt);
   if (isRefused(found)) return found;
   const { port, at } = found;
   const data_type = shortType(type);
-  const bad = typeRefused(data_type);
+  const bad = typeRefused(data_type) ?? flowsRefused(machine, at, data_type);
   if (bad) return bad;
   const place = { path: at.path, list: at.kind, port: at.id };
   const set: Edit = { edit: "set_port_type", ...place, data_type };

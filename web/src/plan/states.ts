@@ -195,7 +195,8 @@ export function setId(machine: Machine, path: string, id: string): Planned {
     parent !== null &&
     (idOf(parent) === text ||
       machine.children(parent).some((other) => other !== path && idOf(other) === text));
-  if (taken) return refused(`Another state has the id ${text}: take one that is free.`);
+  const inner = machine.children(path).some((child) => idOf(child) === text);
+  if (taken || inner) return refused(`Another state has the id ${text}: take one that is free.`);
   const now = parent === null ? text : `${parent}/${text}`;
   const select: readonly ElementRef[] = [{ kind: "state", path: now }];
   return { name: `Change id of ${state.name}`, edit: { edit: "set_id", path, id: text }, select };

@@ -118,7 +118,11 @@ export function beginning(
   );
 }
 
-function kindRefused(container: StateDocument, { from, to }: Line): Refused | null {
+/** What concurrency states ask for. */
+export function kindRefused(
+  container: StateDocument,
+  { from, to }: Pick<Line, "from" | "to">,
+): Refused | null {
   const { name, kind } = container;
   if (!from) {
     return isConcurrent(container)
