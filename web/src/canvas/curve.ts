@@ -6,8 +6,9 @@ import { type End, longestOf, type Routed } from "./route.ts";
 /** So many straight pieces look round. */
 const PIECES = 16;
 
-export function curve(start: End, goal: End, by: readonly Point[]): Routed {
-  const points = by.length > 0 ? [start.at, ...by, goal.at] : bent(start, goal);
+/** `reach` is how far it goes out of its way, at most, to turn around. */
+export function curve(start: End, goal: End, by: readonly Point[], reach: number): Routed {
+  const points = by.length > 0 ? [start.at, ...by, goal.at] : bent(start, goal, reach);
   return {
     points,
     waypoints: by.map((_, index) => index + 1),
@@ -18,13 +19,20 @@ export function curve(start: End, goal: End, by: readonly Point[]): Routed {
 
 const NOWHERE = { x: 0, y: 0, width: 0, height: 0 };
 
-function bent(start: End, goal: End): readonly Point[] {
-  const pull = distance(start.at, goal.at) * 0.4;
-  const first = { x: start.at.x + start.out.x * pull, y: start.at.y + start.out.y * pull };
-  const second = { x: goal.at.x + goal.out.x * pull, y: goal.at.y + goal.out.y * pull };
+function bent(start: End, goal: End, reach: number): readonly Point[] {
+  const first = led(start, goal.at, reach);
+  const second = led(goal, start.at, reach);
   return Array.from({ length: PIECES + 1 }, (_, piece) =>
     bezier(start.at, first, second, goal.at, piece / PIECES),
   );
+}
+
+/** The point that draws the curve out of a port: not so far if the other end is behind. */
+function led({ at, out }: End, other: Point, reach: number): Point {
+  const ahead = (other.x - at.x) * out.x + (other.y - at.y) * out.y;
+  const pull = ahead > 0 ? Math.max(ahead * 0.5, reach * 0.5) : reach;
+  const length = Math.min(pull, distance(at, other));
+  return { x: at.x + out.x * length, y: at.y + out.y * length };
 }
 
 function bezier(from: Point, first: Point, second: Point, to: Point, part: number): Point {

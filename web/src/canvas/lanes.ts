@@ -174,7 +174,7 @@ export class Lanes {
       if (!one || !other) continue;
       const lying = one.y === other.y;
       const length = Math.abs(one.x - other.x) + Math.abs(one.y - other.y);
-      const alone = length * (this.#isShared(one, other) ? 0.3 : lying ? 1 : 0.7);
+      const alone = length * (this.#isShared(one, other) ? 0.3 : lying ? 1 : 0.5);
       if (alone > longest) [best, longest] = [index, alone];
     }
     return best;

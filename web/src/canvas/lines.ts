@@ -6,7 +6,7 @@ import { type Box, type Point, type Size, sideOf } from "../model/geometry.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { childPath } from "../model/path.ts";
 import { curve } from "./curve.ts";
-import { type End, type Routed, routed, type Wanted } from "./route.ts";
+import { type End, routed, type Wanted } from "./route.ts";
 import type { PlacedState } from "./tree.ts";
 
 /** A connection as it is drawn. */
@@ -50,13 +50,23 @@ export function linesOf(
     container.size,
     [...kept.values()].filter(({ kind }) => kind === "transition"),
   );
+  const reach = reachOf(container);
   let next = 0;
   return found.map((wanted) => {
     const known = kept.get(wanted.key);
     if (known) return known;
-    const way = wanted.kind === "transition" ? ways[next++] : curved(wanted);
-    return { ...wanted, ...(way ?? curved(wanted)) };
+    const way = wanted.kind === "transition" ? ways[next++] : undefined;
+    return { ...wanted, ...(way ?? curve(wanted.start, wanted.goal, wanted.by, reach)) };
   });
+}
+
+/** How far data flows go out of their way. */
+function reachOf({ size, children }: PlacedState): number {
+  const sides = children.map(({ box }) => Math.min(box.width, box.height));
+  return Math.min(
+    0.15 * Math.min(size.width, size.height),
+    0.8 * Math.max(...sides.slice(0, 64), 0),
+  );
 }
 
 interface Found extends Wanted {
@@ -163,8 +173,4 @@ function wantedOf(container: PlacedState, held: Held): readonly Found[] {
     );
   }
   return found;
-}
-
-function curved({ start, goal, by }: Wanted): Routed {
-  return curve(start, goal, by);
 }

@@ -17,6 +17,7 @@ import { Hand } from "./hand.ts";
 import { nameArea } from "./hit/hit.ts";
 import { extentOn } from "./hit/shown.ts";
 import { listen } from "./listen.ts";
+import { minimapIn } from "./minimap.ts";
 import { type Extras, type Picture, pictureIn } from "./picture.ts";
 import { Reader, treeLines } from "./reader.ts";
 import { renameField } from "./rename_field.ts";
@@ -63,6 +64,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     ...(options.extras ? { extras: options.extras } : {}),
   });
   picture.canvas.setAttribute("aria-hidden", "true");
+  const minimap = minimapIn(place, tab, picture);
   const reader = new Reader(root, `rafcon-canvas-${++mounted}`);
   const stopReading = keepReading(reader, hand, tab);
   const stopLooking = firstLook(root, tab, hand);
@@ -98,6 +100,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
       stopCursor();
       stopLooking();
       stopReading();
+      minimap.dispose();
       picture.dispose();
       root.remove();
     },

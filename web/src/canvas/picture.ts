@@ -1,7 +1,7 @@
 /** The canvas element with the picture of a machine: watches all that the picture depends on, and paints it anew, once a frame at
  * most and never for nothing. */
 
-import { effect, signal } from "@preact/signals-core";
+import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
 import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
 import type { Size } from "../model/geometry.ts";
@@ -45,6 +45,8 @@ export interface Picture {
   /** Paints anew with the next frame. */
   readonly redraw: () => void;
   readonly colours: () => Colours;
+  /** Another number whenever the colours are others. */
+  readonly theme: ReadonlySignal<number>;
   /** Told after each painted frame. Returns the way to stop. */
   readonly onFrame: (listener: () => void) => () => void;
   readonly dispose: () => void;
@@ -135,6 +137,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     list: () => list,
     redraw,
     colours: () => colours,
+    theme,
     onFrame: (listener) => {
       listeners.add(listener);
       return () => listeners.delete(listener);

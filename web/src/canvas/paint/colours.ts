@@ -26,7 +26,7 @@ const VARIABLES: Readonly<Record<string, string>> = {
   trail: "--canvas-trail",
   text: "--text",
   soft: "--text-soft",
-  data: "--data",
+  data: "--canvas-data",
   "data-text": "--data",
   aborted: "--aborted",
   preempted: "--preempted",

@@ -4,15 +4,23 @@ import type { LineMark } from "../scene/list.ts";
 import type { Context } from "./ink.ts";
 
 /** Adds the line to the path. */
-export function paintLine(context: Context, { points, radius, arrow }: LineMark): void {
+export function paintLine(context: Context, { points, radius, curve, arrow }: LineMark): void {
   const last = points.length - 2;
   context.moveTo(points[0] ?? 0, points[1] ?? 0);
   for (let at = 2; at < last; at += 2) {
-    if (radius > 0) corner(context, points, at, radius);
+    if (curve) bend(context, points, at);
+    else if (radius > 0) corner(context, points, at, radius);
     else context.lineTo(points[at] ?? 0, points[at + 1] ?? 0);
   }
   context.lineTo(points[last] ?? 0, points[last + 1] ?? 0);
   if (arrow > 0) head(context, points, arrow);
+}
+
+/** From the middle of one piece to that of the next. */
+function bend(context: Context, points: readonly number[], at: number): void {
+  const [x, y] = [points[at] ?? 0, points[at + 1] ?? 0];
+  const [afterX, afterY] = [points[at + 2] ?? x, points[at + 3] ?? y];
+  context.quadraticCurveTo(x, y, (x + afterX) / 2, (y + afterY) / 2);
 }
 
 function corner(context: Context, points: readonly number[], at: number, radius: number): void {

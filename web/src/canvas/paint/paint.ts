@@ -12,8 +12,8 @@ import { paintTexts } from "./texts.ts";
 export function paint(context: Context, list: DrawList, colours: Colours): void {
   for (const layer of list.layers) paintShapes(context, layer, colours);
   for (const layer of list.layers) {
-    for (const icon of layer.icons) paintIcon(context, icon, inkOf(colours, icon.ink));
     paintTexts(context, layer.texts, colours);
+    for (const icon of layer.icons) paintIcon(context, icon, inkOf(colours, icon.ink));
   }
   context.globalAlpha = 1;
 }

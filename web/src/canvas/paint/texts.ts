@@ -38,16 +38,17 @@ export function paintTexts(context: Context, texts: readonly TextMark[], colours
 const AROUND = 4;
 
 function paintPlate(context: Context, text: TextMark, colour: string): void {
-  const width = (text.width || context.measureText(text.text).width) + 2 * AROUND;
+  const inner = text.width || (text.text === "" ? 0 : context.measureText(text.text).width);
+  const width = inner + 2 * AROUND;
   const height = text.size + 5;
-  const left =
-    text.align === "left"
-      ? text.x - AROUND
-      : text.align === "right"
-        ? text.x + AROUND - width
-        : text.x - width / 2;
+  const lead = text.lead ?? 0;
   context.fillStyle = colour;
   context.beginPath();
-  context.roundRect(left, text.y - height / 2, width, height, 4);
+  context.roundRect(leftOf(text, width) - lead, text.y - height / 2, width + lead, height, 4);
   context.fill();
+}
+
+function leftOf({ align, x }: TextMark, width: number): number {
+  if (align === "left") return x - AROUND;
+  return align === "right" ? x + AROUND - width : x - width / 2;
 }

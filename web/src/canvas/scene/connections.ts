@@ -2,6 +2,7 @@
  * thinner layer below. */
 
 import type { ElementKey } from "../../model/element.ts";
+import type { Point } from "../../model/geometry.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import type { Line } from "../lines.ts";
 import { DETAIL, extent, fade, TEXT } from "./detail.ts";
@@ -38,7 +39,7 @@ export function connectionMarks(drawing: Drawing, spot: Spot): void {
     }
     const mark = lineMark(spot, line, look, apart);
     if (look.loud) drawing.layer(spot.depth + 2).lines.push(mark);
-    else if (line.kind === "transition") layer.lines.push(mark);
+    else if (line.kind === "transition" || isFocused(drawing, line)) layer.lines.push(mark);
     else layer.under.push(mark);
     if (line.kind === "transition") labelMark(drawing, spot, line, mark, look);
     if (drawing.isSelected(line.key)) waypointMarks(drawing, spot, line);
@@ -64,7 +65,8 @@ function lookOf(drawing: Drawing, line: Line): LineLook {
   if (kind === "data_flow") return { ink: "flow", width: 1, loud: false };
   if (outcome === ABORTED) return { ink: "aborted-line", width: 1, loud: false };
   if (outcome === PREEMPTED) return { ink: "preempted-line", width: 1, loud: false };
-  return { ink: "line", width: 1.4, loud: false };
+  const isStart = line.label === "";
+  return { ink: "line", width: isStart ? 2.2 : 1.4, loud: false };
 }
 
 function isThat(hovered: Drawing["input"]["hovered"], key: ElementKey): boolean {
@@ -76,7 +78,11 @@ function showsFlow(drawing: Drawing, line: Line, loud: boolean): boolean {
   const { dataFlows } = drawing.input.modes;
   if (loud || dataFlows === "all") return true;
   if (dataFlows === "none") return false;
-  return drawing.focused.has(line.fromPath) || drawing.focused.has(line.toPath);
+  return isFocused(drawing, line);
+}
+
+function isFocused({ focused }: Drawing, line: Line): boolean {
+  return focused.has(line.fromPath) || focused.has(line.toPath);
 }
 
 function lineMark(spot: Spot, line: Line, look: LineLook, alpha: number): LineMark {
@@ -88,14 +94,15 @@ function lineMark(spot: Spot, line: Line, look: LineLook, alpha: number): LineMa
   }
   const isTransition = line.kind === "transition";
   const size = sizeOfEnd(spot, line);
-  const far = look.loud ? 1 : Math.min(1, Math.max(0.35, size / DETAIL.lines));
+  const far = look.loud || !isTransition ? 1 : Math.min(1, Math.max(0.35, size / DETAIL.lines));
   return {
     what: line.key,
     points,
     ink: look.ink,
     width: look.loud ? look.width : look.width * Math.max(0.7, far),
     radius: isTransition ? 6 : 0,
-    arrow: isTransition ? arrowOf(size) : look.loud ? 7 : 0,
+    curve: !isTransition && line.waypoints.length === 0,
+    arrow: isTransition ? arrowOf(spot, line, size) : look.loud ? 7 : 0,
     dash: false,
     alpha: alpha * far,
   };
@@ -109,9 +116,9 @@ function sizeOfEnd(spot: Spot, line: Line): number {
 }
 
 /** Where ports are drawn they are the arrow heads; where boxes are tiny there is no room for any. */
-function arrowOf(size: number): number {
-  if (size >= DETAIL.ports) return 0;
-  return size < 16 ? 0 : Math.min(7, size * 0.2);
+function arrowOf(spot: Spot, line: Line, size: number): number {
+  if (size >= DETAIL.ports || size < 16 || line.toPath === spot.at.path) return 0;
+  return Math.min(7, size * 0.2);
 }
 
 /** The outcome's name in the middle of the piece where the line runs longest, if it fits there. */
@@ -119,16 +126,12 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
   if (line.label === "" || !drawing.input.modes.names) return;
   const alpha = look.loud ? 1 : labelAlpha(spot, line);
   if (alpha === 0) return;
-  const at = line.longest * 2;
-  const [fromX, fromY, toX, toY] = mark.points.slice(at, at + 4);
-  if (fromX === undefined || fromY === undefined || toX === undefined || toY === undefined) return;
   const width = drawing.input.measure(line.label, TEXT.small, false);
-  const lying = Math.abs(toX - fromX) >= Math.abs(toY - fromY);
-  if (lying ? Math.abs(toX - fromX) < width + 16 : Math.abs(toY - fromY) < 34) return;
+  const at = labelPlace(mark.points, line.longest, width);
+  if (!at) return;
   drawing.labels.push({
     what: `${line.key} label`,
-    x: (fromX + toX) / 2,
-    y: (fromY + toY) / 2,
+    ...at,
     text: line.label,
     size: TEXT.small,
     bold: false,
@@ -138,6 +141,27 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
     plate: shade(spot.depth),
     width,
   });
+}
+
+/** The middle of the piece that is best, or else of the first lying one that is long enough. */
+function labelPlace(points: readonly number[], best: number, width: number): Point | null {
+  const found = middleOf(points, best, width);
+  if (found?.lying) return found.at;
+  for (let index = 0; index < points.length / 2 - 1; index++) {
+    const other = middleOf(points, index, width);
+    if (other?.lying) return other.at;
+  }
+  return found?.at ?? null;
+}
+
+function middleOf(points: readonly number[], index: number, width: number) {
+  const [fromX, fromY, toX, toY] = points.slice(index * 2, index * 2 + 4);
+  if (fromX === undefined || fromY === undefined || toX === undefined || toY === undefined) {
+    return null;
+  }
+  const lying = Math.abs(toX - fromX) >= Math.abs(toY - fromY);
+  if (lying ? Math.abs(toX - fromX) < width + 16 : Math.abs(toY - fromY) < 34) return null;
+  return { lying, at: { x: (fromX + toX) / 2, y: (fromY + toY) / 2 } };
 }
 
 /** Labels come with the states that their lines leave, and go where these show the names of their outcomes. */

@@ -29,7 +29,8 @@ export function extent({ width, height }: Size): number {
   return Math.min(Math.sqrt(width * height), 2.5 * Math.min(width, height));
 }
 
-/** From nothing at `from` to all of it a quarter later. */
+/** From a third at `from` to all of it a little later: what is there can be read. */
 export function fade(size: number, from: number): number {
-  return Math.min(1, Math.max(0, (size - from) / (from * 0.25)));
+  if (size < from) return 0;
+  return Math.min(1, 0.35 + (size - from) / (from * 0.15));
 }

@@ -48,7 +48,7 @@ function line(
     const { x, y } = screenFromWorld(input.camera, point);
     return [x, y];
   });
-  return { what, points: flat, ink, width, radius: 0, arrow: 0, dash, alpha: 1 };
+  return { what, points: flat, ink, width, radius: 0, curve: false, arrow: 0, dash, alpha: 1 };
 }
 
 function outline(box: Box, what: string, ink: string, dash: boolean): BoxMark {

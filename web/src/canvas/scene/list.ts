@@ -26,6 +26,8 @@ export interface LineMark {
   readonly width: number;
   /** How round the corners are. */
   readonly radius: number;
+  /** Whether the points are those of a curve. */
+  readonly curve: boolean;
   /** How long the head of the arrow at the end is; 0: none. */
   readonly arrow: number;
   readonly dash: boolean;
@@ -59,9 +61,12 @@ export interface TextMark {
   readonly ink: Ink;
   readonly align: "left" | "center" | "right";
   readonly alpha: number;
-  /** A plate behind it, so wide. */
+  /** A plate behind it. */
   readonly plate: Ink | null;
+  /** How wide the text is; 0: not measured. */
   readonly width: number;
+  /** So much wider is the plate to the left. */
+  readonly lead?: number;
 }
 
 export type Icon =

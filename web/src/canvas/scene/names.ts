@@ -71,7 +71,8 @@ function plateMarks(
     align: "left",
     alpha,
     plate: shade(spot.depth),
-    width: 0,
+    width: width - side - 10,
+    lead: side,
   });
 }
 
@@ -114,11 +115,12 @@ function middleMarks(
   const size = spot.extent >= 84 ? TEXT.usual : TEXT.small;
   const pitch = size * 1.25;
   const room = spot.width - (spot.extent >= DETAIL.ports ? 18 : 8);
-  const rows = Math.min(3, Math.floor((spot.height - 4) / pitch));
+  const top = freeFrom(drawing, spot);
+  const height = spot.y + spot.height - top;
+  const rows = Math.min(3, Math.floor((height - 4) / pitch));
   const lines =
     modes.names && rows > 0 ? wrapped(spot.at.state.name, room, rows, size, measure) : [];
-  if (isCovered(drawing, spot, lines.length * pitch)) return;
-  const middle = spot.y + spot.height / 2;
+  const middle = top + height / 2;
   let y = middle - ((lines.length - 1) * pitch) / 2;
   for (const text of lines) {
     layer.texts.push({
@@ -136,26 +138,27 @@ function middleMarks(
     });
     y += pitch;
   }
-  const isRoomy = spot.height > lines.length * pitch + 2 * BADGE;
+  const isRoomy = height > lines.length * pitch + 2 * BADGE;
   if (badges.length === 0 || (!isRoomy && lines.length > 0)) return;
   const width = badges.length * (BADGE + 3) - 3;
-  const top = lines.length === 0 ? middle : spot.y + 4 + BADGE / 2;
+  const row = lines.length === 0 ? middle : top + 4 + BADGE / 2;
   putBadges(
     layer,
     spot,
     badges,
     spot.x + (lines.length === 0 ? (spot.width - width) / 2 : 5),
-    top,
+    row,
     alpha,
   );
 }
 
-/** Whether the name of a state around stands where this one would. */
-function isCovered(drawing: Drawing, spot: Spot, height: number): boolean {
-  const y = spot.y + (spot.height - height) / 2;
-  return drawing.plates.some((plate) =>
-    meets(plate, spot.x + 4, y + 2, Math.max(0, spot.width - 8), Math.max(0, height - 4)),
-  );
+/** Below the names of states around that reach into this one. */
+function freeFrom({ plates }: Drawing, { x, y, width, height }: Spot): number {
+  let top = y;
+  for (const plate of plates) {
+    if (meets(plate, x, y, width, height)) top = Math.max(top, plate.y + plate.height);
+  }
+  return top;
 }
 
 function putBadges(

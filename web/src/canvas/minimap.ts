@@ -1,0 +1,200 @@
+/** A small picture of the whole machine in the corner, with a frame around what the view shows: press and drag to look
+ * elsewhere, fold it away with its button. */
+
+import { effect, signal } from "@preact/signals-core";
+import type { Box, Point, Size } from "../model/geometry.ts";
+import type { OpenTab } from "../store/page.ts";
+import type { Camera } from "../store/view.ts";
+import { fitted, visibleBox, worldFromScreen } from "./camera.ts";
+import { NO_OVERLAY } from "./overlay.ts";
+import { inkOf } from "./paint/ink.ts";
+import { paint } from "./paint/paint.ts";
+import type { Picture } from "./picture.ts";
+import { PLAIN } from "./scene/input.ts";
+import { scene } from "./scene/scene.ts";
+
+const SIZE: Size = { width: 200, height: 124 };
+/** The small picture is drawn so much larger, for its detail, and then made smaller. */
+const FINER = 4;
+const MARGIN = 6;
+/** After a change of the machine the small picture follows within so many ms. */
+const REST_MS = 200;
+
+export interface Minimap {
+  readonly dispose: () => void;
+}
+
+/** Puts the overview into the corner of an element. */
+export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): Minimap {
+  const box = frameIn(place);
+  const map = canvasIn(box);
+  const fold = buttonIn(box);
+  const whole = document.createElement("canvas");
+  const folded = signal(false);
+  let rest = 0;
+
+  const repaint = () => {
+    rest = 0;
+    paintWhole(whole, tab, picture);
+    paintMap(map, whole, tab, picture);
+  };
+  const soon = () => {
+    if (rest === 0) rest = window.setTimeout(repaint, REST_MS);
+  };
+  const stopFrames = picture.onFrame(() => {
+    if (!folded.peek()) paintMap(map, whole, tab, picture);
+  });
+  const stopFollowing = effect(() => {
+    tab.room.version.value;
+    tab.view.contents.value;
+    picture.theme.value;
+    soon();
+  });
+  const stopFolding = effect(() => {
+    const isFolded = folded.value;
+    map.style.display = isFolded ? "none" : "block";
+    fold.style.position = isFolded ? "static" : "absolute";
+    fold.textContent = isFolded ? "Overview" : "×";
+    fold.setAttribute("aria-label", isFolded ? "Show the overview" : "Hide the overview");
+    fold.setAttribute("aria-expanded", String(!isFolded));
+    if (!isFolded) soon();
+  });
+  fold.addEventListener("click", () => {
+    folded.value = !folded.peek();
+  });
+  listen(map, (at) => lookAt(tab, picture, at));
+
+  return {
+    dispose: () => {
+      window.clearTimeout(rest);
+      stopFrames();
+      stopFollowing();
+      stopFolding();
+      box.remove();
+    },
+  };
+}
+
+function frameIn(place: HTMLElement): HTMLElement {
+  const box = document.createElement("div");
+  box.className = "canvas-minimap";
+  box.style.cssText = [
+    "position:absolute;right:14px;bottom:14px;border:1px solid var(--border)",
+    "border-radius:var(--radius);background:var(--surface);overflow:hidden;box-shadow:var(--shadow)",
+  ].join(";");
+  place.append(box);
+  return box;
+}
+
+function canvasIn(box: HTMLElement): HTMLCanvasElement {
+  const map = document.createElement("canvas");
+  map.style.cssText = `display:block;width:${SIZE.width}px;height:${SIZE.height}px;touch-action:none;cursor:pointer`;
+  map.setAttribute("aria-hidden", "true");
+  box.append(map);
+  return map;
+}
+
+function buttonIn(box: HTMLElement): HTMLButtonElement {
+  const fold = document.createElement("button");
+  fold.type = "button";
+  fold.style.cssText = [
+    "position:absolute;right:2px;top:2px;min-width:20px;height:20px;padding:0 5px;border:0",
+    "border-radius:var(--radius-small);background:var(--surface);color:var(--text-soft)",
+    "font:500 var(--text-tiny)/20px var(--font-text);cursor:pointer",
+  ].join(";");
+  box.append(fold);
+  return fold;
+}
+
+/** Tells where the pointer is while it is pressed. */
+function listen(map: HTMLCanvasElement, tell: (at: Point) => void): void {
+  const told = (event: PointerEvent) => tell({ x: event.offsetX, y: event.offsetY });
+  map.addEventListener("pointerdown", (event) => {
+    map.setPointerCapture(event.pointerId);
+    told(event);
+  });
+  map.addEventListener("pointermove", (event) => {
+    if (map.hasPointerCapture(event.pointerId)) told(event);
+  });
+}
+
+/** How the map looks at the machine: at all of it. */
+function mapCamera(root: Box): Camera {
+  return fitted(root, SIZE, MARGIN);
+}
+
+function rootBox(picture: Picture): Box | undefined {
+  const places = picture.places();
+  return places.root ? places.box(places.root.path) : undefined;
+}
+
+function lookAt({ view }: OpenTab, picture: Picture, at: Point): void {
+  const root = rootBox(picture);
+  if (!root) return;
+  const world = worldFromScreen(mapCamera(root), at);
+  const camera = view.camera.peek();
+  const { width, height } = picture.size();
+  view.camera.value = {
+    ...camera,
+    x: world.x - width / 2 / camera.scale,
+    y: world.y - height / 2 / camera.scale,
+  };
+}
+
+const QUIET = { transitions: false, dataFlows: "none", names: false } as const;
+
+function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: Picture): void {
+  const size = { width: SIZE.width * FINER, height: SIZE.height * FINER };
+  const context = sized(whole, size);
+  const root = rootBox(picture);
+  if (!context || !root) return;
+  const colours = picture.colours();
+  context.fillStyle = inkOf(colours, "ground");
+  context.fillRect(0, 0, size.width, size.height);
+  const list = scene({
+    ...PLAIN,
+    placed: picture.places(),
+    camera: fitted(root, size, MARGIN * FINER),
+    view: size,
+    modes: { ...view.modes.peek(), ...QUIET },
+    overlay: NO_OVERLAY,
+    measure: () => 0,
+    mayRoute: () => false,
+  });
+  const nothing = { dots: [], icons: [], texts: [], lines: [], under: [] };
+  const boxes = list.layers.map((layer) => ({ ...layer, ...nothing }));
+  paint(context, { ...list, layers: boxes }, colours);
+}
+
+function paintMap(
+  map: HTMLCanvasElement,
+  whole: HTMLCanvasElement,
+  { view }: OpenTab,
+  picture: Picture,
+): void {
+  const context = sized(map, SIZE);
+  const root = rootBox(picture);
+  if (!context || !root || whole.width === 0) return;
+  context.imageSmoothingQuality = "high";
+  context.drawImage(whole, 0, 0, SIZE.width, SIZE.height);
+  const camera = mapCamera(root);
+  const seen = visibleBox(view.camera.peek(), picture.size());
+  const x = (seen.x - camera.x) * camera.scale;
+  const y = (seen.y - camera.y) * camera.scale;
+  const width = Math.max(4, seen.width * camera.scale);
+  const height = Math.max(4, seen.height * camera.scale);
+  context.strokeStyle = inkOf(picture.colours(), "selection");
+  context.lineWidth = 1.5;
+  context.strokeRect(x, y, width, height);
+}
+
+/** The context of a canvas of this size, in CSS pixels. */
+function sized(canvas: HTMLCanvasElement, size: Size): CanvasRenderingContext2D | null {
+  const ratio = Math.max(1, window.devicePixelRatio || 1);
+  const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
+  if (canvas.width !== width) canvas.width = width;
+  if (canvas.height !== height) canvas.height = height;
+  const context = canvas.getContext("2d");
+  context?.setTransform(ratio, 0, 0, ratio, 0, 0);
+  return context;
+}
