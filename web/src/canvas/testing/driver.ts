@@ -58,6 +58,7 @@ export class PlainRoom implements Room {
   readonly undo = () => Promise.resolve({ refused: "not here" });
   readonly redo = () => Promise.resolve({ refused: "not here" });
   readonly jump = () => Promise.resolve({ refused: "not here", code: "not_here" });
+  readonly trace = () => undefined;
   readonly loadLibrary = () => Promise.resolve();
   readonly close = () => {};
 }
