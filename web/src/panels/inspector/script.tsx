@@ -6,6 +6,7 @@ import { globalsOf } from "../../model/globals.ts";
 import { outcomesOf, portsOf } from "../../model/machine.ts";
 import { setScript } from "../../plan/states.ts";
 import { type DraftPlace, drafts } from "../../store/drafts.ts";
+import { wantedLine } from "../../store/script_line.ts";
 import { Button } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import type { ScriptNames } from "./code/complete.ts";
@@ -101,6 +102,12 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
   }, [check]);
   useEffect(() => editor.current?.put(text), [text]);
   useEffect(() => editor.current?.setReadOnly(seen.readOnly), [seen.readOnly]);
+  const wanted = useSignal(wantedLine);
+  useEffect(() => {
+    if (wanted?.path !== seen.path) return;
+    editor.current?.goTo(wanted.line);
+    wantedLine.value = null;
+  }, [wanted, seen.path]);
   return <div ref={place} className="inspector-code" />;
 }
 

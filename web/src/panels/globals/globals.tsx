@@ -1,0 +1,185 @@
+/** Global variables: every name that scripts of the machine set or read, and where. */
+
+import { Pencil } from "lucide-react";
+import { useMemo, useState } from "react";
+import { mayEdit } from "../../commands/subject.ts";
+import { type GlobalUse, type GlobalVariable, globalsOf } from "../../model/globals.ts";
+import { type Machine, namesTo } from "../../model/machine.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { wantedLine } from "../../store/script_line.ts";
+import { select } from "../../store/view.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { Tree } from "../../ui/tree.tsx";
+import type { TreeSource } from "../../ui/tree_rows.ts";
+import { useActiveTab, useHost } from "../context.tsx";
+import { RenameGlobal } from "./rename_global.tsx";
+import { found, placeInWords } from "./words.ts";
+import "./globals.css";
+
+/** A row: a variable, or a place where it is used. */
+type Node = { readonly id: string; readonly variable: GlobalVariable; readonly use?: GlobalUse };
+
+export function Globals() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty title="No machine is open" text="Global variables of the machine in front stand here." />
+  );
+}
+
+function OfTab({ tab }: { tab: OpenTab }) {
+  const { page } = useHost().context();
+  const version = useSignal(tab.room.version);
+  const { machine } = tab.room;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
+  const all = useMemo(() => globalsOf(machine), [machine, version]);
+  const [query, setQuery] = useState("");
+  const [chosen, setChosen] = useState<string | null>(null);
+  const [renaming, setRenaming] = useState<GlobalVariable | null>(null);
+  const current = all.find(({ name }) => name === chosen) ?? null;
+  if (all.length === 0) {
+    return (
+      <Empty
+        title="No global variables"
+        text='Scripts share values by gvm.set_variable("name", value) and gvm.get_variable("name"): every name stands here with its places.'
+      />
+    );
+  }
+  return (
+    <div className="globals">
+      <div className="globals-bar">
+        <TextField
+          label="Filter global variables"
+          hideLabel
+          type="search"
+          placeholder="Filter"
+          value=""
+          onInput={setQuery}
+        />
+        <IconButton
+          label={current ? `Rename ${current.name}` : "Rename: choose a variable first"}
+          icon={<Pencil size={14} />}
+          disabled={!current || !mayEdit(page)}
+          onClick={() => setRenaming(current)}
+        />
+      </div>
+      <Variables
+        tab={tab}
+        variables={found(all, query)}
+        chosen={chosen}
+        onChoose={setChosen}
+        onRename={setRenaming}
+      />
+      {renaming && (
+        <RenameGlobal
+          page={page}
+          tab={tab}
+          variable={renaming}
+          taken={all.map(({ name }) => name)}
+          onClose={() => setRenaming(null)}
+        />
+      )}
+    </div>
+  );
+}
+
+interface VariablesProps {
+  readonly tab: OpenTab;
+  readonly variables: readonly GlobalVariable[];
+  readonly chosen: string | null;
+  readonly onChoose: (name: string) => void;
+  readonly onRename: (variable: GlobalVariable) => void;
+}
+
+function Variables({ tab, variables, chosen, onChoose, onRename }: VariablesProps) {
+  const host = useHost();
+  const { machine } = tab.room;
+  const [expanded, setExpanded] = useState<ReadonlySet<string>>(new Set());
+  const roots = useMemo<readonly Node[]>(
+    () => variables.map((variable) => ({ id: variable.name, variable })),
+    [variables],
+  );
+  const source: TreeSource<Node> = { roots, id: idOf, childrenOf: inside, expanded };
+  const show = ({ use }: Node) => {
+    if (!use) return;
+    select(tab.view, [{ kind: "state", path: use.path }]);
+    host.context().canvas?.reveal({ kind: "state", path: use.path });
+    if (use.line !== null) wantedLine.value = { path: use.path, line: use.line };
+  };
+  const expand = ({ id }: Node, open: boolean) => {
+    const next = new Set(expanded);
+    if (open) next.add(id);
+    else next.delete(id);
+    setExpanded(next);
+  };
+  return (
+    <Tree
+      label="Global variables"
+      {...source}
+      text={(node) => textOf(machine, node)}
+      row={(node) => <Row machine={machine} node={node} />}
+      selected={new Set(chosen === null ? [] : [chosen])}
+      onExpand={expand}
+      onSelect={(node) => {
+        onChoose(node.variable.name);
+        show(node);
+      }}
+      onOpen={(node) => (node.use ? show(node) : expand(node, !expanded.has(node.id)))}
+      onHover={(node) => {
+        tab.view.hovered.value = node?.use ? { kind: "state", path: node.use.path } : null;
+      }}
+      onKey={({ variable }, event) => {
+        if (event.key === "F2") onRename(variable);
+      }}
+    />
+  );
+}
+
+function idOf({ id }: Node): string {
+  return id;
+}
+
+function inside({ variable, use, id }: Node): readonly Node[] | null {
+  if (use) return null;
+  return variable.uses.map((each, index) => ({ id: `${id}\n${index}`, variable, use: each }));
+}
+
+function textOf(machine: Machine, { variable, use }: Node): string {
+  const [first, ...more] = use ? placeInWords(machine, use) : [variable.name, ...counts(variable)];
+  return [first, ...more].join(", ");
+}
+
+function counts({ uses }: GlobalVariable): readonly string[] {
+  const set = uses.filter(({ access }) => access === "set").length;
+  const read = uses.length - set;
+  return [
+    set === 0 ? "never set" : set === 1 ? "set once" : `set ${set} times`,
+    read === 0 ? "never read" : read === 1 ? "read once" : `read ${read} times`,
+  ];
+}
+
+function Row({ machine, node: { variable, use } }: { machine: Machine; node: Node }) {
+  if (!use) {
+    return (
+      <span className="globals-row">
+        <code>{variable.name}</code>
+        <span className="globals-soft">{counts(variable).join(", ")}</span>
+      </span>
+    );
+  }
+  const names = namesTo(machine, use.path);
+  return (
+    <span className="globals-row" title={`${names.join(" / ")}\n${use.text}`}>
+      <span className={`globals-access globals-${use.access}`}>{use.access}</span>
+      <span>
+        {names.at(-1)}
+        {use.line !== null && `:${use.line}`}
+      </span>
+      <code className="globals-soft">{use.text}</code>
+    </span>
+  );
+}

@@ -1,0 +1,89 @@
+/** Another name for a global variable: every script that follows is shown before it is done. */
+
+import { useState } from "react";
+import { performIn } from "../../commands/perform.ts";
+import type { GlobalUse, GlobalVariable } from "../../model/globals.ts";
+import { namesTo } from "../../model/machine.ts";
+import { renameGlobal } from "../../plan/rename_in_script.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import { Button } from "../../ui/button.tsx";
+import { Dialog } from "../../ui/dialog.tsx";
+import { TextField } from "../../ui/field.tsx";
+
+export interface RenameGlobalProps {
+  readonly page: Page;
+  readonly tab: OpenTab;
+  readonly variable: GlobalVariable;
+  /** Names that other variables have. */
+  readonly taken: readonly string[];
+  readonly onClose: () => void;
+}
+
+export function RenameGlobal({ page, tab, variable, taken, onClose }: RenameGlobalProps) {
+  const { machine } = tab.room;
+  const [name, setName] = useState(variable.name);
+  const wanted = name.trim();
+  const own = variable.uses.filter(({ path }) => !machine.isInLibrary(path));
+  const foreign = variable.uses.length - own.length;
+  const rename = async () => {
+    const isDone = await performIn(page, tab, renameGlobal(machine, variable.name, wanted));
+    if (isDone) onClose();
+  };
+  return (
+    <Dialog
+      title={`Rename global variable ${variable.name}`}
+      width={600}
+      onClose={onClose}
+      footer={
+        <>
+          <Button onClick={onClose}>Cancel</Button>
+          <Button
+            kind="primary"
+            disabled={wanted === "" || wanted === variable.name}
+            onClick={() => void rename()}
+          >
+            Rename everywhere
+          </Button>
+        </>
+      }
+    >
+      <TextField
+        label="New name"
+        value={variable.name}
+        autoFocus
+        onInput={setName}
+        onKeyDown={(event) => {
+          if (event.key === "Enter" && wanted !== "" && wanted !== variable.name) void rename();
+        }}
+      />
+      {wanted !== variable.name && taken.includes(wanted) && (
+        <p className="globals-warning" role="note">
+          There is a variable {wanted} already: both would be the same from then on.
+        </p>
+      )}
+      {foreign > 0 && (
+        <p className="globals-warning" role="note">
+          Libraries keep the old name: {foreign === 1 ? "one place" : `${foreign} places`}, to be
+          changed in the libraries themselves.
+        </p>
+      )}
+      <ul className="globals-places" aria-label="Places that follow">
+        {own.map((use) => (
+          <Place key={`${use.path} ${use.line} ${use.text}`} tab={tab} use={use} />
+        ))}
+      </ul>
+    </Dialog>
+  );
+}
+
+function Place({ tab, use }: { tab: OpenTab; use: GlobalUse }) {
+  return (
+    <li>
+      <span className="globals-soft">
+        {namesTo(tab.room.machine, use.path).join(" / ")}
+        {use.line !== null && `, line ${use.line}`}
+      </span>
+      <code>{use.text}</code>
+    </li>
+  );
+}
