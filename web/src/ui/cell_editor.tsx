@@ -3,6 +3,8 @@
 import { useId, useRef, useState } from "react";
 import type { Committed } from "./field.tsx";
 
+export type CellStep = -1 | 0 | 1;
+
 export interface CellEditorProps {
   readonly label: string;
   readonly value: string;
@@ -12,8 +14,8 @@ export interface CellEditorProps {
   readonly onCommit: (
     text: string,
   ) => Committed | Promise<Committed> | void | Promise<void> | undefined;
-  /** It is over. */
-  readonly onStop: () => void;
+  /** It is over; after Tab the next cell is to be edited, after Shift+Tab the one before. */
+  readonly onStop: (step: CellStep) => void;
 }
 
 export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: CellEditorProps) {
@@ -21,15 +23,15 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
   const [refusal, setRefusal] = useState<string | null>(null);
   const over = useRef(false);
   const id = useId();
-  const stop = () => {
+  const stop = (step: CellStep = 0) => {
     over.current = true;
-    onStop();
+    onStop(step);
   };
-  const commit = async () => {
+  const commit = async (step: CellStep = 0) => {
     if (over.current) return;
-    if (text === value) return stop();
+    if (text === value) return stop(step);
     const fault = check(text) ?? (await onCommit(text)) ?? null;
-    if (fault === null) stop();
+    if (fault === null) stop(step);
     else setRefusal(fault);
   };
   return (
@@ -55,6 +57,9 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
           event.stopPropagation();
           if (event.key === "Enter") void commit();
           if (event.key === "Escape") stop();
+          if (event.key !== "Tab") return;
+          event.preventDefault();
+          void commit(event.shiftKey ? -1 : 1);
         }}
       />
       {rest.suggestions && (

@@ -3,7 +3,7 @@
 import { useVirtualizer } from "@tanstack/react-virtual";
 import { ArrowDown, ArrowUp } from "lucide-react";
 import { type KeyboardEvent, type ReactNode, useEffect, useRef, useState } from "react";
-import { CellEditor } from "./cell_editor.tsx";
+import { CellEditor, type CellStep } from "./cell_editor.tsx";
 import type { Committed } from "./field.tsx";
 import "./table.css";
 
@@ -91,9 +91,11 @@ export function Table<T>(props: TableProps<T>) {
   };
   const template = columns.map((column) => column.width ?? "minmax(0, 1fr)").join(" ");
   const cursor: Cursor = { at, column: active?.column ?? 0, editing, setEditing, go };
-  const stop = () => {
-    setEditing(false);
-    place.current?.focus();
+  const stop = (step: CellStep) => {
+    const next = step === 0 ? null : nextEditable(props, cursor, step);
+    if (next) go(next.index, next.column);
+    else place.current?.focus();
+    setEditing(next !== null);
   };
   const height = rowsMax && Math.min(rows.length, rowsMax) * ROW_PX + (props.hideHead ? 0 : 26);
   return (
@@ -137,6 +139,22 @@ interface Cursor {
   readonly editing: boolean;
   readonly setEditing: (editing: boolean) => void;
   readonly go: (index: number, column: number, how?: { toggle: boolean }) => void;
+}
+
+/** The cell that Tab leads to: the nearest one that can be edited, over the ends of rows. */
+function nextEditable<T>(
+  { rows, columns }: TableProps<T>,
+  { at, column }: Cursor,
+  step: CellStep,
+): { readonly index: number; readonly column: number } | null {
+  const count = rows.length * columns.length;
+  for (let cell = at * columns.length + column + step; cell >= 0 && cell < count; cell += step) {
+    const index = Math.floor(cell / columns.length);
+    const row = rows[index];
+    const value = row === undefined ? null : columns[cell % columns.length]?.edit?.value(row);
+    if (value != null) return { index, column: cell % columns.length };
+  }
+  return null;
 }
 
 function tableKey<T>(
@@ -243,7 +261,7 @@ interface RowProps<T> {
   readonly top: number;
   readonly template: string;
   readonly cursor: Cursor;
-  readonly onStop: () => void;
+  readonly onStop: (step: CellStep) => void;
 }
 
 function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T>) {
