@@ -1,5 +1,71 @@
-/** The whole page. */
+/** The whole page: who is let in sees the upper edge, the canvas and the panels. */
 
-export function App() {
-  return <main>RAFCON</main>;
+import { useEffect, useMemo, useState } from "react";
+import { PanelHostProvider } from "../panels/context.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { listenToClipboard } from "./clipboard_events.ts";
+import { OpenDialogs } from "./dialogs/dialogs.tsx";
+import { Dock } from "./dock.tsx";
+import { listenToKeys } from "./keyboard.ts";
+import { guardLeaving } from "./leaving.ts";
+import { Login, Unreachable } from "./login.tsx";
+import { Palette } from "./palette.tsx";
+import { SessionProvider, useSession } from "./provided.tsx";
+import type { AppSession } from "./session.ts";
+import { Toasts } from "./toasts.tsx";
+import { TopBar } from "./top_bar.tsx";
+import "./app.css";
+
+export function App({ session }: { session: AppSession }) {
+  const host = useMemo(() => ({ commands: session.commands, context: session.context }), [session]);
+  return (
+    <SessionProvider value={session}>
+      <PanelHostProvider value={host}>
+        <Door />
+        <OpenDialogs />
+        <Palette />
+        <Toasts />
+      </PanelHostProvider>
+    </SessionProvider>
+  );
+}
+
+/** Who was in once stays in while the connection is gone. */
+function Door() {
+  const { page } = useSession();
+  const link = useSignal(page.server.link);
+  const [wasIn, setWasIn] = useState(false);
+  useEffect(() => {
+    if (link.state === "up") setWasIn(true);
+    if (link.state === "refused") setWasIn(false);
+  }, [link]);
+  if (link.state === "refused") return <Login reason={link.reason} />;
+  if (wasIn || link.state === "up") return <Inside />;
+  return (
+    <Unreachable
+      reason={link.state === "down" ? `The server does not answer: ${link.reason}` : "Connecting…"}
+    />
+  );
+}
+
+function Inside() {
+  const session = useSession();
+  useEffect(() => {
+    const stops = [
+      listenToKeys(session, window),
+      listenToClipboard(session, document),
+      guardLeaving(session, window),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }, [session]);
+  return (
+    <div className="app">
+      <TopBar />
+      <div className="app-dock">
+        <Dock />
+      </div>
+    </div>
+  );
 }

@@ -1,7 +1,22 @@
 /** Starts the page. */
 
+import "@fontsource-variable/inter";
+import "@fontsource-variable/jetbrains-mono";
+import "../ui/tokens.css";
 import { createRoot } from "react-dom/client";
+import { allCommands } from "../commands/all.ts";
+import { startPage } from "../sync/page.ts";
 import { App } from "./app.tsx";
+import { newSession } from "./session.ts";
+import { wearTheme } from "./theme.ts";
 
 const place = document.getElementById("app");
-if (place) createRoot(place).render(<App />);
+if (place) {
+  const page = startPage();
+  const session = newSession(page, allCommands());
+  wearTheme(page, document.documentElement);
+  const { commands, context } = session;
+  // For tests and benches, to look and not to change.
+  Object.assign(window, { __rafcon: { page, commands, context } });
+  createRoot(place).render(<App session={session} />);
+}

@@ -126,7 +126,7 @@ export interface Command {
   readonly checked?: (context: Context) => boolean;
   /** What it can be done with: a menu of its own, each entry of which runs it with its argument. */
   readonly choices?: (context: Context) => readonly Choice[];
-  readonly run: (context: Context, argument?: unknown) => void | Promise<unknown>;
+  readonly run: (context: Context, argument?: unknown) => unknown;
 }
 
 /** All commands by id, in the order in which menus show them. */

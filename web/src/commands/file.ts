@@ -5,6 +5,7 @@ import type { OpenTab } from "../store/page.ts";
 import type { Link } from "../store/server.ts";
 import { RefusalError } from "../store/server.ts";
 import type { Command, Context } from "./command.ts";
+import { applyDrafts } from "./drafts.ts";
 import { anyOnlyState, canEdit, mayEdit, onlyState } from "./subject.ts";
 
 const isOpen = (context: Context) => context.tab !== null;
@@ -22,7 +23,6 @@ export const FILE: readonly Command[] = [
       const wanted = await shell.dialog("new", undefined);
       if (!wanted) return;
       const made = await page.server.request<MachineSummary>("POST", "/machines", wanted);
-      remember(page, wanted.file);
       await page.join(made.id);
     },
   },
@@ -35,7 +35,6 @@ export const FILE: readonly Command[] = [
       const file = (argument as MachineFile | undefined) ?? (await shell.dialog("open", undefined));
       if (!file) return;
       await page.open(file);
-      remember(page, file);
     },
   },
   {
@@ -53,7 +52,6 @@ export const FILE: readonly Command[] = [
       const file = argument as MachineFile;
       try {
         await page.open(file);
-        remember(page, file);
       } catch (error) {
         if (error instanceof RefusalError && error.status === 404) forget(page, file);
         throw error;
@@ -105,6 +103,13 @@ export const FILE: readonly Command[] = [
         if (isChanged(tab)) await saveTab(context, tab);
       }
     },
+  },
+  {
+    id: "file.overwrite",
+    title: "Save over what lies on disk",
+    detail: "Also if another program changed it.",
+    enabled: canEdit,
+    run: (context) => saveTab(context, context.tab, true),
   },
   {
     id: "file.reload",
@@ -189,15 +194,6 @@ export function isChanged(tab: OpenTab): boolean {
   return tab.room.status.value?.summary.is_changed ?? false;
 }
 
-const RECENT_MAX = 20;
-
-/** The folder was used last. */
-export function remember(page: Context["page"], file: MachineFile): void {
-  const before = page.settings.peek();
-  const others = before.recent.filter((each) => !isSame(each, file));
-  page.settings.value = { ...before, recent: [file, ...others].slice(0, RECENT_MAX) };
-}
-
 function forget(page: Context["page"], file: MachineFile): void {
   const before = page.settings.peek();
   const recent = before.recent.filter((each) => !isSame(each, file));
@@ -219,6 +215,7 @@ async function saveTab(context: Context, tab: OpenTab | null, overwrite = false)
   if (!tab) return false;
   if (tab.room.status.peek()?.summary.file === null) return saveElsewhere(context, false);
   const { page, shell } = context;
+  if (!(await applyDrafts(page, tab))) return false;
   try {
     await page.server.request("POST", `/machines/${tab.room.id}/save`, { overwrite });
     return true;
@@ -247,7 +244,7 @@ async function saveTab(context: Context, tab: OpenTab | null, overwrite = false)
 
 async function saveElsewhere(context: Context, copy: boolean): Promise<boolean> {
   const { page, tab, shell } = context;
-  if (!tab) return false;
+  if (!tab || !(await applyDrafts(page, tab))) return false;
   const file = await shell.dialog("save-as", {
     title: copy ? "Save a copy" : "Save as",
     name: folderName(tab.room.machine.state(tab.room.machine.root)?.name ?? "machine"),
@@ -255,7 +252,6 @@ async function saveElsewhere(context: Context, copy: boolean): Promise<boolean> 
   });
   if (!file) return false;
   await page.server.request("POST", `/machines/${tab.room.id}/save`, { file, copy });
-  remember(page, file);
   if (copy) {
     page.tell({
       level: "info",
@@ -322,7 +318,6 @@ async function openLibrary(context: Context): Promise<void> {
   }
   const file = { project: project.id, path: place.slice(project.folder.length + 1) };
   await page.open(file);
-  remember(page, file);
 }
 
 /** Closes the tab; what is not saved is asked for. True if it is closed. */

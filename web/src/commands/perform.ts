@@ -1,10 +1,10 @@
 /** The way of every edit from a command to the machine: refused with a reason, or made, and what it made is selected. */
 
-import type { ElementRef } from "../model/element.ts";
 import type { Machine } from "../model/machine.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import { wasRefused } from "../store/room.ts";
+import { isThere } from "../store/selection.ts";
 import { select } from "../store/view.ts";
 import type { Context } from "./command.ts";
 import { mayEdit } from "./subject.ts";
@@ -41,8 +41,4 @@ export async function performIn(page: Page, tab: OpenTab, planned: Planned): Pro
     );
   }
   return true;
-}
-
-function isThere(machine: Machine, element: ElementRef): boolean {
-  return machine.state(element.path) !== undefined;
 }

@@ -57,6 +57,7 @@ export function ContextMenu({ label, at, items, onClose, onSideways }: ContextMe
             {/* biome-ignore lint/a11y/noStaticElementInteractions: Escape does the same */}
             <div
               className="menu-shield"
+              style={onSideways ? { top: at.y } : undefined}
               onMouseDown={onClose}
               onContextMenu={(event) => {
                 event.preventDefault();

@@ -46,12 +46,12 @@ const INDENT_PX = 14;
 const TYPING_MS = 700;
 
 export function Tree<T>(props: TreeProps<T>) {
-  const { roots, id, children, expanded, reveal, rowHeight = ROW_PX } = props;
+  const { roots, id, childrenOf, expanded, reveal, rowHeight = ROW_PX } = props;
   const place = useRef<HTMLDivElement>(null);
   const base = useId();
   const rows = useMemo(
-    () => treeRows({ roots, id, children, expanded }),
-    [roots, id, children, expanded],
+    () => treeRows({ roots, id, childrenOf, expanded }),
+    [roots, id, childrenOf, expanded],
   );
   const [activeId, setActive] = useState<string | null>(null);
   const found = rows.findIndex((row) => row.id === activeId);

@@ -4,7 +4,7 @@ export interface TreeSource<T> {
   readonly roots: readonly T[];
   readonly id: (node: T) => string;
   /** What is inside; null of what cannot be opened. */
-  readonly children: (node: T) => readonly T[] | null;
+  readonly childrenOf: (node: T) => readonly T[] | null;
   readonly expanded: ReadonlySet<string>;
 }
 
@@ -22,11 +22,11 @@ export interface TreeRow<T> {
 }
 
 /** All rows that show, from the top. */
-export function treeRows<T>({ roots, id, children, expanded }: TreeSource<T>): TreeRow<T>[] {
+export function treeRows<T>({ roots, id, childrenOf, expanded }: TreeSource<T>): TreeRow<T>[] {
   const rows: TreeRow<T>[] = [];
   const add = (nodes: readonly T[], depth: number, parent: number) => {
     nodes.forEach((node, index) => {
-      const inside = children(node);
+      const inside = childrenOf(node);
       const key = id(node);
       const open = inside === null ? undefined : expanded.has(key);
       const at = rows.length;

@@ -1,0 +1,141 @@
+/** What somebody who works on the machine has to know now: each a bar above the canvas, with the ways out. */
+
+import { Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
+import { type ReactNode, useEffect, useState } from "react";
+import { mayEdit } from "../commands/subject.ts";
+import type { OpenTab } from "../store/page.ts";
+import { Button } from "../ui/button.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { agePhrase } from "./age.ts";
+import { useDerived, useSession } from "./provided.tsx";
+
+export function Bars({ tab }: { tab: OpenTab }) {
+  return (
+    <>
+      <LinkBar tab={tab} />
+      <ReadOnlyBar />
+      <DiskBar tab={tab} />
+      <RecoveredBar tab={tab} />
+    </>
+  );
+}
+
+interface BarProps {
+  readonly kind?: "plain" | "warning" | "danger";
+  readonly icon: ReactNode;
+  readonly children: ReactNode;
+  readonly actions?: ReactNode;
+}
+
+function Bar({ kind = "plain", icon, children, actions }: BarProps) {
+  return (
+    <div className={`bar bar-${kind}`} role="status">
+      {icon}
+      <span className="bar-text">{children}</span>
+      {actions}
+    </div>
+  );
+}
+
+/** The connection is gone: what is shown is as old as this. */
+function LinkBar({ tab }: { tab: OpenTab }) {
+  const { page } = useSession();
+  const link = useSignal(page.server.link);
+  const pending = useSignal(tab.room.pending);
+  const now_ms = useNow(link.state === "down");
+  if (link.state !== "down") return null;
+  const waiting =
+    pending.length === 0
+      ? ""
+      : ` ${pending.length === 1 ? "One edit waits" : `${pending.length} edits wait`} to be sent.`;
+  return (
+    <Bar
+      kind="danger"
+      icon={<Unplug size={16} aria-hidden />}
+      actions={<Button onClick={() => page.server.retry()}>Try again now</Button>}
+    >
+      No connection for {agePhrase(now_ms - link.since_ms)}: {link.reason}. What you see may be out
+      of date.{waiting}
+    </Bar>
+  );
+}
+
+/** The time, every second while it is wanted. */
+export function useNow(wanted: boolean): number {
+  const [now_ms, setNow] = useState(() => Date.now());
+  useEffect(() => {
+    if (!wanted) return;
+    setNow(Date.now());
+    const timer = setInterval(() => setNow(Date.now()), 1_000);
+    return () => clearInterval(timer);
+  }, [wanted]);
+  return now_ms;
+}
+
+function ReadOnlyBar() {
+  const { page } = useSession();
+  const may = useDerived(() => mayEdit(page), [page]);
+  if (may) return null;
+  return (
+    <Bar icon={<Eye size={16} aria-hidden />}>
+      You may look and not edit: ask an admin for the role engineer to change machines.
+    </Bar>
+  );
+}
+
+function DiskBar({ tab }: { tab: OpenTab }) {
+  const { page, commands, context } = useSession();
+  const status = useSignal(tab.room.status);
+  const may = useDerived(() => mayEdit(page), [page]);
+  const disk = status?.summary.disk ?? "same";
+  if (disk === "same") return null;
+  const run = (id: string, argument?: unknown) => commands.run(id, context(), argument);
+  const text =
+    disk === "missing"
+      ? "The files of this machine are gone from disk: save it to put them back."
+      : "Another program changed the files of this machine on disk.";
+  return (
+    <Bar
+      kind="warning"
+      icon={<FileWarning size={16} aria-hidden />}
+      actions={
+        may && (
+          <>
+            {disk === "changed" && (
+              <>
+                <Button onClick={() => run("file.compare")}>Compare</Button>
+                <Button onClick={() => run("file.reload")}>Take theirs</Button>
+              </>
+            )}
+            <Button onClick={() => run("file.overwrite")}>
+              {disk === "changed" ? "Keep mine" : "Save"}
+            </Button>
+          </>
+        )
+      }
+    >
+      {text}
+    </Bar>
+  );
+}
+
+function RecoveredBar({ tab }: { tab: OpenTab }) {
+  const { commands, context } = useSession();
+  const status = useSignal(tab.room.status);
+  const [closed, setClosed] = useState(false);
+  if (closed || !status?.summary.is_recovered || !status.summary.is_changed) return null;
+  return (
+    <Bar
+      icon={<LifeBuoy size={16} aria-hidden />}
+      actions={
+        <>
+          <Button onClick={() => commands.run("file.compare", context())}>Compare</Button>
+          <Button onClick={() => commands.run("file.save", context())}>Save</Button>
+          <Button onClick={() => setClosed(true)}>Go on</Button>
+        </>
+      }
+    >
+      Edits that were not saved when the server ended are back. An undo takes each of them away.
+    </Bar>
+  );
+}

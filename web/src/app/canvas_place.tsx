@@ -1,0 +1,45 @@
+/** The place of the canvas of a machine, with its context menu. */
+
+import { useEffect, useRef, useState } from "react";
+import { mountCanvas } from "../canvas/mount.ts";
+import { contextMenu } from "../commands/menus.ts";
+import type { ElementRef } from "../model/element.ts";
+import type { Point } from "../model/geometry.ts";
+import type { OpenTab } from "../store/page.ts";
+import { ContextMenu } from "../ui/menu.tsx";
+import { useKeys } from "./keys_shown.ts";
+import { useSession } from "./provided.tsx";
+
+export function CanvasPlace({ tab }: { tab: OpenTab }) {
+  const { page, commands, context, canvas } = useSession();
+  const keys = useKeys();
+  const place = useRef<HTMLDivElement>(null);
+  const [menu, setMenu] = useState<{ at: Point; elements: readonly ElementRef[] } | null>(null);
+  useEffect(() => {
+    if (!place.current) return;
+    const mounted = mountCanvas(place.current, {
+      tab,
+      page,
+      run: (command, argument) => void commands.run(command, context(), argument),
+      menuAt: (at, elements) => setMenu({ at, elements }),
+    });
+    canvas.value = mounted.control;
+    return () => {
+      if (canvas.peek() === mounted.control) canvas.value = null;
+      mounted.dispose();
+    };
+  }, [tab, page, commands, context, canvas]);
+  return (
+    <div className="canvas-place">
+      <div ref={place} className="canvas-mount" />
+      {menu && (
+        <ContextMenu
+          label="What can be done here"
+          at={menu.at}
+          items={contextMenu({ commands, context: context(), keys }, menu.elements)}
+          onClose={() => setMenu(null)}
+        />
+      )}
+    </div>
+  );
+}

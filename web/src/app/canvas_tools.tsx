@@ -1,0 +1,70 @@
+/** What shows on the canvas, and how near one looks. */
+
+import {
+  ArrowRightLeft,
+  CircleSlash2,
+  Grid3x3,
+  type LucideIcon,
+  Maximize,
+  ScanSearch,
+  Tag,
+  Variable,
+  Waypoints,
+  ZoomIn,
+  ZoomOut,
+} from "lucide-react";
+import type { OpenTab } from "../store/page.ts";
+import { IconButton } from "../ui/button.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { useShownKey } from "./keys_shown.ts";
+import { useDerived, useSession } from "./provided.tsx";
+
+const MODES: readonly (readonly [string, LucideIcon])[] = [
+  ["view.transitions", ArrowRightLeft],
+  ["view.data-flows", Waypoints],
+  ["view.names", Tag],
+  ["view.values", Variable],
+  ["view.aborted", CircleSlash2],
+  ["view.grid", Grid3x3],
+];
+
+const LOOK: readonly (readonly [string, LucideIcon])[] = [
+  ["view.zoom-out", ZoomOut],
+  ["view.zoom-in", ZoomIn],
+  ["view.zoom-selection", ScanSearch],
+  ["view.fit", Maximize],
+];
+
+const FLOWS = { selection: "of the selection", all: "all", none: "none" };
+
+export function CanvasTools({ tab }: { tab: OpenTab }) {
+  const { commands, context } = useSession();
+  const shown = useShownKey();
+  const modes = useSignal(tab.view.modes);
+  const some = useDerived(() => tab.view.selection.value.size > 0, [tab]);
+  const button = ([id, Icon]: readonly [string, LucideIcon], pressed?: boolean, words = "") => (
+    <IconButton
+      key={id}
+      label={(commands.get(id)?.title ?? id) + words}
+      icon={<Icon size={15} />}
+      keys={shown(id)}
+      pressed={pressed}
+      disabled={id === "view.zoom-selection" && !some}
+      onClick={() => commands.run(id, context())}
+    />
+  );
+  return (
+    <>
+      <div className="tool-group" role="toolbar" aria-label="What shows">
+        {MODES.map((mode) =>
+          mode[0] === "view.data-flows"
+            ? button(mode, modes.dataFlows !== "none", `: ${FLOWS[modes.dataFlows]}`)
+            : button(mode, commands.get(mode[0])?.checked?.(context())),
+        )}
+      </div>
+      <div className="tool-group" role="toolbar" aria-label="Zoom">
+        {LOOK.map((look) => button(look))}
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,28 @@
+/** The middle of the page: the machine in front on its canvas, with where one is and what shows; or how to begin. */
+
+import { useSignal } from "../ui/signals.ts";
+import { Bars } from "./bars.tsx";
+import { Breadcrumb } from "./breadcrumb.tsx";
+import { CanvasPlace } from "./canvas_place.tsx";
+import { CanvasTools } from "./canvas_tools.tsx";
+import { InsertPalette } from "./insert_palette.tsx";
+import { useSession } from "./provided.tsx";
+import { StartPage } from "./start_page.tsx";
+import "./centre.css";
+
+export function Centre() {
+  const { page } = useSession();
+  const tab = useSignal(page.active);
+  if (!tab) return <StartPage />;
+  return (
+    <main className="centre">
+      <div className="centre-bar">
+        <Breadcrumb tab={tab} />
+        <InsertPalette />
+        <CanvasTools tab={tab} />
+      </div>
+      <Bars tab={tab} />
+      <CanvasPlace key={tab.room.id} tab={tab} />
+    </main>
+  );
+}

@@ -1,0 +1,141 @@
+/** Which library is to be used. */
+
+import { Folder, Library } from "lucide-react";
+import { useMemo, useState } from "react";
+import type { LibraryNode } from "../../model/generated/protocol.ts";
+import { Button } from "../../ui/button.tsx";
+import { Dialog } from "../../ui/dialog.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { Tree } from "../../ui/tree.tsx";
+import { useSession } from "../provided.tsx";
+import type { DialogProps } from "./dialogs.tsx";
+
+interface Node {
+  readonly path: string;
+  readonly name: string;
+  readonly children: readonly Node[] | null;
+}
+
+function nodeOf(path: string, { name, kind, children }: LibraryNode): Node {
+  const inside = `${path}/${name}`;
+  const nodes = (children ?? []).map((child) => nodeOf(inside, child));
+  return { path, name, children: kind === "library" ? null : nodes };
+}
+
+const keyOf = (node: Node) => `${node.path}/${node.name}`;
+const childrenOf = (node: Node) => node.children;
+const nameOf = (node: Node) => node.name;
+
+function matching(nodes: readonly Node[], search: string): readonly Node[] {
+  if (search === "") return nodes;
+  return nodes.flatMap((node) => {
+    if (node.name.toLowerCase().includes(search)) return [node];
+    const children = matching(node.children ?? [], search);
+    return children.length > 0 ? [{ ...node, children }] : [];
+  });
+}
+
+export function LibraryChooser({
+  asks,
+  answer,
+}: DialogProps<{ readonly title: string; readonly yes: string }>) {
+  const { page } = useSession();
+  const roots = useSignal(page.libraries);
+  const [search, setSearch] = useState("");
+  const [toggled, setToggled] = useState<ReadonlySet<string>>(new Set());
+  const [chosen, setChosen] = useState<Node | null>(null);
+  const nodes = useMemo(
+    () =>
+      roots.map(({ name, children }) => ({
+        path: "",
+        name,
+        children: children.map((child) => nodeOf(name, child)),
+      })),
+    [roots],
+  );
+  const shown = useMemo(() => matching(nodes, search.trim().toLowerCase()), [nodes, search]);
+  const expanded = useMemo(() => {
+    const open = new Set<string>();
+    const add = (node: Node, depth: number) => {
+      const isOpen = depth === 0 || search.trim() !== "";
+      if (isOpen !== toggled.has(keyOf(node))) open.add(keyOf(node));
+      for (const child of node.children ?? []) add(child, depth + 1);
+    };
+    for (const node of shown) add(node, 0);
+    return open;
+  }, [shown, search, toggled]);
+  const take = (node: Node | null) => {
+    if (node?.children === null) answer({ path: node.path, name: node.name });
+  };
+  return (
+    <Dialog
+      title={asks.title}
+      width={560}
+      height={560}
+      onClose={() => answer(null)}
+      footer={
+        <>
+          <Button onClick={() => answer(null)}>Cancel</Button>
+          <Button kind="primary" disabled={chosen?.children !== null} onClick={() => take(chosen)}>
+            {asks.yes}
+          </Button>
+        </>
+      }
+    >
+      <div className="form">
+        <TextField
+          label="Find a library"
+          hideLabel
+          type="search"
+          placeholder="Find a library"
+          value={search}
+          onInput={setSearch}
+          autoFocus
+        />
+        <div className="form-tree">
+          {shown.length === 0 ? (
+            <Empty
+              title={search === "" ? "No libraries" : "Nothing found"}
+              text={
+                search === ""
+                  ? "Libraries lie in the library roots that the server was started with."
+                  : `No library has “${search}” in its name.`
+              }
+            />
+          ) : (
+            <Tree
+              label="Libraries"
+              roots={shown}
+              id={keyOf}
+              childrenOf={childrenOf}
+              text={nameOf}
+              expanded={expanded}
+              selected={new Set(chosen ? [keyOf(chosen)] : [])}
+              onExpand={(node) =>
+                setToggled((before) => {
+                  const next = new Set(before);
+                  if (!next.delete(keyOf(node))) next.add(keyOf(node));
+                  return next;
+                })
+              }
+              onSelect={setChosen}
+              onOpen={take}
+              row={(node) => (
+                <>
+                  {node.children === null ? (
+                    <Library size={14} className="tree-icon tree-icon-machine" aria-hidden />
+                  ) : (
+                    <Folder size={14} className="tree-icon" aria-hidden />
+                  )}
+                  {node.name}
+                </>
+              )}
+            />
+          )}
+        </div>
+      </div>
+    </Dialog>
+  );
+}

@@ -1,0 +1,67 @@
+/** Which machine is to be opened: from all projects, found by typing. */
+
+import { useState } from "react";
+import type { MachineFile } from "../../model/generated/protocol.ts";
+import { Button } from "../../ui/button.tsx";
+import { Dialog } from "../../ui/dialog.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { filtered, type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
+import type { DialogProps } from "./dialogs.tsx";
+
+export function OpenMachine({ answer }: DialogProps<undefined>) {
+  const nodes = useProjects();
+  const [search, setSearch] = useState("");
+  const [chosen, setChosen] = useState<ProjectNode | null>(null);
+  const machine = chosen?.kind === "machine" ? chosen.file : onlyMachine(nodes ?? [], search);
+  return (
+    <Dialog
+      title="Open a machine"
+      width={620}
+      height={560}
+      onClose={() => answer(null)}
+      footer={
+        <>
+          <Button onClick={() => answer(null)}>Cancel</Button>
+          <Button kind="primary" disabled={!machine} onClick={() => answer(machine)}>
+            Open
+          </Button>
+        </>
+      }
+    >
+      <div className="form">
+        <TextField
+          label="Find"
+          hideLabel
+          type="search"
+          placeholder="Find a machine"
+          value={search}
+          onInput={(text) => {
+            setSearch(text);
+            setChosen(null);
+          }}
+          autoFocus
+          onKeyDown={(event) => event.key === "Enter" && machine && answer(machine)}
+        />
+        <div className="form-tree">
+          {nodes && (
+            <ProjectTree
+              nodes={nodes}
+              search={search}
+              selected={chosen?.file ?? null}
+              onSelect={setChosen}
+              onOpen={(node) => node.kind === "machine" && answer(node.file)}
+            />
+          )}
+        </div>
+      </div>
+    </Dialog>
+  );
+}
+
+/** The machine that is found, if it is the only one: then Enter opens it. */
+function onlyMachine(nodes: readonly ProjectNode[], search: string): MachineFile | null {
+  const machines = (list: readonly ProjectNode[]): ProjectNode[] =>
+    list.flatMap((node) => (node.kind === "machine" ? [node] : machines(node.children ?? [])));
+  const [first, ...more] = machines(search === "" ? [] : filtered(nodes, search));
+  return first && more.length === 0 ? first.file : null;
+}

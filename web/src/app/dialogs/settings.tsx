@@ -1,0 +1,72 @@
+/** Settings of this browser. */
+
+import type { Settings } from "../../store/page.ts";
+import { Button } from "../../ui/button.tsx";
+import { Dialog } from "../../ui/dialog.tsx";
+import { Select } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useSession } from "../provided.tsx";
+import type { DialogProps } from "./dialogs.tsx";
+
+const LEVELS = ["0", "1", "2", "3", "5", "8"] as const;
+
+export function SettingsDialog({ answer }: DialogProps<undefined>) {
+  const { page, commands, context } = useSession();
+  const settings = useSignal(page.settings);
+  const change = (part: Partial<Settings>) => {
+    page.settings.value = { ...page.settings.peek(), ...part };
+  };
+  return (
+    <Dialog title="Settings" onClose={() => answer(null)}>
+      <div className="form">
+        <Select
+          label="Theme"
+          value={settings.theme}
+          options={[
+            { value: "system", title: "As the system" },
+            { value: "dark", title: "Dark" },
+            { value: "light", title: "Light" },
+          ]}
+          onChange={(theme) => change({ theme })}
+        />
+        <Select
+          label="The wheel, without a key"
+          value={settings.wheel}
+          options={[
+            { value: "zoom", title: "Zooms; with Shift it moves sideways" },
+            { value: "pan", title: "Moves; with Ctrl it zooms" },
+          ]}
+          onChange={(wheel) => change({ wheel })}
+        />
+        <Select
+          label="Library content shows in place to so many levels"
+          value={String(settings.libraryLevels)}
+          options={LEVELS.map((level) => ({
+            value: level as string,
+            title: level === "0" ? "none" : level,
+          }))}
+          onChange={(levels) => change({ libraryLevels: Number(levels) })}
+        />
+        <div className="form-row">
+          <Select
+            label="Keys"
+            value={settings.keymap}
+            options={[
+              { value: "rafcon", title: "RAFCON" },
+              { value: "classic", title: "RAFCON classic" },
+            ]}
+            onChange={(keymap) => change({ keymap })}
+          />
+          <Button
+            onClick={() => {
+              answer(null);
+              commands.run("help.keys", context());
+            }}
+          >
+            Change keys…
+          </Button>
+        </div>
+      </div>
+    </Dialog>
+  );
+}

@@ -1,0 +1,194 @@
+/** Makes layouts real in the dock, keeps what the user does to them, and shows and folds panels. */
+
+import { type ReadonlySignal, signal } from "@preact/signals-core";
+import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockview-react";
+import type { Layouts, Side } from "../commands/command.ts";
+import { kept, type Shed } from "../store/shed.ts";
+import { type Layout, SHIPPED, withPanels } from "./layouts.ts";
+import { PANELS, panelOf } from "./panels.tsx";
+import type { DockPort } from "./session.ts";
+
+const NOW = "rafcon.layout";
+const OWN = "rafcon.layouts";
+const CANVAS = "canvas";
+const OPPOSITE: Readonly<Record<Side, "left" | "right" | "below">> = {
+  left: "left",
+  right: "right",
+  bottom: "below",
+};
+
+export class DockControl implements DockPort {
+  readonly #api: DockviewApi;
+  readonly #shed: Shed;
+  readonly #changes = signal(0);
+  readonly #stop: () => void;
+
+  constructor(api: DockviewApi, shed: Shed) {
+    this.#api = api;
+    this.#shed = shed;
+    const listening = api.onDidLayoutChange(() => {
+      this.#changes.value = this.#changes.peek() + 1;
+      this.#keep();
+    });
+    this.#stop = () => listening.dispose();
+  }
+
+  /** Another number whenever panels stand otherwise. */
+  get changes(): ReadonlySignal<number> {
+    return this.#changes;
+  }
+
+  dispose(): void {
+    this.#stop();
+  }
+
+  /** As the page was left, or as it ships. */
+  restore(): void {
+    const before = kept<SerializedDockview>(this.#shed, NOW);
+    if (!before || !this.#load(before)) this.#build(SHIPPED["Edit"] ?? {});
+  }
+
+  showPanel = (id: string): void => {
+    const panel = panelOf(id);
+    if (!panel) return;
+    const there = this.#api.getPanel(id) ?? this.#add(id, panel.side);
+    if (!there.group.api.isVisible) there.group.api.setVisible(true);
+    there.api.setActive();
+  };
+
+  readonly layouts: Layouts = {
+    names: () => [...Object.keys(SHIPPED), ...this.layouts.own()],
+    own: () => Object.keys(this.#own()),
+    apply: (name) => {
+      const own = this.#own()[name];
+      if (own && this.#load(own)) return;
+      const shipped = SHIPPED[name];
+      if (shipped) this.#build(shipped);
+    },
+    save: (name) => {
+      const own = this.#own();
+      this.#shed.put(OWN, { ...own, [name]: this.#api.toJSON() });
+    },
+    remove: (name) => {
+      const own = this.#own();
+      this.#shed.put(OWN, Object.fromEntries(Object.entries(own).filter(([key]) => key !== name)));
+    },
+    isShown: (side) => {
+      this.#changes.value;
+      return this.#groups(side).some((group) => group.api.isVisible);
+    },
+    toggle: (side) => this.#show(side, !this.layouts.isShown(side)),
+    toggleFocus: () => {
+      const sides: readonly Side[] = ["left", "right", "bottom"];
+      const shown = !sides.some((side) => this.layouts.isShown(side));
+      for (const side of sides) this.#show(side, shown);
+    },
+    panels: () => PANELS.map(({ id, title }) => ({ id, title })),
+  };
+
+  #own(): Readonly<Record<string, SerializedDockview>> {
+    return kept(this.#shed, OWN) ?? {};
+  }
+
+  #show(side: Side, shown: boolean): void {
+    const groups = this.#groups(side);
+    if (groups.length === 0 && shown) {
+      for (const panel of PANELS) if (panel.side === side) this.showPanel(panel.id);
+    }
+    for (const group of groups) group.api.setVisible(shown);
+    this.#changes.value = this.#changes.peek() + 1;
+  }
+
+  /** Groups of the grid on one side: where most of their panels belong. */
+  #groups(side: Side): DockviewGroupPanel[] {
+    return this.#api.groups.filter((group) => {
+      const [first] = group.panels;
+      return group.api.location.type === "grid" && panelOf(first?.id ?? "")?.side === side;
+    });
+  }
+
+  #add(id: string, side: Side) {
+    const [neighbour] = this.#groups(side);
+    const title = panelOf(id)?.title ?? id;
+    if (neighbour) {
+      return this.#api.addPanel({
+        id,
+        component: id,
+        title,
+        position: { referenceGroup: neighbour },
+      });
+    }
+    const size = SHIPPED["Edit"]?.[side]?.size ?? 280;
+    return this.#api.addPanel({
+      id,
+      component: id,
+      title,
+      position: { direction: OPPOSITE[side] },
+      ...(side === "bottom" ? { initialHeight: size } : { initialWidth: size }),
+    });
+  }
+
+  #build(wanted: Layout): void {
+    const layout = withPanels(wanted, (id) => panelOf(id) !== undefined);
+    this.#api.clear();
+    const canvas = this.#api.addPanel({ id: CANVAS, component: CANVAS, renderer: "always" });
+    for (const side of ["bottom", "left", "right"] as const) {
+      this.#buildSide(side, layout[side], canvas.group);
+    }
+    this.#settleCanvas();
+    canvas.api.setActive();
+  }
+
+  #buildSide(side: Side, wanted: Layout[Side], centre: DockviewGroupPanel): void {
+    let before: DockviewGroupPanel | undefined;
+    for (const [first = "", ...others] of wanted?.groups ?? []) {
+      const size = wanted?.size ?? 280;
+      const panel = this.#api.addPanel({
+        id: first,
+        component: first,
+        title: panelOf(first)?.title ?? first,
+        position: before
+          ? { referenceGroup: before, direction: side === "bottom" ? "right" : "below" }
+          : side === "right"
+            ? { direction: "right" }
+            : { referenceGroup: centre, direction: OPPOSITE[side] },
+        ...(side === "bottom" ? { initialHeight: size } : { initialWidth: size }),
+      });
+      before = panel.group;
+      for (const id of others) {
+        this.#api.addPanel({
+          id,
+          component: id,
+          title: panelOf(id)?.title ?? id,
+          position: { referenceGroup: panel.group },
+          inactive: true,
+        });
+      }
+    }
+  }
+
+  /** The canvas has no tab, is never closed, and nothing is put over it. */
+  #settleCanvas(): void {
+    const group = this.#api.getPanel(CANVAS)?.group;
+    if (!group) return;
+    group.header.hidden = true;
+    group.locked = true;
+  }
+
+  #load(layout: SerializedDockview): boolean {
+    try {
+      const known = Object.keys(layout.panels).every((id) => id === CANVAS || panelOf(id));
+      if (!known || !layout.panels[CANVAS]) return false;
+      this.#api.fromJSON(layout);
+      this.#settleCanvas();
+      return true;
+    } catch {
+      this.#api.clear();
+      return false;
+    }
+  }
+
+  #keep(): void {
+    if (this.#api.getPanel(CANVAS)) this.#shed.put(NOW, this.#api.toJSON());
+  }
+}

@@ -1,0 +1,83 @@
+/** From keys to commands: letters count on the canvas only, what texts need stays with texts. */
+
+import { computed, type ReadonlySignal } from "@preact/signals-core";
+import { isCanvasKey, isTextKey, keymap, keyName } from "../commands/keys.ts";
+import type { AppSession } from "./session.ts";
+
+/** Where the keyboard is. */
+export type Focus = "canvas" | "text" | "elsewhere";
+
+const TEXTS = "input, textarea, select, [contenteditable]:not([contenteditable=false])";
+
+export function focusOf(target: EventTarget | null): Focus {
+  if (!target || !("closest" in target)) return "elsewhere";
+  const element = target as HTMLElement;
+  if (element.closest(TEXTS)) {
+    const isBox = element instanceof HTMLInputElement && /checkbox|radio|button/.test(element.type);
+    return isBox ? "elsewhere" : "text";
+  }
+  const isBody = element === element.ownerDocument?.body;
+  return isBody || element.closest("[role=application]") ? "canvas" : "elsewhere";
+}
+
+/** Whether a key, pressed there, is for commands. */
+export function counts(key: string, focus: Focus): boolean {
+  if (focus === "canvas") return true;
+  if (focus === "text") return !isTextKey(key);
+  return !isCanvasKey(key);
+}
+
+/** Commands that the browser's own events of copy, cut and paste are for: with its keys nothing else is to be done. */
+const BY_EVENT: Readonly<Record<string, string>> = {
+  "edit.copy": "Ctrl+C",
+  "edit.cut": "Ctrl+X",
+  "edit.paste": "Ctrl+V",
+};
+
+/** Commands by key, as settings have them. */
+export function keysOf(session: AppSession): {
+  readonly byKey: ReadonlySignal<ReadonlyMap<string, readonly string[]>>;
+  readonly byCommand: ReadonlySignal<ReadonlyMap<string, readonly string[]>>;
+} {
+  const { page, commands } = session;
+  const byCommand = computed(() => keymap(commands.all(), page.settings.value));
+  const byKey = computed(() => {
+    const found = new Map<string, string[]>();
+    for (const [id, keys] of byCommand.value) {
+      for (const key of keys) {
+        if (BY_EVENT[id] !== key) found.set(key, [...(found.get(key) ?? []), id]);
+      }
+    }
+    return found;
+  });
+  return { byKey, byCommand };
+}
+
+/** Listens to a window until the returned function is called. */
+export function listenToKeys(session: AppSession, view: Window): () => void {
+  const { byKey } = keysOf(session);
+  const press = (event: KeyboardEvent) => {
+    const key = event.defaultPrevented || event.isComposing ? null : keyName(event);
+    if (key === null || !counts(key, focusOf(event.target))) return;
+    for (const id of byKey.peek().get(key) ?? []) {
+      if (focusOf(event.target) === "text") settle(event.target as HTMLElement);
+      if (!session.commands.run(id, session.context())) continue;
+      event.preventDefault();
+      return;
+    }
+    if (isOurs(key)) event.preventDefault();
+  };
+  view.addEventListener("keydown", press);
+  return () => view.removeEventListener("keydown", press);
+}
+
+/** A text that is being written counts before the command does. */
+function settle(field: HTMLElement): void {
+  field.blur();
+  field.focus();
+}
+
+/** Keys whose meaning in browsers would surprise here, also when nothing can be done. */
+function isOurs(key: string): boolean {
+  return key === "Ctrl+S" || key === "Ctrl+O" || key === "Ctrl+Shift+S";
+}

@@ -1,0 +1,38 @@
+/** How panels stand: the layouts that ship, and how big their sides are. Pure: the dock makes them real. */
+
+import type { Side } from "../commands/command.ts";
+
+/** Panels on one side, as groups: of the left and right side from the top, of the lower side from the left. */
+export interface LayoutSide {
+  /** In CSS pixels: width of the left and right side, height of the lower. */
+  readonly size: number;
+  readonly groups: readonly (readonly string[])[];
+}
+
+export type Layout = Partial<Readonly<Record<Side, LayoutSide>>>;
+
+export const SHIPPED: Readonly<Record<string, Layout>> = {
+  Edit: {
+    left: { size: 264, groups: [["libraries", "tree", "search"], ["globals"]] },
+    right: { size: 344, groups: [["inspector"]] },
+    bottom: { size: 188, groups: [["problems", "edits", "differences", "log"]] },
+  },
+  Debug: {
+    left: { size: 264, groups: [["tree", "search", "libraries"], ["globals"]] },
+    right: { size: 380, groups: [["inspector"]] },
+    bottom: { size: 280, groups: [["log"], ["problems", "edits", "differences"]] },
+  },
+  "Mission control": {
+    right: { size: 380, groups: [["inspector", "globals"]] },
+    bottom: { size: 240, groups: [["log", "problems"]] },
+  },
+};
+
+/** The layout with the panels that there are, without what would be empty. */
+export function withPanels(layout: Layout, isPanel: (id: string) => boolean): Layout {
+  const sides = Object.entries(layout).flatMap(([side, { size, groups }]) => {
+    const kept = groups.map((group) => group.filter(isPanel)).filter((group) => group.length > 0);
+    return kept.length === 0 ? [] : [[side, { size, groups: kept }] as const];
+  });
+  return Object.fromEntries(sides);
+}

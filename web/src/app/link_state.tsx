@@ -1,0 +1,36 @@
+/** How the connection is, how old what one sees may be, and as whom one is here. */
+
+import { useSignal } from "../ui/signals.ts";
+import { agePhrase } from "./age.ts";
+import { useNow } from "./bars.tsx";
+import { useSession } from "./provided.tsx";
+
+export function LinkState() {
+  const { page } = useSession();
+  const link = useSignal(page.server.link);
+  const pulse = useSignal(page.server.pulse);
+  const now_ms = useNow(link.state !== "up");
+  if (link.state === "up") {
+    const { user, role } = link.session;
+    const delay = pulse?.delay_ms == null ? "" : `, ${Math.round(pulse.delay_ms)} ms`;
+    return (
+      <span
+        className="link link-up"
+        role="status"
+        title={`Connected${delay}. You are ${user}: ${role}.`}
+      >
+        <span className="link-dot" aria-hidden />
+        <span className="link-user">{user}</span>
+        <span className="link-role">{role}</span>
+      </span>
+    );
+  }
+  const since_ms = link.state === "down" ? link.since_ms : now_ms;
+  const text = link.state === "down" ? `no link for ${agePhrase(now_ms - since_ms)}` : "connecting";
+  return (
+    <span className="link link-down" role="status">
+      <span className="link-dot" aria-hidden />
+      {text}
+    </span>
+  );
+}

@@ -1,0 +1,117 @@
+/** The machines that are open in this page, each with its mark while it has edits that do not lie on disk. */
+
+import { Plus, X } from "lucide-react";
+import { type KeyboardEvent, useState } from "react";
+import { isChanged } from "../commands/file.ts";
+import { entryOf } from "../commands/menus.ts";
+import type { OpenTab } from "../store/page.ts";
+import { IconButton } from "../ui/button.tsx";
+import { ContextMenu } from "../ui/menu.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { useShownKey } from "./keys_shown.ts";
+import { useDerived, useSession } from "./provided.tsx";
+
+export function MachineTabs() {
+  const { page, commands, context } = useSession();
+  const shown = useShownKey();
+  const tabs = useSignal(page.tabs);
+  const active = useSignal(page.active);
+  const step = (event: KeyboardEvent, by: number) => {
+    const at = active ? tabs.indexOf(active) : -1;
+    const next = tabs[(at + by + tabs.length) % tabs.length];
+    if (!next) return;
+    event.preventDefault();
+    page.active.value = next;
+    const list = event.currentTarget.querySelectorAll<HTMLElement>("[role=tab]");
+    list[tabs.indexOf(next)]?.focus();
+  };
+  return (
+    <div className="tabs">
+      <div
+        role="tablist"
+        aria-label="Open machines"
+        className="tabs-list"
+        onKeyDown={(event) => {
+          if (event.key === "ArrowRight") step(event, 1);
+          if (event.key === "ArrowLeft") step(event, -1);
+        }}
+      >
+        {tabs.map((tab) => (
+          <MachineTab key={tab.room.id} tab={tab} active={tab === active} />
+        ))}
+      </div>
+      <IconButton
+        label="Open a machine"
+        icon={<Plus size={15} />}
+        keys={shown("file.open")}
+        onClick={() => commands.run("file.open", context())}
+      />
+    </div>
+  );
+}
+
+function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
+  const { page, commands, context } = useSession();
+  const { machine } = tab.room;
+  useSignal(tab.room.version);
+  const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
+  const changed = useDerived(() => isChanged(tab), [tab]);
+  const file = useDerived(() => tab.room.status.value?.summary.file ?? null, [tab]);
+  const name = machine.state(machine.root)?.name ?? "";
+  const close = () => commands.run("file.close", context(), tab);
+  return (
+    // biome-ignore lint/a11y/noStaticElementInteractions: the middle button is a shortcut for the close button
+    <div
+      className={`tab ${active ? "tab-active" : ""}`}
+      onMouseUp={(event) => event.button === 1 && close()}
+      onContextMenu={(event) => {
+        event.preventDefault();
+        page.active.value = tab;
+        setMenu({ x: event.clientX, y: event.clientY });
+      }}
+    >
+      <button
+        type="button"
+        role="tab"
+        aria-selected={active}
+        tabIndex={active ? 0 : -1}
+        className="tab-name"
+        title={file ? `${file.project} / ${file.path}` : "not saved yet"}
+        onClick={() => {
+          page.active.value = tab;
+        }}
+      >
+        {name}
+        {changed && (
+          <span className="tab-changed" title="has edits that are not saved">
+            <span className="visually-hidden">, changed</span>
+          </span>
+        )}
+      </button>
+      <button type="button" className="tab-close" aria-label={`Close ${name}`} onClick={close}>
+        <X size={13} aria-hidden />
+      </button>
+      {menu && (
+        <ContextMenu
+          label={name}
+          at={menu}
+          onClose={() => setMenu(null)}
+          items={[
+            "file.save",
+            "file.save-as",
+            "file.reload",
+            "file.compare",
+            "file.close",
+            "file.close-others",
+            "file.close-all",
+          ].flatMap((id) => {
+            const command = commands.get(id);
+            return command
+              ? [entryOf({ commands, context: context(), keys: () => [] }, command)]
+              : [];
+          })}
+        />
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,27 @@
+import { expect, test } from "vitest";
+import { type PaletteItem, searched } from "./palette_index.ts";
+
+const ITEMS: readonly PaletteItem[] = [
+  { found: { kind: "command", id: "edit.undo" }, title: "Undo", detail: "Edit" },
+  { found: { kind: "command", id: "x" }, title: "Ungroup", detail: "Arrange", disabled: true },
+  { found: { kind: "state", path: "R/A" }, title: "Unload sample", detail: "Root" },
+  { found: { kind: "library", path: "generic", name: "wait" }, title: "wait", detail: "generic" },
+];
+
+const titles = (query: string) => searched(ITEMS, query).map(({ title }) => title);
+
+test("a few letters find states, commands and libraries together", () => {
+  expect(titles("un").sort()).toEqual(["Undo", "Ungroup", "Unload sample"]);
+  expect(titles("unlsam")).toEqual(["Unload sample"]);
+  expect(titles("generic")).toEqual(["wait"]);
+});
+
+test("a sign before the text looks in one kind only", () => {
+  expect(titles(">un").sort()).toEqual(["Undo", "Ungroup"]);
+  expect(titles("@")).toEqual(["Unload sample"]);
+  expect(titles("#wa")).toEqual(["wait"]);
+});
+
+test("without a text nothing is offered that cannot be done", () => {
+  expect(titles(">")).toEqual(["Undo"]);
+});

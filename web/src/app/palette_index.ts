@@ -1,0 +1,45 @@
+/** What the palette finds: commands, states of the machine in front, machines and libraries, the best first. Pure. */
+
+import fuzzysort from "fuzzysort";
+
+export type Found =
+  | { readonly kind: "command"; readonly id: string; readonly argument?: unknown }
+  | { readonly kind: "state"; readonly path: string }
+  | { readonly kind: "machine"; readonly project: string; readonly path: string }
+  | { readonly kind: "library"; readonly path: string; readonly name: string };
+
+export interface PaletteItem {
+  readonly found: Found;
+  readonly title: string;
+  /** Where it is, or what it does. */
+  readonly detail: string;
+  readonly keys?: string | undefined;
+  readonly disabled?: boolean;
+}
+
+/** What begins a search in one kind only. */
+const PREFIXES: Readonly<Record<string, Found["kind"]>> = {
+  ">": "command",
+  "@": "state",
+  "#": "library",
+};
+
+const SHOWN_MAX = 60;
+
+/** The items that fit, the best first; without a text those that come first anyway. */
+export function searched(items: readonly PaletteItem[], query: string): readonly PaletteItem[] {
+  const only = PREFIXES[query[0] ?? ""];
+  const wanted = (only ? query.slice(1) : query).trim();
+  const among = only ? items.filter(({ found }) => found.kind === only) : items;
+  if (wanted === "") return among.filter(({ disabled }) => !disabled).slice(0, SHOWN_MAX);
+  const scored = fuzzysort.go(wanted, among, {
+    keys: ["title", "detail"],
+    limit: SHOWN_MAX,
+    threshold: 0.3,
+    scoreFn: ([title, detail]) => {
+      const best = Math.max(title?.score ?? 0, (detail?.score ?? 0) * 0.6);
+      return best;
+    },
+  });
+  return [...scored].map(({ obj }) => obj);
+}

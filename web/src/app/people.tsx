@@ -1,0 +1,43 @@
+/** Who else has the machine in front open. */
+
+import type { Presence } from "../model/generated/protocol.ts";
+import type { OpenTab } from "../store/page.ts";
+import { select } from "../store/view.ts";
+import { useSignal } from "../ui/signals.ts";
+import { useSession } from "./provided.tsx";
+
+export function People() {
+  const { page } = useSession();
+  const tab = useSignal(page.active);
+  return tab && <InRoom tab={tab} />;
+}
+
+function InRoom({ tab }: { tab: OpenTab }) {
+  const { canvas } = useSession();
+  const people = useSignal(tab.room.people);
+  if (people.length === 0) return null;
+  const go = ({ selection }: Presence) => {
+    if (selection.length === 0) return;
+    select(
+      tab.view,
+      selection.map((path) => ({ kind: "state" as const, path })),
+    );
+    canvas.peek()?.fit(selection);
+  };
+  return (
+    <ul className="people" aria-label="Others in this machine">
+      {people.map((person) => (
+        <li key={person.connection}>
+          <button
+            type="button"
+            className={`person person-${person.connection % 6}`}
+            title={`${person.user} is here: go to what they have selected`}
+            onClick={() => go(person)}
+          >
+            {person.user}
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}

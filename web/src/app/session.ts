@@ -1,0 +1,88 @@
+/** The page as the shell holds it together: page, commands, what dialogs wait for an answer, which canvas is in front. */
+
+import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
+import type { CanvasControl } from "../canvas/control.ts";
+import type { Commands, Context, Dialogs, Layouts, Shell } from "../commands/command.ts";
+import type { Page } from "../store/page.ts";
+import type { Question } from "./question.ts";
+
+/** A dialog that is open. */
+export interface OpenDialog {
+  readonly id: number;
+  readonly name: keyof Dialogs | "question";
+  readonly asks: unknown;
+  readonly answer: (answer: unknown) => void;
+}
+
+export interface AppSession {
+  readonly page: Page;
+  readonly commands: Commands;
+  readonly context: () => Context;
+  readonly canvas: Signal<CanvasControl | null>;
+  readonly dialogs: ReadonlySignal<readonly OpenDialog[]>;
+  /** What is searched in the palette; null while it is closed. */
+  readonly palette: Signal<string | null>;
+  /** How panels are shown; the dock fills it in. */
+  readonly dock: Signal<DockPort>;
+}
+
+/** What the dock does for the shell. */
+export interface DockPort {
+  readonly showPanel: (panel: string) => void;
+  readonly layouts: Layouts;
+}
+
+const NO_DOCK: DockPort = {
+  showPanel: () => {},
+  layouts: {
+    names: () => [],
+    own: () => [],
+    apply: () => {},
+    save: () => {},
+    remove: () => {},
+    isShown: () => false,
+    toggle: () => {},
+    toggleFocus: () => {},
+    panels: () => [],
+  },
+};
+
+export function newSession(page: Page, commands: Commands): AppSession {
+  const canvas = signal<CanvasControl | null>(null);
+  const palette = signal<string | null>(null);
+  const dock = signal(NO_DOCK);
+  const dialogs = signal<readonly OpenDialog[]>([]);
+  const open = dialogOpener(dialogs);
+  const ask = (question: Question) => open("question", question);
+  const shell: Shell = {
+    confirm: async (question) => (await ask({ kind: "confirm", ...question })) === true,
+    choose: async <T extends string>(question: Omit<Question & { kind: "choose" }, "kind">) =>
+      (await ask({ kind: "choose", ...question })) as T | null,
+    prompt: async (question) => (await ask({ kind: "prompt", ...question })) as string | null,
+    dialog: async (name, argument) => (await open(name, argument)) as never,
+    showPanel: (panel) => dock.peek().showPanel(panel),
+    openPalette: (query = "") => {
+      palette.value = query;
+    },
+    get layouts() {
+      return dock.peek().layouts;
+    },
+  };
+  const context = () => ({ page, tab: page.active.value, canvas: canvas.value, shell });
+  return { page, commands, context, canvas, dialogs, palette, dock };
+}
+
+/** Opens dialogs one upon the other, and closes each when it is answered. */
+function dialogOpener(dialogs: Signal<readonly OpenDialog[]>) {
+  let count = 0;
+  return (name: OpenDialog["name"], asks: unknown) =>
+    new Promise<unknown>((resolve) => {
+      count += 1;
+      const id = count;
+      const answer = (given: unknown) => {
+        dialogs.value = dialogs.peek().filter((other) => other.id !== id);
+        resolve(given);
+      };
+      dialogs.value = [...dialogs.peek(), { id, name, asks, answer }];
+    });
+}

@@ -1,0 +1,72 @@
+/** The upper edge: menus, search, how the connection is, who works here; below it the machines that are open. */
+
+import { PanelBottom, PanelLeft, PanelRight, Search } from "lucide-react";
+import { IconButton } from "../ui/button.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { useShownKey } from "./keys_shown.ts";
+import { LinkState } from "./link_state.tsx";
+import { MachineTabs } from "./machine_tabs.tsx";
+import { MenuBar } from "./menu_bar.tsx";
+import { People } from "./people.tsx";
+import { useDerived, useSession } from "./provided.tsx";
+import "./top_bar.css";
+
+export function TopBar() {
+  const { commands, context } = useSession();
+  const shown = useShownKey();
+  return (
+    <header className="top">
+      <div className="top-row">
+        <span className="top-name">RAFCON</span>
+        <MenuBar />
+        <button
+          type="button"
+          className="top-search"
+          onClick={() => commands.run("help.palette", context())}
+        >
+          <Search size={14} aria-hidden />
+          <span>Search states, machines, commands</span>
+          <kbd>{shown("help.palette")}</kbd>
+        </button>
+        <div className="top-end">
+          <Sides />
+          <LinkState />
+        </div>
+      </div>
+      <div className="top-row top-machines">
+        <MachineTabs />
+        <People />
+      </div>
+    </header>
+  );
+}
+
+const SIDES = [
+  ["left", PanelLeft],
+  ["bottom", PanelBottom],
+  ["right", PanelRight],
+] as const;
+
+function Sides() {
+  const { commands, context, dock } = useSession();
+  const shown = useShownKey();
+  const { layouts } = useSignal(dock);
+  const state = useDerived(
+    () => SIDES.map(([side]) => (layouts.isShown(side) ? "1" : "0")).join(""),
+    [layouts],
+  );
+  return (
+    <div className="tool-group" role="toolbar" aria-label="Sides">
+      {SIDES.map(([side, Icon], index) => (
+        <IconButton
+          key={side}
+          label={commands.get(`view.${side}`)?.title ?? side}
+          icon={<Icon size={16} />}
+          keys={shown(`view.${side}`)}
+          pressed={state[index] === "1"}
+          onClick={() => commands.run(`view.${side}`, context())}
+        />
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,330 @@
+/** What the Arrange menu does: states are put together, replaced, lined up, laid out and coloured. */
+
+import { layoutOf } from "../model/drawing.ts";
+import type { StateKind } from "../model/generated/protocol.ts";
+import { isContainer, type Machine, startOf } from "../model/machine.ts";
+import { idOf, parentOf } from "../model/path.ts";
+import { arrange } from "../plan/arrange.ts";
+import { arranged } from "../plan/arranged.ts";
+import { boxIn, childBoxes } from "../plan/boxes.ts";
+import { group, substitute, ungroup } from "../plan/group.ts";
+import {
+  type Alignment,
+  align,
+  distribute,
+  resize,
+  setBackground,
+  setWaypoints,
+  showContent,
+} from "../plan/move.ts";
+import { libraryState } from "../plan/newcomers.ts";
+import { type Planned, refused } from "../plan/plan.ts";
+import { changeKind, clearStart, setStart } from "../plan/states.ts";
+import type { Command, Context, MenuPlace, Rgb } from "./command.ts";
+import { stageOf } from "./edit.ts";
+import { libraryStates } from "./insert.ts";
+import { layOut } from "./layouter.ts";
+import { perform } from "./perform.ts";
+import {
+  canEdit,
+  elements,
+  kindOfOnly,
+  machineOf,
+  onlyElement,
+  onlyState,
+  siblings,
+  states,
+} from "./subject.ts";
+
+const TOGETHER: readonly Command[] = [
+  {
+    id: "arrange.group",
+    title: "Group",
+    detail: "Puts the selected states and scoped variables into a hierarchy of their own.",
+    keys: ["G"],
+    classic: ["Ctrl+G", "G"],
+    menu: "Arrange/1",
+    enabled: (context) => canEdit(context) && siblings(context, 1),
+    run: (context) => {
+      const variables = elements(context).flatMap((element) =>
+        element.kind === "scoped_variable" ? [element.id] : [],
+      );
+      return perform(context, (m) => group(m, states(context), variables));
+    },
+  },
+  {
+    id: "arrange.ungroup",
+    title: "Ungroup",
+    keys: ["U"],
+    classic: ["Ctrl+Shift+G", "Ctrl+U", "U"],
+    menu: "Arrange/1",
+    enabled: (context) => canEdit(context) && isInnerContainer(context),
+    run: (context) => onState(context, ungroup),
+  },
+  {
+    id: "arrange.substitute",
+    title: "Substitute by library…",
+    keys: ["Ctrl+Shift+Alt+U"],
+    menu: "Arrange/1",
+    enabled: (context) => canEdit(context) && isInner(context),
+    run: substituteByLibrary,
+  },
+  {
+    id: "arrange.substitute-template",
+    title: "Substitute by the library's content",
+    detail: "Its states become states of this machine, free to be changed.",
+    menu: "Arrange/1",
+    enabled: (context) => canEdit(context) && isInner(context) && kindOfOnly(context) === "library",
+    choices: () => [
+      { title: "Keep the state's name", argument: true },
+      { title: "Take the library's name", argument: false },
+    ],
+    run: substituteByContent,
+  },
+  {
+    id: "arrange.change-kind",
+    title: "Change kind",
+    menu: "Arrange/1",
+    enabled: (context) => {
+      const kind = kindOfOnly(context);
+      return canEdit(context) && kind !== null && kind !== "library" && kind !== "decider";
+    },
+    choices: (context) =>
+      KINDS.map(([kind, title]) => ({
+        title,
+        argument: kind,
+        checked: kindOfOnly(context) === kind,
+        disabled: kindOfOnly(context) === kind,
+      })),
+    run: (context, argument) =>
+      onState(context, (m, path) => changeKind(m, path, argument as StateKind)),
+  },
+  {
+    id: "arrange.start-state",
+    title: "Is start state",
+    keys: ["Ctrl+E"],
+    classic: ["Ctrl+E", "Ctrl+Shift+X"],
+    menu: "Arrange/1",
+    enabled: (context) => canEdit(context) && canStart(context),
+    checked: isStart,
+    run: (context) =>
+      onState(context, (m, path) =>
+        isStart(context) ? clearStart(m, parentOf(path) ?? "") : setStart(m, path),
+      ),
+  },
+];
+
+const KINDS: readonly (readonly [StateKind, string])[] = [
+  ["execution", "Execution state"],
+  ["hierarchy", "Hierarchy"],
+  ["barrier", "Barrier concurrency"],
+  ["preemptive", "Preemptive concurrency"],
+];
+
+function onState(context: Context, plan: (machine: Machine, path: string) => Planned) {
+  const path = onlyState(context);
+  return path === null ? undefined : perform(context, (m) => plan(m, path));
+}
+
+/** One state is selected, and it is neither the root nor a decider. */
+function isInner(context: Context): boolean {
+  const path = onlyState(context);
+  return path !== null && parentOf(path) !== null && kindOfOnly(context) !== "decider";
+}
+
+function isInnerContainer(context: Context): boolean {
+  const path = onlyState(context);
+  const state = path === null ? undefined : machineOf(context)?.state(path);
+  return state !== undefined && isContainer(state) && isInner(context);
+}
+
+function canStart(context: Context): boolean {
+  const parent = parentOf(onlyState(context) ?? "");
+  return parent !== null && machineOf(context)?.state(parent)?.kind === "hierarchy";
+}
+
+function isStart(context: Context): boolean {
+  const path = onlyState(context);
+  const container = machineOf(context)?.state(parentOf(path ?? "") ?? "");
+  return path !== null && container !== undefined && startOf(container)?.to_state === idOf(path);
+}
+
+/** What a state is substituted with: which state, if not the selected one, and which library. */
+interface Substitution {
+  readonly path?: string;
+  readonly library?: { readonly path: string; readonly name: string };
+}
+
+async function substituteByLibrary(context: Context, argument: unknown): Promise<void> {
+  const given = argument as Substitution | undefined;
+  const path = given?.path ?? onlyState(context);
+  const old = path === null ? undefined : machineOf(context)?.state(path);
+  if (path === null || !old) return;
+  const library =
+    given?.library ??
+    (await context.shell.dialog("library", {
+      title: `Substitute “${old.name}” by a library`,
+      yes: "Substitute",
+    }));
+  if (!library) return;
+  const [root] = await libraryStates(context, library);
+  await perform(context, (machine) => {
+    if (!root) return refused(`The library ${library.name} is empty.`);
+    const state = libraryState(idOf(path), root.name, library, root, boxIn(machine, path));
+    return substitute(machine, path, [state], true);
+  });
+}
+
+async function substituteByContent(context: Context, argument: unknown): Promise<void> {
+  const path = onlyState(context);
+  const library = path === null ? undefined : machineOf(context)?.state(path)?.library;
+  if (path === null || !library) return;
+  const content = await libraryStates(context, library);
+  await perform(context, (m) => substitute(m, path, content, argument !== false));
+}
+
+const ALIGNMENTS: readonly (readonly [Alignment, string])[] = [
+  ["left", "Left edges"],
+  ["centre", "Centres"],
+  ["right", "Right edges"],
+  ["top", "Upper edges"],
+  ["middle", "Middles"],
+  ["bottom", "Lower edges"],
+];
+
+const LINE_UP: MenuPlace = "Arrange/2/Align and distribute";
+
+const LINED_UP: readonly Command[] = [
+  ...ALIGNMENTS.map(
+    ([to, title]): Command => ({
+      id: `arrange.align-${to}`,
+      title: `Align: ${title.toLowerCase()}`,
+      menu: LINE_UP,
+      enabled: (context) => canEdit(context) && siblings(context, 2),
+      run: (context) => perform(context, (m) => align(m, states(context), to)),
+    }),
+  ),
+  ...(["horizontal", "vertical"] as const).map(
+    (along): Command => ({
+      id: `arrange.distribute-${along}`,
+      title: `Distribute ${along}ly`,
+      menu: LINE_UP,
+      enabled: (context) => canEdit(context) && siblings(context, 3),
+      run: (context) => perform(context, (m) => distribute(m, states(context), along)),
+    }),
+  ),
+];
+
+async function layOutFrom(context: Context, container: string | null, deep: boolean) {
+  const machine = machineOf(context);
+  if (!machine || container === null) return;
+  const version = machine.version;
+  const levels = await arrange(machine, container, deep, layOut);
+  await perform(context, (now) =>
+    now.version === version
+      ? arranged(now, container, levels)
+      : refused("The machine was changed while its layout was sought: try it again."),
+  );
+}
+
+/** The container that is laid out: the one that is selected, else the one that one works in. */
+function containerToLayOut(context: Context): string | null {
+  const path = onlyState(context);
+  const state = path === null ? undefined : machineOf(context)?.state(path);
+  return path !== null && state && isContainer(state) ? path : stageOf(context);
+}
+
+const LAID_OUT: readonly Command[] = [
+  {
+    id: "arrange.layout-level",
+    title: "Automatic layout of this level",
+    keys: ["Ctrl+Alt+L"],
+    menu: "Arrange/3",
+    enabled: (context) => canEdit(context) && containerToLayOut(context) !== null,
+    run: (context) => layOutFrom(context, containerToLayOut(context), false),
+  },
+  {
+    id: "arrange.layout-all",
+    title: "Automatic layout of all levels inside",
+    keys: ["Ctrl+Shift+Alt+L"],
+    menu: "Arrange/3",
+    enabled: (context) => canEdit(context) && containerToLayOut(context) !== null,
+    run: (context) => layOutFrom(context, containerToLayOut(context), true),
+  },
+  {
+    id: "arrange.fit-content",
+    title: "Size to content",
+    detail: "Takes away what is free at the right and below.",
+    menu: "Arrange/3",
+    enabled: (context) => {
+      const path = onlyState(context);
+      return canEdit(context) && (machineOf(context)?.children(path ?? "").length ?? 0) > 0;
+    },
+    run: (context) => onState(context, fitted),
+  },
+  {
+    id: "arrange.clear-waypoints",
+    title: "Remove waypoints",
+    menu: "Arrange/3",
+    enabled: (context) => canEdit(context) && onlyConnection(context) !== null,
+    run: (context) => {
+      const line = onlyConnection(context);
+      return line && perform(context, (m) => setWaypoints(m, line, []));
+    },
+  },
+];
+
+function onlyConnection(context: Context) {
+  return onlyElement(context, "transition") ?? onlyElement(context, "data_flow");
+}
+
+/** The state as small as its content lets it be, with a margin. */
+function fitted(machine: Machine, path: string): Planned {
+  const box = boxIn(machine, path);
+  const inner = [...childBoxes(machine, path).values()];
+  const right = Math.max(...inner.map((child) => child.x + child.width));
+  const lower = Math.max(...inner.map((child) => child.y + child.height));
+  const margin = Math.min(right, lower) * 0.08;
+  const size = { width: right + margin, height: lower + margin };
+  return resize(machine, path, { x: box.x, y: box.y, ...size }, false);
+}
+
+const LOOKS: readonly Command[] = [
+  {
+    id: "arrange.background",
+    title: "Background colour…",
+    menu: "Arrange/4",
+    enabled: (context) => canEdit(context) && states(context).length === 1,
+    run: async (context) => {
+      const state = machineOf(context)?.state(onlyState(context) ?? "");
+      if (!state) return;
+      const before = rgbOfCss(layoutOf(state).background);
+      const chosen = await context.shell.dialog("colour", before);
+      if (chosen) await onState(context, (m, path) => setBackground(m, path, chosen.rgb));
+    },
+  },
+  {
+    id: "arrange.show-content",
+    title: "Library content shows when opened",
+    detail: "Kept in the file, for everybody.",
+    menu: "Arrange/4",
+    enabled: (context) => canEdit(context) && kindOfOnly(context) === "library",
+    checked: (context) => {
+      const state = machineOf(context)?.state(onlyState(context) ?? "");
+      return state !== undefined && layoutOf(state).showsContent;
+    },
+    run: (context) =>
+      onState(context, (m, path) => {
+        const state = m.state(path);
+        return showContent(m, path, !(state && layoutOf(state).showsContent));
+      }),
+  },
+];
+
+/** A colour as CSS has it, as files have it. */
+function rgbOfCss(css: string | undefined): Rgb | null {
+  const [red, green, blue] = (css?.match(/\d+/g) ?? []).map((part) => Number(part) / 255);
+  return red === undefined || green === undefined || blue === undefined ? null : [red, green, blue];
+}
+
+export const ARRANGE: readonly Command[] = [...TOGETHER, ...LINED_UP, ...LAID_OUT, ...LOOKS];

@@ -1,0 +1,219 @@
+/** What the Edit menu does: back and on, the clipboard, what is selected. */
+
+import type { ElementRef } from "../model/element.ts";
+import { outcomesOf, portsOf, startOf } from "../model/machine.ts";
+import { childPath } from "../model/path.ts";
+import { copySelection, duplicate, paste } from "../plan/clipboard.ts";
+import { isRefused } from "../plan/plan.ts";
+import { renameOutcome, renamePort } from "../plan/ports.ts";
+import { removeElements } from "../plan/states.ts";
+import { select, selected } from "../store/view.ts";
+import { read, transferOf, write } from "./clipboard.ts";
+import type { Command, Context } from "./command.ts";
+import { perform } from "./perform.ts";
+import { canEdit, containerOf, elements, placeForNew, states } from "./subject.ts";
+
+const hasSelection = ({ tab }: Context) => (tab?.view.selection.value.size ?? 0) > 0;
+const canChange = (context: Context) => canEdit(context) && elements(context).length > 0;
+const hasStates = (context: Context) => canEdit(context) && states(context).length > 0;
+
+export const EDIT: readonly Command[] = [
+  {
+    id: "edit.undo",
+    title: "Undo",
+    detail: "Takes back your own last step.",
+    keys: ["Ctrl+Z"],
+    menu: "Edit/1",
+    enabled: canEdit,
+    run: ({ tab }) => tab?.room.undo(),
+  },
+  {
+    id: "edit.redo",
+    title: "Redo",
+    keys: ["Ctrl+Y", "Ctrl+Shift+Z"],
+    menu: "Edit/1",
+    enabled: canEdit,
+    run: ({ tab }) => tab?.room.redo(),
+  },
+  {
+    id: "edit.cut",
+    title: "Cut",
+    keys: ["Ctrl+X"],
+    menu: "Edit/2",
+    enabled: canChange,
+    run: async (context, argument) => {
+      const cut = elements(context);
+      if (await copy(context, argument)) await perform(context, (m) => removeElements(m, cut));
+    },
+  },
+  {
+    id: "edit.copy",
+    title: "Copy",
+    keys: ["Ctrl+C"],
+    menu: "Edit/2",
+    enabled: hasSelection,
+    run: copy,
+  },
+  {
+    id: "edit.paste",
+    title: "Paste",
+    detail: "At the pointer, or into the selected container.",
+    keys: ["Ctrl+V"],
+    menu: "Edit/2",
+    enabled: canEdit,
+    run: async (context, argument) => {
+      const place = placeForNew(context);
+      const selection = await read(transferOf(argument));
+      if (!selection) {
+        context.page.tell({
+          level: "info",
+          text: "There are no states on the clipboard: copy some first, here or in another tab.",
+        });
+      } else if (place) {
+        await perform(context, (m) => paste(m, place.path, selection, place.at));
+      }
+    },
+  },
+  {
+    id: "edit.duplicate",
+    title: "Duplicate",
+    keys: ["Ctrl+D"],
+    classic: ["Ctrl+Shift+D"],
+    menu: "Edit/2",
+    enabled: hasStates,
+    run: (context) => perform(context, (m) => duplicate(m, states(context), DUPLICATE_BY)),
+  },
+  {
+    id: "edit.delete",
+    title: "Delete",
+    keys: ["Delete", "Backspace"],
+    menu: "Edit/2",
+    enabled: canChange,
+    run: (context, argument) => {
+      const gone = (argument as readonly ElementRef[] | undefined) ?? elements(context);
+      return perform(context, (m) => removeElements(m, gone));
+    },
+  },
+  {
+    id: "edit.select-all",
+    title: "Select all",
+    detail: "All states of the container that one works in.",
+    keys: ["Ctrl+A"],
+    classic: ["Ctrl+Shift+Alt+A"],
+    menu: "Edit/3",
+    enabled: ({ tab }) => tab !== null,
+    run: (context) => {
+      const { tab } = context;
+      const around = stageOf(context);
+      if (!tab || around === null) return;
+      const paths = tab.room.machine.children(around);
+      select(
+        tab.view,
+        paths.map((path) => ({ kind: "state" as const, path })),
+      );
+    },
+  },
+  {
+    id: "edit.select-start",
+    title: "Select start state",
+    keys: ["S"],
+    menu: "Edit/3",
+    enabled: ({ tab }) => tab !== null,
+    run: selectStart,
+  },
+  {
+    id: "edit.select-none",
+    title: "Select nothing",
+    menu: "Edit/3",
+    enabled: hasSelection,
+    run: ({ tab }) => {
+      if (tab) select(tab.view, []);
+    },
+  },
+  {
+    id: "edit.rename",
+    title: "Rename",
+    keys: ["F2"],
+    menu: "Edit/4",
+    enabled: (context) => canEdit(context) && nameable(context) !== null,
+    run: rename,
+  },
+  {
+    id: "edit.find",
+    title: "Find…",
+    detail: "In names, ids, ports, descriptions, scripts, values and libraries.",
+    keys: ["Ctrl+F", "/"],
+    menu: "Edit/4",
+    enabled: ({ tab }) => tab !== null,
+    run: ({ shell }) => shell.showPanel("search"),
+  },
+];
+
+/** How far a duplicate stands from its original, in the coordinates of the container. */
+const DUPLICATE_BY = { x: 10, y: 10 };
+
+async function copy(context: Context, argument: unknown): Promise<boolean> {
+  const { page, tab } = context;
+  if (!tab) return false;
+  const selection = copySelection(tab.room.machine, selected(tab.view));
+  if (isRefused(selection)) {
+    page.tell({ level: "warning", text: selection.refused });
+    return false;
+  }
+  await write(selection, transferOf(argument));
+  return true;
+}
+
+/** The container that one works in: the one that fills the view, or the one around what is selected. */
+export function stageOf(context: Context): string | null {
+  return context.canvas?.stage.value ?? containerOf(context);
+}
+
+function selectStart(context: Context): void {
+  const { tab, canvas } = context;
+  const path = stageOf(context);
+  const container = path === null ? undefined : tab?.room.machine.state(path);
+  const start = container && startOf(container)?.to_state;
+  if (!tab || path === null || !start) {
+    context.page.tell({ level: "info", text: `${container?.name ?? "This state"} has no start.` });
+    return;
+  }
+  const element = { kind: "state", path: childPath(path, start) } as const;
+  select(tab.view, [element]);
+  canvas?.reveal(element);
+}
+
+/** The one selected element that has a name of its own. */
+function nameable(context: Context): ElementRef | null {
+  const [element, ...more] = elements(context);
+  if (!element || more.length > 0) return null;
+  const named = ["state", "outcome", "input", "output", "scoped_variable"];
+  return named.includes(element.kind) ? element : null;
+}
+
+async function rename(context: Context): Promise<void> {
+  const element = nameable(context);
+  const state = element && context.tab?.room.machine.state(element.path);
+  if (!element || !state) return;
+  if (element.kind === "state") {
+    context.canvas?.rename(element.path);
+    return;
+  }
+  if (!("id" in element) || element.kind === "transition" || element.kind === "data_flow") return;
+  const { kind, id } = element;
+  const parts = kind === "outcome" ? outcomesOf(state) : portsOf(state, kind);
+  const before = parts.find((part) => part.id === id)?.name ?? "";
+  const plan = (name: string) => (machine: Parameters<typeof renamePort>[0]) =>
+    kind === "outcome" ? renameOutcome(machine, element, name) : renamePort(machine, element, name);
+  const name = await context.shell.prompt({
+    title: `Rename ${kind.replace("_", " ")}`,
+    label: "Name",
+    initial: before,
+    check: (text) => {
+      const { tab } = context;
+      const planned = tab && text !== before ? plan(text)(tab.room.machine) : null;
+      return planned && isRefused(planned) ? planned.refused : null;
+    },
+  });
+  if (name !== null && name !== before) await perform(context, plan(name));
+}

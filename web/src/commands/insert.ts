@@ -1,0 +1,232 @@
+/** What the Insert menu does: states, ports, outcomes, connections. */
+
+import type { Document, StateDocument, StateKind } from "../model/generated/protocol.ts";
+import type { Point } from "../model/geometry.ts";
+import { isContainer, type Machine, type PortKind } from "../model/machine.ts";
+import { connectFromSibling, connectToParent, connectToSibling } from "../plan/connect.ts";
+import { addTemplate } from "../plan/group.ts";
+import type { Planned } from "../plan/plan.ts";
+import { addOutcome, addPort } from "../plan/ports.ts";
+import { addLibrary, addState } from "../plan/states.ts";
+import type { Command, Context } from "./command.ts";
+import { perform } from "./perform.ts";
+import { canEdit, elements, kindOfOnly, machineOf, onlyState, placeForNew } from "./subject.ts";
+
+const KINDS = [
+  ["execution", "Execution state", ["E"], ["Ctrl+Alt+E", "E"]],
+  ["hierarchy", "Hierarchy", ["H"], ["Ctrl+Alt+H", "Ctrl+Shift+A", "H"]],
+  ["barrier", "Barrier concurrency", ["B"], ["Ctrl+Alt+B", "B"]],
+  ["preemptive", "Preemptive concurrency", ["P"], ["Ctrl+Alt+C", "P"]],
+] as const;
+
+const canPlace = (context: Context) => canEdit(context) && placeForNew(context) !== null;
+
+const STATES: readonly Command[] = KINDS.map(([kind, title, keys, classic]) => ({
+  id: `insert.${kind}`,
+  title,
+  detail: "At the pointer, or into the selected container.",
+  keys,
+  classic,
+  menu: "Insert/1",
+  enabled: canPlace,
+  run: (context) => addHere(context, kind),
+}));
+
+function addHere(context: Context, kind: Exclude<StateKind, "library" | "decider">) {
+  const place = placeForNew(context);
+  return place && perform(context, (m) => addState(m, place.path, kind, place.at));
+}
+
+/** What a library is inserted with: which one, and where if it was dropped somewhere. */
+export interface InsertLibrary {
+  readonly library: { readonly path: string; readonly name: string };
+  readonly container?: string;
+  readonly at?: Point;
+}
+
+const LIBRARIES: readonly Command[] = [
+  {
+    id: "insert.library",
+    title: "Library state…",
+    keys: ["L"],
+    menu: "Insert/1",
+    enabled: canPlace,
+    run: (context, argument) =>
+      withLibrary(context, argument, (machine, place, library, states) => {
+        const [root] = states;
+        return root ? addLibrary(machine, place.path, library, root, place.at) : null;
+      }),
+  },
+  {
+    id: "insert.template",
+    title: "Copy of a library…",
+    detail: "Puts the library's content here as states of this machine's own.",
+    menu: "Insert/1",
+    enabled: canPlace,
+    run: (context, argument) =>
+      withLibrary(context, argument, (machine, place, _, states) =>
+        addTemplate(machine, place.path, states, place.at),
+      ),
+  },
+];
+
+type Place = { readonly path: string; readonly at?: Point };
+
+async function withLibrary(
+  context: Context,
+  argument: unknown,
+  plan: (
+    machine: Machine,
+    place: Place,
+    library: InsertLibrary["library"],
+    states: readonly StateDocument[],
+  ) => Planned | null,
+): Promise<void> {
+  const given = argument as InsertLibrary | undefined;
+  const free = placeForNew(context);
+  const place =
+    given?.container === undefined
+      ? free
+      : { path: given.container, ...(given.at ? { at: given.at } : {}) };
+  const library =
+    given?.library ??
+    (await context.shell.dialog("library", { title: "Add a library", yes: "Add" }));
+  if (!library || !place) return;
+  const states = await libraryStates(context, library);
+  await perform(context, (machine) => {
+    const planned = plan(machine, place, library, states);
+    return planned ?? { refused: `The library ${library.name} is empty.` };
+  });
+}
+
+/** The states of a library's machine, its root first. */
+export async function libraryStates(
+  { page }: Context,
+  { path, name }: { readonly path: string; readonly name: string },
+): Promise<readonly StateDocument[]> {
+  const parts = [...path.split("/"), name].map(encodeURIComponent);
+  const document = await page.server.request<Document>("GET", `/libraries/${parts.join("/")}`);
+  return document.states;
+}
+
+/** The state whose interface is meant: the selected one, or the one whose port is. */
+function owner(context: Context): string | null {
+  const paths = new Set(elements(context).map(({ path }) => path));
+  const [path] = paths;
+  const state = path === undefined ? undefined : machineOf(context)?.state(path);
+  return paths.size === 1 && path !== undefined && state?.kind !== "library" ? path : null;
+}
+
+const hasOwner = (context: Context) => canEdit(context) && owner(context) !== null;
+
+function port(
+  kind: PortKind,
+  title: string,
+  keys: readonly string[],
+  classic: readonly string[],
+): Command {
+  return {
+    id: `insert.${kind.replace("_", "-")}`,
+    title,
+    keys,
+    classic,
+    menu: "Insert/2",
+    enabled: (context) => {
+      const path = owner(context);
+      const state = path === null ? undefined : machineOf(context)?.state(path);
+      const fits = kind !== "scoped_variable" || (state !== undefined && isContainer(state));
+      return hasOwner(context) && fits;
+    },
+    run: (context) => {
+      const path = owner(context);
+      return path === null ? undefined : perform(context, (m) => addPort(m, path, kind));
+    },
+  };
+}
+
+const PORTS: readonly Command[] = [
+  {
+    id: "insert.outcome",
+    title: "Outcome",
+    keys: ["O"],
+    classic: ["Ctrl+Alt+O", "O"],
+    menu: "Insert/2",
+    enabled: hasOwner,
+    run: (context) => {
+      const path = owner(context);
+      return path === null ? undefined : perform(context, (m) => addOutcome(m, path));
+    },
+  },
+  port("input", "Input port", ["I"], ["Ctrl+Alt+N", "I"]),
+  port("output", "Output port", ["Shift+O"], ["Ctrl+Alt+U", "Shift+O"]),
+  port("scoped_variable", "Scoped variable", ["Shift+V"], ["Ctrl+Alt+V", "Shift+V"]),
+];
+
+function helper(
+  id: string,
+  title: string,
+  classic: string,
+  plan: (machine: Machine, path: string) => Planned,
+): Command {
+  return {
+    id: `insert.${id}`,
+    title,
+    classic: [classic],
+    menu: "Insert/3",
+    enabled: (context) => canEdit(context) && onlyState(context) !== null,
+    run: (context) => {
+      const path = onlyState(context);
+      return path === null ? undefined : perform(context, (m) => plan(m, path));
+    },
+  };
+}
+
+const CONNECTIONS: readonly Command[] = [
+  {
+    id: "insert.connect",
+    title: "Connect…",
+    detail:
+      "Begins a connection at the selected port or state; Tab goes through what it may lead to.",
+    keys: ["C"],
+    menu: "Insert/3",
+    enabled: (context) => canEdit(context) && elements(context).length === 1,
+    run: ({ canvas }) => canvas?.beginConnection(),
+  },
+  helper(
+    "transition-from-sibling",
+    "Transition from the nearest state",
+    "Ctrl+Shift+C",
+    connectFromSibling,
+  ),
+  helper(
+    "transition-to-sibling",
+    "Transition to the nearest state",
+    "Ctrl+Shift+V",
+    connectToSibling,
+  ),
+  helper(
+    "transition-to-parent",
+    "Transition to the first outcome of the container",
+    "Ctrl+Shift+B",
+    connectToParent,
+  ),
+];
+
+/** What stands for the kind of what is selected: used by "Add" of the reference. */
+const ADD: Command = {
+  id: "insert.fitting",
+  title: "Add what fits",
+  detail: "A state into a container, an outcome to anything else.",
+  classic: ["Ctrl+A"],
+  enabled: hasOwner,
+  run: (context) => {
+    const kind = kindOfOnly(context);
+    const path = owner(context);
+    if (kind === "execution" || kind === "decider") {
+      return path === null ? undefined : perform(context, (m) => addOutcome(m, path));
+    }
+    return addHere(context, "execution");
+  },
+};
+
+export const INSERT: readonly Command[] = [...STATES, ...LIBRARIES, ...PORTS, ...CONNECTIONS, ADD];
