@@ -41,6 +41,8 @@ export class Drawing {
   readonly height: number;
   /** The innermost state whose border is nowhere in the view. */
   covering: Spot | null = null;
+  /** So many layers higher is drawn what a gesture holds: above all else. */
+  lift = 0;
   unfinished = false;
 
   constructor(input: SceneInput) {
@@ -54,9 +56,19 @@ export class Drawing {
     });
   }
 
+  /** The layer of the states of this depth. */
   layer(depth: number): Layer {
-    while (this.layers.length <= depth) this.layers.push(newLayer());
-    return this.layers[depth] as Layer;
+    return this.#at(depth + this.lift);
+  }
+
+  /** A new layer above all that is there. */
+  top(): Layer {
+    return this.#at(this.layers.length);
+  }
+
+  #at(index: number): Layer {
+    while (this.layers.length <= index) this.layers.push(newLayer());
+    return this.layers[index] as Layer;
   }
 
   /** Whether any of a box can be seen, with so much around it. */

@@ -9,7 +9,7 @@ import type { BoxMark, Layer, LineMark } from "./list.ts";
 
 export function gestureMarks(drawing: Drawing): void {
   const { overlay, camera } = drawing.input;
-  const layer = drawing.layer(drawing.layers.length);
+  const layer = drawing.top();
   for (const { from, to } of overlay.guides) {
     layer.lines.push(line(drawing, "guide", [from, to], "guide", 1, true));
   }

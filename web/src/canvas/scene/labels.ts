@@ -17,7 +17,7 @@ export function labelMarks(drawing: Drawing): void {
   if (drawing.labels.length + drawing.portNames.length === 0) return;
   const board = new Map<number, Written[]>();
   for (const { texts } of drawing.layers) for (const text of texts) write(board, textArea(text));
-  const layer = drawing.layer(drawing.layers.length);
+  const layer = drawing.top();
   for (const label of [...drawing.portNames, ...drawing.labels]) {
     if (!drawing.sees(label.x, label.y, 0, 0, 100)) continue;
     const area = textArea(label);

@@ -10,9 +10,12 @@ import { labelMarks } from "./labels.ts";
 import type { BoxMark, DrawList } from "./list.ts";
 import { nameMarks } from "./names.ts";
 import { portMarks } from "./ports.ts";
+import { ruledMarks } from "./ruled.ts";
 import { stateMarks } from "./states.ts";
 import { stickyMarks } from "./sticky.ts";
 
+/** Deeper than machines usually are. */
+const LIFT = 16;
 /** So far beyond the view something may still reach into it. */
 const REACH = 12;
 
@@ -21,6 +24,7 @@ export function scene(input: SceneInput): DrawList {
   const { root } = input.placed;
   if (root) {
     visit(drawing, rootSpot(root, input), NOTHING);
+    ruledMarks(drawing);
     stickyMarks(drawing);
     labelMarks(drawing);
     gestureMarks(drawing);
@@ -89,7 +93,11 @@ function visitChild(
       drawing.layer(outer.depth + 1).specks.push(speck(drawing, outer, child, x, y, width, height));
     return;
   }
-  visit(drawing, spotOf(child, x, y, outer.scale * child.scale, outer.depth + 1, outer), joined);
+  const spot = spotOf(child, x, y, outer.scale * child.scale, outer.depth + 1, outer);
+  if (!drawing.input.overlay.boxes.has(child.path)) return visit(drawing, spot, joined);
+  drawing.lift += LIFT;
+  visit(drawing, spot, joined);
+  drawing.lift -= LIFT;
 }
 
 /** What a state has inside that is too small for its content: a hint of where something is. */

@@ -9,7 +9,7 @@ import { inside } from "../placed.ts";
 import type { PlacedState } from "../tree.ts";
 import { TEXT } from "./detail.ts";
 import { type Drawing, shade } from "./drawing.ts";
-import type { DotMark, Ink, TextMark } from "./list.ts";
+import type { DotMark, Ink, Layer, TextMark } from "./list.ts";
 import { portInk, SHAPES } from "./ports.ts";
 import { cut } from "./words.ts";
 
@@ -109,8 +109,8 @@ export function stickyMarks(drawing: Drawing): void {
   const spot = drawing.covering;
   const sticky = spot && stickyFrame(placed, camera, view);
   if (!sticky) return;
-  const layer = drawing.layer(drawing.layers.length);
-  edges(drawing, shade(spot.depth + 1));
+  const layer = drawing.top();
+  edges(drawing, layer, shade(spot.depth + 1));
   for (const port of sticky.ports) {
     layer.dots.push(stuckDot(drawing, port));
     const named = port.port.kind !== "income" && (port.side === "left" || port.side === "right");
@@ -154,8 +154,7 @@ function stuckName(drawing: Drawing, { port, at, side }: StickyPort, plate: Ink)
   };
 }
 
-function edges(drawing: Drawing, ground: string): void {
-  const layer = drawing.layer(drawing.layers.length - 1);
+function edges(drawing: Drawing, layer: Layer, ground: string): void {
   const { width, height } = drawing;
   const strips = [
     [0, 0, width, FRAME],

@@ -1,0 +1,43 @@
+/** Ruled lines over the ground of the innermost container around the view, for those who like to draw by them. */
+
+import type { Drawing } from "./drawing.ts";
+import type { LineMark } from "./list.ts";
+
+/** Lines are at least so many CSS pixels apart. */
+const PITCH = 24;
+
+export function ruledMarks(drawing: Drawing): void {
+  const { camera, modes } = drawing.input;
+  if (!modes.grid) return;
+  const depth = drawing.covering?.depth ?? 0;
+  const { under } = drawing.layer(depth + 1);
+  const step = stepFor(camera.scale) * camera.scale;
+  const rest = (from: number) => (((-from * camera.scale) % step) + step) % step;
+  for (let x = rest(camera.x); x < drawing.width; x += step) {
+    under.push(ruled([x, 0, x, drawing.height]));
+  }
+  for (let y = rest(camera.y); y < drawing.height; y += step) {
+    under.push(ruled([0, y, drawing.width, y]));
+  }
+}
+
+/** One, two or five of a power of ten: units of the root between two lines. */
+function stepFor(scale: number): number {
+  const least = PITCH / scale;
+  const ten = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].map((times) => times * ten).find((step) => step >= least) ?? 10 * ten;
+}
+
+function ruled(points: readonly number[]): LineMark {
+  return {
+    what: "grid",
+    points,
+    ink: "grid",
+    width: 1,
+    radius: 0,
+    curve: false,
+    arrow: 0,
+    dash: false,
+    alpha: 0.6,
+  };
+}
