@@ -94,10 +94,10 @@ function visitChild(
     return;
   }
   const spot = spotOf(child, x, y, outer.scale * child.scale, outer.depth + 1, outer);
-  if (!drawing.input.overlay.boxes.has(child.path)) return visit(drawing, spot, joined);
-  drawing.lift += LIFT;
+  const lift = drawing.input.overlay.boxes.has(child.path) ? LIFT : 0;
+  drawing.lift += lift;
   visit(drawing, spot, joined);
-  drawing.lift -= LIFT;
+  drawing.lift -= lift;
 }
 
 /** What a state has inside that is too small for its content: a hint of where something is. */
