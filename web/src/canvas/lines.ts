@@ -4,7 +4,7 @@ import { type PortPlace, waypointsOf } from "../model/drawing.ts";
 import { type ElementKey, keyOf } from "../model/element.ts";
 import { type Box, type Point, type Size, sideOf } from "../model/geometry.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
-import { childPath } from "../model/path.ts";
+import { childPath, idOf } from "../model/path.ts";
 import { curve } from "./curve.ts";
 import { type End, routed, type Wanted } from "./route.ts";
 import type { PlacedState } from "./tree.ts";
@@ -79,19 +79,40 @@ interface Found extends Wanted {
   readonly outcome: number;
 }
 
-/** A port by its kind and id, and where it stands in the container. */
-function endOf(
-  container: PlacedState,
-  owner: PlacedState,
-  index: number,
-  fits: (port: PortPlace) => boolean,
-): { readonly end: End; readonly port: PortPlace; readonly path: string } | undefined {
-  const port = owner.ports.find(fits);
-  if (!port) return undefined;
-  const inward = owner === container;
-  const out = normal(port.at, owner.size, inward);
-  const at = inward ? port.at : inContainer(owner, port.at);
-  return { port, path: owner.path, end: { at, out, box: inward ? -1 : index } };
+/** A port, where it stands in the container, and the path of its state. */
+interface Joint {
+  readonly end: End;
+  readonly port: PortPlace;
+  readonly path: string;
+}
+
+/** The states that connections of a container can join, by their ids. */
+class Ends {
+  readonly #container: PlacedState;
+  readonly #own: string;
+  readonly #index: ReadonlyMap<string, number>;
+
+  constructor(container: PlacedState) {
+    this.#container = container;
+    this.#own = idOf(container.path);
+    this.#index = new Map(container.children.map((child, at) => [child.path, at]));
+  }
+
+  isOwn(id: string | null | undefined): boolean {
+    return id === null || id === undefined || id === this.#own;
+  }
+
+  /** The port of a child, or of the container; undefined if there is none such. */
+  joint(id: string | null | undefined, fits: (port: PortPlace) => boolean): Joint | undefined {
+    const isOwn = this.isOwn(id);
+    const index = isOwn ? -1 : (this.#index.get(childPath(this.#container.path, id ?? "")) ?? -1);
+    const owner = isOwn ? this.#container : this.#container.children[index];
+    const port = owner?.ports.find(fits);
+    if (!owner || !port) return undefined;
+    const out = normal(port.at, owner.size, isOwn);
+    const at = isOwn ? port.at : inContainer(owner, port.at);
+    return { port, path: owner.path, end: { at, out, box: index } };
+  }
 }
 
 /** A point of a child in the coordinates of its container. */
@@ -114,63 +135,56 @@ function normal(at: Point, size: Size, inward: boolean): Point {
 function wantedOf(container: PlacedState, held: Held): readonly Found[] {
   const { state, path } = container;
   if (state.kind === "library") return [];
-  const own = path.slice(path.lastIndexOf("/") + 1);
-  const index = new Map(container.children.map((child, at) => [child.path, at]));
-  const owner = (id: string | null | undefined): readonly [PlacedState, number] => {
-    if (id === null || id === undefined || id === own) return [container, -1];
-    const at = index.get(childPath(path, id)) ?? -1;
-    return [container.children[at] ?? container, at];
-  };
+  const ends = new Ends(container);
   const found: Found[] = [];
-  const put = (
-    kind: Found["kind"],
-    id: number,
-    from: ReturnType<typeof endOf>,
-    to: ReturnType<typeof endOf>,
-  ) => {
+  const put = (kind: Found["kind"], id: number, from: Joint | undefined, to: Joint | undefined) => {
     if (!from || !to) return;
     const key = keyOf({ kind, path, id });
-    found.push({
-      kind,
-      id,
-      key,
-      from: from.port.key,
-      to: to.port.key,
-      fromPath: from.path,
-      toPath: to.path,
-      label: from.port.kind === "income" ? "" : from.port.name,
-      outcome: from.port.kind === "outcome" ? from.port.id : 0,
-      start: from.end,
-      goal: to.end,
-      by: held.get(key) ?? waypointsOf(state, kind, id),
-    });
+    const by = held.get(key) ?? waypointsOf(state, kind, id);
+    found.push(foundOf(kind, id, key, from, to, by));
   };
-  const isIncome = (port: PortPlace) => port.kind === "income";
-  for (const transition of transitionsOf(state)) {
-    const [source, at] = owner(transition.from_state);
-    const [target, to] = owner(transition.to_state);
-    const outcome = (id: number | null | undefined) => (port: PortPlace) =>
-      port.kind === "outcome" && port.id === id;
-    const from = transition.from_state == null ? isIncome : outcome(transition.from_outcome);
-    const goal = target === container ? outcome(transition.to_outcome) : isIncome;
-    put(
-      "transition",
-      transition.id,
-      endOf(container, source, at, from),
-      endOf(container, target, to, goal),
-    );
+  for (const { id, ...transition } of transitionsOf(state)) {
+    const starts = transition.from_state == null;
+    const source = starts ? isIncome : isOutcome(transition.from_outcome);
+    const goal = ends.isOwn(transition.to_state) ? isOutcome(transition.to_outcome) : isIncome;
+    const from = ends.joint(transition.from_state, source);
+    put("transition", id, from, ends.joint(transition.to_state, goal));
   }
-  for (const flow of dataFlowsOf(state)) {
-    const [source, at] = owner(flow.from_state);
-    const [target, to] = owner(flow.to_state);
-    const data = (id: number) => (port: PortPlace) =>
-      port.id === id && port.kind !== "outcome" && port.kind !== "income";
-    put(
-      "data_flow",
-      flow.id,
-      endOf(container, source, at, data(flow.from_port)),
-      endOf(container, target, to, data(flow.to_port)),
-    );
+  for (const { id, ...flow } of dataFlowsOf(state)) {
+    const from = ends.joint(flow.from_state, isData(flow.from_port));
+    put("data_flow", id, from, ends.joint(flow.to_state, isData(flow.to_port)));
   }
   return found;
 }
+
+function foundOf(
+  kind: Found["kind"],
+  id: number,
+  key: ElementKey,
+  from: Joint,
+  to: Joint,
+  by: readonly Point[],
+): Found {
+  return {
+    kind,
+    id,
+    key,
+    from: from.port.key,
+    to: to.port.key,
+    fromPath: from.path,
+    toPath: to.path,
+    label: from.port.kind === "income" ? "" : from.port.name,
+    outcome: from.port.kind === "outcome" ? from.port.id : 0,
+    start: from.end,
+    goal: to.end,
+    by,
+  };
+}
+
+const isIncome = (port: PortPlace) => port.kind === "income";
+
+const isOutcome = (id: number | null | undefined) => (port: PortPlace) =>
+  port.kind === "outcome" && port.id === id;
+
+const isData = (id: number) => (port: PortPlace) =>
+  port.id === id && port.kind !== "outcome" && port.kind !== "income";

@@ -75,7 +75,11 @@ describe("how much shows depends on the size on the screen", () => {
     expect(about(lines, "outcome:R/B:0 name")).toEqual([
       expect.stringContaining('"held" 890 180 11px soft'),
     ]);
-    expect(about(lines, "label")).toHaveLength(1);
+    expect(about(lines, "label").map((line) => line.split(" ")[2])).toEqual([
+      "transition:R:1",
+      "transition:R:2",
+      "transition:R/B:1",
+    ]);
     expect(about(lines, "dot input:R/B:0")).toHaveLength(1);
   });
 });

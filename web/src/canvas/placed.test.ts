@@ -1,0 +1,163 @@
+import { describe, expect, test } from "vitest";
+import type { Document, StateDocument } from "../model/generated/protocol.ts";
+import type { Machine } from "../model/machine.ts";
+import { machineOf } from "../model/plain.ts";
+import { sketch } from "../model/sketch.ts";
+import { MODES } from "../store/view.ts";
+import { NO_OVERLAY, type Overlay } from "./overlay.ts";
+import { type Placed, placesOf } from "./placed.ts";
+
+const NO_CONTENTS: ReadonlyMap<string, boolean> = new Map();
+
+/** A machine in which single states can be exchanged. */
+function changing(text: string) {
+  let plain = machineOf(sketch(text));
+  let document: Document = sketch(text);
+  let version = 0;
+  const machine: Machine = {
+    get version() {
+      return version;
+    },
+    root: plain.root,
+    header: plain.header,
+    state: (path) => plain.state(path),
+    children: (path) => plain.children(path),
+    isInLibrary: () => false,
+    paths: () => plain.paths(),
+  };
+  document = { ...document, states: [...plain.paths()].flatMap((path) => plain.state(path) ?? []) };
+  const change = (path: string, by: (state: StateDocument) => StateDocument | null) => {
+    const states = document.states.flatMap((state) =>
+      state.path === path ? (by(state) ?? []) : [state],
+    );
+    document = { ...document, states };
+    plain = machineOf(document);
+    version++;
+  };
+  const places = (overlay: Overlay = NO_OVERLAY): Placed =>
+    placesOf(machine, { modes: MODES, contents: NO_CONTENTS }, overlay);
+  return { machine, change, places };
+}
+
+const at = (x: number, y: number, width: number, height: number) => ({
+  gui: { editor_gaphas: { rel_pos: [x, y], size: [width, height] } },
+});
+
+const TWO = `
+  R hierarchy 0 0 400 300 outcome done
+    A hierarchy 20 40 160 120 outcome ok
+      C execution 30 40 60 40 outcome ok
+      C.ok > A.ok
+    B execution 240 40 80 60 outcome ok
+    A.ok > B
+    B.ok > R.done
+`;
+
+describe("places", () => {
+  test("are in the root's coordinates, however deep", () => {
+    const places = changing(TWO).places();
+    expect(places.box("R/A/C")).toEqual({ x: 50, y: 80, width: 60, height: 40 });
+    expect(places.box("R/X")).toBeUndefined();
+    expect(places.children("R")).toEqual(["R/A", "R/B"]);
+    const ok = places.ports("R/A/C").find(({ name }) => name === "ok");
+    expect(ok?.at).toEqual({ x: 110, y: 84 });
+    expect(places.routes("R").map(({ id }) => id)).toEqual([0, 1]);
+  });
+
+  test("stay the same objects until something is different", () => {
+    const { places } = changing(TWO);
+    expect(places()).toBe(places());
+  });
+
+  test("of what did not change are kept when something else does", () => {
+    const { places, change } = changing(TWO);
+    const before = places();
+    before.routes("R/A");
+    const [a, b] = before.root?.children ?? [];
+    change("R/B", (state) => ({ ...state, layout: at(240, 140, 80, 60) }));
+    const after = places();
+    expect(after.root?.children[0]).toBe(a);
+    expect(after.root?.children[1]).not.toBe(b);
+    expect(after.box("R/B")).toEqual({ x: 240, y: 140, width: 80, height: 60 });
+  });
+
+  test("follow states that move, come and go", () => {
+    const { places, change } = changing(TWO);
+    places().box("R/A/C");
+    change("R/A", (state) => ({ ...state, layout: at(60, 80, 160, 120) }));
+    expect(places().box("R/A/C")).toEqual({ x: 90, y: 120, width: 60, height: 40 });
+    change("R/B", () => null);
+    expect(places().box("R/B")).toBeUndefined();
+    expect(places().routes("R")).toEqual([]);
+  });
+});
+
+describe("what a gesture holds", () => {
+  test("is where it is held, with all inside it and the lines to it", () => {
+    const { places } = changing(TWO);
+    const rest = places().routes("R");
+    const held = places({
+      ...NO_OVERLAY,
+      boxes: new Map([["R/A", { x: 20, y: 140, width: 160, height: 120 }]]),
+    });
+    expect(held.box("R/A/C")).toEqual({ x: 50, y: 180, width: 60, height: 40 });
+    expect(held.routes("R")[0]).not.toEqual(rest[0]);
+    expect(held.routes("R")[1]).toEqual(rest[1]);
+    expect(held.root?.children[0]?.children).toEqual(places().root?.children[0]?.children);
+  });
+
+  test("a box that grows keeps its content, or takes it along", () => {
+    const { places } = changing(TWO);
+    const boxes = new Map([["R/A", { x: 20, y: 40, width: 320, height: 240 }]]);
+    expect(places({ ...NO_OVERLAY, boxes }).box("R/A/C")?.width).toBe(60);
+    const scaled = places({ ...NO_OVERLAY, boxes, scaled: new Set(["R/A"]) });
+    expect(scaled.box("R/A/C")).toEqual({ x: 80, y: 120, width: 120, height: 80 });
+    const ok = scaled.ports("R/A/C").find(({ name }) => name === "ok");
+    expect(ok?.at).toEqual({ x: 200, y: 128 });
+  });
+
+  test("ports and waypoints lead their lines along", () => {
+    const { places } = changing(TWO);
+    const ports = new Map([["income:R/B", { x: 0, y: 50 }]]);
+    const waypoints = new Map([["transition:R:1", [{ x: 350, y: 200 }]]]);
+    const held = places({ ...NO_OVERLAY, ports, waypoints });
+    expect(held.routes("R")[0]?.points.at(-1)).toEqual({ x: 240, y: 90 });
+    expect(held.routes("R")[1]?.points).toContainEqual({ x: 350, y: 200 });
+  });
+});
+
+test("content of a library is as large as fits into it, at any depth", () => {
+  const document = sketch(`
+    R hierarchy 0 0 400 300
+      L library 40 60 220 110 library=hands/grasp
+  `);
+  const content = sketch(`
+    G hierarchy 0 0 1000 500
+      S execution 100 100 200 100
+  `);
+  const outer = machineOf(document);
+  const inner = machineOf(content);
+  const within = (path: string) => (path.startsWith("R/L/") ? path.slice(4) : undefined);
+  const machine: Machine = {
+    ...outer,
+    state: (path) => {
+      const found = within(path);
+      return found === undefined ? outer.state(path) : inner.state(found);
+    },
+    children: (path) => {
+      const found = within(path);
+      if (path === "R/L") return ["R/L/G"];
+      if (found === undefined) return outer.children(path);
+      return inner.children(found).map((child) => `R/L/${child}`);
+    },
+    isInLibrary: (path) => within(path) !== undefined,
+  };
+  const hidden = placesOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY);
+  expect(hidden.children("R/L")).toEqual([]);
+  const contents = new Map([["R/L", true]]);
+  const shown = placesOf(machine, { modes: MODES, contents }, NO_OVERLAY);
+  const unit = shown.unit("R/L/G");
+  expect(unit).toBeCloseTo(0.2024);
+  expect(shown.box("R/L/G/S")?.width).toBeCloseTo(200 * unit);
+  expect(shown.ports("R/L/G/S")[0]?.at.x).toBeCloseTo(shown.box("R/L/G/S")?.x ?? Number.NaN);
+});

@@ -1,0 +1,128 @@
+import { describe, expect, test } from "vitest";
+import { machineOf } from "../model/plain.ts";
+import { sketch } from "../model/sketch.ts";
+import { MODES } from "../store/view.ts";
+import type { Line } from "./lines.ts";
+import { NO_OVERLAY } from "./overlay.ts";
+import { placesOf } from "./placed.ts";
+
+function linesOf(text: string): readonly Line[] {
+  const machine = machineOf(sketch(text));
+  const placed = placesOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  return placed.root?.lines ?? [];
+}
+
+const corners = ({ points }: Line) => points.map(({ x, y }) => `${Math.round(x)},${Math.round(y)}`);
+
+/** How far the lines run through boxes that are not theirs. */
+function through(text: string): number {
+  const machine = machineOf(sketch(text));
+  const placed = placesOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  let length = 0;
+  for (const { points } of placed.root?.lines ?? []) {
+    for (let index = 0; index + 1 < points.length; index++) {
+      const [one, other] = [points[index], points[index + 1]];
+      if (!one || !other) continue;
+      for (const { box } of placed.root?.children ?? []) {
+        const wide =
+          Math.min(Math.max(one.x, other.x), box.x + box.width) -
+          Math.max(Math.min(one.x, other.x), box.x);
+        const high =
+          Math.min(Math.max(one.y, other.y), box.y + box.height) -
+          Math.max(Math.min(one.y, other.y), box.y);
+        if (wide >= 0 && high >= 0) length += wide + high;
+      }
+    }
+  }
+  return length;
+}
+
+describe("transitions", () => {
+  test("lead straight from port to port where they can", () => {
+    const [line] = linesOf(`
+      R hierarchy 0 0 400 200
+        A execution 40 40 80 60 outcome ok
+        B execution 200 40 80 60
+        A.ok > B
+    `);
+    expect(line && corners(line)).toEqual(["120,46", "200,46"]);
+  });
+
+  test("go around what stands between", () => {
+    const text = `
+      R hierarchy 0 0 600 300
+        A execution 40 100 80 60 outcome ok
+        B execution 200 90 80 80
+        C execution 360 100 80 60
+        A.ok > C
+    `;
+    expect(through(text)).toBe(0);
+    const [line] = linesOf(text);
+    expect(line?.points.length).toBeGreaterThan(3);
+  });
+
+  test("lead back around both states, and from a state to itself", () => {
+    const text = `
+      R hierarchy 0 0 400 200
+        A execution 60 60 80 60 outcome ok
+        B execution 220 60 80 60 outcome again outcome self
+        A.ok > B
+        B.again > A
+        B.self > B
+    `;
+    expect(through(text)).toBe(0);
+  });
+
+  test("to one target share their way, and others keep apart", () => {
+    const lines = linesOf(`
+      R hierarchy 0 0 900 300
+        A execution 40 100 80 60 outcome ok
+        B execution 200 100 80 60 outcome ok
+        C execution 360 100 80 60 outcome ok
+        E execution 700 200 80 60
+        A.ok > B
+        B.ok > C
+        A.aborted > E
+        B.aborted > E
+        C.aborted > E
+    `);
+    const lying = lines.slice(2).map(({ points }) => {
+      const at = points.findIndex((point, index) => {
+        const next = points[index + 1];
+        return next && point.y === next.y && Math.abs(point.x - next.x) > 100;
+      });
+      return Math.round(points[at]?.y ?? Number.NaN);
+    });
+    expect(new Set(lying).size).toBe(1);
+    expect(
+      through(`
+      R hierarchy 0 0 900 300
+        A execution 40 100 80 60 outcome ok
+        B execution 200 100 80 60 outcome ok
+        E execution 700 200 80 60
+        A.aborted > E
+        B.aborted > E
+    `),
+    ).toBe(0);
+  });
+
+  test("obey the author's waypoints", () => {
+    const document = sketch(`
+      R hierarchy 0 0 400 200
+        A execution 40 40 80 60 outcome ok
+        B execution 200 40 80 60
+        A.ok > B
+    `);
+    const [root, ...states] = document.states;
+    if (!root) throw new Error("no root");
+    const layout = {
+      ...root.layout,
+      transition0: { gui: { editor_gaphas: { waypoints: [[150, 150]] } } },
+    };
+    const machine = machineOf({ ...document, states: [{ ...root, layout }, ...states] });
+    const placed = placesOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+    const [route] = placed.routes("R");
+    expect(route?.waypoints).toEqual([2]);
+    expect(route?.points[2]).toEqual({ x: 150, y: 150 });
+  });
+});
