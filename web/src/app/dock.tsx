@@ -65,7 +65,6 @@ export function Dock() {
   );
   return (
     <DockviewReact
-      className="dock"
       theme={THEME}
       components={components}
       defaultTabComponent={PanelTab}

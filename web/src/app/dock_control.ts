@@ -136,7 +136,18 @@ export class DockControl implements DockPort {
       this.#buildSide(side, layout[side], canvas.group);
     }
     this.#settleCanvas();
+    this.#size(layout);
     canvas.api.setActive();
+  }
+
+  /** Sides come one after the other, and each takes some room from those before it: so they are measured at last. */
+  #size(layout: Layout): void {
+    for (const [side, wanted] of Object.entries(layout)) {
+      const group = this.#api.getPanel(wanted?.groups[0]?.[0] ?? "")?.group;
+      if (group && wanted) {
+        group.api.setSize(side === "bottom" ? { height: wanted.size } : { width: wanted.size });
+      }
+    }
   }
 
   #buildSide(side: Side, wanted: Layout[Side], centre: DockviewGroupPanel): void {

@@ -221,7 +221,7 @@ function stateItems({ page }: AppSession): PaletteItem[] {
   return [...machine.paths()].map((path) => ({
     found: { kind: "state", path },
     title: machine.state(path)?.name ?? path,
-    detail: namesTo(machine, path).slice(0, -1).join(" / "),
+    detail: namesTo(machine, path).slice(0, -1).reverse().join(" ‹ "),
   }));
 }
 

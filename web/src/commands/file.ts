@@ -16,7 +16,7 @@ export const FILE: readonly Command[] = [
     title: "New machine…",
     detail: "Makes an empty machine in a project and opens it.",
     keys: ["Ctrl+Alt+N"],
-    classic: ["Ctrl+N", "Ctrl+Alt+N"],
+    classic: ["Ctrl+N", "Ctrl+Shift+Alt+N"],
     menu: "File/1",
     enabled: ({ page }) => mayEdit(page),
     run: async ({ page, shell }) => {
