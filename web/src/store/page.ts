@@ -1,6 +1,7 @@
 /** Everything that the page shows, as signals: who is there, what is open, which of it is in front. */
 
 import type { ReadonlySignal, Signal } from "@preact/signals-core";
+import type { ElementRef } from "../model/element.ts";
 import type {
   HouseStatus,
   LibraryRoot,
@@ -29,6 +30,8 @@ export interface Notice {
     readonly command: string;
     readonly argument?: unknown;
   };
+  /** What it is about: clicks lead there. */
+  readonly about?: { readonly machine: string; readonly element: ElementRef };
   readonly at_ms: number;
 }
 

@@ -44,10 +44,11 @@ export function startPage(options: PageOptions = {}): Page {
   const server = options.server ?? connect(options.address ?? { url: "" });
   const sheds = options.sheds ?? browserSheds();
   const notices = signal<readonly Notice[]>([]);
+  let told = 0;
   const tell: Page["tell"] = (notice) => {
-    const id = (notices.peek().at(-1)?.id ?? 0) + 1;
+    told += 1;
     const at_ms = clock.now();
-    notices.value = [...notices.peek(), { ...notice, id, at_ms }].slice(-NOTICES_MAX);
+    notices.value = [...notices.peek(), { ...notice, id: told, at_ms }].slice(-NOTICES_MAX);
   };
   const house = signal<HouseStatus | null>(null);
   server.follow({
@@ -65,8 +66,8 @@ export function startPage(options: PageOptions = {}): Page {
   const isRestoring = followSession({ ...ports, ...sheds, ...machines });
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
-  const told = { house, projects, libraries, isRestoring };
-  return { server, ...told, notices, settings, tell, ...machines };
+  const known = { house, projects, libraries, isRestoring };
+  return { server, ...known, notices, settings, tell, ...machines };
 }
 
 function browserSheds(): { readonly own: Shed; readonly shared: Shed } {

@@ -89,7 +89,11 @@ describe("an open machine", () => {
     expect(await answer).toEqual({ refused: "it breaks a rule" });
     expect(documentOf(room)).toEqual(before);
     expect(notices).toEqual([
-      { level: "warning", text: "Root: “Start” was not done: it breaks a rule" },
+      {
+        level: "warning",
+        text: "Root: “Start” was not done: it breaks a rule",
+        about: { machine: "m", element: { kind: "state", path: "R" } },
+      },
     ]);
   });
 

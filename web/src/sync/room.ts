@@ -134,9 +134,10 @@ export class OpenRoom implements Room {
     return (this.status.value?.people ?? []).filter(({ connection }) => connection !== own);
   }
 
-  #tell(level: Notice["level"], text: string): void {
+  #tell(level: Notice["level"], text: string, path = this.machine.root): void {
     const name = this.machine.state(this.machine.root)?.name ?? this.id;
-    this.#ports.tell({ level, text: `${name}: ${text}` });
+    const about = { machine: this.id, element: { kind: "state", path } } as const;
+    this.#ports.tell({ level, text: `${name}: ${text}`, about });
   }
 
   /** Shows the edit at once, asks for it, and says what became of it. */
@@ -152,11 +153,11 @@ export class OpenRoom implements Room {
         if (edit) this.#foretell(edit);
         this.#onItsWay.add({ id, name, since_ms, edit, settle, made: null });
       });
-      void this.#send(id, name, ask);
+      void this.#send(id, ask);
     });
   }
 
-  async #send(id: string, name: string, ask: () => Promise<number>): Promise<void> {
+  async #send(id: string, ask: () => Promise<number>): Promise<void> {
     try {
       const made = await ask();
       this.#onItsWay.answered(id, made);
@@ -164,16 +165,17 @@ export class OpenRoom implements Room {
     } catch (error) {
       const wasClosed = codeOf(error) === "no_such_machine";
       if (wasClosed && !this.#following.isOver && (await this.#following.reopen())) {
-        await this.#send(id, name, ask);
+        await this.#send(id, ask);
       } else {
-        this.#refused(id, name, `${wasClosed ? "it is lost: " : ""}${messageOf(error)}`);
+        this.#refused(id, `${wasClosed ? "it is lost: " : ""}${messageOf(error)}`);
       }
     }
   }
 
-  #refused(id: string, name: string, reason: string): void {
+  #refused(id: string, reason: string): void {
+    const asked = this.#onItsWay.all.find((each) => each.id === id);
     this.#renew(() => this.#onItsWay.refused(id, reason));
-    this.#tell("warning", `“${name}” was not done: ${reason}`);
+    this.#tell("warning", `“${asked?.name}” was not done: ${reason}`, placeOf(asked?.edit));
   }
 
   #foretell(edit: Edit): void {
@@ -279,6 +281,13 @@ export class OpenRoom implements Room {
       throw error;
     }
   }
+}
+
+/** The state that an edit is about, or its first part that is about one. */
+function placeOf(edit: Edit | null | undefined): string | undefined {
+  if (!edit) return undefined;
+  if (edit.edit === "batch") return edit.edits.map(placeOf).find((path) => path !== undefined);
+  return "path" in edit ? edit.path : undefined;
 }
 
 function messageOf(error: unknown): string {

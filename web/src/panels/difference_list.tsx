@@ -1,0 +1,122 @@
+/** Differences as a list; the chosen one stands below with old and new in full. */
+
+import { useState } from "react";
+import type { Difference } from "../model/difference.ts";
+import { keyOf } from "../model/element.ts";
+import type { Machine } from "../model/machine.ts";
+import type { FieldChange } from "../model/state_fields.ts";
+import { type Column, Table } from "../ui/table.tsx";
+import { TextDifference } from "../ui/text_difference.tsx";
+import { KIND_WORDS, summary, whereabouts } from "./difference_words.ts";
+import "./difference_list.css";
+
+export interface DifferenceListProps {
+  readonly label: string;
+  readonly all: readonly Difference[];
+  /** What is gone is named by the old one. */
+  readonly old: Machine;
+  readonly now: Machine;
+  readonly onReveal: (difference: Difference) => void;
+}
+
+const MARKS = { added: "+ added", removed: "− removed", changed: "● changed" } as const;
+
+function idOf({ kind, element, isLayout }: Difference): string {
+  return `${kind} ${keyOf(element)} ${isLayout}`;
+}
+
+export function DifferenceList({ label, all, old, now, onReveal }: DifferenceListProps) {
+  const [chosen, setChosen] = useState<string | null>(null);
+  const difference = all.find((each) => idOf(each) === chosen);
+  const columns: readonly Column<Difference>[] = [
+    {
+      key: "kind",
+      title: "",
+      width: "84px",
+      cell: ({ kind }) => (
+        <span className={`differences-mark differences-${kind}`}>{MARKS[kind]}</span>
+      ),
+    },
+    {
+      key: "name",
+      title: "What",
+      cell: ({ element, name }) => (
+        <>
+          <span className="differences-soft">{KIND_WORDS[element.kind]} </span>
+          {name}
+        </>
+      ),
+    },
+    { key: "summary", title: "Difference", cell: summary },
+    {
+      key: "where",
+      title: "Where",
+      cell: (each) => (
+        <span className="differences-soft">
+          {whereabouts(each.kind === "removed" ? old : now, each)}
+        </span>
+      ),
+    },
+  ];
+  return (
+    <div className="differences-list">
+      <div className="differences-rows">
+        <Table
+          label={label}
+          columns={columns}
+          rows={all}
+          id={idOf}
+          selected={new Set(chosen === null ? [] : [chosen])}
+          onSelect={(each) => {
+            setChosen(idOf(each));
+            onReveal(each);
+          }}
+        />
+      </div>
+      {difference && difference.fields.length > 0 && <Detail difference={difference} />}
+    </div>
+  );
+}
+
+function Detail({ difference }: { difference: Difference }) {
+  const { fields, name, element } = difference;
+  const lines = fields.filter(({ isText }) => !isText);
+  return (
+    <section className="differences-detail" aria-label={`How ${name} differs`}>
+      <h4>
+        {KIND_WORDS[element.kind]} {name}
+      </h4>
+      {lines.length > 0 && (
+        <dl className="differences-field">
+          {lines.map((field) => (
+            <Line key={field.field} change={field} />
+          ))}
+        </dl>
+      )}
+      {fields
+        .filter(({ isText }) => isText)
+        .map(({ field, old, now }) => (
+          <div key={field} className="differences-text">
+            <div className="differences-soft">{field}</div>
+            <TextDifference
+              label={`${field} of ${name}, old and new`}
+              old={old}
+              now={now}
+              isPython={field === "script"}
+            />
+          </div>
+        ))}
+    </section>
+  );
+}
+
+function Line({ change: { field, old, now } }: { change: FieldChange }) {
+  return (
+    <>
+      <dt>{field}</dt>
+      <dd>
+        <del>{old === "" ? "nothing" : old}</del> → <ins>{now === "" ? "nothing" : now}</ins>
+      </dd>
+    </>
+  );
+}

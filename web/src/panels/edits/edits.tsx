@@ -1,0 +1,149 @@
+/** The modification history: all steps of the machine as a tree, and a way to any of them. */
+
+import { CornerUpLeft, Redo2, Undo2 } from "lucide-react";
+import { useMemo, useState } from "react";
+import { mayEdit } from "../../commands/subject.ts";
+import { type StepRow, stepRows, stepTree } from "../../model/steps.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { Button, IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { Checkbox } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { type Column, Table } from "../../ui/table.tsx";
+import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { moment } from "../moment.ts";
+import { Graph, graphWidth } from "./graph.tsx";
+import { jumpTo } from "./jump.ts";
+import { StepDetail } from "./step_detail.tsx";
+import "./edits.css";
+
+export function Edits() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty title="No machine is open" text="Every step of the machine in front stands here." />
+  );
+}
+
+function OfTab({ tab }: { readonly tab: OpenTab }) {
+  const host = useHost();
+  const run = useCommand();
+  const steps = useSignal(tab.room.steps);
+  const saved = useSignal(tab.room.status)?.summary.saved_revision;
+  const [hasBranches, setBranches] = useState(true);
+  const [chosen, setChosen] = useState<number | null>(null);
+  const tree = useMemo(() => stepTree(steps), [steps]);
+  const rows = useMemo(() => stepRows(tree, hasBranches), [tree, hasBranches]);
+  const may = mayEdit(host.context().page);
+  const node = chosen === null ? undefined : tree.nodes.get(chosen);
+  const isKept = node !== undefined && (node.step?.is_kept ?? true);
+  const canJump = may && isKept && chosen !== tree.current;
+  const jump = (revision: number) => void jumpTo(host, tab, revision);
+  return (
+    <div className="edits">
+      <div className="edits-bar">
+        <IconButton
+          label="Undo your last step"
+          keys="Ctrl+Z"
+          icon={<Undo2 size={15} />}
+          disabled={!may}
+          onClick={() => run("edit.undo")}
+        />
+        <IconButton
+          label="Redo"
+          keys="Ctrl+Y"
+          icon={<Redo2 size={15} />}
+          disabled={!may}
+          onClick={() => run("edit.redo")}
+        />
+        <Checkbox label="Branches" checked={hasBranches} onChange={setBranches} />
+        <span className="edits-gap" />
+        <Button
+          icon={<CornerUpLeft size={14} />}
+          title="Makes the machine what it was after the chosen step; this can be undone"
+          disabled={!canJump}
+          onClick={() => chosen !== null && jump(chosen)}
+        >
+          Go to this step
+        </Button>
+      </div>
+      <div className="edits-body">
+        <div className="edits-rows">
+          <Table
+            label="Steps, the newest first"
+            columns={columnsOf(rows, tree.current, saved)}
+            rows={rows}
+            id={(row) => String(row.node.revision)}
+            selected={new Set(chosen === null ? [] : [String(chosen)])}
+            onSelect={(row) => setChosen(row.node.revision)}
+            onOpen={(row) => may && row.node.revision !== tree.current && jump(row.node.revision)}
+          />
+        </div>
+        {node && <StepDetail key={node.revision} tab={tab} node={node} />}
+      </div>
+    </div>
+  );
+}
+
+const PLACES = {
+  current: "the machine is here",
+  done: "",
+  undone: "taken back",
+  branch: "on another branch",
+} as const;
+
+function columnsOf(
+  rows: readonly StepRow[],
+  current: number,
+  saved: number | undefined,
+): readonly Column<StepRow>[] {
+  const now_ms = Date.now();
+  return [
+    {
+      key: "graph",
+      title: "",
+      width: `${graphWidth(rows)}px`,
+      cell: (row) => <Graph row={row} />,
+    },
+    {
+      key: "name",
+      title: "Step",
+      width: "minmax(120px, 2fr)",
+      cell: ({ node: { step, revision }, place }) => (
+        <span className={`edits-${place}`} title={PLACES[place]}>
+          {step === null ? "As it was opened" : nameOf(step.kind, step.name)}
+          {place === "undone" && <span className="visually-hidden"> (taken back)</span>}
+          {revision === current && <span className="edits-saved">now</span>}
+          {revision === saved && <span className="edits-saved">saved</span>}
+        </span>
+      ),
+    },
+    {
+      key: "author",
+      title: "Who",
+      width: "minmax(60px, 1fr)",
+      cell: ({ node: { step } }) => step?.author ?? "",
+    },
+    {
+      key: "time",
+      title: "When",
+      width: "110px",
+      align: "right",
+      cell: ({ node: { step } }) =>
+        step && <span className="edits-time">{moment(step.at_ms, now_ms)}</span>,
+    },
+  ];
+}
+
+/** What a step is called: one that only took back or went somewhere says so. */
+function nameOf(kind: string, name: string): string {
+  switch (kind) {
+    case "undo":
+      return `Undo: ${name}`;
+    case "redo":
+      return `Redo: ${name}`;
+    default:
+      return name;
+  }
+}

@@ -1,0 +1,30 @@
+/** Makes the machine what it was after a step; asks first if that takes steps of others away. */
+
+import type { OpenTab } from "../../store/page.ts";
+import type { PanelHost } from "../context.tsx";
+
+export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): Promise<void> {
+  const { page, shell } = host.context();
+  const answer = await tab.room.jump(revision, false);
+  if (!("refused" in answer)) return;
+  if (answer.code !== "others_edits") {
+    page.tell({ level: "warning", text: `Not gone to that step: ${answer.refused}` });
+    return;
+  }
+  const yes = await shell.confirm({
+    title: "Take steps of others away?",
+    text: `${capital(answer.refused)}.`,
+    yes: "Go there anyway",
+    no: "Stay",
+    danger: true,
+  });
+  if (!yes) return;
+  const again = await tab.room.jump(revision, true);
+  if ("refused" in again) {
+    page.tell({ level: "warning", text: `Not gone to that step: ${again.refused}` });
+  }
+}
+
+function capital(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -1,0 +1,36 @@
+/** What the chosen step changed. */
+
+import { useMemo } from "react";
+import { differences } from "../../model/difference.ts";
+import type { StepNode } from "../../model/steps.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { useHost } from "../context.tsx";
+import { DifferenceList } from "../difference_list.tsx";
+import { reveal } from "../reveal.ts";
+
+export function StepDetail({ tab, node }: { readonly tab: OpenTab; readonly node: StepNode }) {
+  const host = useHost();
+  const trace = tab.room.trace(node.revision);
+  const all = useMemo(() => (trace ? differences(trace.before, trace.after) : []), [trace]);
+  if (!trace) {
+    const text =
+      node.step === null
+        ? "The machine as it was read from its files."
+        : "What this step changed was not seen by this page: it was made before the machine was opened here, or long ago.";
+    return <div className="edits-step edits-hint">{text}</div>;
+  }
+  if (all.length === 0) {
+    return <div className="edits-step edits-hint">This step changed nothing that is shown.</div>;
+  }
+  return (
+    <div className="edits-step">
+      <DifferenceList
+        label="What the step changed"
+        all={all}
+        old={trace.before}
+        now={trace.after}
+        onReveal={({ element }) => reveal(host, element)}
+      />
+    </div>
+  );
+}

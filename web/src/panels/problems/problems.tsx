@@ -1,0 +1,166 @@
+/** What is wrong with the machine in front: each problem with its place, and what would mend it. */
+
+import { CircleAlert, CircleCheck, Info, TriangleAlert, Wrench } from "lucide-react";
+import { useMemo, useState } from "react";
+import { mayEdit } from "../../commands/subject.ts";
+import type { MachineProblem, Repair } from "../../model/generated/protocol.ts";
+import { type Machine, namesTo } from "../../model/machine.ts";
+import { byWeight, elementOfProblem } from "../../model/problem.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { Button } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { type Column, Table } from "../../ui/table.tsx";
+import { useActiveTab, useHost } from "../context.tsx";
+import { reveal } from "../reveal.ts";
+import "./problems.css";
+
+export function Problems() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty title="No machine is open" text="What is wrong with the machine in front stands here." />
+  );
+}
+
+function idOf({ path, part, rule, message }: MachineProblem): string {
+  return [path, part, rule, message].join("\n");
+}
+
+function OfTab({ tab }: { readonly tab: OpenTab }) {
+  const host = useHost();
+  const problems = useSignal(tab.room.problems);
+  const [query, setQuery] = useState("");
+  const [chosen, setChosen] = useState<string | null>(null);
+  const { machine } = tab.room;
+  const rows = useMemo(() => byWeight(problems).filter(matching(query)), [problems, query]);
+  const columns = useMemo(() => columnsOf(machine), [machine]);
+  if (problems.length === 0) {
+    return (
+      <Empty
+        icon={<CircleCheck size={22} />}
+        title="No problems"
+        text="The machine keeps every rule. It is looked at again after each edit."
+      />
+    );
+  }
+  const problem = rows.find((each) => idOf(each) === chosen);
+  return (
+    <div className="problems">
+      <div className="problems-bar">
+        <TextField
+          label="Filter problems"
+          hideLabel
+          type="search"
+          placeholder="Filter"
+          value=""
+          onInput={setQuery}
+        />
+        <span className="problems-soft">{inWords(problems)}</span>
+      </div>
+      <div className="problems-rows">
+        <Table
+          label="Problems, the worst first"
+          columns={columns}
+          rows={rows}
+          id={idOf}
+          selected={new Set(chosen === null ? [] : [chosen])}
+          onSelect={(each) => {
+            setChosen(idOf(each));
+            reveal(host, elementOfProblem(each));
+          }}
+        />
+      </div>
+      {problem && <Chosen tab={tab} problem={problem} />}
+    </div>
+  );
+}
+
+function Chosen({ tab, problem }: { readonly tab: OpenTab; readonly problem: MachineProblem }) {
+  const may = mayEdit(useHost().context().page);
+  const [isBusy, setBusy] = useState(false);
+  const mend = async ({ name, edit }: Repair) => {
+    setBusy(true);
+    await tab.room.edit(name, edit);
+    setBusy(false);
+  };
+  return (
+    <section className="problems-chosen" aria-label="The chosen problem">
+      <p>{problem.message}</p>
+      {(problem.repairs ?? []).map((repair) => (
+        <Button
+          key={repair.name}
+          icon={<Wrench size={14} />}
+          disabled={!may || isBusy}
+          onClick={() => void mend(repair)}
+        >
+          {repair.name}
+        </Button>
+      ))}
+    </section>
+  );
+}
+
+const ICONS = { error: CircleAlert, warning: TriangleAlert, note: Info };
+
+function columnsOf(machine: Machine): readonly Column<MachineProblem>[] {
+  return [
+    {
+      key: "severity",
+      title: "",
+      width: "92px",
+      cell: ({ severity }) => {
+        const Icon = ICONS[severity];
+        return (
+          <span className={`problems-severity problems-${severity}`}>
+            <Icon size={14} aria-hidden />
+            {severity}
+          </span>
+        );
+      },
+    },
+    {
+      key: "message",
+      title: "What",
+      width: "minmax(160px, 3fr)",
+      cell: ({ message, repairs }) => (
+        <span title={message}>
+          {repairs && repairs.length > 0 && (
+            <Wrench size={12} aria-label="can be repaired" style={{ marginRight: 4 }} />
+          )}
+          {message}
+        </span>
+      ),
+    },
+    {
+      key: "where",
+      title: "Where",
+      width: "minmax(100px, 1fr)",
+      cell: ({ path, part }) => (
+        <span className="problems-soft">
+          {namesTo(machine, path).join(" / ")}
+          {part === "state" ? "" : ` · ${part}`}
+        </span>
+      ),
+    },
+  ];
+}
+
+function matching(query: string): (problem: MachineProblem) => boolean {
+  const wanted = query.trim().toLowerCase();
+  return ({ message, path, part, rule }) =>
+    [message, path, part, rule].some((text) => text.toLowerCase().includes(wanted));
+}
+
+/** `2 errors, 1 warning`. */
+function inWords(problems: readonly MachineProblem[]): string {
+  const count = (severity: string) =>
+    problems.filter((problem) => problem.severity === severity).length;
+  return (["error", "warning", "note"] as const)
+    .map((severity) => ({ severity, many: count(severity) }))
+    .filter(({ many }) => many > 0)
+    .map(({ severity, many }) => `${many} ${severity}${many === 1 ? "" : "s"}`)
+    .join(", ");
+}
