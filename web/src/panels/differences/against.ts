@@ -1,0 +1,50 @@
+/** What a machine can be compared with, as a list to choose from. */
+
+import type { MachineVersions } from "../../model/generated/protocol.ts";
+import type { Against } from "../../store/comparison.ts";
+import type { OpenTab } from "../../store/page.ts";
+
+export interface AgainstOption {
+  readonly value: string;
+  readonly title: string;
+  readonly against: Against | null;
+}
+
+/** Nothing, the disk, other tabs, and what git knows. */
+export function againstOptions(
+  tabs: readonly OpenTab[],
+  own: OpenTab,
+  versions: MachineVersions | null,
+): readonly AgainstOption[] {
+  const others = tabs.filter((tab) => tab !== own);
+  return [
+    { value: "", title: "Nothing", against: null },
+    { value: "saved", title: "What lies on disk", against: { kind: "saved" } },
+    ...others.map((tab): AgainstOption => {
+      const against = { kind: "tab", tab } as const;
+      return { value: optionOf(against), title: `Tab: ${nameOf(tab)}`, against };
+    }),
+    ...(versions?.versions ?? []).map(({ commit, author, at_ms, subject }): AgainstOption => {
+      const day = new Date(at_ms).toLocaleDateString();
+      const title = `${commit.slice(0, 8)} · ${day} · ${subject} (${author})`;
+      return { value: commit, title, against: { kind: "version", commit } };
+    }),
+  ];
+}
+
+export function optionOf(against: Against | null): string {
+  switch (against?.kind) {
+    case undefined:
+      return "";
+    case "saved":
+      return "saved";
+    case "version":
+      return against.commit;
+    case "tab":
+      return `tab ${against.tab.room.id}`;
+  }
+}
+
+function nameOf({ room }: OpenTab): string {
+  return room.machine.state(room.machine.root)?.name ?? room.id;
+}

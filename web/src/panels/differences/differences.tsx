@@ -1,0 +1,150 @@
+/** How the machine in front differs from another: what lies on disk, an earlier version, or the machine of another tab. */
+
+import { GitCompareArrows, RefreshCw } from "lucide-react";
+import { useEffect, useState } from "react";
+import type { Difference } from "../../model/difference.ts";
+import type { MachineVersions } from "../../model/generated/protocol.ts";
+import { type Comparison, comparisonOf } from "../../store/comparison.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { RefusalError } from "../../store/server.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { Checkbox, Select } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useActiveTab, useHost } from "../context.tsx";
+import { DifferenceList } from "../difference_list.tsx";
+import { reveal } from "../reveal.ts";
+import { againstOptions, optionOf } from "./against.ts";
+import "./differences.css";
+
+export function Differences() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty
+      title="No machine is open"
+      text="How the machine in front differs from its files, an earlier version or another machine stands here."
+    />
+  );
+}
+
+function OfTab({ tab }: { readonly tab: OpenTab }) {
+  const { page } = useHost().context();
+  const comparison = comparisonOf(tab, page.server);
+  const against = useSignal(comparison.against);
+  const versions = useVersions(tab);
+  const tabs = useSignal(page.tabs);
+  const found = useSignal(comparison.found);
+  const [hasLayout, setLayout] = useState(false);
+  const options = againstOptions(tabs, tab, versions);
+  const shown = hasLayout ? found : found.filter(({ isLayout }) => !isLayout);
+  const choose = (value: string) => {
+    const option = options.find((each) => each.value === value);
+    void comparison.choose(option?.against ?? null);
+  };
+  return (
+    <div className="differences">
+      <div className="differences-bar">
+        <Select
+          label="Compare with"
+          hideLabel
+          value={optionOf(against)}
+          options={options.map(({ value, title }) => ({
+            value,
+            title: value === "" ? "Compare with…" : title,
+          }))}
+          onChange={choose}
+        />
+        <IconButton
+          label="Compare again"
+          icon={<RefreshCw size={15} />}
+          disabled={!against}
+          onClick={() => void comparison.refresh()}
+        />
+        <Checkbox label="Places on the screen" checked={hasLayout} onChange={setLayout} />
+        {against && <span className="differences-count">{counted(shown)}</span>}
+      </div>
+      <Found tab={tab} comparison={comparison} shown={shown} />
+    </div>
+  );
+}
+
+interface FoundProps {
+  readonly tab: OpenTab;
+  readonly comparison: Comparison;
+  readonly shown: readonly Difference[];
+}
+
+function Found({ tab, comparison, shown }: FoundProps) {
+  const host = useHost();
+  const against = useSignal(comparison.against);
+  const other = useSignal(comparison.other);
+  const refusal = useSignal(comparison.refusal);
+  if (!against) {
+    return (
+      <Empty
+        icon={<GitCompareArrows size={22} />}
+        title="Compared with nothing"
+        text="Choose above what to compare with: differences are listed here and marked on the canvas."
+        action={{
+          title: "Compare with what lies on disk",
+          onClick: () => void comparison.choose({ kind: "saved" }),
+        }}
+      />
+    );
+  }
+  if (refusal) {
+    return (
+      <p className="differences-refusal" role="alert">
+        {refusal}
+      </p>
+    );
+  }
+  if (!other) return <p className="differences-count">Reading…</p>;
+  if (shown.length === 0) {
+    return <Empty title="No differences" text="Both machines say the same." />;
+  }
+  return (
+    <DifferenceList
+      label="Differences"
+      all={shown}
+      old={other}
+      now={tab.room.machine}
+      onReveal={({ element }) => reveal(host, element)}
+    />
+  );
+}
+
+/** What git knows of the machine; asked for again when it is saved. */
+function useVersions(tab: OpenTab): MachineVersions | null {
+  const { server } = useHost().context().page;
+  const saved = useSignal(tab.room.status)?.summary.saved_revision;
+  const [versions, setVersions] = useState<MachineVersions | null>(null);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: a save may have brought a commit along
+  useEffect(() => {
+    let isGone = false;
+    const path = `/machines/${encodeURIComponent(tab.room.id)}/versions`;
+    server.request<MachineVersions>("GET", path).then(
+      (answer) => {
+        if (!isGone) setVersions(answer);
+      },
+      (error: unknown) => {
+        if (!(error instanceof RefusalError)) throw error;
+      },
+    );
+    return () => {
+      isGone = true;
+    };
+  }, [server, tab, saved]);
+  return versions;
+}
+
+/** `1 added, 3 changed`. */
+function counted(all: readonly Difference[]): string {
+  const counts = (["added", "removed", "changed"] as const)
+    .map((kind) => ({ kind, many: all.filter((each) => each.kind === kind).length }))
+    .filter(({ many }) => many > 0)
+    .map(({ kind, many }) => `${many} ${kind}`);
+  return counts.join(", ");
+}
