@@ -55,11 +55,11 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
         onBlur={() => void commit()}
         onKeyDown={(event) => {
           event.stopPropagation();
-          if (event.key === "Enter") void commit();
           if (event.key === "Escape") stop();
-          if (event.key !== "Tab") return;
+          if (event.key !== "Enter" && event.key !== "Tab") return;
+          // What has the keyboard after the commit must not be pressed by the same key.
           event.preventDefault();
-          void commit(event.shiftKey ? -1 : 1);
+          void commit(event.key === "Enter" ? 0 : event.shiftKey ? -1 : 1);
         }}
       />
       {rest.suggestions && (
