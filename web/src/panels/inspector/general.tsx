@@ -114,12 +114,10 @@ function LibraryOf({ seen, run }: PartProps) {
   return (
     <>
       <TextField label="Library" mono readOnly value={`${library.path}/${library.name}`} />
-      <div className="inspector-pair">
-        <TextField label="Library version" readOnly value={library.version ?? "none"} />
-        <Button icon={<ExternalLink size={14} />} onClick={open}>
-          Open library
-        </Button>
-      </div>
+      <TextField label="Made with" readOnly value={`version ${library.version ?? "none"}`} />
+      <Button icon={<ExternalLink size={14} />} onClick={open}>
+        Open library
+      </Button>
       <Checkbox
         label="Show content"
         checked={contents.get(path) ?? layoutOf(state).showsContent}

@@ -108,7 +108,17 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
     editor.current?.goTo(wanted.line);
     wantedLine.value = null;
   }, [wanted, seen.path]);
-  return <div ref={place} className="inspector-code" />;
+  const height = useRef(heightOf(text));
+  return <div ref={place} className="inspector-code" style={{ height: height.current }} />;
+}
+
+const LINE_PX = 18;
+const [SHORT_PX, TALL_PX] = [120, 420];
+
+/** As tall as its text at first; whoever wants it otherwise drags its corner. */
+function heightOf(text: string): number {
+  const lines = text.split("\n").length + 2;
+  return Math.min(TALL_PX, Math.max(SHORT_PX, lines * LINE_PX));
 }
 
 function namesOf({ state, machine }: SeenState): ScriptNames {

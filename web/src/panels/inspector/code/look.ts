@@ -47,8 +47,9 @@ const THEME = EditorView.theme({
     color: "var(--text-faint)",
     borderRight: "1px solid var(--border)",
   },
-  ".cm-lineNumbers .cm-gutterElement": { minWidth: "2.2em", padding: "0 3px 0 4px" },
-  ".cm-gutter-lint": { width: "1em" },
+  ".cm-lineNumbers .cm-gutterElement": { minWidth: "1.6em", padding: "0 2px 0 2px" },
+  ".cm-foldGutter .cm-gutterElement": { padding: "0 2px" },
+  ".cm-gutter-lint": { width: "0.9em" },
   ".cm-gutter-lint .cm-gutterElement": { padding: "0.1em 0 0 0" },
   ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "var(--code-line)" },
   "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground":
