@@ -21,12 +21,17 @@ pub(crate) struct Gate {
 
 impl Default for Gate {
     fn default() -> Self {
-        let places = |count| Arc::new(Semaphore::new(count));
-        Self { inside: places(INSIDE), turns: places(AT_ONCE) }
+        Self::of(AT_ONCE)
     }
 }
 
 impl Gate {
+    /// A gate behind which so many are at work.
+    pub(crate) fn of(at_once: usize) -> Self {
+        let places = |count| Arc::new(Semaphore::new(count));
+        Self { inside: places(INSIDE), turns: places(at_once) }
+    }
+
     /// Does the work when it has its turn; refused if too many wait. Whoever goes away while it is done leaves its turn to it.
     pub(crate) async fn work<T: Send + 'static>(
         &self,
@@ -75,7 +80,9 @@ mod tests {
         for _ in 0..AT_ONCE {
             works.recv().await.unwrap();
         }
-        tokio::task::yield_now().await;
+        while gate.inside.available_permits() > 0 {
+            tokio::task::yield_now().await;
+        }
         assert!(works.try_recv().is_err());
         assert_eq!(gate.work(|| Ok(())).await.unwrap_err().code(), "too_many_at_once");
         drop(ends);

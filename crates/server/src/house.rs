@@ -6,6 +6,7 @@ use crate::documents::Documents;
 use crate::history::History;
 use crate::news::News;
 use crate::projects::Projects;
+use crate::python::Python;
 use crate::runs::{self, Runs};
 use crate::socket::Sockets;
 use crate::watch as files;
@@ -34,6 +35,8 @@ pub struct House {
     pub(crate) projects: Projects,
     /// The open machines.
     pub(crate) documents: Documents,
+    /// What looks at scripts.
+    pub(crate) python: Python,
     /// All runs.
     pub(crate) runs: Runs,
     /// What the connections of clients share.
@@ -64,6 +67,7 @@ impl House {
             sockets: Sockets::default(),
             news,
             history: History::default(),
+            python: Python::default(),
             projects: Projects::new(&settings),
             documents: Documents::new(&settings),
             settings,

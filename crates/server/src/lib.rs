@@ -19,6 +19,7 @@ mod log;
 mod news;
 mod page;
 mod projects;
+mod python;
 mod request_id;
 mod router;
 mod runs;

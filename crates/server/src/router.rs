@@ -22,6 +22,7 @@ fn all() -> OpenApiRouter<Arc<House>> {
         .merge(access::routes())
         .merge(projects::routes())
         .merge(crate::documents::routes())
+        .merge(crate::python::routes())
         .merge(runs::routes())
         .merge(history::routes())
         .merge(socket::routes())

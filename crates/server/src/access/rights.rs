@@ -33,7 +33,9 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/projects", Right::Observe),
     (Method::GET, "/api/v1/projects/{project}/tree", Right::Observe),
     (Method::GET, "/api/v1/libraries", Right::Observe),
+    (Method::GET, "/api/v1/libraries/usages", Right::Observe),
     (Method::GET, "/api/v1/libraries/{root}/{*path}", Right::Observe),
+    (Method::POST, "/api/v1/python/check", Right::Edit),
     // Open machines.
     (Method::GET, "/api/v1/machines", Right::Observe),
     (Method::POST, "/api/v1/machines", Right::Edit),
@@ -52,6 +54,7 @@ pub const ROUTES: &[Row] = &[
     (Method::POST, "/api/v1/machines/{machine}/redo", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/jump", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/save", Right::Edit),
+    (Method::POST, "/api/v1/machines/{machine}/save_state", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/reload", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/close", Right::Edit),
     // Runs: their life.

@@ -5,7 +5,8 @@ use super::disk;
 use super::draft::What;
 use super::machine::{Deed, Request};
 use super::recover::{read_edit, recover};
-use super::room::{Room, Saving, Spot, Tools, closed};
+use super::room::{Room, Spot, Tools, closed};
+use super::save::unless_in_a_machine;
 use super::steps::Along;
 use crate::gate::Gate;
 use crate::{Failure, House, Settings, request_id};
@@ -14,7 +15,7 @@ use parking_lot::{Condvar, Mutex};
 use rafcon_model::{Fresh, StatePath};
 use rafcon_protocol::api::{
     CloseMachine, CopyStates, EditMachine, JumpMachine, MachineFile, MachineSummary, NewMachine,
-    Presence, SaveMachine, Undo,
+    Presence, Undo,
 };
 use rafcon_protocol::document::Selection;
 use rafcon_storage::calendar::Date;
@@ -48,7 +49,8 @@ pub(crate) struct Documents {
 }
 
 /// A folder that nobody else opens or closes meanwhile.
-struct Claim<'d> {
+#[derive(Debug)]
+pub(super) struct Claim<'d> {
     documents: &'d Documents,
     folder: PathBuf,
 }
@@ -87,6 +89,11 @@ impl Documents {
         self.rooms.lock().values().filter_map(|room| room.summary().ok()).collect()
     }
 
+    /// Every open machine.
+    pub(super) fn all(&self) -> Vec<Arc<Room>> {
+        self.rooms.lock().values().cloned().collect()
+    }
+
     /// The folders of open machines.
     pub(crate) fn folders(&self) -> Vec<PathBuf> {
         self.rooms.lock().values().map(|room| room.folder()).collect()
@@ -97,12 +104,12 @@ impl Documents {
         self.rooms.lock().get(id).cloned().ok_or_else(|| closed(id))
     }
 
-    fn room_of(&self, folder: &Path) -> Option<Arc<Room>> {
+    pub(super) fn room_of(&self, folder: &Path) -> Option<Arc<Room>> {
         self.rooms.lock().values().find(|room| room.folder() == folder).cloned()
     }
 
     /// Waits until nobody else opens or closes the folder.
-    fn claim(&self, folder: &Path) -> Claim<'_> {
+    pub(super) fn claim(&self, folder: &Path) -> Claim<'_> {
         let mut claimed = self.claimed.lock();
         while !claimed.insert(folder.to_owned()) {
             self.released.wait(&mut claimed);
@@ -116,13 +123,13 @@ impl Documents {
         is_free.then(|| Claim { documents: self, folder: folder.to_owned() })
     }
 
-    fn spot(&self, house: &House, file: &MachineFile) -> Result<Spot, Failure> {
+    pub(super) fn spot(&self, house: &House, file: &MachineFile) -> Result<Spot, Failure> {
         let folder = house.projects.resolve(file)?;
         let draft = self.drafts.join(name_of(&folder));
         Ok(Spot { folder, file: file.clone(), draft })
     }
 
-    fn tools(&self, house: &House) -> Tools {
+    pub(super) fn tools(&self, house: &House) -> Tools {
         Tools { libraries: house.projects.libraries(), naming: self.naming }
     }
 
@@ -177,6 +184,7 @@ impl Documents {
         let spot = self.spot(house, &new.file)?;
         {
             let _claim = self.claim(&spot.folder);
+            unless_in_a_machine(house, &spot)?;
             if spot.folder.exists() {
                 let message = format!("{} exists: choose another folder", new.file.path);
                 return Err(Failure::conflict("folder_exists", message));
@@ -219,33 +227,6 @@ impl Documents {
         };
         let request = request(author, id)?;
         let revision = room.perform(request, deed, what, since_1970_ms())?;
-        house.news.machines();
-        Ok(revision)
-    }
-
-    /// Saves an open machine; the revision that lies on disk now.
-    pub(crate) fn save(&self, house: &House, id: &str, wish: &SaveMachine) -> Result<u64, Failure> {
-        let room = self.room(id)?;
-        let to = wish.file.as_ref().map(|file| self.spot(house, file)).transpose()?;
-        let to = to.filter(|spot| spot.folder != room.folder());
-        let _claim = to.as_ref().map(|spot| self.claim(&spot.folder));
-        if let Some(spot) = &to
-            && self.room_of(&spot.folder).is_some()
-        {
-            let message = format!("{} is open: close it first", spot.file.path);
-            return Err(Failure::conflict("is_open", message));
-        }
-        if let Some(spot) = &to
-            && spot.draft.exists()
-        {
-            let message = format!(
-                "{} has edits that a server that ended had taken: open it and save or close it first",
-                spot.file.path
-            );
-            return Err(Failure::conflict("has_draft", message));
-        }
-        let saving = Saving { to, overwrite: wish.overwrite };
-        let revision = room.save(&saving, &self.tools(house))?;
         house.news.machines();
         Ok(revision)
     }

@@ -20,9 +20,11 @@ mod problems;
 mod recover;
 mod room;
 mod routes;
+mod save;
 mod steps;
 #[cfg(test)]
 mod tests;
+mod usages;
 mod versions;
 mod wires;
 

@@ -82,7 +82,7 @@ pub(super) struct Tools {
     pub(super) naming: Naming,
 }
 
-/// A save in another folder, or in its own.
+/// A save in another folder that is free for it, or in its own.
 #[derive(Debug)]
 pub(super) struct Saving {
     /// Elsewhere, from now on.
@@ -235,15 +235,24 @@ impl Room {
         Ok(revision)
     }
 
+    /// Writes the machine to another folder, and nothing else; the revision that lies there.
+    pub(super) fn copy(&self, spot: &Spot, tools: &Tools) -> Result<u64, Failure> {
+        let _files = self.files.lock();
+        self.must_be_open()?;
+        let (revision, machine) = self.machine();
+        let saved = self.open.read().files.saved.clone();
+        disk::write(&machine, &spot.folder, Some(&saved), tools.naming)?;
+        Ok(revision)
+    }
+
     /// What a save compares with; refused where it would write over what somebody else wrote.
     fn previous(&self, saving: &Saving, tools: &Tools) -> Result<Option<Saved>, Failure> {
         let (saved, hash, folder) = {
             let open = self.open.read();
             (open.files.saved.clone(), open.files.hash.clone(), open.folder.clone())
         };
-        if let Some(spot) = &saving.to {
-            let is_free = saving.overwrite || !spot.folder.exists();
-            return if is_free { Ok(Some(saved)) } else { Err(in_the_way(&spot.folder)) };
+        if saving.to.is_some() {
+            return Ok(Some(saved));
         }
         let Some(now) = disk::read(&folder, &tools.libraries)? else { return Ok(None) };
         if now.hash == hash {
@@ -479,12 +488,6 @@ pub(super) fn vanished(folder: &Path) -> Failure {
     let message =
         format!("there is no machine in {} any more: save it to write it again", folder.display());
     Failure::conflict("machine_gone", message)
-}
-
-fn in_the_way(folder: &Path) -> Failure {
-    let message =
-        format!("{} exists: choose another folder, or save with `overwrite`", folder.display());
-    Failure::conflict("folder_exists", message)
 }
 
 fn changed_on_disk(folder: &Path) -> Failure {

@@ -14,7 +14,7 @@ use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{
     CloseMachine, CopyStates, Done, EditMachine, JumpMachine, MachineAt, MachineDocument,
     MachineProblem, MachineStatus, MachineSteps, MachineSummary, NewMachine, Refusal,
-    ReloadMachine, RevisionPage, RevisionsFrom, Right, SaveMachine, Undo,
+    ReloadMachine, RevisionPage, RevisionsFrom, Right, SaveMachine, SaveState, SavedState, Undo,
 };
 use rafcon_protocol::document::Selection;
 use std::sync::Arc;
@@ -38,6 +38,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
         .routes(routes!(steps))
         .routes(routes!(jump))
         .routes(routes!(save))
+        .routes(routes!(save_state))
         .routes(routes!(reload))
         .routes(routes!(close))
 }
@@ -304,6 +305,30 @@ async fn save(
 ) -> Result<Json<Done>, Failure> {
     let at = Arc::clone(&house);
     at.documents.saves.work(move || house.documents.save(&house, &machine, &wish).map(done)).await
+}
+
+/// Saves a state of an open machine as a machine of its own: a library, if it lies below a library root.
+#[utoipa::path(post, path = "/api/v1/machines/{machine}/save_state", tag = "machines", request_body = SaveState,
+    params(("machine" = String, Path, description = "The machine's id")),
+    responses(
+        (status = 200, description = "It lies there", body = SavedState),
+        (status = 400, description = "The path is none", body = Refusal),
+        (status = 403, description = "The path leads out of the project", body = Refusal),
+        (status = 404, description = "The machine is not open, has no such state, or there is no such project", body = Refusal),
+        (status = 409, description = "Something is in the way", body = Refusal),
+        (status = 422, description = "No machine can be made of the state", body = Refusal),
+        (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
+        (status = 503, description = "It cannot be written", body = Refusal),
+    )
+)]
+async fn save_state(
+    State(house): State<Arc<House>>,
+    Path(machine): Path<String>,
+    Body(wish): Body<SaveState>,
+) -> Result<Json<SavedState>, Failure> {
+    let at = Arc::clone(&house);
+    let save = move || house.documents.save_state(&house, &machine, &wish).map(Json);
+    at.documents.saves.work(save).await
 }
 
 /// Reads the files of an open machine again.

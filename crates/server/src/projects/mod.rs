@@ -7,9 +7,11 @@ mod library_roots;
 mod names;
 mod routes;
 mod tree;
+mod usages;
 
 pub(crate) use routes::routes;
 pub(crate) use tree::{is_foreign, is_machine};
+pub(crate) use usages::Search;
 
 use crate::gate::Gate;
 use crate::{Failure, Settings};
@@ -68,6 +70,12 @@ impl Projects {
     pub(crate) fn resolve(&self, file: &MachineFile) -> Result<PathBuf, Failure> {
         let project = self.named(&file.project)?;
         confine::below(Path::new(&project.folder), &file.path)
+    }
+
+    /// Where machines and libraries lie: the folders of projects, then those of library roots.
+    pub(crate) fn folders(&self) -> Vec<PathBuf> {
+        let projects = self.known.iter().map(|project| PathBuf::from(&project.folder));
+        projects.chain(self.shelf.folders()).collect()
     }
 
     /// How requests name a folder; nothing if it lies in no project.

@@ -8,7 +8,9 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
-use rafcon_protocol::api::{FileNode, LibraryRoot, MachineFile, Project, Refusal, TreeFrom};
+use rafcon_protocol::api::{
+    FileNode, LibraryRoot, LibraryUsages, MachineFile, Project, Refusal, TreeFrom, UsagesOf,
+};
 use rafcon_protocol::document::Document;
 use std::path::Path as FilePath;
 use std::sync::Arc;
@@ -22,6 +24,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
         .routes(routes!(project_tree))
         .routes(routes!(libraries))
         .routes(routes!(library))
+        .routes(routes!(library_usages))
 }
 
 /// The projects of the server.
@@ -73,6 +76,20 @@ async fn project_tree(
 async fn libraries(State(house): State<Arc<House>>) -> Result<Json<Vec<LibraryRoot>>, Failure> {
     let at = Arc::clone(&house);
     at.projects.looks().work(move || Ok(Json(house.projects.shelf().roots()))).await
+}
+
+/// Where a library is used: in open machines, and in the files of all projects and library roots.
+#[utoipa::path(get, path = "/api/v1/libraries/usages", tag = "files", params(UsagesOf), responses(
+    (status = 200, description = "The states that run it", body = LibraryUsages),
+    (status = 400, description = "The query does not fit", body = Refusal),
+    (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
+))]
+async fn library_usages(
+    State(house): State<Arc<House>>,
+    Query(of): Query<UsagesOf>,
+) -> Result<Json<LibraryUsages>, Failure> {
+    let at = Arc::clone(&house);
+    at.projects.looks().work(move || Ok(Json(house.documents.usages(&house, &of)))).await
 }
 
 /// The machine of a library, as it lies on disk.

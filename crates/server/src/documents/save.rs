@@ -1,0 +1,127 @@
+//! Where open machines, and states of them, are written: never over what somebody has open, nor into another machine.
+
+use super::disk;
+use super::documents::Documents;
+use super::room::{Saving, Spot};
+use crate::projects::is_machine;
+use crate::{Failure, House};
+use axum::http::StatusCode;
+use rafcon_model::{Header, Kind, Machine, State, StatePath};
+use rafcon_protocol::api::{LibraryName, SaveMachine, SaveState, SavedState};
+use rafcon_storage::calendar::Date;
+use rafcon_supervisor::clock::since_1970_ms;
+use std::fs;
+use std::sync::Arc;
+
+impl Documents {
+    /// Saves an open machine; the revision that lies on disk now.
+    pub(crate) fn save(&self, house: &House, id: &str, wish: &SaveMachine) -> Result<u64, Failure> {
+        let room = self.room(id)?;
+        let to = wish.file.as_ref().map(|file| self.spot(house, file)).transpose()?;
+        let to = to.filter(|spot| spot.folder != room.folder());
+        if wish.copy && to.is_none() {
+            let message = "a copy needs a folder of its own: name one in `file`";
+            return Err(Failure::bad("no_place_for_a_copy", message));
+        }
+        let _claim = to.as_ref().map(|spot| self.claim(&spot.folder));
+        if let Some(spot) = &to {
+            self.must_be_free(house, spot, wish.overwrite)?;
+        }
+        let tools = self.tools(house);
+        let revision = match to {
+            Some(spot) if wish.copy => room.copy(&spot, &tools)?,
+            to => room.save(&Saving { to, overwrite: wish.overwrite }, &tools)?,
+        };
+        house.news.machines();
+        Ok(revision)
+    }
+
+    /// Saves a state of an open machine as a machine of its own.
+    pub(crate) fn save_state(
+        &self,
+        house: &House,
+        id: &str,
+        wish: &SaveState,
+    ) -> Result<SavedState, Failure> {
+        let (_, machine) = self.room(id)?.machine();
+        let state = machine.state(&StatePath::parse(&wish.path)).ok_or_else(|| {
+            let message = format!("there is no state {}: it may have changed", wish.path);
+            Failure::not_found("no_such_state", message)
+        })?;
+        let machine = of_state(state)?;
+        let spot = self.spot(house, &wish.file)?;
+        let _claim = self.claim(&spot.folder);
+        self.must_be_free(house, &spot, wish.overwrite)?;
+        let tools = self.tools(house);
+        disk::write(&machine, &spot.folder, None, tools.naming)?;
+        house.news.files();
+        let library = tools.libraries.reference(&spot.folder);
+        let library =
+            library.map(|(path, name)| LibraryName { path: path.into(), name: name.into() });
+        Ok(SavedState { file: spot.file, library })
+    }
+
+    /// Refuses a place for a machine where something is that would be lost, or would lose something.
+    fn must_be_free(&self, house: &House, spot: &Spot, overwrite: bool) -> Result<(), Failure> {
+        let path = &spot.file.path;
+        unless_in_a_machine(house, spot)?;
+        if self.room_of(&spot.folder).is_some() {
+            let message = format!("{path} is open: close it first");
+            return Err(Failure::conflict("is_open", message));
+        }
+        if spot.draft.exists() {
+            let message = format!(
+                "{path} has edits that a server that ended had taken: open it and save or close it first"
+            );
+            return Err(Failure::conflict("has_draft", message));
+        }
+        if !spot.folder.exists() {
+            return Ok(());
+        }
+        if !overwrite {
+            let message = format!("{path} exists: choose another folder, or save with `overwrite`");
+            return Err(Failure::conflict("folder_exists", message));
+        }
+        let is_empty = fs::read_dir(&spot.folder).is_ok_and(|mut inside| inside.next().is_none());
+        if is_machine(&spot.folder) || is_empty {
+            return Ok(());
+        }
+        let message = format!("{path} is no machine, and not empty: choose another folder");
+        Err(Failure::conflict("not_a_machine", message))
+    }
+}
+
+/// Refuses a folder inside another machine, which would take it for one of its states.
+pub(super) fn unless_in_a_machine(house: &House, spot: &Spot) -> Result<(), Failure> {
+    let home = &house.projects.named(&spot.file.project)?.folder;
+    let mut around = spot.folder.ancestors().skip(1).take_while(|folder| folder.starts_with(home));
+    let Some(machine) = around.find(|folder| is_machine(folder)) else { return Ok(()) };
+    let message = format!(
+        "{} lies in the machine {}: choose a folder outside of it",
+        spot.file.path,
+        machine.display()
+    );
+    Err(Failure::conflict("inside_a_machine", message))
+}
+
+/// A machine of this state alone.
+fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
+    let refused = |message: String| {
+        Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "no_machine", message))
+    };
+    match &state.kind {
+        Kind::Library(library) => refused(format!(
+            "{} runs the library {}/{}: save that under another name",
+            state.name, library.path, library.name
+        )),
+        Kind::Decider(_) => refused(format!(
+            "{} is the decider of its barrier, and belongs there: save the barrier",
+            state.name
+        )),
+        Kind::Execution(_) | Kind::Hierarchy(_) | Kind::Barrier(_) | Kind::Preemptive(_) => {
+            let now = Date::since_1970(since_1970_ms() / 1000).to_string();
+            let header = Header { creation_time: now.into(), ..Header::default() };
+            Ok(Machine { header, root: Arc::clone(state) })
+        }
+    }
+}

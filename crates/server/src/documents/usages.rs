@@ -1,0 +1,85 @@
+//! Where a library is used: in open machines as they are now, and in the files of all others. Knows which machines are open.
+
+use super::documents::Documents;
+use crate::House;
+use crate::projects::Search;
+use rafcon_model::{Kind, Machine, State, StatePath};
+use rafcon_protocol::api::{LibraryName, LibraryUsage, LibraryUsages, UsagesOf};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// So many usages are told.
+const USAGES_MAX: usize = 1000;
+
+impl Documents {
+    /// Where a library is used.
+    pub(crate) fn usages(&self, house: &House, of: &UsagesOf) -> LibraryUsages {
+        let libraries = house.projects.libraries();
+        let name = |folder: &Path| {
+            let (path, name) = libraries.reference(folder)?;
+            Some(LibraryName { path: path.into(), name: name.into() })
+        };
+        let mut hidden =
+            BTreeSet::from([house.settings.runs.clone(), house.settings.state.clone()]);
+        let mut usages = Vec::new();
+        for room in self.all() {
+            let (folder, (_, machine)) = (room.folder(), room.machine());
+            let (file, library) = (house.projects.file_of(&folder), name(&folder));
+            for states in used(&machine, of) {
+                let id = Some(room.id().to_owned());
+                usages.push(usage(states, (id, file.clone(), library.clone())));
+            }
+            hidden.insert(folder);
+        }
+        let most = USAGES_MAX.saturating_sub(usages.len());
+        let mut search = Search::new(&of.path, &of.name, &hidden, most);
+        house.projects.folders().iter().for_each(|folder| search.look(folder));
+        let is_cut = search.is_full();
+        usages.extend(search.found.into_iter().map(|used| {
+            usage(used.states, (None, house.projects.file_of(&used.machine), name(&used.machine)))
+        }));
+        usages.truncate(USAGES_MAX);
+        LibraryUsages { usages, is_cut }
+    }
+}
+
+fn usage(
+    states: Vec<(String, String)>,
+    (machine, file, library): (
+        Option<String>,
+        Option<rafcon_protocol::api::MachineFile>,
+        Option<LibraryName>,
+    ),
+) -> LibraryUsage {
+    let (ids, names): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    LibraryUsage { machine, file, library, path: ids.join("/"), names }
+}
+
+/// Ids and names of the states that run a library, each from the root on.
+fn used(machine: &Machine, of: &UsagesOf) -> Vec<Vec<(String, String)>> {
+    let mut found = Vec::new();
+    let mut open = vec![(StatePath::root(machine.root.id.clone()), &*machine.root)];
+    while let Some((path, state)) = open.pop() {
+        if is_use(state, of) {
+            found.push(named(machine, &path));
+        }
+        let children = state.container().into_iter().flat_map(|inside| inside.states.iter());
+        open.extend(children.map(|(id, child)| (path.child(id.clone()), &**child)));
+    }
+    found.sort();
+    found
+}
+
+fn is_use(state: &State, of: &UsagesOf) -> bool {
+    matches!(&state.kind, Kind::Library(library) if library.path == of.path && library.name == of.name)
+}
+
+/// Ids and names on the way to a state.
+fn named(machine: &Machine, path: &StatePath) -> Vec<(String, String)> {
+    let way = (1..=path.0.len()).map(|length| StatePath(path.0[..length].to_vec()));
+    let named = |path: StatePath| {
+        let state = machine.state(&path)?;
+        Some((state.id.to_string(), state.name.to_string()))
+    };
+    way.filter_map(named).collect()
+}

@@ -1,0 +1,144 @@
+//! Where a library is used, as the files say. Knows what machines look like on disk; looks at the files of states one by one,
+//! and reads only those that name the library.
+
+use super::tree::{is_foreign, is_machine};
+use rafcon_storage::files::Part;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// So many files of states are looked at.
+const FILES_MAX: usize = 200_000;
+/// So deep below a project.
+const DEPTH_MAX: usize = 512;
+/// Larger files are not looked at.
+const BYTES_MAX: u64 = 16 << 20;
+
+/// A state that runs the library.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Use {
+    /// The machine's folder.
+    pub(crate) machine: PathBuf,
+    /// Ids and names from the root state on.
+    pub(crate) states: Vec<(String, String)>,
+}
+
+/// What is looked for, where, and what was found.
+#[derive(Debug)]
+pub(crate) struct Search<'s> {
+    /// The library.
+    pub(crate) path: &'s str,
+    pub(crate) name: &'s str,
+    /// Folders that are not looked at.
+    pub(crate) hidden: &'s BTreeSet<PathBuf>,
+    /// So many uses are told.
+    pub(crate) most: usize,
+    pub(crate) found: Vec<Use>,
+    files: usize,
+    seen: BTreeSet<PathBuf>,
+}
+
+/// A folder that is looked at.
+#[derive(Debug)]
+struct Folder {
+    path: PathBuf,
+    depth: usize,
+    /// The machine around it, and the folders of the states around it.
+    machine: Option<(PathBuf, Vec<PathBuf>)>,
+}
+
+impl<'s> Search<'s> {
+    pub(crate) fn new(
+        path: &'s str,
+        name: &'s str,
+        hidden: &'s BTreeSet<PathBuf>,
+        most: usize,
+    ) -> Self {
+        Self { path, name, hidden, most, found: Vec::new(), files: 0, seen: BTreeSet::new() }
+    }
+
+    /// Whether there may be more than was found.
+    pub(crate) fn is_full(&self) -> bool {
+        self.found.len() >= self.most || self.files >= FILES_MAX
+    }
+
+    /// Looks at everything below a folder that was not looked at yet.
+    pub(crate) fn look(&mut self, folder: &Path) {
+        let mut waiting = vec![Folder { path: folder.to_owned(), depth: 0, machine: None }];
+        while let Some(folder) = waiting.pop() {
+            let is_new =
+                !self.hidden.contains(&folder.path) && self.seen.insert(folder.path.clone());
+            if self.is_full() || !is_new || folder.depth > DEPTH_MAX {
+                continue;
+            }
+            let folder = self.at(folder);
+            let mut inside: Vec<_> = folders(&folder.path);
+            inside.sort_unstable_by(|a, b| b.cmp(a));
+            waiting.extend(inside.into_iter().map(|path| folder.inner(path)));
+        }
+    }
+
+    /// The folder as what it is: a machine, a state, or one on the way to them.
+    fn at(&mut self, folder: Folder) -> Folder {
+        let Folder { path, depth, machine } = folder;
+        let machine = if is_machine(&path) { Some((path.clone(), Vec::new())) } else { machine };
+        let machine = machine.map(|(home, mut states)| {
+            let core = path.join(Part::Core.file_name());
+            if is_fit(&core) {
+                states.push(core);
+                self.state(&home, &states);
+            }
+            (home, states)
+        });
+        Folder { path, depth, machine }
+    }
+
+    /// Looks at the last of these states, which stand in each other.
+    fn state(&mut self, home: &Path, states: &[PathBuf]) {
+        self.files += 1;
+        if states.last().is_some_and(|core| self.is_used(core)) {
+            let states = states.iter().filter_map(|core| about(core)).collect();
+            self.found.push(Use { machine: home.to_owned(), states });
+        }
+    }
+
+    fn is_used(&self, core: &Path) -> bool {
+        const KEY: &str = "\"library_name\"";
+        let Ok(text) = fs::read_to_string(core) else { return false };
+        if !text.contains(KEY) {
+            return false;
+        }
+        let Ok(state) = serde_json::from_str::<Value>(&text) else { return false };
+        state["library_name"] == self.name && state["library_path"] == self.path
+    }
+}
+
+impl Folder {
+    fn inner(&self, path: PathBuf) -> Self {
+        Self { path, depth: self.depth + 1, machine: self.machine.clone() }
+    }
+}
+
+/// Folders in one, not behind links.
+fn folders(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let is_shown = |entry: &fs::DirEntry| {
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        is_folder && entry.file_name().to_str().is_some_and(|name| !is_foreign(name))
+    };
+    entries.flatten().filter(is_shown).map(|entry| entry.path()).collect()
+}
+
+/// Whether it is a file that can be looked at.
+fn is_fit(core: &Path) -> bool {
+    core.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() <= BYTES_MAX)
+}
+
+/// Id and name of a state.
+fn about(core: &Path) -> Option<(String, String)> {
+    let state: Value = serde_json::from_str(&fs::read_to_string(core).ok()?).ok()?;
+    let id = state["state_id"].as_str()?.to_owned();
+    let name = state["name"].as_str().unwrap_or(&id).to_owned();
+    Some((id, name))
+}

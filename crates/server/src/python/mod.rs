@@ -1,0 +1,84 @@
+//! What Python's own parser says about a script, so that whoever writes it sees it before it runs. Knows the interpreter that
+//! runs would use; must never run a script.
+
+use crate::child::{Bounds, ask};
+use crate::extract::Body;
+use crate::failure::reason;
+use crate::gate::Gate;
+use crate::{Failure, House, Settings};
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use rafcon_protocol::api::{CheckScript, Refusal, ScriptProblem};
+use rafcon_supervisor::Interpreter;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::process::Command;
+use tokio::runtime::Handle;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+const CHECK: &str = include_str!("check.py");
+/// So many interpreters look at scripts at a time.
+const AT_ONCE: usize = 2;
+/// Longer scripts are not looked at.
+const BYTES_MAX: usize = 1 << 20;
+const BOUNDS: Bounds = Bounds { patience: Duration::from_secs(10), output: 1 << 20 };
+
+/// What looks at scripts.
+#[derive(Debug)]
+pub(crate) struct Python {
+    gate: Gate,
+}
+
+impl Default for Python {
+    fn default() -> Self {
+        Self { gate: Gate::of(AT_ONCE) }
+    }
+}
+
+/// The routes of this part.
+pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+    OpenApiRouter::new().routes(routes!(check))
+}
+
+/// What Python's parser says about a script. Nothing of it runs.
+#[utoipa::path(post, path = "/api/v1/python/check", tag = "files", request_body = CheckScript, responses(
+    (status = 200, description = "Errors and warnings by their place; none if there are none", body = [ScriptProblem]),
+    (status = 413, description = "The script is too long", body = Refusal),
+    (status = 422, description = "There is no Python, or it does not come to an end", body = Refusal),
+    (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
+))]
+async fn check(
+    State(house): State<Arc<House>>,
+    Body(CheckScript { script }): Body<CheckScript>,
+) -> Result<Json<Vec<ScriptProblem>>, Failure> {
+    if script.len() > BYTES_MAX {
+        let message =
+            format!("a script of more than {BYTES_MAX} bytes is not looked at: divide it");
+        return Err(Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message));
+    }
+    let at = Arc::clone(&house);
+    let look = move || Handle::current().block_on(look(&house.settings, script)).map(Json);
+    at.python.gate.work(look).await
+}
+
+async fn look(settings: &Settings, script: String) -> Result<Vec<ScriptProblem>, Failure> {
+    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.surroundings);
+    let interpreter = interpreter.map_err(|error| unchecked(&error.to_string()))?;
+    let mut python = Command::new(&interpreter.program);
+    python.args(["-I", "-S", "-X", "utf8", "-c", CHECK]).current_dir("/");
+    let said = ask(python, script.into_bytes(), BOUNDS).await.map_err(|error| {
+        let (why, way_out) = (reason(&error), interpreter.way_out());
+        unchecked(&format!("the interpreter `{interpreter}`: {why}; {way_out}"))
+    })?;
+    serde_json::from_slice(&said.output).map_err(|_unread| {
+        let last = said.error.lines().last().unwrap_or("it said nothing").to_owned();
+        unchecked(&format!("the interpreter `{interpreter}` ended with {}: {last}", said.status))
+    })
+}
+
+fn unchecked(why: &str) -> Failure {
+    let message = format!("the script cannot be looked at: {why}");
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "not_checked", message)
+}

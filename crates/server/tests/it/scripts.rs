@@ -1,0 +1,53 @@
+//! What Python's parser says about scripts.
+
+use crate::harness::House;
+use rafcon_protocol::api::Role;
+use serde_json::{Value, json};
+
+fn check(house: &House, script: &str, expected: &str) {
+    let wish = json!({ "script": script });
+    let answer = house.call(Some(Role::Engineer), "POST", "/api/v1/python/check", Some(&wish));
+    assert_eq!(answer.status, 200, "{answer:?}");
+    let line = |problem: &Value| {
+        let place = |name: &str| problem[name].as_u64().unwrap().to_string();
+        let at = ["line", "column"].map(place).join(":");
+        assert_ne!(problem["message"], "");
+        format!("{at} {}", problem["severity"].as_str().unwrap())
+    };
+    let answer = answer.json();
+    let said: Vec<_> = answer.as_array().unwrap().iter().map(line).collect();
+    assert_eq!(said.join(", "), expected, "{answer}");
+}
+
+#[test]
+fn errors_and_warnings_are_told_with_their_place() {
+    let house = House::new();
+    check(&house, "def execute(self, inputs, outputs, gvm):\n    return 0\n", "");
+    check(&house, "x = 1\nx y\n", "2:3 error");
+    check(&house, "x = '\u{1f916}é' 1", "1:11 error");
+    check(&house, "x = 1\r\ny = x is 1\r\n", "2:1 warning");
+    check(&house, "return 1", "1:1 error");
+    check(&house, "x = \"\0\"", "1:1 error");
+}
+
+#[test]
+fn nothing_of_a_script_runs() {
+    let house = House::new();
+    let file = house.project().join("ran");
+    let script = format!("import pathlib\npathlib.Path({file:?}).touch()\nraise SystemExit(3)");
+    check(&house, &script, "");
+    assert!(!file.exists());
+}
+
+#[test]
+fn what_cannot_be_looked_at_is_refused() {
+    let ask = |house: &House, script: &str| {
+        let wish = json!({ "script": script });
+        house.call(Some(Role::Engineer), "POST", "/api/v1/python/check", Some(&wish)).said()
+    };
+    assert_eq!(ask(&House::new(), &"#".repeat((1 << 20) + 1)), "413 too_large");
+    let house = House::with(|settings| settings.python = Some("/nowhere/python".into()));
+    assert_eq!(ask(&house, "x = 1"), "422 not_checked");
+    let house = House::with(|settings| settings.python = Some("/bin/false".into()));
+    assert_eq!(ask(&house, "x = 1"), "422 not_checked");
+}

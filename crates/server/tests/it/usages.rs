@@ -1,0 +1,119 @@
+//! Where libraries are used.
+
+use crate::harness::House;
+use crate::machines::{get, open, post, write};
+use rafcon_protocol::api::Role;
+use rafcon_storage::config::Naming;
+use rafcon_storage::{Libraries, load, save};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+const LIBRARY: &str = "
+    hierarchy GRIPPP \"Grip\"
+      outcome held
+      in force: float = 1.5
+      out width: float
+";
+
+/// A server with the library root `skills` outside of its project, and the library `skills/arm/grip` in it.
+pub(crate) fn with_library(library: &str) -> House {
+    let house = House::with(|settings| {
+        let skills = settings.projects[0].with_file_name("skills");
+        std::fs::create_dir_all(&skills).unwrap();
+        settings.libraries = vec![("skills".into(), skills)];
+    });
+    write_library(&house, "arm/grip", library);
+    house
+}
+
+pub(crate) fn skills(house: &House) -> PathBuf {
+    house.project().with_file_name("skills")
+}
+
+pub(crate) fn write_library(house: &House, path: &str, text: &str) {
+    let machine = rafcon_model::notation::parse(text).unwrap();
+    let folder = skills(house).join(path);
+    save(&machine, &folder, None, Naming::default()).unwrap();
+}
+
+/// Puts the library into a machine, below `path`.
+pub(crate) fn add(house: &House, machine: &str, path: &str, id: &str) {
+    let library = json!({ "path": "skills/arm", "name": "grip" });
+    let state =
+        json!({ "path": id, "name": format!("Grip {id}"), "kind": "library", "library": library });
+    let edit = json!({ "edit": "add_state", "path": path, "states": [state] });
+    let edit = json!({ "id": id, "name": "Add", "edit": edit });
+    let answer = post(house, Role::Engineer, &format!("/{machine}/edits"), &edit);
+    assert_eq!(answer.status, 200, "{answer:?}");
+}
+
+fn usages(house: &House, query: &str) -> Value {
+    let path = format!("/api/v1/libraries/usages?{query}");
+    house.call(Some(Role::Viewer), "GET", &path, None).json()
+}
+
+#[test]
+fn a_library_is_found_where_it_is_used() {
+    let house = with_library(LIBRARY);
+    let around = "hierarchy ROOT \"Mission\"\n  hierarchy INNERR \"Search\"\n    execution STEPPP\n      script \"library_name grip\"";
+    write(&house, "saved/one", around);
+    write(&house, "open", around);
+    for path in ["saved/one", "open"] {
+        let id = open(&house, path);
+        add(&house, &id, "ROOT/INNERR", "GRIPAA");
+        if path == "saved/one" {
+            post(&house, Role::Engineer, &format!("/{id}/save"), &json!({}));
+            post(&house, Role::Engineer, &format!("/{id}/close"), &json!({}));
+        }
+    }
+    let saved = load(&house.project().join("saved/one"), &Libraries::default()).unwrap().machine;
+    save(&saved, &skills(&house).join("user"), None, Naming::default()).unwrap();
+    let found = usages(&house, "path=skills/arm&name=grip");
+    let id = get(&house, "")[0]["id"].clone();
+    let (path, names) = ("ROOT/INNERR/GRIPAA", json!(["Mission", "Search", "Grip GRIPAA"]));
+    let file = |path: &str| json!({ "project": "project", "path": path });
+    let usage = |machine: Value, file: Value, library: Value| json!({ "machine": machine, "file": file, "library": library, "path": path, "names": names });
+    let in_library = json!({ "path": "skills", "name": "user" });
+    let wanted = json!([
+        usage(id, file("open"), Value::Null),
+        usage(Value::Null, file("saved/one"), Value::Null),
+        usage(Value::Null, Value::Null, in_library),
+    ]);
+    assert_eq!(found, json!({ "usages": wanted, "is_cut": false }));
+    let none = json!({ "usages": [], "is_cut": false });
+    assert_eq!(usages(&house, "path=skills/arm&name=gripper"), none);
+    assert_eq!(usages(&house, "path=nowhere&name=grip"), none);
+}
+
+/// A library comes into a machine with what it says of itself, and its content can be asked for with every layout.
+#[test]
+fn a_library_brings_its_outcomes_and_ports_along() {
+    let house = with_library(
+        "hierarchy GRIPPP
+           outcome held
+           in force: float = 1.5
+           out width: float
+           execution CLOSEE
+             layout {\"gui\":{\"editor_gaphas\":{\"rel_pos\":[1.0,2.0]}}}",
+    );
+    write(&house, "one", "hierarchy ROOT");
+    let id = open(&house, "one");
+    add(&house, &id, "ROOT", "GRIPAA");
+    let document = get(&house, &format!("/{id}/document"))["document"].clone();
+    let state = document["states"].as_array().unwrap().iter();
+    let state = state.into_iter().find(|state| state["path"] == "ROOT/GRIPAA").unwrap().clone();
+    let names = |list: &str| {
+        let list = state[list].as_array().unwrap().iter();
+        list.map(|one| one["name"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(names("outcomes"), ["preempted", "aborted", "held"]);
+    assert_eq!(
+        (names("inputs"), names("outputs")),
+        (vec!["force".to_owned()], vec!["width".to_owned()])
+    );
+    let library =
+        house.call(Some(Role::Viewer), "GET", "/api/v1/libraries/skills/arm/grip", None).json();
+    let inside = &library["states"][1];
+    assert_eq!(inside["path"], "GRIPPP/CLOSEE");
+    assert!(!inside["layout"].is_null(), "{inside}");
+}
