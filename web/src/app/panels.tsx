@@ -1,10 +1,23 @@
 /** The panels that can be docked: what they are called, where they stand at first, what their tab counts. */
 
-import { Braces, type LucideIcon, SlidersHorizontal } from "lucide-react";
+import {
+  Braces,
+  CircleAlert,
+  GitCompareArrows,
+  History,
+  type LucideIcon,
+  ScrollText,
+  SlidersHorizontal,
+} from "lucide-react";
 import type { FunctionComponent } from "react";
 import type { Side } from "../commands/command.ts";
+import { countProblems } from "../model/problem.ts";
+import { Differences } from "../panels/differences/differences.tsx";
+import { Edits } from "../panels/edits/edits.tsx";
 import { Globals } from "../panels/globals/globals.tsx";
 import { Inspector } from "../panels/inspector/inspector.tsx";
+import { Log } from "../panels/log/log.tsx";
+import { Problems } from "../panels/problems/problems.tsx";
 import type { OpenTab } from "../store/page.ts";
 
 export interface Panel {
@@ -26,6 +39,23 @@ export const PANELS: readonly Panel[] = [
     icon: SlidersHorizontal,
     component: Inspector,
     side: "right",
+  },
+  { id: "log", title: "Log", icon: ScrollText, component: Log, side: "bottom" },
+  { id: "edits", title: "Edits", icon: History, component: Edits, side: "bottom" },
+  {
+    id: "problems",
+    title: "Problems",
+    icon: CircleAlert,
+    component: Problems,
+    side: "bottom",
+    count: (tab) => (tab ? countProblems(tab.room.problems.value) : 0),
+  },
+  {
+    id: "differences",
+    title: "Differences",
+    icon: GitCompareArrows,
+    component: Differences,
+    side: "bottom",
   },
 ];
 
