@@ -30,7 +30,7 @@ test("a library is inserted by its command", () => {
   const canvas = driver().bring({ library: { path: "arm", name: "grasp" } }, { x: 750, y: 400 });
   canvas.drop();
   expect(canvas.commands).toEqual([
-    'insert.library {"library":{"path":"arm","name":"grasp"},"container":"R","at":{"x":750,"y":400}}',
+    'insert.library {"path":"arm","name":"grasp","container":"R","at":{"x":750,"y":400}}',
   ]);
 });
 

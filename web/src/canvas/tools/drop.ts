@@ -49,7 +49,7 @@ function into(brought: Dragged, container: string, pointer: Pointer, around: Aro
     const drop = keyOf(line ? lineRef(line) : { kind: "state", path: container });
     return { overlay: planned(plan, container, drop, pointer, around), result: () => ({ plan }) };
   }
-  const argument = { ...brought, container, at };
+  const argument = { ...brought.library, container, at };
   const overlay = {
     ...NO_OVERLAY,
     drop: keyOf({ kind: "state", path: container }),
