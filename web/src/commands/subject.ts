@@ -73,17 +73,14 @@ export function containerOf(context: Context): string | null {
 
 /** Where something new would go: under the pointer if it is over the canvas, else into the selected container. */
 export function placeForNew(context: Context): { path: string; at?: Point } | null {
-  const selectedContainer = containerOf(context);
   const under = context.canvas?.pointer() ?? null;
   const machine = machineOf(context);
   const state = under && machine?.state(under.path);
-  if (!under || !state || !isContainer(state) || machine?.isInLibrary(under.path)) {
-    return selectedContainer === null ? null : { path: selectedContainer };
+  if (under && state && isContainer(state) && !machine?.isInLibrary(under.path)) {
+    return { path: under.path, at: under.at };
   }
-  const isElsewhere = elements(context).length > 0 && selectedContainer !== under.path;
-  return isElsewhere && selectedContainer !== null
-    ? { path: selectedContainer }
-    : { path: under.path, at: under.at };
+  const path = containerOf(context);
+  return path === null ? null : { path };
 }
 
 /** Whether all selected states stand in one container: what group, align and the like need. */

@@ -1,6 +1,7 @@
 /** The text of one cell while it is edited: Enter and leaving commit, Escape gives it up, a refusal keeps what was typed. */
 
 import { useId, useRef, useState } from "react";
+import { createPortal } from "react-dom";
 import type { Committed } from "./field.tsx";
 
 export type CellStep = -1 | 0 | 1;
@@ -22,6 +23,7 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
   const [text, setText] = useState(value);
   const [refusal, setRefusal] = useState<string | null>(null);
   const over = useRef(false);
+  const input = useRef<HTMLInputElement>(null);
   const id = useId();
   const stop = (step: CellStep = 0) => {
     over.current = true;
@@ -37,6 +39,7 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
   return (
     <>
       <input
+        ref={input}
         className={`table-edit ${rest.mono ? "field-mono" : ""}`}
         aria-label={label}
         aria-invalid={refusal !== null}
@@ -69,11 +72,34 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
           ))}
         </datalist>
       )}
-      {refusal !== null && (
-        <div id={`${id}-refusal`} className="table-refusal" role="alert">
-          {refusal}
-        </div>
+      {refusal !== null && input.current && (
+        <Said id={`${id}-refusal`} at={input.current} text={refusal} />
       )}
     </>
+  );
+}
+
+interface SaidProps {
+  readonly id: string;
+  readonly at: HTMLElement;
+  readonly text: string;
+}
+
+const GAP_PX = 3;
+
+/** Stands below the cell, over whatever is there: a table of two rows has no room for it. */
+function Said({ id, at, text }: SaidProps) {
+  const { left, bottom } = at.getBoundingClientRect();
+  const host = at.closest("dialog") ?? at.ownerDocument.body;
+  return createPortal(
+    <div
+      id={id}
+      className="table-refusal"
+      role="alert"
+      style={{ left, top: bottom + GAP_PX, maxWidth: `calc(100vw - ${left + GAP_PX}px)` }}
+    >
+      {text}
+    </div>,
+    host,
   );
 }

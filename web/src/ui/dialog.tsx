@@ -18,7 +18,7 @@ export interface DialogProps {
 
 /** What has the keyboard first, if nothing asks for it: what is to be filled in, else what is to be pressed. */
 const FIRST =
-  ".dialog-body :is(input, select, textarea, [tabindex='0']), .dialog-foot button:last-child";
+  ".dialog-body :is(input, select, textarea, [tabindex='0']), .dialog-body button, .dialog-foot button:last-child";
 
 export function Dialog({ title, children, footer, onClose, width = 460, height }: DialogProps) {
   const place = useRef<HTMLDialogElement>(null);

@@ -61,7 +61,7 @@ export function FolderChooser(props: FolderChooserProps) {
         onInput={props.onName}
         autoFocus
         refusal={props.refusal}
-        hint={`It will lie in ${props.place ? placeText(props.place) : "the first project"}.`}
+        hint={placeHint(props.place ?? nodes?.[0] ?? null)}
         onKeyDown={(event) => event.key === "Enter" && props.onDone()}
       />
       <TextField
@@ -87,6 +87,8 @@ export function FolderChooser(props: FolderChooserProps) {
   );
 }
 
-function placeText({ file, name, kind }: ProjectNode): string {
-  return kind === "project" ? name : `${file.project} / ${file.path}`;
+function placeHint(place: ProjectNode | null): string | undefined {
+  if (!place) return undefined;
+  const { file, name, kind } = place;
+  return `It will lie in ${kind === "project" ? name : `${file.project} / ${file.path}`}.`;
 }
