@@ -31,7 +31,7 @@ function held(
   touched: ReadonlySet<string>,
 ): PlacedState {
   if (!touched.has(state.path)) return state;
-  const box = parentOf(state.path) === null ? state.box : overlay.boxes.get(state.path);
+  const box = boxIn(state, overlay);
   const grown = box && !same(box, state.box) ? resized(state, box, overlay) : state;
   const children = grown.children.map((child) => held(child, ground, overlay, touched));
   const ports = grown.ports.map((port) => withPort(port, overlay));
@@ -42,6 +42,12 @@ function held(
     ports,
     lines: linesAround(made, overlay.scaled.has(state.path) ? grown : state, overlay),
   });
+}
+
+/** The root stays in the corner of its own coordinates. */
+function boxIn(state: PlacedState, overlay: Overlay): Box | undefined {
+  const box = overlay.boxes.get(state.path);
+  return box && parentOf(state.path) === null ? { ...box, x: 0, y: 0 } : box;
 }
 
 function withPort(port: PortPlace, overlay: Overlay): PortPlace {

@@ -29,9 +29,12 @@ export function gestureMarks(drawing: Drawing): void {
     });
   }
   if (overlay.line) {
-    const { from, to, data, legal } = overlay.line;
+    const { from, to, through, data, legal } = overlay.line;
     const ink = legal === false ? "illegal" : legal ? "legal" : data ? "data" : "line";
-    layer.lines.push({ ...line(drawing, "line", [from, to], ink, 2, legal === false), arrow: 9 });
+    layer.lines.push({
+      ...line(drawing, "line", [from, ...through, to], ink, 2, legal === false),
+      arrow: 9,
+    });
   }
   if (overlay.message) messageMarks(drawing, layer);
 }

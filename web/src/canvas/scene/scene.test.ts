@@ -136,7 +136,8 @@ describe("what is picked out", () => {
       runs: new Map([["R/A", { phase: "running" }]]),
       problems: new Map([["R/A", "error"]]),
     });
-    expect(about(lines, "|selection|")).toHaveLength(1);
+    expect(about(lines, "box state:R/A selection")).toHaveLength(1);
+    expect(about(lines, "dot state:R/A handle")).toHaveLength(4);
     expect(about(lines, "|changed|")).toHaveLength(1);
     expect(about(lines, "|hit|")).toHaveLength(1);
     expect(about(lines, "|person1|")).toHaveLength(1);

@@ -25,7 +25,42 @@ export function stateMarks(drawing: Drawing, spot: Spot): void {
   if (input.hovered?.kind === "state" && input.hovered.path === path) {
     layer.boxes.push(ring(spot, "hover", 1, 0, key));
   }
-  if (drawing.isSelected(key)) layer.boxes.push(ring(spot, "selection", 2, 1, key));
+  if (!drawing.isSelected(key)) return;
+  layer.boxes.push(ring(spot, "selection", 2, 1, key));
+  if (spot.extent >= LEAST_FOR_HANDLES) handleMarks(drawing, spot, key);
+}
+
+/** Smaller states are not resized. */
+const LEAST_FOR_HANDLES = 40;
+
+/** Where a selected state is taken to be resized: the root grows to the right and downwards only. */
+function handleMarks(drawing: Drawing, spot: Spot, key: string): void {
+  const layer = drawing.layer(spot.depth + 1);
+  const { x, y, width, height } = spot;
+  const corners: readonly (readonly [number, number])[] = [
+    [x + width, y + height],
+    ...(spot.outer
+      ? ([
+          [x, y],
+          [x + width, y],
+          [x, y + height],
+        ] as const)
+      : []),
+  ];
+  for (const [left, top] of corners) {
+    layer.dots.push({
+      what: `${key} handle`,
+      shape: "handle",
+      x: left,
+      y: top,
+      size: 8,
+      toX: 0,
+      toY: 0,
+      fill: "handle",
+      stroke: "selection",
+      alpha: 1,
+    });
+  }
 }
 
 /** So many colours of people there are. */

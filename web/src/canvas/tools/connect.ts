@@ -211,14 +211,29 @@ function chosen(before: Drawing, number: number, pointer: Pointer, around: Aroun
   const index = fitting.length === 0 ? 0 : (number + fitting.length) % fitting.length;
   const port = fitting[index];
   if (!port) {
-    const text = "Nothing on the screen can be connected to it: zoom out, or aim at a state.";
-    return shown(drawing, { ...nowhere(at), message: text }, pointer, around, 0);
+    return shown(
+      drawing,
+      { ...nowhere(at), message: whyNone(drawing, around) },
+      pointer,
+      around,
+      0,
+    );
   }
   const there = screenFromWorld(around.camera, port.at);
   const owner = around.machine.state(port.element.path)?.name ?? port.element.path;
   const message = `To ${port.name} of “${owner}”: Enter connects, arrows choose another`;
   const aim = { ...atPort(seen, port, around), message };
   return shown(drawing, aim, { ...pointer, ...there }, around, index);
+}
+
+/** Why the keyboard finds no target: what is said of the nearest port of another state. */
+function whyNone({ from, seen, at }: Drawing, { machine }: Around): string {
+  const [nearest] = seen.ports
+    .filter(({ element }) => element.path !== from.path)
+    .sort((one, other) => square(one.at, at) - square(other.at, at));
+  const ends = nearest && endsBetween(machine, from, nearest.element);
+  if (ends && !isLegal(ends)) return ends.refused;
+  return "Nothing on the screen can be connected to it: zoom out, or aim at a state.";
 }
 
 function square(one: Point, other: Point): number {

@@ -34,9 +34,25 @@ function next(start: Naming, pointer: Pointer, around: Around): Gesture {
   return {
     name: "name",
     cursor: start.corner ? "nwse-resize" : "grabbing",
-    overlay: { ...NO_OVERLAY, names: new Map([[start.path, box]]) },
+    overlay: {
+      ...NO_OVERLAY,
+      names: new Map([[start.path, box]]),
+      ghosts: [inRoot(start, box, around)],
+    },
     move: (then, there) => next(start, then, there),
     result: () => (by.x === 0 && by.y === 0 ? {} : { plan: plan(around.machine, start.path, box) }),
+  };
+}
+
+/** The place of the name in the root's coordinates, so that one sees how large it is. */
+function inRoot({ path }: Naming, box: Box, { places }: Around): Box {
+  const state = places.box(path) ?? box;
+  const unit = places.unit(path);
+  return {
+    x: state.x + box.x * unit,
+    y: state.y + box.y * unit,
+    width: box.width * unit,
+    height: box.height * unit,
   };
 }
 
