@@ -121,7 +121,7 @@ function Group({ seen, kind, container, rows, title }: GroupProps) {
 type Run = (made: Promise<string | null>) => void;
 
 function columnsOf(
-  { machine, readOnly, edit, show }: SeenState,
+  { path, machine, readOnly, edit, show }: SeenState,
   run: Run,
   remove: (row: Connection) => void,
 ): readonly Column<Connection>[] {
@@ -136,6 +136,7 @@ function columnsOf(
         end={which}
         label={`${label} of ${connectionInWords(machine, element)}`}
         hideLabel
+        own={path}
         value={ends[which]}
         other={ends[which === "from" ? "to" : "from"]}
         disabled={readOnly}
@@ -147,7 +148,7 @@ function columnsOf(
   });
   return [
     end("from", "From"),
-    { key: "arrow", title: "", width: "18px", cell: () => <span aria-hidden>→</span> },
+    { key: "arrow", title: "", width: "28px", cell: () => <span aria-hidden>→</span> },
     end("to", "To"),
     {
       key: "buttons",

@@ -2,7 +2,14 @@
 
 import { useId, useState } from "react";
 import { type ElementRef, keyOf } from "../../model/element.ts";
-import { type ConnectionRef, type Ends, endInWords, endsIn, isPort } from "../../model/ends.ts";
+import {
+  type ConnectionRef,
+  type Ends,
+  endInWords,
+  endsIn,
+  isPort,
+  nameOf,
+} from "../../model/ends.ts";
 import { type Machine, portsOf } from "../../model/machine.ts";
 import { idOf } from "../../model/path.ts";
 import { fits, shortType } from "../../model/types.ts";
@@ -18,6 +25,8 @@ export interface EndSelectProps {
   readonly value: ElementRef | null;
   /** The other end, whose type is to fit. */
   readonly other?: ElementRef | null | undefined;
+  /** The state that all this is about: its own ends need not say its name. */
+  readonly own?: string | undefined;
   /** What stands there while nothing is chosen; it can be chosen again. */
   readonly nothing?: string | undefined;
   readonly disabled?: boolean | undefined;
@@ -29,7 +38,11 @@ export function EndSelect(props: EndSelectProps) {
   const { machine, container, value, nothing, label, hideLabel, disabled, onChange } = props;
   const id = useId();
   const [isNear, setNear] = useState(false);
-  const choices = isNear ? choicesOf(props) : value ? [choiceOf(machine, container, value)] : [];
+  const choices = isNear
+    ? choicesOf(props)
+    : value
+      ? [choiceOf(machine, container, value, props.own)]
+      : [];
   const come = () => setNear(true);
   return (
     <div className={hideLabel ? "inspector-end" : "field"}>
@@ -69,14 +82,27 @@ interface Choice {
   readonly isUnfit: boolean;
 }
 
-function choiceOf(machine: Machine, container: string, element: ElementRef): Choice {
-  const title = endInWords(machine, container, element);
+function choiceOf(
+  machine: Machine,
+  container: string,
+  element: ElementRef,
+  own: string | undefined,
+): Choice {
+  const isOwn = element.path === own && element.kind !== "income";
+  const title = isOwn ? nameOf(machine, element) : endInWords(machine, container, element);
   return { key: keyOf(element), element, title, isUnfit: false };
 }
 
-function choicesOf({ machine, container, kind, end, other }: EndSelectProps): readonly Choice[] {
+function choicesOf({
+  machine,
+  container,
+  kind,
+  end,
+  other,
+  own,
+}: EndSelectProps): readonly Choice[] {
   const choices = endsIn(machine, container, kind, end).map((element) =>
-    choiceOf(machine, container, element),
+    choiceOf(machine, container, element, own),
   );
   const counts = new Map<string, number>();
   for (const { title } of choices) counts.set(title, (counts.get(title) ?? 0) + 1);

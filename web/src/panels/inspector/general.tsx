@@ -114,7 +114,7 @@ function LibraryOf({ seen, run }: PartProps) {
   return (
     <>
       <TextField label="Library" mono readOnly value={`${library.path}/${library.name}`} />
-      <TextField label="Made with" readOnly value={`version ${library.version ?? "none"}`} />
+      <TextField label="Version" readOnly value={library.version ?? "none"} />
       <Button icon={<ExternalLink size={14} />} onClick={open}>
         Open library
       </Button>

@@ -174,7 +174,7 @@ function libraryColumns(
     },
     {
       key: "default",
-      title: "In the library",
+      title: "Library",
       cell: (port) => <Value value={textOfDefault(port.default)} faint />,
     },
     {
@@ -193,7 +193,7 @@ function libraryColumns(
     {
       key: "used",
       title: "Use",
-      width: "38px",
+      width: "48px",
       cell: (port) => (
         <Checkbox
           label={<span className="visually-hidden">Use the value of {port.name} here</span>}
