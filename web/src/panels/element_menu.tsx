@@ -1,0 +1,29 @@
+/** The context menu of elements of the machine in front, as the canvas has it, at a place of the window. */
+
+import { keymap } from "../commands/keys.ts";
+import { contextMenu } from "../commands/menus.ts";
+import type { ElementRef } from "../model/element.ts";
+import type { Point } from "../model/geometry.ts";
+import { ContextMenu } from "../ui/menu.tsx";
+import { useHost } from "./context.tsx";
+
+export interface ElementMenuProps {
+  readonly at: Point;
+  readonly elements: readonly ElementRef[];
+  readonly onClose: () => void;
+}
+
+export function ElementMenu({ at, elements, onClose }: ElementMenuProps) {
+  const { commands, context } = useHost();
+  const now = context();
+  const map = keymap(commands.all(), now.page.settings.peek());
+  const keys = (id: string) => map.get(id) ?? [];
+  return (
+    <ContextMenu
+      label="What can be done with the selection"
+      at={at}
+      items={contextMenu({ commands, context: now, keys }, elements)}
+      onClose={onClose}
+    />
+  );
+}

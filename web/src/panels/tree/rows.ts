@@ -1,0 +1,35 @@
+/** Which states the tree shows: all, or those that fit a filter with the states around them. */
+
+import type { Machine } from "../../model/machine.ts";
+import { match, queryOf, type Span } from "../../model/match.ts";
+import { idOf, parentOf } from "../../model/path.ts";
+
+export interface Filtered {
+  /** The states that show; null for all. */
+  readonly shown: ReadonlySet<string> | null;
+  /** What fits in the names of those that fit themselves. */
+  readonly spans: ReadonlyMap<string, readonly Span[]>;
+}
+
+const ALL: Filtered = { shown: null, spans: new Map() };
+
+/** Goes by names and ids, also in content of libraries that is here. */
+export function filtered(machine: Machine, text: string): Filtered {
+  const query = queryOf(text);
+  if (query.words.length === 0) return ALL;
+  const shown = new Set<string>();
+  const spans = new Map<string, readonly Span[]>();
+  const pending = [machine.root];
+  for (let path = pending.pop(); path !== undefined; path = pending.pop()) {
+    const state = machine.state(path);
+    if (!state) continue;
+    pending.push(...machine.children(path));
+    const name = match(query, state.name);
+    if (!name && !match(query, idOf(path))) continue;
+    spans.set(path, name?.spans ?? []);
+    for (let at: string | null = path; at !== null && !shown.has(at); at = parentOf(at)) {
+      shown.add(at);
+    }
+  }
+  return { shown, spans };
+}
