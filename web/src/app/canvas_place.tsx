@@ -1,7 +1,9 @@
 /** The place of the canvas of a machine, with its context menu. */
 
 import { useEffect, useRef, useState } from "react";
+import type { CanvasControl } from "../canvas/control.ts";
 import { mountCanvas } from "../canvas/mount.ts";
+import type { Context } from "../commands/command.ts";
 import { contextMenu } from "../commands/menus.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Point } from "../model/geometry.ts";
@@ -10,18 +12,32 @@ import { ContextMenu } from "../ui/menu.tsx";
 import { useKeys } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
 
+interface OpenMenu {
+  readonly at: Point;
+  readonly elements: readonly ElementRef[];
+  /** Where in the machine it was opened. */
+  readonly pointer: ReturnType<CanvasControl["pointer"]>;
+}
+
+/** What is new goes where the menu was opened, wherever the pointer is by then. */
+function asOpened(context: Context, { pointer }: OpenMenu): Context {
+  return context.canvas
+    ? { ...context, canvas: { ...context.canvas, pointer: () => pointer } }
+    : context;
+}
+
 export function CanvasPlace({ tab }: { tab: OpenTab }) {
   const { page, commands, context, canvas } = useSession();
   const keys = useKeys();
   const place = useRef<HTMLDivElement>(null);
-  const [menu, setMenu] = useState<{ at: Point; elements: readonly ElementRef[] } | null>(null);
+  const [menu, setMenu] = useState<OpenMenu | null>(null);
   useEffect(() => {
     if (!place.current) return;
     const mounted = mountCanvas(place.current, {
       tab,
       page,
       run: (command, argument) => void commands.run(command, context(), argument),
-      menuAt: (at, elements) => setMenu({ at, elements }),
+      menuAt: (at, elements) => setMenu({ at, elements, pointer: mounted.control.pointer() }),
     });
     canvas.value = mounted.control;
     return () => {
@@ -36,7 +52,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
         <ContextMenu
           label="What can be done here"
           at={menu.at}
-          items={contextMenu({ commands, context: context(), keys }, menu.elements)}
+          items={contextMenu({ commands, context: asOpened(context(), menu), keys }, menu.elements)}
           onClose={() => setMenu(null)}
         />
       )}
