@@ -130,6 +130,8 @@ test("content of a library is as large as fits into it, at any depth", () => {
   const document = sketch(`
     R hierarchy 0 0 400 300
       L library 40 60 220 110 library=hands/grasp
+      H hierarchy 40 200 100 50
+        M library 10 10 40 20 library=hands/grasp
   `);
   const content = sketch(`
     G hierarchy 0 0 1000 500
@@ -137,7 +139,7 @@ test("content of a library is as large as fits into it, at any depth", () => {
   `);
   const outer = machineOf(document);
   const inner = machineOf(content);
-  const within = (path: string) => (path.startsWith("R/L/") ? path.slice(4) : undefined);
+  const within = (path: string) => /^R\/(L|H\/M)\/(.*)/.exec(path)?.[2];
   const machine: Machine = {
     ...outer,
     state: (path) => {
@@ -146,16 +148,27 @@ test("content of a library is as large as fits into it, at any depth", () => {
     },
     children: (path) => {
       const found = within(path);
-      if (path === "R/L") return ["R/L/G"];
+      if (outer.state(path)?.kind === "library") return [`${path}/G`];
       if (found === undefined) return outer.children(path);
-      return inner.children(found).map((child) => `R/L/${child}`);
+      return inner.children(found).map((child) => path.slice(0, -found.length) + child);
     },
     isInLibrary: (path) => within(path) !== undefined,
   };
   const hidden = placesOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY);
+  expect(hidden.box("R/L")?.width).toBe(220);
+  const early = new Map([["R/L", true]]);
+  const opened = placesOf(machine, { modes: MODES, contents: early }, NO_OVERLAY);
+  expect(opened.children("R/L")).toEqual(["R/L/G"]);
+  expect(placesOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY).box("R/L/G")).toBe(
+    undefined,
+  );
   expect(hidden.children("R/L")).toEqual([]);
-  const contents = new Map([["R/L", true]]);
+  const contents = new Map([
+    ["R/L", true],
+    ["R/H/M", true],
+  ]);
   const shown = placesOf(machine, { modes: MODES, contents }, NO_OVERLAY);
+  expect(shown.children("R/H/M")).toEqual(["R/H/M/G"]);
   const unit = shown.unit("R/L/G");
   expect(unit).toBeCloseTo(0.2024);
   expect(shown.box("R/L/G/S")?.width).toBeCloseTo(200 * unit);

@@ -33,6 +33,7 @@ export interface Placed extends Places {
 interface Kept {
   readonly version: number;
   readonly contents: ReadonlyMap<string, boolean>;
+  readonly ground: Ground;
   readonly tree: PlacedState | null;
   overlay: Overlay;
   placed: Placed;
@@ -45,13 +46,21 @@ export function placesOf(machine: Machine, view: PlacesView, overlay: Overlay): 
   const { contents } = view;
   let kept = KEPT.get(machine);
   if (!kept || kept.version !== machine.version || kept.contents !== contents) {
-    const tree = treeOf({ machine, contents }, kept?.tree ?? null);
-    kept = { version: machine.version, contents, tree, overlay: NO_OVERLAY, placed: over(tree) };
+    const ground: Ground = kept?.ground ?? { machine, contents };
+    ground.contents = contents;
+    const tree = treeOf(ground, kept?.tree ?? null);
+    kept = {
+      ground,
+      version: machine.version,
+      contents,
+      tree,
+      overlay: NO_OVERLAY,
+      placed: over(tree),
+    };
     KEPT.set(machine, kept);
   }
   if (kept.overlay !== overlay) {
-    const ground: Ground = { machine, contents };
-    kept.placed = over(kept.tree && overlaid(kept.tree, ground, overlay));
+    kept.placed = over(kept.tree && overlaid(kept.tree, kept.ground, overlay));
     kept.overlay = overlay;
   }
   return kept.placed;

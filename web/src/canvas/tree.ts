@@ -15,11 +15,11 @@ import type { Box, Point, Size } from "../model/geometry.ts";
 import type { Machine } from "../model/machine.ts";
 import { type Line, linesOf } from "./lines.ts";
 
-/** What a tree is made from. */
+/** What a tree is made from: as it is now, since what lies inside states is found late. */
 export interface Ground {
   readonly machine: Machine;
   /** Library states whose content is shown or hidden other than the file says. */
-  readonly contents: ReadonlyMap<string, boolean>;
+  contents: ReadonlyMap<string, boolean>;
 }
 
 /** How much of the shorter side of a library state stays free around its content. */
@@ -140,7 +140,9 @@ export class PlacedState {
   renewed(ground: Ground, state: StateDocument, box: Box, scale: number): PlacedState {
     const children = this.#children && this.#renewedChildren(ground, state, box, scale);
     const sameBox = same(box, this.box) && scale === this.scale;
-    if (state === this.state && sameBox && children === this.#children) return this;
+    const opened = state.kind === "library" && opens(ground, this.path, state);
+    const stays = state === this.state && sameBox && opened === this.opened;
+    if (stays && children === this.#children) return this;
     const made = new PlacedState(ground, this.path, state, box, scale);
     made.#children = children;
     if (state !== this.state || !sameBox) return made;
