@@ -2,6 +2,7 @@
  * own words, and never changes anything by them. */
 
 import type { Page as Sheet } from "playwright-core";
+import { vi } from "vitest";
 import type { Commands, Context } from "../../src/commands/command.ts";
 import { childBox, portPlaces, rootSize } from "../../src/model/drawing.ts";
 import type { StateDocument } from "../../src/model/generated/protocol.ts";
@@ -10,6 +11,9 @@ import { lineage } from "../../src/model/path.ts";
 import type { Page } from "../../src/store/page.ts";
 import type { Camera } from "../../src/store/view.ts";
 import type { Server } from "./server.ts";
+
+/** How long one waits for what has to come, and how often one looks. */
+const PATIENCE = { timeout: 10_000, interval: 15 };
 
 declare global {
   interface Window {
@@ -40,16 +44,22 @@ export class App {
   /** Comes by the owner's link. */
   async enter(): Promise<void> {
     await this.sheet.goto(this.server.link);
-    await this.sheet.waitForFunction(() => window.__rafcon?.page.server.link.value.state === "up");
+    await vi.waitUntil(
+      () => this.sheet.evaluate(() => window.__rafcon?.page.server.link.value.state === "up"),
+      PATIENCE,
+    );
   }
 
-  /** Opens a machine of the project by the dialog, and waits until it is drawn. */
+  /** Opens a machine of the project by the dialog, and waits until it is shown. */
   async open(name: string): Promise<void> {
     await this.sheet.keyboard.press("Control+o");
-    const dialog = this.sheet.getByRole("dialog");
-    await dialog.getByText(name, { exact: true }).first().click();
-    await dialog.getByRole("button", { name: "Open" }).click();
-    await this.canvas.waitFor();
+    const dialog = this.sheet.getByRole("dialog", { name: "Open a machine" });
+    await dialog.getByRole("treeitem", { name, exact: true }).dblclick();
+    await this.until(
+      ({ tab, canvas }, file) =>
+        canvas !== null && tab?.room.status.value?.summary.file?.path === file,
+      name,
+    );
   }
 
   get canvas() {
@@ -68,18 +78,18 @@ export class App {
     await this.sheet.getByRole("menuitem", { name: item, exact: true }).click();
   }
 
-  /** Does a command by the palette. */
-  async palette(words: string): Promise<void> {
-    await this.sheet.keyboard.press("Control+k");
-    await this.sheet.getByRole("combobox").fill(words);
-    await this.sheet.getByRole("option").first().waitFor();
-    await this.sheet.keyboard.press("Enter");
+  /** Does a command by the palette, by its whole title. */
+  async command(title: string): Promise<void> {
+    await this.sheet.keyboard.press("Control+Shift+p");
+    const palette = this.sheet.getByRole("dialog", { name: "Search everything" });
+    await palette.getByRole("combobox").pressSequentially(title);
+    await palette.getByRole("option", { name: title }).first().click();
   }
 
-  /** Waits until the page's own state is so. */
+  /** Waits until the page's own state is so. It is asked from here: the page lets nobody evaluate texts in it. */
   async until<T>(wanted: (context: Context, argument: T) => boolean, argument: T): Promise<void> {
-    const text = `(argument) => (${wanted.toString()})(window.__rafcon.context(), argument)`;
-    await this.sheet.waitForFunction(`(${text})(${JSON.stringify(argument)})`);
+    const text = `(${wanted.toString()})(window.__rafcon.context(), ${JSON.stringify(argument)})`;
+    await vi.waitUntil(() => this.sheet.evaluate<boolean>(text), PATIENCE);
   }
 
   /** The names of the children of a state, or of the root. */
@@ -125,6 +135,37 @@ export class App {
     return this.onScreen(await this.worldBox(path));
   }
 
+  /** The point of the screen with these coordinates inside a state. */
+  async spot(path: string, x: number, y: number): Promise<Point> {
+    const box = await this.worldBox(path);
+    return this.onScreen({ x: box.x + x, y: box.y + y, width: 0, height: 0 });
+  }
+
+  /** A place on a state that is neither its name nor a port nor a child: near its lower left corner. */
+  async ground(path: string): Promise<Point> {
+    const box = await this.box(path);
+    return { x: box.x + box.width * 0.3, y: box.y + box.height - Math.min(12, box.height * 0.2) };
+  }
+
+  /** Selects a state by a click. */
+  async select(path: string): Promise<void> {
+    await this.click(await this.ground(path));
+    await this.selected(`state:${path}`);
+  }
+
+  /** Waits until exactly these are selected. */
+  async selected(...keys: readonly string[]): Promise<void> {
+    await this.until(({ tab }, wanted) => {
+      const found = [...(tab?.view.selection.value ?? [])];
+      return found.length === wanted.length && wanted.every((key) => found.includes(key));
+    }, keys);
+  }
+
+  /** Waits until everything that was done has its answer. */
+  async settled(): Promise<void> {
+    await this.until(({ tab }) => tab?.room.pending.value.length === 0, null);
+  }
+
   /** The middle of a state on the screen. */
   async middle(path: string): Promise<Point> {
     const box = await this.box(path);
@@ -156,6 +197,19 @@ export class App {
     await mouse.move(to.x, to.y, { steps: 6 });
     await before?.();
     await mouse.up();
+  }
+
+  /** What is written for the user lately: refusals, what was done. */
+  async told(words: string | RegExp): Promise<void> {
+    await this.sheet.getByText(words).first().waitFor();
+  }
+
+  /** The name of the step that was made last. */
+  async lastStep(): Promise<string> {
+    await this.settled();
+    return this.sheet.evaluate(
+      () => window.__rafcon.context().tab?.room.steps.value.steps.at(-1)?.name ?? "",
+    );
   }
 
   async click(at: Point, button: "left" | "right" = "left"): Promise<void> {
