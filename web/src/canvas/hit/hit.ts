@@ -41,8 +41,9 @@ export function hitAt(
   return (
     endHit(search) ??
     stuckHit(search) ??
+    gripHit(search, "corner") ??
     portHit(search, near) ??
-    gripHit(search) ??
+    gripHit(search, "side") ??
     (innermost === undefined ? null : insideHit(search, innermost)) ??
     outerLine(search, line)
   );
@@ -133,29 +134,32 @@ function portHit(search: Search, near: readonly string[]): Hit | null {
   return element && { on: "port", element: element as PortRef, at: best.port.at };
 }
 
-const GRIP_REACH = 7;
+/** Corners lie over ports where they are drawn, sides beside them. */
+const CORNER_REACH = 6;
+const SIDE_REACH = 4;
 
 /** Smaller states, in CSS pixels, are moved and not resized. */
 const LEAST_FOR_GRIPS = 16;
 
-/** Corners and sides of selected states. */
-function gripHit(search: Search): Hit | null {
+/** Corners or sides of selected states. */
+function gripHit(search: Search, part: "corner" | "side"): Hit | null {
   for (const key of search.look.selection) {
     const element = elementOf(key);
     if (element?.kind !== "state" || search.machine.isInLibrary(element.path)) continue;
     const box = search.places.box(element.path);
     const grip = box && gripAt(screenBox(search.camera, box), search.point);
-    if (!grip || (element.path === search.machine.root && /[nw]/.test(grip))) continue;
+    if (!grip || (part === "corner") !== (grip.length === 2)) continue;
+    if (element.path === search.machine.root && /[nw]/.test(grip)) continue;
     return { on: "grip", element: element as StateRef, grip };
   }
   return null;
 }
 
 /** The corner or side of a box on the screen that is within reach. */
-export function gripAt(box: Box, point: Point, reach = 4): Grip | null {
+export function gripAt(box: Box, point: Point, reach = SIDE_REACH): Grip | null {
   const size = Math.min(box.width, box.height);
   if (size < LEAST_FOR_GRIPS) return null;
-  const corner = Math.min(GRIP_REACH, size / 4);
+  const corner = Math.min(CORNER_REACH, size / 4);
   const side = Math.min(reach, size / 8);
   const x = nearest(point.x, box.x, box.x + box.width);
   const y = nearest(point.y, box.y, box.y + box.height);
@@ -243,13 +247,16 @@ export function isRouted(places: Placed, path: string): boolean {
   return !!state && (state.hasLines || state.children.length <= QUICKLY_ROUTED);
 }
 
+/** Lines are missed by less than ports: there is much beside them that is meant. */
+const LINE_SHARE = 0.75;
+
 /** The nearest connection of a container. */
 function lineHit(search: Search, path: string): Hit | null {
   if (extentOf(search, path) < DETAIL.content || !isRouted(search.places, path)) return null;
   let best: { readonly route: Route; readonly away: number } | null = null;
   for (const route of search.places.routes(path)) {
     const away = distanceToLine(route.points, search.point, search.camera);
-    if (away > search.tolerance || (best && away >= best.away)) continue;
+    if (away > search.tolerance * LINE_SHARE || (best && away >= best.away)) continue;
     if (isRouteShown(route, search)) best = { route, away };
   }
   if (!best) return null;

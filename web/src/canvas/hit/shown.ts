@@ -50,7 +50,7 @@ function hasTransition(machine: Machine, path: string, outcome: number): boolean
   return leaves || (!!state && transitionsOf(state).some((one) => one.to_outcome === outcome));
 }
 
-/** Whether a connection is drawn in the current mode. */
+/** Whether a connection is drawn in the current mode, and not only while the pointer is over one of its ends. */
 export function isRouteShown(route: Route, { machine, look }: Shown): boolean {
   if (look.selection.has(keyOf(route))) return true;
   if (route.kind === "transition") return look.modes.transitions;
@@ -60,6 +60,6 @@ export function isRouteShown(route: Route, { machine, look }: Shown): boolean {
   if (!flow) return false;
   return [flow.from_state, flow.to_state].some((id) => {
     const path = id === idOf(route.path) ? route.path : childPath(route.path, id);
-    return look.hovered?.path === path || isLookedAt(path, look);
+    return isLookedAt(path, look);
   });
 }

@@ -23,7 +23,7 @@ export function gestureMarks(drawing: Drawing): void {
   if (overlay.drop !== null) dropMarks(drawing, layer, overlay.drop);
   if (overlay.band) {
     layer.boxes.push({
-      ...outline(screenBox(camera, overlay.band), "band", "selection", false),
+      ...outline(screenBox(camera, overlay.band), "band", "selection", true),
       fill: "band",
       radius: 0,
     });
