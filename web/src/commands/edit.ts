@@ -8,6 +8,7 @@ import { isRefused } from "../plan/plan.ts";
 import { renameOutcome, renamePort } from "../plan/ports.ts";
 import { removeElements } from "../plan/states.ts";
 import { select, selected } from "../store/view.ts";
+import { wantedSearch } from "../store/wanted_search.ts";
 import { read, transferOf, write } from "./clipboard.ts";
 import type { Command, Context } from "./command.ts";
 import { perform } from "./perform.ts";
@@ -145,7 +146,10 @@ export const EDIT: readonly Command[] = [
     keys: ["Ctrl+F", "/"],
     menu: "Edit/4",
     enabled: ({ tab }) => tab !== null,
-    run: ({ shell }) => shell.showPanel("search"),
+    run: ({ shell }) => {
+      shell.showPanel("search");
+      wantedSearch.value += 1;
+    },
   },
 ];
 

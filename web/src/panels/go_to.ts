@@ -1,0 +1,27 @@
+/** Brings an element of any open machine into sight: its tab to the front first. */
+
+import type { ElementRef } from "../model/element.ts";
+import type { OpenTab } from "../store/page.ts";
+import { select } from "../store/view.ts";
+import type { PanelHost } from "./context.tsx";
+import { reveal } from "./reveal.ts";
+
+/** So many pictures it may take until the canvas of another machine is there. */
+const PICTURES_MAX = 60;
+
+export function goTo(host: PanelHost, tab: OpenTab, element: ElementRef): void {
+  const { page, canvas } = host.context();
+  if (page.active.peek() === tab) {
+    reveal(host, element);
+    return;
+  }
+  select(tab.view, [element]);
+  page.active.value = tab;
+  const look = (pictures: number) => {
+    const now = host.context();
+    if (now.tab !== tab || pictures === 0) return;
+    if (now.canvas && now.canvas !== canvas) reveal(host, element);
+    else requestAnimationFrame(() => look(pictures - 1));
+  };
+  requestAnimationFrame(() => look(PICTURES_MAX));
+}

@@ -1,0 +1,37 @@
+/** What the search shows: places of one machine or of all that are open, the best first. */
+
+import { type Hit, type SearchScope, search } from "../../model/search.ts";
+import type { OpenTab } from "../../store/page.ts";
+
+export interface Result {
+  readonly key: string;
+  readonly tab: OpenTab;
+  readonly hit: Hit;
+}
+
+export interface Results {
+  readonly results: readonly Result[];
+  readonly total: number;
+}
+
+/** So many are shown; who wants others types more. */
+export const SHOWN_MAX = 300;
+
+export function resultsIn(
+  tabs: readonly OpenTab[],
+  text: string,
+  scope: SearchScope | null,
+): Results {
+  const found = tabs.map((tab) => ({
+    tab,
+    ...search(tab.room.machine, text, { scope, count: SHOWN_MAX }),
+  }));
+  const results = found.flatMap(({ tab, hits }) => hits.map((hit) => ({ tab, hit })));
+  if (tabs.length > 1) results.sort((one, other) => other.hit.score - one.hit.score);
+  return {
+    total: found.reduce((sum, { total }) => sum + total, 0),
+    results: results
+      .slice(0, SHOWN_MAX)
+      .map((result, index) => ({ ...result, key: `${index}:${result.hit.element.path}` })),
+  };
+}
