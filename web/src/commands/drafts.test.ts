@@ -41,13 +41,20 @@ test("drafts of the machine are applied and gone", async () => {
 test("drafts that cannot be applied stay, and it is told why", async () => {
   const { edits, told, drafts, draft, apply } = house();
   drafts.keep({ ...draft, base: "it was like this" });
-  drafts.keep({ ...draft, path: "R/GONE" });
   drafts.keep({ ...draft, path: "R" });
   expect(await apply()).toBe(false);
   expect(edits).toEqual([]);
-  expect(told).toHaveLength(3);
+  expect(told).toHaveLength(2);
   expect(told[0]).toContain("The script of Scan was changed by somebody else");
-  expect(drafts.all.value.size).toBe(3);
+  expect(drafts.all.value.size).toBe(2);
+});
+
+test("a draft of a state that is gone waits and hinders nobody", async () => {
+  const { edits, told, drafts, draft, apply } = house();
+  drafts.keep({ ...draft, path: "R/GONE" });
+  expect(await apply()).toBe(true);
+  expect([edits, told]).toEqual([[], []]);
+  expect(drafts.all.value.size).toBe(1);
 });
 
 test("a refusal of the server keeps the draft", async () => {

@@ -7,7 +7,8 @@ import { type Draft, type Drafts, draftKey, drafts } from "../store/drafts.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import { wasRefused } from "../store/room.ts";
 
-/** Applies the drafts of a machine. Those that cannot be applied stay drafts, and the user is told why; false if there are any. */
+/** Applies the drafts of a machine. Those that cannot be applied stay drafts, and the user is told why; false if there are any.
+ * Drafts of states that are gone wait for an undo: the inspector lists them. */
 export async function applyDrafts(
   page: Pick<Page, "tell">,
   { room }: Pick<OpenTab, "room">,
@@ -27,9 +28,7 @@ export async function applyDrafts(
 async function apply(room: OpenTab["room"], draft: Draft, kept: Drafts): Promise<string | null> {
   const { path, field, text, base } = draft;
   const state = room.machine.state(path);
-  if (!state) {
-    return `The ${field} that you wrote for ${path} is kept in this browser: the state is gone, an undo may bring it back.`;
-  }
+  if (!state) return null;
   const now = (field === "script" ? state.script : state.description) ?? "";
   if (now !== base && now !== text) {
     return `The ${field} of ${state.name} was changed by somebody else: yours is kept in the inspector, compare both there.`;

@@ -125,9 +125,10 @@ function columnsOf(
   run: Run,
   remove: (row: Connection) => void,
 ): readonly Column<Connection>[] {
-  const end = (which: ConnectionEnd, label: string): Column<Connection> => ({
+  const end = (which: ConnectionEnd, label: string, width: string): Column<Connection> => ({
     key: which,
     title: label,
+    width,
     cell: ({ element, ends }) => (
       <EndSelect
         machine={machine}
@@ -147,9 +148,9 @@ function columnsOf(
     ),
   });
   return [
-    end("from", "From"),
+    end("from", "From", "minmax(0, 1.2fr)"),
     { key: "arrow", title: "", width: "28px", cell: () => <span aria-hidden>→</span> },
-    end("to", "To"),
+    end("to", "To", "minmax(0, 1fr)"),
     {
       key: "buttons",
       title: "",

@@ -13,7 +13,7 @@ import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { ConnectionView } from "./connection_view.tsx";
-import { counted, KIND_ICONS } from "./kinds.ts";
+import { counted, ELEMENT_ICONS, KIND_ICONS } from "./kinds.ts";
 import { MachineView } from "./machine_view.tsx";
 import { OutcomeView } from "./outcome_view.tsx";
 import { PortView } from "./port_view.tsx";
@@ -127,8 +127,9 @@ interface HeadProps {
 
 function Head({ seen, subject, isPinned, onPin }: HeadProps) {
   const { state } = seen;
-  const Icon = KIND_ICONS[state.kind];
   const element = elementOf(subject);
+  const kind = element?.kind ?? "state";
+  const Icon = kind === "state" || kind === "income" ? KIND_ICONS[state.kind] : ELEMENT_ICONS[kind];
   return (
     <header className="inspector-head">
       <div className="inspector-title">

@@ -1,6 +1,20 @@
 /** Signs of the kinds of states, and words for all that can be selected. */
 
-import { GitFork, Layers, Library, type LucideIcon, Split, SquareCode, Zap } from "lucide-react";
+import {
+  ArrowRight,
+  CircleArrowOutUpRight,
+  CircleArrowRight,
+  GitFork,
+  Layers,
+  Library,
+  LogOut,
+  type LucideIcon,
+  Split,
+  SquareCode,
+  Variable,
+  Waypoints,
+  Zap,
+} from "lucide-react";
 import type { ElementKind } from "../../model/element.ts";
 import type { StateKind } from "../../model/generated/protocol.ts";
 
@@ -12,6 +26,16 @@ export const KIND_ICONS: Readonly<Record<StateKind, LucideIcon>> = {
   decider: Split,
   library: Library,
 };
+
+export const ELEMENT_ICONS: Readonly<Record<Exclude<ElementKind, "state" | "income">, LucideIcon>> =
+  {
+    outcome: LogOut,
+    input: CircleArrowRight,
+    output: CircleArrowOutUpRight,
+    scoped_variable: Variable,
+    transition: ArrowRight,
+    data_flow: Waypoints,
+  };
 
 export const ELEMENT_WORDS: Readonly<Record<ElementKind, string>> = {
   state: "state",

@@ -6,6 +6,7 @@ import { KIND_WORDS } from "../../plan/legal.ts";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Description } from "./description.tsx";
+import { Drafts } from "./drafts.tsx";
 import { Fold } from "./fold.tsx";
 import { Outcomes } from "./outcomes.tsx";
 import { Ports } from "./ports.tsx";
@@ -47,6 +48,7 @@ export function MachineView({ seen }: { seen: SeenState }) {
           />
         </div>
       </Fold>
+      <Drafts seen={seen} />
       <Counts machine={machine} />
       <Description key={`description ${tab.room.id}`} seen={seen} />
       <Ports seen={seen} kind="input" />

@@ -1,0 +1,54 @@
+/** Texts of the machine that were written here and not applied yet: none is ever lost without a word. */
+
+import { Trash2 } from "lucide-react";
+import { type Draft, draftKey, drafts } from "../../store/drafts.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { Fold } from "./fold.tsx";
+import type { Seen } from "./seen.ts";
+
+export function Drafts({ seen }: { seen: Seen }) {
+  const all = useSignal(drafts.all);
+  const own = [...all.values()].filter(({ machine }) => machine === seen.tab.room.id);
+  if (own.length === 0) return null;
+  return (
+    <Fold title="Not applied yet" count={own.length}>
+      <ul className="inspector-list">
+        {own.map((draft) => (
+          <Row key={draftKey(draft)} seen={seen} draft={draft} />
+        ))}
+      </ul>
+    </Fold>
+  );
+}
+
+function Row({ seen, draft }: { seen: Seen; draft: Draft }) {
+  const { path, field, text } = draft;
+  const state = seen.machine.state(path);
+  return (
+    <li className="inspector-draft">
+      {state ? (
+        <button
+          type="button"
+          className="inspector-link"
+          onClick={() => seen.show({ kind: "state", path })}
+        >
+          {field} of {state.name}
+        </button>
+      ) : (
+        <details>
+          <summary>
+            {field} of {path}, which is gone
+          </summary>
+          <pre>{text}</pre>
+        </details>
+      )}
+      <IconButton
+        className="inspector-mini"
+        label={`Give up the ${field} of ${state?.name ?? path}`}
+        icon={<Trash2 size={13} />}
+        onClick={() => drafts.drop(draft)}
+      />
+    </li>
+  );
+}
