@@ -7,8 +7,8 @@ import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import type { Line } from "../lines.ts";
 import { DETAIL, extent, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
-import { shade } from "./drawing.ts";
 import type { Ink, LineMark } from "./list.ts";
+import { groundInk } from "./states.ts";
 
 /** The part of a line that is near the view is drawn: nothing is so many pixels beyond it. */
 const BEYOND = 30;
@@ -138,7 +138,7 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
     ink: look.loud ? "text" : (LABEL_INKS[look.ink] ?? "soft"),
     align: "center",
     alpha,
-    plate: shade(spot.depth),
+    plate: groundInk(spot),
     width,
   });
 }

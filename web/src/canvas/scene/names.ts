@@ -3,8 +3,8 @@
 import type { Box } from "../../model/geometry.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
-import { shade } from "./drawing.ts";
 import type { Icon, IconMark, Layer } from "./list.ts";
+import { groundInk } from "./states.ts";
 import { cut, wrapped } from "./words.ts";
 
 const BADGE = 12;
@@ -70,7 +70,7 @@ function plateMarks(
     ink: "text",
     align: "left",
     alpha,
-    plate: shade(spot.depth),
+    plate: groundInk(spot),
     width: width - side - 10,
     lead: side,
   });

@@ -5,8 +5,8 @@ import { sideOf } from "../../model/geometry.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
-import { shade } from "./drawing.ts";
 import type { DotShape, Ink } from "./list.ts";
+import { groundInk } from "./states.ts";
 import { cut } from "./words.ts";
 
 /** Ports to which a transition leads or from which one starts. */
@@ -139,7 +139,7 @@ function label(
     ink: labelInk(port),
     align,
     alpha: place.alpha,
-    plate: place.open ? shade(spot.depth) : null,
+    plate: place.open ? groundInk(spot) : null,
     width,
   });
 }

@@ -186,11 +186,8 @@ test("a library whose content is not here yet is asked for", () => {
         L "Grasp" library 40 60 200 150 library=hands/grasp
     `),
   );
-  const placed = placesOf(
-    machine,
-    { modes: MODES, contents: new Map([["R/L", true]]) },
-    NO_OVERLAY,
-  );
-  const list = scene({ ...input(machine, { x: 0, y: 0, scale: 1 }), placed });
+  const plain = input(machine, { x: 0, y: 0, scale: 1 });
+  const view = { modes: MODES, contents: new Map([["R/L", true]]) };
+  const list = scene({ ...plain, placed: placesOf(machine, view, NO_OVERLAY) });
   expect(list.wanted).toEqual(["R/L"]);
 });

@@ -4,7 +4,7 @@ import { layoutOf } from "../../model/drawing.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import { shade } from "./drawing.ts";
 import type { Difference, RunMark } from "./input.ts";
-import type { BoxMark, Layer } from "./list.ts";
+import type { BoxMark, Ink, Layer } from "./list.ts";
 
 /** How far beyond the view a box is still drawn exactly. */
 const BEYOND = 40;
@@ -77,15 +77,20 @@ export function radiusOf(spot: Spot): number {
   return Math.min(7, spot.extent * 0.09);
 }
 
+/** What a state is filled with, and what stands behind texts upon it. */
+export function groundInk({ at, depth }: Spot): Ink {
+  if (at.state.kind === "library") return layoutOf(at.state).background ?? "library-ground";
+  return layoutOf(at.state).background ?? shade(depth);
+}
+
 function ground(drawing: Drawing, spot: Spot): BoxMark {
-  const { at, depth } = spot;
-  const background = layoutOf(at.state).background;
+  const { at } = spot;
   const isLibrary = at.state.kind === "library";
   return {
     ...clipped(drawing, spot),
     what: at.key,
     radius: radiusOf(spot),
-    fill: background ?? (isLibrary ? "library-ground" : shade(depth)),
+    fill: groundInk(spot),
     stroke: isLibrary ? "library-outline" : "outline",
     line: spot.extent > 240 ? 1.5 : 1,
     dash: at.state.library?.missing != null,

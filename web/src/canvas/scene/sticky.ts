@@ -11,6 +11,7 @@ import { TEXT } from "./detail.ts";
 import { type Drawing, shade } from "./drawing.ts";
 import type { DotMark, Ink, Layer, TextMark } from "./list.ts";
 import { portInk, SHAPES } from "./ports.ts";
+import { groundInk } from "./states.ts";
 import { cut } from "./words.ts";
 
 /** How wide the frame is, in CSS pixels. */
@@ -114,7 +115,7 @@ export function stickyMarks(drawing: Drawing): void {
   for (const port of sticky.ports) {
     layer.dots.push(stuckDot(drawing, port));
     const named = port.port.kind !== "income" && (port.side === "left" || port.side === "right");
-    if (named) layer.texts.push(stuckName(drawing, port, shade(spot.depth)));
+    if (named) layer.texts.push(stuckName(drawing, port, groundInk(spot)));
   }
 }
 
