@@ -12,6 +12,8 @@ import { ContextMenu } from "../ui/menu.tsx";
 import { useKeys } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
 
+const NO_MARKS = new Map<never, never>();
+
 interface OpenMenu {
   readonly at: Point;
   readonly elements: readonly ElementRef[];
@@ -37,6 +39,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
       tab,
       page,
       run: (command, argument) => void commands.run(command, context(), argument),
+      extras: () => ({ differences: tab.view.marks.value ?? NO_MARKS }),
       menuAt: (at, elements) => setMenu({ at, elements, pointer: mounted.control.pointer() }),
     });
     canvas.value = mounted.control;

@@ -81,11 +81,11 @@ function PanelPlace({ api }: IDockviewPanelProps) {
   if (!panel) return null;
   const Component = panel.component;
   return (
-    <section className="panel" aria-label={panel.title}>
+    <div className="panel">
       <PanelGuard name={panel.title}>
         <Component />
       </PanelGuard>
-    </section>
+    </div>
   );
 }
 

@@ -77,6 +77,8 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
         tabIndex={active ? 0 : -1}
         className="tab-name"
         title={file ? `${file.project} / ${file.path}` : "not saved yet"}
+        aria-keyshortcuts="Delete"
+        onKeyDown={(event) => event.key === "Delete" && close()}
         onClick={() => {
           page.active.value = tab;
         }}
@@ -88,7 +90,15 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
           </span>
         )}
       </button>
-      <button type="button" className="tab-close" aria-label={`Close ${name}`} onClick={close}>
+      {/* By keyboard: Delete on the tab. A list of tabs has tabs only. */}
+      <button
+        type="button"
+        className="tab-close"
+        tabIndex={-1}
+        aria-hidden
+        title={`Close ${name}`}
+        onClick={close}
+      >
         <X size={13} aria-hidden />
       </button>
       {menu && (

@@ -253,7 +253,8 @@ function goTo(session: AppSession, { found }: PaletteItem): void {
       return;
     case "library":
       commands.run("insert.library", context(), {
-        library: { path: found.path, name: found.name },
+        path: found.path,
+        name: found.name,
       });
       return;
     case "state": {

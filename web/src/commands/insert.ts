@@ -39,7 +39,9 @@ function addHere(context: Context, kind: Exclude<StateKind, "library" | "decider
 
 /** What a library is inserted with: which one, and where if it was dropped somewhere. */
 export interface InsertLibrary {
-  readonly library: { readonly path: string; readonly name: string };
+  /** A library root and the folders below it. */
+  readonly path: string;
+  readonly name: string;
   readonly container?: string;
   readonly at?: Point;
 }
@@ -78,7 +80,7 @@ async function withLibrary(
   plan: (
     machine: Machine,
     place: Place,
-    library: InsertLibrary["library"],
+    library: InsertLibrary,
     states: readonly StateDocument[],
   ) => Planned | null,
 ): Promise<void> {
@@ -89,8 +91,7 @@ async function withLibrary(
       ? free
       : { path: given.container, ...(given.at ? { at: given.at } : {}) };
   const library =
-    given?.library ??
-    (await context.shell.dialog("library", { title: "Add a library", yes: "Add" }));
+    given ?? (await context.shell.dialog("library", { title: "Add a library", yes: "Add" }));
   if (!library || !place) return;
   const states = await libraryStates(context, library);
   await perform(context, (machine) => {

@@ -53,7 +53,7 @@ export function ContextMenu({ label, at, items, onClose, onSideways }: ContextMe
     <span ref={anchor} hidden>
       {host &&
         createPortal(
-          <>
+          <section aria-label={`Menu ${label}`}>
             {/* biome-ignore lint/a11y/noStaticElementInteractions: Escape does the same */}
             <div
               className="menu-shield"
@@ -65,7 +65,7 @@ export function ContextMenu({ label, at, items, onClose, onSideways }: ContextMe
               }}
             />
             <Menu label={label} at={at} items={items} onClose={close} onSideways={onSideways} />
-          </>,
+          </section>,
           host,
         )}
     </span>

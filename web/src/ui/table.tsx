@@ -235,6 +235,7 @@ function Head<T>({ table, template }: { table: TableProps<T>; template: string }
             role="columnheader"
             aria-sort={sorted && (sorted.down ? "descending" : "ascending")}
           >
+            {column.title === "" && <span className="visually-hidden">Actions</span>}
             {column.sortable ? (
               <button
                 type="button"
