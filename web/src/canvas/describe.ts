@@ -5,7 +5,7 @@ import { connectionInWords, isConnection, isPort, nameOf, transitionEnds } from 
 import type { StateDocument } from "../model/generated/protocol.ts";
 import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
-import { counted, KIND_WORDS } from "../plan/legal.ts";
+import { KIND_WORDS } from "../plan/legal.ts";
 
 /** What is said of an element. */
 export function described(machine: Machine, element: ElementRef): string {
@@ -31,11 +31,15 @@ function stateInWords(machine: Machine, path: string, state: StateDocument): str
     state.name,
     kind,
     isStart(machine, path) ? "start state" : "",
-    children > 0 && state.kind !== "library" ? counted(children, "state") : "",
-    counted(own.length, "outcome").replace(/^outcome$/, "1 outcome"),
+    children > 0 && state.kind !== "library" ? several(children, "state") : "",
+    several(own.length, "outcome"),
     leadsTo(machine, path),
   ];
   return parts.filter((part) => part !== "").join(", ");
+}
+
+function several(count: number, word: string): string {
+  return `${count} ${word}${count === 1 ? "" : "s"}`;
 }
 
 function isStart(machine: Machine, path: string): boolean {

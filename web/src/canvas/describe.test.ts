@@ -1,0 +1,24 @@
+import { expect, test } from "vitest";
+import type { ElementRef } from "../model/element.ts";
+import { machineOf } from "../model/plain.ts";
+import { sketch } from "../model/sketch.ts";
+import { described } from "./describe.ts";
+import { ARM } from "./testing/driver.ts";
+
+const machine = machineOf(sketch(ARM));
+
+test("elements are said in words", () => {
+  const say = (element: ElementRef) => described(machine, element);
+  expect(say({ kind: "state", path: "R/A" })).toBe(
+    "Scan, execution state, start state, 2 outcomes, leads to Grasp",
+  );
+  expect(say({ kind: "state", path: "R/B" })).toBe(
+    "Grasp, execution state, 1 outcome, leads to outcome done of Root",
+  );
+  expect(say({ kind: "state", path: "R/C" })).toBe("Box, hierarchy, 1 state, 1 outcome");
+  expect(say({ kind: "outcome", path: "R/A", id: 1 })).toBe("outcome lost of Scan");
+  expect(say({ kind: "input", path: "R/B", id: 0 })).toBe("input pose of Grasp, type int");
+  expect(say({ kind: "income", path: "R/B" })).toBe("income of Grasp");
+  expect(say({ kind: "transition", path: "R", id: 1 })).toBe("transition Scan.ok → Grasp");
+  expect(say({ kind: "state", path: "R/X" })).toBe("no longer there");
+});

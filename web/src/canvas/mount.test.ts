@@ -1,0 +1,185 @@
+// @vitest-environment happy-dom
+import { signal } from "@preact/signals-core";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { dragged } from "../store/dragged.ts";
+import type { Page } from "../store/page.ts";
+import { FIRST_SETTINGS } from "../store/settings.ts";
+import { newView, select } from "../store/view.ts";
+import { type Mounted, mountCanvas } from "./mount.ts";
+import { ARM, PlainRoom } from "./testing/driver.ts";
+
+const SIZE = { width: 1000, height: 800 };
+
+function mount() {
+  const place = document.createElement("div");
+  document.body.append(place);
+  const room = new PlainRoom(ARM);
+  const view = newView();
+  const told: string[] = [];
+  const menus: string[] = [];
+  const page = {
+    settings: signal(FIRST_SETTINGS),
+    tell: ({ text }: { readonly text: string }) => told.push(text),
+  } as unknown as Page;
+  const mounted = mountCanvas(place, {
+    tab: { room, view },
+    page,
+    run: () => {},
+    menuAt: (at, elements) => menus.push(`${at.x} ${at.y} ${elements.map(({ path }) => path)}`),
+  });
+  const root = place.querySelector<HTMLElement>("[role=application]");
+  if (!root) throw new Error("no canvas");
+  return { place, room, view, told, menus, mounted, root };
+}
+
+type At = { readonly x: number; readonly y: number };
+
+function send(root: HTMLElement, name: string, { x, y }: At, more: MouseEventInit = {}): Event {
+  const event = new MouseEvent(name, {
+    clientX: x,
+    clientY: y,
+    bubbles: true,
+    cancelable: true,
+    ...more,
+  });
+  root.dispatchEvent(event);
+  return event;
+}
+
+let open: Mounted[] = [];
+
+beforeEach(() => {
+  vi.spyOn(HTMLElement.prototype, "clientWidth", "get").mockReturnValue(SIZE.width);
+  vi.spyOn(HTMLElement.prototype, "clientHeight", "get").mockReturnValue(SIZE.height);
+  HTMLElement.prototype.setPointerCapture = () => {};
+});
+
+afterEach(() => {
+  for (const mounted of open) mounted.dispose();
+  open = [];
+  document.body.replaceChildren();
+  sessionStorage.clear();
+  vi.restoreAllMocks();
+});
+
+function mounting() {
+  const made = mount();
+  open.push(made.mounted);
+  return made;
+}
+
+test("the whole machine is in view at first, and the camera comes back", () => {
+  const { view, mounted } = mounting();
+  const first = view.camera.value;
+  expect(first.scale).toBeCloseTo(920 / 900);
+  mounted.control.pan({ x: 50, y: 0 });
+  mounted.dispose();
+  const again = mounting();
+  expect(again.view.camera.value.x).toBeCloseTo(first.x - 50 / first.scale);
+});
+
+test("a press that is dragged moves a state", () => {
+  const { root, room, view } = mounting();
+  view.camera.value = { x: 0, y: 0, scale: 1 };
+  send(root, "pointerdown", { x: 120, y: 230 });
+  send(root, "pointermove", { x: 153, y: 287 });
+  send(root, "pointerup", { x: 153, y: 287 });
+  expect(room.made.map(({ name }) => name)).toEqual(["Move Scan"]);
+});
+
+test("the wheel zooms and the page does not scroll", () => {
+  const { root, view } = mounting();
+  const before = view.camera.value.scale;
+  const wheel = new WheelEvent("wheel", { deltaY: -120, cancelable: true });
+  root.dispatchEvent(wheel);
+  expect(wheel.defaultPrevented).toBe(true);
+  expect(view.camera.value.scale).toBeGreaterThan(before);
+});
+
+test("keys that the canvas uses go no further, others do", () => {
+  const { root, view, place } = mounting();
+  const seen: string[] = [];
+  place.addEventListener("keydown", (event) => seen.push(event.key));
+  const press = (key: string) =>
+    root.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+  press("ArrowRight");
+  press("e");
+  expect(seen).toEqual(["e"]);
+  expect([...view.selection.value]).toEqual(["state:R/A"]);
+});
+
+test("the menu is about what is under the pointer, by key about the selection", () => {
+  const { root, view, menus } = mounting();
+  view.camera.value = { x: 0, y: 0, scale: 1 };
+  const event = send(root, "contextmenu", { x: 120, y: 230 }, { button: 2 });
+  expect(event.defaultPrevented).toBe(true);
+  root.dispatchEvent(new KeyboardEvent("keydown", { key: "F10", shiftKey: true, bubbles: true }));
+  expect(menus).toEqual(["120 230 R/A", "150 175 R/A"]);
+});
+
+test("something that is dragged in from a panel is dropped", () => {
+  const { root, room, view } = mounting();
+  view.camera.value = { x: 0, y: 0, scale: 1 };
+  dragged.value = { insert: "hierarchy" };
+  expect(send(root, "dragover", { x: 700, y: 300 }).defaultPrevented).toBe(true);
+  send(root, "drop", { x: 700, y: 300 });
+  dragged.value = null;
+  expect(room.made).toHaveLength(1);
+});
+
+test("a name is changed in place; what is refused is said and stays open, Escape leaves it", () => {
+  const { mounted, place, room } = mounting();
+  mounted.control.rename("R/A");
+  const field = () => place.querySelector("input");
+  const type = (key: string) => field()?.dispatchEvent(new KeyboardEvent("keydown", { key }));
+  const first = field();
+  if (!first) throw new Error("no field");
+  expect([first.value, first.getAttribute("aria-label")]).toEqual(["Scan", "Name of Scan"]);
+  first.value = "";
+  type("Enter");
+  expect(place.querySelector("[role=alert]")?.textContent).not.toBe("");
+  first.value = "Look";
+  type("Enter");
+  expect(field()).toBeNull();
+  expect(room.machine.state("R/A")?.name).toBe("Look");
+  mounted.control.rename("R/A");
+  type("Escape");
+  expect([field(), room.made.length]).toEqual([null, 1]);
+});
+
+test("why something is not possible is told and said to screen readers", () => {
+  const { mounted, told, view, root } = mounting();
+  mounted.control.beginConnection();
+  expect(told).toHaveLength(1);
+  view.camera.value = { x: 0, y: 0, scale: 1 };
+  select(view, [{ kind: "outcome", path: "R/A", id: 1 }]);
+  mounted.control.beginConnection();
+  expect(root.querySelector("[role=status]")?.textContent).toContain("Enter connects");
+  expect(mounted.control.cancel()).toBe(true);
+  expect(mounted.control.cancel()).toBe(false);
+});
+
+test("nothing is left when it is gone", () => {
+  const added: string[] = [];
+  const count = (target: EventTarget) => {
+    const [add, remove] = [target.addEventListener, target.removeEventListener];
+    vi.spyOn(target, "addEventListener").mockImplementation(function (this: EventTarget, ...all) {
+      added.push(all[0]);
+      return add.apply(target, all as Parameters<typeof add>);
+    });
+    vi.spyOn(target, "removeEventListener").mockImplementation((...all) => {
+      added.splice(added.indexOf(all[0]), 1);
+      return remove.apply(target, all as Parameters<typeof remove>);
+    });
+  };
+  count(window);
+  count(document);
+  const { mounted, place, view, root } = mount();
+  mounted.dispose();
+  expect(added).toEqual([]);
+  expect(place.children).toHaveLength(0);
+  const { camera } = view;
+  const before = camera.value;
+  root.dispatchEvent(new WheelEvent("wheel", { deltaY: -120 }));
+  expect(camera.value).toBe(before);
+});
