@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { MachineProblem } from "./generated/protocol.ts";
-import { byWeight, countProblems, elementOfProblem } from "./problem.ts";
+import { byWeight, countProblems, elementOfProblem, withoutPlace } from "./problem.ts";
 
 const PROBLEM: MachineProblem = {
   path: "R/A",
@@ -27,6 +27,12 @@ describe("problems", () => {
       { kind: "data_flow", path: "R/A", id: 3 },
       { kind: "input", path: "R/A", id: 4 },
     ]);
+  });
+
+  it("say what is wrong without the place", () => {
+    const message = "R/A, state: no child is where it starts";
+    expect(withoutPlace({ ...PROBLEM, message })).toBe("no child is where it starts");
+    expect(withoutPlace(PROBLEM)).toBe("it has no start");
   });
 
   it("stand by weight, and count without notes", () => {

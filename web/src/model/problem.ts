@@ -22,6 +22,12 @@ export function elementOfProblem({ path, part }: MachineProblem): ElementRef {
   return { kind: KINDS[word as keyof typeof KINDS], path, id: Number(id) };
 }
 
+/** What is wrong, without the place, where that is told beside it. */
+export function withoutPlace({ path, part, message }: MachineProblem): string {
+  const place = `${path}, ${part}: `;
+  return message.startsWith(place) ? message.slice(place.length) : message;
+}
+
 const ORDER: readonly Severity[] = ["error", "warning", "note"];
 
 /** The worst first, in the order of the machine otherwise. */

@@ -19,7 +19,7 @@ export interface DifferenceListProps {
   readonly onReveal: (difference: Difference) => void;
 }
 
-const MARKS = { added: "+ added", removed: "− removed", changed: "● changed" } as const;
+const MARKS = { added: "+ added", removed: "− removed", changed: "~ changed" } as const;
 
 function idOf({ kind, element, isLayout }: Difference): string {
   return `${kind} ${keyOf(element)} ${isLayout}`;
@@ -27,12 +27,13 @@ function idOf({ kind, element, isLayout }: Difference): string {
 
 export function DifferenceList({ label, all, old, now, onReveal }: DifferenceListProps) {
   const [chosen, setChosen] = useState<string | null>(null);
-  const difference = all.find((each) => idOf(each) === chosen);
+  const difference =
+    all.find((each) => idOf(each) === chosen) ?? (all.length === 1 ? all[0] : undefined);
   const columns: readonly Column<Difference>[] = [
     {
       key: "kind",
       title: "",
-      width: "84px",
+      width: "104px",
       cell: ({ kind }) => (
         <span className={`differences-mark differences-${kind}`}>{MARKS[kind]}</span>
       ),
@@ -60,20 +61,22 @@ export function DifferenceList({ label, all, old, now, onReveal }: DifferenceLis
   ];
   return (
     <div className="differences-list">
-      <div className="differences-rows">
-        <Table
-          label={label}
-          columns={columns}
-          rows={all}
-          id={idOf}
-          selected={new Set(chosen === null ? [] : [chosen])}
-          onSelect={(each) => {
-            setChosen(idOf(each));
-            onReveal(each);
-          }}
-        />
+      <div className="differences-sides">
+        <div className="differences-rows">
+          <Table
+            label={label}
+            columns={columns}
+            rows={all}
+            id={idOf}
+            selected={new Set(difference ? [idOf(difference)] : [])}
+            onSelect={(each) => {
+              setChosen(idOf(each));
+              onReveal(each);
+            }}
+          />
+        </div>
+        {difference && difference.fields.length > 0 && <Detail difference={difference} />}
       </div>
-      {difference && difference.fields.length > 0 && <Detail difference={difference} />}
     </div>
   );
 }

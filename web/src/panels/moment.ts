@@ -1,11 +1,12 @@
 /** Moments for people. */
 
 const DAY_MS = 86_400_000;
+const TIME = { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" } as const;
 
 /** `14:03:27` of today, with the date if it was another day. */
 export function moment(at_ms: number, now_ms: number): string {
   const at = new Date(at_ms);
-  const time = at.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit", second: "2-digit" });
+  const time = at.toLocaleTimeString([], TIME);
   const isToday = new Date(now_ms).toDateString() === at.toDateString();
   if (isToday) return time;
   const isThisYear = now_ms - at_ms < 300 * DAY_MS;

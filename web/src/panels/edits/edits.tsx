@@ -86,6 +86,9 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   );
 }
 
+/** A cell has this much at its sides. */
+const CELL_PADDING_PX = 16;
+
 const PLACES = {
   current: "the machine is here",
   done: "",
@@ -103,7 +106,7 @@ function columnsOf(
     {
       key: "graph",
       title: "",
-      width: `${graphWidth(rows)}px`,
+      width: `${graphWidth(rows) + CELL_PADDING_PX}px`,
       cell: (row) => <Graph row={row} />,
     },
     {

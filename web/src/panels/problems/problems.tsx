@@ -5,7 +5,7 @@ import { useMemo, useState } from "react";
 import { mayEdit } from "../../commands/subject.ts";
 import type { MachineProblem, Repair } from "../../model/generated/protocol.ts";
 import { type Machine, namesTo } from "../../model/machine.ts";
-import { byWeight, elementOfProblem } from "../../model/problem.ts";
+import { byWeight, elementOfProblem, withoutPlace } from "../../model/problem.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
@@ -125,12 +125,12 @@ function columnsOf(machine: Machine): readonly Column<MachineProblem>[] {
       key: "message",
       title: "What",
       width: "minmax(160px, 3fr)",
-      cell: ({ message, repairs }) => (
-        <span title={message}>
-          {repairs && repairs.length > 0 && (
+      cell: (problem) => (
+        <span title={problem.message}>
+          {problem.repairs && problem.repairs.length > 0 && (
             <Wrench size={12} aria-label="can be repaired" style={{ marginRight: 4 }} />
           )}
-          {message}
+          {withoutPlace(problem)}
         </span>
       ),
     },
