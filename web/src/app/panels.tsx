@@ -5,8 +5,10 @@ import {
   CircleAlert,
   GitCompareArrows,
   History,
+  ListTree,
   type LucideIcon,
   ScrollText,
+  Search as SearchSign,
   SlidersHorizontal,
 } from "lucide-react";
 import type { FunctionComponent } from "react";
@@ -18,6 +20,8 @@ import { Globals } from "../panels/globals/globals.tsx";
 import { Inspector } from "../panels/inspector/inspector.tsx";
 import { Log } from "../panels/log/log.tsx";
 import { Problems } from "../panels/problems/problems.tsx";
+import { Search } from "../panels/search/search.tsx";
+import { StateTree } from "../panels/tree/tree.tsx";
 import type { OpenTab } from "../store/page.ts";
 
 export interface Panel {
@@ -32,6 +36,8 @@ export interface Panel {
 }
 
 export const PANELS: readonly Panel[] = [
+  { id: "tree", title: "Tree", icon: ListTree, component: StateTree, side: "left" },
+  { id: "search", title: "Search", icon: SearchSign, component: Search, side: "left" },
   { id: "globals", title: "Globals", icon: Braces, component: Globals, side: "left" },
   {
     id: "inspector",
