@@ -1,7 +1,12 @@
 /** What the File menu does: machines come from projects, go back there, and are closed. */
 
-import type { MachineFile, MachineSummary, SavedState } from "../model/generated/protocol.ts";
-import type { OpenTab } from "../store/page.ts";
+import type {
+  LibraryName,
+  MachineFile,
+  MachineSummary,
+  SavedState,
+} from "../model/generated/protocol.ts";
+import type { OpenTab, Page } from "../store/page.ts";
 import type { Link } from "../store/server.ts";
 import { RefusalError } from "../store/server.ts";
 import type { Command, Context } from "./command.ts";
@@ -302,9 +307,12 @@ export function folderName(name: string): string {
 }
 
 async function openLibrary(context: Context): Promise<void> {
-  const { page } = context;
   const library = anyOnlyState(context)?.state.library;
-  if (!library) return;
+  if (library) await openLibraryMachine(context.page, library);
+}
+
+/** Opens the machine of a library in a tab of its own, if it lies in a project; the user is told if it does not. */
+export async function openLibraryMachine(page: Page, library: LibraryName): Promise<void> {
   const [rootName = "", ...folders] = library.path.split("/");
   const root = page.libraries.peek().find((each) => each.name === rootName);
   const place = root && [root.folder, ...folders, library.name].join("/");

@@ -1,0 +1,58 @@
+/** Library states of the machine in front whose libraries have changed, with what mends them. */
+
+import { Wrench } from "lucide-react";
+import { mayEdit } from "../../commands/subject.ts";
+import type { MachineProblem } from "../../model/generated/protocol.ts";
+import { elementOfProblem } from "../../model/problem.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { Button } from "../../ui/button.tsx";
+import { Section } from "../../ui/section.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useHost } from "../context.tsx";
+import { reveal } from "../reveal.ts";
+
+export function Changed({ tab }: { readonly tab: OpenTab }) {
+  const problems = useSignal(tab.room.problems).filter(isAboutLibrary);
+  if (problems.length === 0) return null;
+  return (
+    <Section title="Changed libraries" count={problems.length}>
+      <ul className="libraries-changed">
+        {problems.map((problem) => (
+          <li key={`${problem.path}\n${problem.part}\n${problem.rule}`}>
+            <OneChanged tab={tab} problem={problem} />
+          </li>
+        ))}
+      </ul>
+    </Section>
+  );
+}
+
+function isAboutLibrary({ rule }: MachineProblem): boolean {
+  return /^library|^runtime_?value/i.test(rule);
+}
+
+function OneChanged({ tab, problem }: { readonly tab: OpenTab; readonly problem: MachineProblem }) {
+  const host = useHost();
+  const may = mayEdit(host.context().page);
+  return (
+    <>
+      <button
+        type="button"
+        className="libraries-link"
+        onClick={() => reveal(host, elementOfProblem(problem))}
+      >
+        {problem.message}
+      </button>
+      {(problem.repairs ?? []).map(({ name, edit }) => (
+        <Button
+          key={name}
+          icon={<Wrench size={14} />}
+          disabled={!may}
+          onClick={() => void tab.room.edit(name, edit)}
+        >
+          {name}
+        </Button>
+      ))}
+    </>
+  );
+}

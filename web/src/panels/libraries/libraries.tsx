@@ -1,0 +1,143 @@
+/** All libraries that machines can use: to drag in, to open, to put in the place of a state, to see where they are used. */
+
+import { ChevronsDownUp, Folder, FolderTree, Library as LibrarySign } from "lucide-react";
+import { type DragEvent, useMemo, useState } from "react";
+import { openLibraryMachine } from "../../commands/file.ts";
+import type { LibraryName } from "../../model/generated/protocol.ts";
+import type { Point } from "../../model/geometry.ts";
+import { DRAGGED_TYPE, type Dragged, dragged } from "../../store/dragged.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { Marked } from "../../ui/marked.tsx";
+import { ContextMenu } from "../../ui/menu.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { Tree } from "../../ui/tree.tsx";
+import { useActiveTab, useHost } from "../context.tsx";
+import { About } from "./about.tsx";
+import { Changed } from "./changed.tsx";
+import { libraryMenu } from "./menu.ts";
+import { foldersIn, matching, type Node, nodesOf } from "./nodes.ts";
+import { Usages } from "./usages.tsx";
+import "./libraries.css";
+
+interface Menu {
+  readonly at: Point;
+  readonly library: LibraryName;
+}
+
+export function Libraries() {
+  const host = useHost();
+  const { page } = host.context();
+  const tab = useActiveTab();
+  const roots = useSignal(page.libraries);
+  const [query, setQuery] = useState("");
+  const [chosen, setChosen] = useState<LibraryName | null>(null);
+  const [used, setUsed] = useState<LibraryName | null>(null);
+  const [menu, setMenu] = useState<Menu | null>(null);
+  const [open, setOpen] = useState<ReadonlySet<string> | null>(null);
+  const nodes = useMemo(() => nodesOf(roots), [roots]);
+  const shown = useMemo(() => matching(nodes, query), [nodes, query]);
+  const expanded = useMemo(
+    () => (shown === nodes ? (open ?? new Set(nodes.map(({ key }) => key))) : foldersIn(shown)),
+    [shown, nodes, open],
+  );
+  if (roots.length === 0) {
+    return (
+      <Empty
+        icon={<LibrarySign size={22} />}
+        title="No libraries"
+        text="Machines in library roots can be used as states. Name roots under LIBRARY_PATHS in config.yaml, or start the server with --library-path name=folder."
+      />
+    );
+  }
+  const choose = (library: LibraryName | null) => {
+    setChosen(library);
+    if (library?.path !== used?.path || library?.name !== used?.name) setUsed(null);
+  };
+  return (
+    <div className="libraries">
+      <div className="libraries-bar">
+        <TextField
+          label="Filter libraries"
+          hideLabel
+          type="search"
+          placeholder="Filter libraries"
+          value=""
+          onInput={setQuery}
+        />
+        <IconButton
+          label="Fold all"
+          icon={<ChevronsDownUp size={14} />}
+          onClick={() => setOpen(new Set())}
+        />
+      </div>
+      {tab && <Changed key={tab.room.id} tab={tab} />}
+      {shown.length === 0 ? (
+        <Empty title="No library" text={`No library or folder has “${query}” in its name.`} />
+      ) : (
+        <Tree
+          label="Libraries"
+          roots={shown}
+          id={({ key }) => key}
+          childrenOf={({ children }) => children}
+          expanded={expanded}
+          text={({ name }) => name}
+          row={(node) => <Row node={node} />}
+          onExpand={({ key }, isOpen) => setOpen(changed(expanded, key, isOpen))}
+          selected={new Set(chosen ? [`${chosen.path}/${chosen.name}`] : [])}
+          onSelect={({ library }) => choose(library)}
+          onOpen={({ key, library }) => {
+            if (library) void openLibraryMachine(page, library);
+            else setOpen(changed(expanded, key, !expanded.has(key)));
+          }}
+          onMenu={({ library }, at) => {
+            choose(library);
+            if (library) setMenu({ at, library });
+          }}
+          draggable={({ library }) => library !== null}
+          onDragStart={({ library }, event) => library && drag(library, event)}
+          onDragEnd={() => {
+            dragged.value = null;
+          }}
+        />
+      )}
+      {chosen && <About library={chosen} />}
+      {used && <Usages library={used} />}
+      {menu && (
+        <ContextMenu
+          label={`What can be done with ${menu.library.name}`}
+          at={menu.at}
+          items={libraryMenu(host, menu.library, setUsed)}
+          onClose={() => setMenu(null)}
+        />
+      )}
+    </div>
+  );
+}
+
+function changed(before: ReadonlySet<string>, key: string, isOpen: boolean): ReadonlySet<string> {
+  const now = new Set(before);
+  if (isOpen) now.add(key);
+  else now.delete(key);
+  return now;
+}
+
+function drag({ path, name }: LibraryName, event: DragEvent<HTMLElement>): void {
+  const what: Dragged = { library: { path, name } };
+  dragged.value = what;
+  event.dataTransfer.setData(DRAGGED_TYPE, JSON.stringify(what));
+  event.dataTransfer.effectAllowed = "copy";
+}
+
+function Row({ node }: { readonly node: Node }) {
+  const Sign = node.library ? LibrarySign : node.folder === null ? Folder : FolderTree;
+  return (
+    <span className="libraries-row" title={node.folder ?? node.key}>
+      <Sign size={14} aria-hidden />
+      <span className="libraries-cut">
+        <Marked text={node.name} spans={node.spans} />
+      </span>
+    </span>
+  );
+}

@@ -1,0 +1,66 @@
+/** Library roots, folders and libraries as the nodes of a tree, and those that fit a filter. */
+
+import type { LibraryName, LibraryNode, LibraryRoot } from "../../model/generated/protocol.ts";
+import { match, queryOf, type Span } from "../../model/match.ts";
+
+export interface Node {
+  /** The root and folders down to it, joined by `/`. */
+  readonly key: string;
+  readonly name: string;
+  /** Null of a library. */
+  readonly children: readonly Node[] | null;
+  /** Of a library: how library states name it. */
+  readonly library: LibraryName | null;
+  /** Of a root: where it lies. */
+  readonly folder: string | null;
+  /** What fits the filter in its name. */
+  readonly spans: readonly Span[];
+}
+
+export function nodesOf(roots: readonly LibraryRoot[]): readonly Node[] {
+  return roots.map(({ name, folder, children }) => ({
+    key: name,
+    name,
+    folder,
+    library: null,
+    spans: [],
+    children: children.map((child) => nodeOf(name, child)),
+  }));
+}
+
+function nodeOf(path: string, { name, kind, children }: LibraryNode): Node {
+  const key = `${path}/${name}`;
+  const isLibrary = kind === "library";
+  return {
+    key,
+    name,
+    folder: null,
+    library: isLibrary ? { path, name } : null,
+    spans: [],
+    children: isLibrary ? null : (children ?? []).map((child) => nodeOf(key, child)),
+  };
+}
+
+/** The nodes that fit, with everything inside them, and the folders around. */
+export function matching(nodes: readonly Node[], text: string): readonly Node[] {
+  const query = queryOf(text);
+  if (query.words.length === 0) return nodes;
+  return nodes.flatMap((node): Node[] => {
+    const found = match(query, node.name) ?? (match(query, node.key) ? { spans: [] } : null);
+    if (found && node.folder === null) return [{ ...node, spans: found.spans }];
+    const children = matching(node.children ?? [], text);
+    return children.length > 0 ? [{ ...node, children }] : [];
+  });
+}
+
+/** Keys of all that can be opened. */
+export function foldersIn(nodes: readonly Node[]): ReadonlySet<string> {
+  const keys = new Set<string>();
+  const add = ({ key, children }: Node) => {
+    if (!children) return;
+    keys.add(key);
+    for (const child of children) add(child);
+  };
+  for (const node of nodes) add(node);
+  return keys;
+}

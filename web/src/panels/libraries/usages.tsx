@@ -1,0 +1,115 @@
+/** Where a library is used: in open machines and in files; a click leads there. */
+
+import { useEffect, useMemo, useState } from "react";
+import type { LibraryName, LibraryUsage, LibraryUsages } from "../../model/generated/protocol.ts";
+import { Empty } from "../../ui/empty.tsx";
+import { Section } from "../../ui/section.tsx";
+import { Tree } from "../../ui/tree.tsx";
+import { type PanelHost, useHost } from "../context.tsx";
+import { goTo } from "../go_to.ts";
+
+type Known = LibraryUsages | { readonly failed: string } | null;
+
+interface Row {
+  readonly key: string;
+  readonly usage: LibraryUsage;
+}
+
+const NONE: ReadonlySet<string> = new Set();
+
+export function Usages({ library }: { readonly library: LibraryName }) {
+  const host = useHost();
+  const known = useUsages(library);
+  const rows = useMemo<readonly Row[]>(
+    () =>
+      known && "usages" in known
+        ? known.usages.map((usage, index) => ({ key: `${index}`, usage }))
+        : [],
+    [known],
+  );
+  const open = ({ usage }: Row) => void goToUsage(host, usage);
+  return (
+    <Section title={`Where ${library.name} is used`} count={rows.length}>
+      {known === null && <div className="libraries-soft">Looking through all machines…</div>}
+      {known && "failed" in known && <div className="libraries-failed">{known.failed}</div>}
+      {known && "usages" in known && rows.length === 0 && (
+        <Empty title="Nowhere" text="No machine of the projects and library roots uses it." />
+      )}
+      {rows.length > 0 && (
+        <div className="libraries-usages">
+          <Tree
+            label={`Where ${library.name} is used`}
+            roots={rows}
+            id={({ key }) => key}
+            childrenOf={() => null}
+            expanded={NONE}
+            onExpand={() => undefined}
+            text={({ usage }) => `${place(usage)}, ${usage.names.join(" / ")}`}
+            row={({ usage }) => <UsageRow usage={usage} />}
+            rowHeight={40}
+            onSelect={open}
+            onOpen={open}
+          />
+        </div>
+      )}
+      {known && "is_cut" in known && known.is_cut && (
+        <div className="libraries-soft">There are more than are shown.</div>
+      )}
+    </Section>
+  );
+}
+
+function useUsages({ path, name }: LibraryName): Known {
+  const { context } = useHost();
+  const [known, setKnown] = useState<Known>(null);
+  useEffect(() => {
+    let wanted = true;
+    setKnown(null);
+    const query = `path=${encodeURIComponent(path)}&name=${encodeURIComponent(name)}`;
+    const tell = (found: Known) => wanted && setKnown(found);
+    context()
+      .page.server.request<LibraryUsages>("GET", `/libraries/usages?${query}`)
+      .then(tell, (error: unknown) =>
+        tell({ failed: error instanceof Error ? error.message : String(error) }),
+      );
+    return () => {
+      wanted = false;
+    };
+  }, [path, name, context]);
+  return known;
+}
+
+function place({ file, library }: LibraryUsage): string {
+  if (library) return `${library.path}/${library.name}`;
+  return file?.path ?? "a machine outside of the projects";
+}
+
+function UsageRow({ usage }: { readonly usage: LibraryUsage }) {
+  return (
+    <span className="libraries-usage" title={`${place(usage)}\n${usage.names.join(" / ")}`}>
+      <span className="libraries-cut">{usage.names.at(-1)}</span>
+      <span className="libraries-cut libraries-soft">
+        {place(usage)}
+        {usage.machine === null ? "" : " · open"} · {usage.names.slice(0, -1).join(" / ")}
+      </span>
+    </span>
+  );
+}
+
+async function goToUsage(host: PanelHost, { machine, file, path }: LibraryUsage): Promise<void> {
+  const { page } = host.context();
+  try {
+    const there = page.tabs.peek().find(({ room }) => room.id === machine);
+    const tab = there ?? (machine !== null ? await page.join(machine) : null);
+    const found = tab ?? (file ? await page.open(file) : null);
+    if (found) goTo(host, found, { kind: "state", path });
+    else {
+      page.tell({
+        level: "warning",
+        text: "The machine lies in none of the projects that the server was started with: start it with that folder too.",
+      });
+    }
+  } catch (error) {
+    page.tell({ level: "error", text: error instanceof Error ? error.message : String(error) });
+  }
+}
