@@ -47,14 +47,14 @@ export function Dialog({ title, children, footer, onClose, width = 460, height }
       }}
       onKeyDown={(event) => event.stopPropagation()}
     >
-      <header className="dialog-head">
+      <div className="dialog-head">
         <h2 id={id} className="dialog-title">
           {title}
         </h2>
         <IconButton label="Close" icon={<X size={16} />} onClick={onClose} />
-      </header>
+      </div>
       <div className="dialog-body">{children}</div>
-      {footer && <footer className="dialog-foot">{footer}</footer>}
+      {footer && <div className="dialog-foot">{footer}</div>}
     </dialog>
   );
 }

@@ -10,6 +10,8 @@ import "./table.css";
 export interface Column<T> {
   readonly key: string;
   readonly title: string;
+  /** Only for screen readers, where what stands below says enough. */
+  readonly hideTitle?: boolean | undefined;
   /** As CSS grids write it: `120px`, `1fr`, `minmax(80px, 2fr)`; left out: `1fr`. */
   readonly width?: string | undefined;
   readonly align?: "left" | "right" | "centre" | undefined;
@@ -246,7 +248,9 @@ function Head<T>({ table, template }: { table: TableProps<T>; template: string }
                 {sorted && <Arrow size={12} aria-hidden />}
               </button>
             ) : (
-              column.title
+              <span className={column.hideTitle ? "visually-hidden" : undefined}>
+                {column.title}
+              </span>
             )}
           </div>
         );

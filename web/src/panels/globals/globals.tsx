@@ -1,7 +1,7 @@
 /** Global variables: every name that scripts of the machine set or read, and where. */
 
 import { Pencil } from "lucide-react";
-import { useMemo, useState } from "react";
+import { useDeferredValue, useMemo, useState } from "react";
 import { mayEdit } from "../../commands/subject.ts";
 import { type GlobalUse, type GlobalVariable, globalsOf } from "../../model/globals.ts";
 import { type Machine, namesTo } from "../../model/machine.ts";
@@ -16,7 +16,7 @@ import { Tree } from "../../ui/tree.tsx";
 import type { TreeSource } from "../../ui/tree_rows.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 import { RenameGlobal } from "./rename_global.tsx";
-import { found, placeInWords } from "./words.ts";
+import { countsInWords, found, placeInWords } from "./words.ts";
 import "./globals.css";
 
 /** A row: a variable, or a place where it is used. */
@@ -33,7 +33,7 @@ export function Globals() {
 
 function OfTab({ tab }: { tab: OpenTab }) {
   const { page } = useHost().context();
-  const version = useSignal(tab.room.version);
+  const version = useDeferredValue(useSignal(tab.room.version));
   const { machine } = tab.room;
   // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
   const all = useMemo(() => globalsOf(machine), [machine, version]);
@@ -149,36 +149,25 @@ function inside({ variable, use, id }: Node): readonly Node[] | null {
 }
 
 function textOf(machine: Machine, { variable, use }: Node): string {
-  const [first, ...more] = use ? placeInWords(machine, use) : [variable.name, ...counts(variable)];
-  return [first, ...more].join(", ");
-}
-
-function counts({ uses }: GlobalVariable): readonly string[] {
-  const set = uses.filter(({ access }) => access === "set").length;
-  const read = uses.length - set;
-  return [
-    set === 0 ? "never set" : set === 1 ? "set once" : `set ${set} times`,
-    read === 0 ? "never read" : read === 1 ? "read once" : `read ${read} times`,
-  ];
+  return use ? placeInWords(machine, use) : `${variable.name} ${countsInWords(variable)}`;
 }
 
 function Row({ machine, node: { variable, use } }: { machine: Machine; node: Node }) {
   if (!use) {
     return (
       <span className="globals-row">
-        <code>{variable.name}</code>
-        <span className="globals-soft">{counts(variable).join(", ")}</span>
+        <code>{variable.name}</code> <span className="globals-soft">{countsInWords(variable)}</span>
       </span>
     );
   }
   const names = namesTo(machine, use.path);
   return (
     <span className="globals-row" title={`${names.join(" / ")}\n${use.text}`}>
-      <span className={`globals-access globals-${use.access}`}>{use.access}</span>
+      <span className={`globals-access globals-${use.access}`}>{use.access}</span>{" "}
       <span>
         {names.at(-1)}
         {use.line !== null && `:${use.line}`}
-      </span>
+      </span>{" "}
       <code className="globals-soft">{use.text}</code>
     </span>
   );

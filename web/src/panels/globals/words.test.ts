@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/sketch.ts";
-import { found, placeInWords } from "./words.ts";
+import { countsInWords, found, placeInWords } from "./words.ts";
 
 test("a filter finds names with all its words", () => {
   const variables = ["in the basket", "In the gripper", "battery"].map((name) => ({
@@ -17,11 +17,9 @@ test("a filter finds names with all its words", () => {
 test("a place is told in words", () => {
   const machine = machineOf(sketch('R "Root" hierarchy\n  A "Scan" execution'));
   const use = { path: "R/A", access: "set", line: 3, text: "gvm.set_variable(…)" } as const;
-  expect(placeInWords(machine, use)).toEqual([
-    "set",
-    "Root / Scan",
-    "line 3",
-    "gvm.set_variable(…)",
-  ]);
-  expect(placeInWords(machine, { ...use, line: null })).toHaveLength(3);
+  expect(placeInWords(machine, use)).toBe("set Scan:3 gvm.set_variable(…)");
+  expect(placeInWords(machine, { ...use, line: null })).toBe("set Scan gvm.set_variable(…)");
+  const read = { ...use, access: "read" } as const;
+  expect(countsInWords({ name: "v", uses: [use, read, read] })).toBe("set once, read 2 times");
+  expect(countsInWords({ name: "v", uses: [read] })).toBe("never set, read once");
 });

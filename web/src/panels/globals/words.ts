@@ -1,7 +1,7 @@
 /** Global variables in words, and those that a filter finds. */
 
 import type { GlobalUse, GlobalVariable } from "../../model/globals.ts";
-import { type Machine, namesTo } from "../../model/machine.ts";
+import type { Machine } from "../../model/machine.ts";
 
 /** Variables with all words of the filter in their name, whatever the case. */
 export function found(
@@ -12,8 +12,20 @@ export function found(
   return variables.filter(({ name }) => words.every((word) => name.toLowerCase().includes(word)));
 }
 
-/** Set or read, in which state, in which line, and how. */
-export function placeInWords(machine: Machine, use: GlobalUse): readonly string[] {
-  const place = namesTo(machine, use.path).join(" / ");
-  return [use.access, place, ...(use.line === null ? [] : [`line ${use.line}`]), use.text];
+/** `set Scan:3 gvm.set_variable("speed", 1)`. */
+export function placeInWords(machine: Machine, { access, path, line, text }: GlobalUse): string {
+  const state = machine.state(path)?.name ?? path;
+  return `${access} ${state}${line === null ? "" : `:${line}`} ${text}`;
+}
+
+/** `set once, read 3 times`. */
+export function countsInWords({ uses }: GlobalVariable): string {
+  const set = uses.filter(({ access }) => access === "set").length;
+  const read = uses.length - set;
+  return `${times("set", set)}, ${times("read", read)}`;
+}
+
+function times(word: string, count: number): string {
+  if (count === 0) return `never ${word}`;
+  return count === 1 ? `${word} once` : `${word} ${count} times`;
 }

@@ -153,7 +153,8 @@ function columnsOf(
     end("to", "To", "minmax(0, 1fr)"),
     {
       key: "buttons",
-      title: "",
+      title: "Actions",
+      hideTitle: true,
       width: "46px",
       cell: (row) => (
         <RowButtons

@@ -131,7 +131,7 @@ function Head({ seen, subject, isPinned, onPin }: HeadProps) {
   const kind = element?.kind ?? "state";
   const Icon = kind === "state" || kind === "income" ? KIND_ICONS[state.kind] : ELEMENT_ICONS[kind];
   return (
-    <header className="inspector-head">
+    <div className="inspector-head">
       <div className="inspector-title">
         <Icon size={16} aria-hidden />
         <h2 title={titleOf(seen, subject)}>{titleOf(seen, subject)}</h2>
@@ -150,7 +150,7 @@ function Head({ seen, subject, isPinned, onPin }: HeadProps) {
         />
       </div>
       {subject.kind !== "machine" && <Way seen={seen} isOfState={subject.kind === "state"} />}
-    </header>
+    </div>
   );
 }
 

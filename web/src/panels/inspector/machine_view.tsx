@@ -1,8 +1,10 @@
 /** The machine in the inspector, while nothing is selected: what it is, how large it is, and its interface. */
 
+import { useDeferredValue, useMemo } from "react";
 import type { StateKind } from "../../model/generated/protocol.ts";
 import { dataFlowsOf, type Machine, transitionsOf } from "../../model/machine.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
+import type { OpenTab } from "../../store/page.ts";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Description } from "./description.tsx";
@@ -49,7 +51,7 @@ export function MachineView({ seen }: { seen: SeenState }) {
         </div>
       </Fold>
       <Drafts seen={seen} />
-      <Counts machine={machine} />
+      <Counts tab={tab} />
       <Description key={`description ${tab.room.id}`} seen={seen} />
       <Ports seen={seen} kind="input" />
       <Ports seen={seen} kind="output" />
@@ -58,8 +60,10 @@ export function MachineView({ seen }: { seen: SeenState }) {
   );
 }
 
-function Counts({ machine }: { machine: Machine }) {
-  const counts = countsOf(machine);
+function Counts({ tab: { room } }: { tab: OpenTab }) {
+  const version = useDeferredValue(useSignal(room.version));
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
+  const counts = useMemo(() => countsOf(room.machine), [room, version]);
   const [states] = counts;
   return (
     <Fold title="Contents" count={states?.[1]}>

@@ -30,6 +30,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
   const goal = (around: string): Column<OutcomeDocument> => ({
     key: "to",
     title: "Leads to",
+    width: "minmax(0, 1.4fr)",
     cell: (outcome) => (
       <Goal
         seen={seen}
@@ -57,7 +58,8 @@ export function Outcomes({ seen }: { seen: SeenState }) {
       : [goal(container)]),
     {
       key: "buttons",
-      title: "",
+      title: "Actions",
+      hideTitle: true,
       width: "46px",
       cell: (outcome) => (
         <RowButtons

@@ -49,7 +49,8 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
   const remove = (port: PortDocument) => run(edit((now) => removeElements(now, [refOf(port)])));
   const buttons: Column<PortDocument> = {
     key: "buttons",
-    title: "",
+    title: "Actions",
+    hideTitle: true,
     width: "46px",
     cell: (port) => (
       <RowButtons

@@ -132,7 +132,8 @@ function columnsOf(
     },
     {
       key: "buttons",
-      title: "",
+      title: "Actions",
+      hideTitle: true,
       width: "46px",
       cell: (row) =>
         readOnly ? null : (

@@ -82,8 +82,8 @@ export function scriptEditor(place: HTMLElement, options: ScriptEditorOptions): 
   };
   const goTo = (line: number) => {
     const { from } = view.state.doc.line(Math.max(1, Math.min(view.state.doc.lines, line)));
-    view.dispatch({ selection: { anchor: from }, effects: EditorView.scrollIntoView(from) });
-    view.focus();
+    const effects = EditorView.scrollIntoView(from, { y: "center" });
+    view.dispatch({ selection: { anchor: from }, effects });
   };
   const setReadOnly = (readOnly: boolean) =>
     view.dispatch({ effects: access.reconfigure(readable(readOnly)) });
@@ -120,7 +120,7 @@ export function pythonText(label: string): Extension {
     search({ top: true }),
     indentUnit.of("    "),
     EditorState.tabSize.of(4),
-    EditorView.contentAttributes.of({ "aria-label": label, spellcheck: "false" }),
+    EditorView.contentAttributes.of({ "aria-label": label, spellcheck: "false", tabindex: "0" }),
     keymap.of([...searchKeymap, ...foldKeymap]),
   ];
 }
