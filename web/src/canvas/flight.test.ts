@@ -29,8 +29,10 @@ const GOAL = { x: 100, y: 50, scale: 4 };
 test("the camera flies and arrives exactly", () => {
   const camera = signal({ x: 0, y: 0, scale: 1 });
   const frames = clock(false);
-  new Flight(camera, frames).to(GOAL);
+  const flight = new Flight(camera, frames);
+  flight.to(GOAL);
   frames.pass(100);
+  expect(flight.goal).toEqual(GOAL);
   expect(camera.value.scale).toBeGreaterThan(1);
   expect(camera.value.scale).toBeLessThan(4);
   frames.pass(1000);

@@ -19,16 +19,24 @@ export class Flight {
   readonly #camera: Signal<Camera>;
   readonly #frames: Frames;
   #request: number | null = null;
+  #goal: Camera | null = null;
 
   constructor(camera: Signal<Camera>, frames: Frames) {
     this.#camera = camera;
     this.#frames = frames;
   }
 
+  /** Where the camera will be; where it is if it does not fly. */
+  get goal(): Camera {
+    return this.#goal ?? this.#camera.peek();
+  }
+
   to(goal: Camera): void {
     this.stop();
+    this.#goal = goal;
     if (this.#frames.isStill()) {
       this.#camera.value = goal;
+      this.#goal = null;
       return;
     }
     this.#step(this.#camera.peek(), goal, this.#frames.now());
@@ -38,11 +46,13 @@ export class Flight {
   stop(): void {
     if (this.#request !== null) this.#frames.drop(this.#request);
     this.#request = null;
+    this.#goal = null;
   }
 
   #step(from: Camera, goal: Camera, start: number): void {
     const part = Math.min(1, (this.#frames.now() - start) / DURATION_MS);
     this.#camera.value = flight(from, goal, 1 - (1 - part) ** 3);
+    if (part === 1) this.#goal = null;
     this.#request = part < 1 ? this.#frames.request(() => this.#step(from, goal, start)) : null;
   }
 }

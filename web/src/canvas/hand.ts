@@ -33,6 +33,8 @@ export interface Desk {
   readonly wheel: () => "zoom" | "pan";
   /** Moves the camera there, at once or in a while. */
   readonly fly: (to: Camera) => void;
+  /** Where the camera flies to; where it is if it does not fly. */
+  readonly heading: () => Camera;
   readonly run: (command: string, argument?: unknown) => void;
   /** Says why something cannot be done. */
   readonly refuse: (reason: string) => void;
@@ -74,9 +76,8 @@ export class Hand {
     const { room, view } = desk.tab;
     this.stage = computed(() => {
       room.version.value;
-      view.camera.value;
       view.contents.value;
-      return this.#stageNow();
+      return this.#stageAt(view.camera.value);
     });
   }
 
@@ -274,7 +275,7 @@ export class Hand {
       select(view, []);
       return true;
     }
-    const parent = parentOf(this.stage.peek());
+    const parent = parentOf(this.#stageAt(this.#desk.heading()));
     if (parent === null) return false;
     this.fit([parent]);
     return true;
@@ -334,9 +335,9 @@ export class Hand {
     return true;
   }
 
-  #stageNow(): string {
-    const around = this.around();
-    const { size, machine, places, camera } = around;
+  #stageAt(camera: Camera): string {
+    const around = { ...this.around(), camera };
+    const { size, machine, places } = around;
     const middle = { x: size.width / 2, y: size.height / 2 };
     const line = statesAt(places, machine, camera, middle);
     return line.findLast((path) => isStage(path, around)) ?? machine.root;

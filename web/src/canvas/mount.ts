@@ -51,6 +51,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     size: () => picture.size(),
     wheel: () => page.settings.peek().wheel,
     fly: (to) => flight.to(to),
+    heading: () => flight.goal,
     run: options.run,
     refuse: (text) => page.tell({ level: "warning", text }),
     rename: (path) => {

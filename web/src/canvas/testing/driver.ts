@@ -83,6 +83,7 @@ export class Driver {
       fly: (to) => {
         this.view.camera.value = to;
       },
+      heading: () => this.view.camera.value,
       run: (command, argument) => {
         this.commands.push(`${command} ${JSON.stringify(argument)}`);
       },
