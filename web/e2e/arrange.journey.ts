@@ -80,6 +80,7 @@ journey(
     await app.select(LABEL);
     await app.command("Substitute by library…");
     const dialog = app.sheet.getByRole("dialog", { name: /Substitute/ });
+    await dialog.getByPlaceholder("Find a library").fill("announce");
     await dialog.getByRole("treeitem", { name: "announce" }).click();
     await dialog.getByRole("button", { name: "Substitute" }).click();
     await app.until(({ tab }, path) => tab?.room.machine.state(path)?.kind === "library", LABEL);

@@ -13,7 +13,7 @@ import type { Camera } from "../../src/store/view.ts";
 import type { Server } from "./server.ts";
 
 /** How long one waits for what has to come, and how often one looks. */
-const PATIENCE = { timeout: 10_000, interval: 15 };
+const PATIENCE = { timeout: 20_000, interval: 15 };
 
 declare global {
   interface Window {
@@ -44,6 +44,20 @@ export class App {
   /** Comes by the owner's link. */
   async enter(): Promise<void> {
     await this.sheet.goto(this.server.link);
+    await this.connected();
+  }
+
+  /** Comes by name and password. */
+  async logIn(user: string, password: string): Promise<void> {
+    await this.sheet.goto(this.server.url);
+    await this.sheet.getByLabel("User").fill(user);
+    await this.sheet.getByLabel("Password").fill(password);
+    await this.sheet.keyboard.press("Enter");
+    await this.connected();
+  }
+
+  /** Waits until the page is connected, as somebody. */
+  async connected(): Promise<void> {
     await vi.waitUntil(
       () => this.sheet.evaluate(() => window.__rafcon?.page.server.link.value.state === "up"),
       PATIENCE,
@@ -84,6 +98,11 @@ export class App {
     const palette = this.sheet.getByRole("dialog", { name: "Search everything" });
     await palette.getByRole("combobox").pressSequentially(title);
     await palette.getByRole("option", { name: title }).first().click();
+  }
+
+  /** Brings a panel to the front. */
+  async panel(title: string): Promise<void> {
+    await this.sheet.getByRole("tab", { name: title, exact: true }).click();
   }
 
   /** Waits until the page's own state is so. It is asked from here: the page lets nobody evaluate texts in it. */

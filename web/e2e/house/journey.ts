@@ -20,8 +20,8 @@ export interface Setting {
 export interface Hands {
   readonly app: App;
   readonly server: Server;
-  /** One more person, in a browser of their own. */
-  readonly join: (options?: BrowserContextOptions) => Promise<App>;
+  /** One more person with a name, an engineer, in a browser of their own. */
+  readonly colleague: (name: string) => Promise<App>;
   /** One more tab of the same browser. */
   readonly tab: (app: App) => Promise<App>;
 }
@@ -57,27 +57,38 @@ export function journey(name: string, setting: Setting, go: (hands: Hands) => Pr
   });
 }
 
+const PASSWORD = "correct horse";
+
 async function hands(server: Server, people: App[], setting: Setting): Promise<Hands> {
-  const come = async (app: App) => {
-    people.push(app);
-    await app.enter();
-    return app;
-  };
-  const join = async (options?: BrowserContextOptions) => {
+  const fresh = async () => {
     const context = await (await theBrowser()).newContext({
       viewport: { width: 1600, height: 1000 },
       reducedMotion: "reduce",
       permissions: ["clipboard-read", "clipboard-write"],
       ...setting.browser,
-      ...options,
     });
-    context.setDefaultTimeout(10_000);
-    return come(new App(await context.newPage(), server));
+    context.setDefaultTimeout(20_000);
+    return known(new App(await context.newPage(), server));
   };
-  const tab = async (app: App) => come(new App(await app.sheet.context().newPage(), server));
-  const app = await join();
+  const known = (app: App) => {
+    people.push(app);
+    return app;
+  };
+  const colleague = async (name: string) => {
+    await server.ask("POST", "/users", { name, role: "engineer", password: PASSWORD });
+    const app = await fresh();
+    await app.logIn(name, PASSWORD);
+    return app;
+  };
+  const tab = async (app: App) => {
+    const other = known(new App(await app.sheet.context().newPage(), server));
+    await other.enter();
+    return other;
+  };
+  const app = await fresh();
+  await app.enter();
   if (setting.open) await app.open(setting.open);
-  return { app, server, join, tab };
+  return { app, server, colleague, tab };
 }
 
 async function pictures(name: string, people: readonly App[]): Promise<void> {

@@ -1,0 +1,153 @@
+import { readFileSync, rmSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { expect } from "vitest";
+import type { App } from "./house/app.ts";
+import { journey } from "./house/journey.ts";
+import { examples } from "./house/places.ts";
+
+const HERE = { open: "hierarchy_and_data" };
+const FULL = "PACKER/ISFULL";
+
+async function isChanged(app: App, wanted: boolean): Promise<void> {
+  await app.until(({ tab }, value) => tab?.room.status.value?.summary.is_changed === value, wanted);
+}
+
+/** The description of the root as it lies on disk. */
+function onDisk(project: string, machine: string, file = "core_data.json"): string {
+  return readFileSync(join(project, machine, file), "utf8");
+}
+
+journey("an edit marks the tab, and saving writes the files", HERE, async ({ app, server }) => {
+  await app.select(FULL);
+  await app.press("Delete");
+  await isChanged(app, true);
+  await app.press("Control+s");
+  await isChanged(app, false);
+  expect(onDisk(server.place.project, "hierarchy_and_data")).not.toContain("ISFULL");
+});
+
+journey("a machine is saved in another folder, where it stays", HERE, async ({ app, server }) => {
+  await app.press("Control+Shift+s");
+  const dialog = app.sheet.getByRole("dialog", { name: "Save as" });
+  await dialog.getByLabel(/name/i).last().fill("packing");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await app.until(({ tab }) => tab?.room.status.value?.summary.file?.path === "packing", null);
+  expect(onDisk(server.place.project, "packing")).toContain("PACKER");
+});
+
+journey(
+  "a new machine is made, and opens",
+  { machines: examples("mission") },
+  async ({ app, server }) => {
+    await app.sheet.getByRole("button", { name: "New machine" }).first().click();
+    const dialog = app.sheet.getByRole("dialog", { name: "New machine" });
+    await dialog.getByLabel("Name of the machine").fill("Fetch the mug");
+    await dialog.getByRole("button", { name: /Make|Create|New/ }).click();
+    await app.until(({ tab }) => tab !== null, null);
+    expect(onDisk(server.place.project, "fetch_the_mug")).toContain("Fetch the mug");
+  },
+);
+
+journey(
+  "what another program changed on disk is told, and can be taken",
+  HERE,
+  async ({ app, server }) => {
+    const file = join(server.place.project, "hierarchy_and_data", "core_data.json");
+    writeFileSync(file, readFileSync(file, "utf8").replace("Pack an order", "Pack two orders"));
+    await app.until(({ tab }) => tab?.room.status.value?.summary.disk !== "same", null);
+    await app.command("Reload from disk");
+    await app.until(
+      ({ tab }) => tab?.room.machine.state(tab.room.machine.root)?.name === "Pack two orders",
+      null,
+    );
+  },
+);
+
+journey(
+  "saving over what another program changed asks first, and loses nothing",
+  HERE,
+  async ({ app, server }) => {
+    await app.select(FULL);
+    await app.press("Delete");
+    await app.settled();
+    const file = join(server.place.project, "hierarchy_and_data", "core_data.json");
+    writeFileSync(file, readFileSync(file, "utf8").replace("Pack an order", "Pack two orders"));
+    await app.press("Control+s");
+    const dialog = app.sheet.getByRole("dialog", { name: /changed by another program/ });
+    await dialog.getByRole("button", { name: /Save mine over it/ }).click();
+    await isChanged(app, false);
+    expect(readFileSync(file, "utf8")).not.toContain("Pack two orders");
+  },
+);
+
+journey(
+  "machines stand as tabs, and one that changed is closed with a question",
+  {
+    open: "hierarchy_and_data",
+    machines: examples("error_recovery"),
+  },
+  async ({ app }) => {
+    await app.open("error_recovery");
+    const tabs = app.sheet.getByRole("tablist", { name: "Open machines" });
+    await tabs.getByRole("tab", { name: /Pack an order/ }).click();
+    await app.select(FULL);
+    await app.press("Delete");
+    await isChanged(app, true);
+    await app.press("Control+Alt+w");
+    const dialog = app.sheet.getByRole("dialog", { name: /before it is closed/ });
+    await dialog.getByRole("button", { name: /give up the edits/ }).click();
+    await app.until(({ page }) => page.tabs.value.length === 1, null);
+  },
+);
+
+journey("the page that is loaded again comes back as it was", HERE, async ({ app }) => {
+  await app.select(FULL);
+  await app.sheet.reload();
+  await app.until(({ tab }) => tab?.room.machine.root === "PACKER", null);
+});
+
+journey("edits outlive a server that was killed", HERE, async ({ app, server }) => {
+  await app.select(FULL);
+  await app.press("Delete");
+  await app.settled();
+  await server.end("SIGKILL");
+  await app.until(({ page }) => page.server.link.value.state === "down", null);
+  await server.restart();
+  await app.connected();
+  await app.until(({ tab }) => tab?.room.machine.state("PACKER/ISFULL") === undefined, null);
+  expect(await app.children()).toEqual(["Label the box", "Pack one part"]);
+});
+
+journey(
+  "an edit without a link waits, and is done when the server is back",
+  HERE,
+  async ({ app, server }) => {
+    await app.select(FULL);
+    await server.end();
+    await app.until(({ page }) => page.server.link.value.state === "down", null);
+    await app.press("Delete");
+    await app.until(({ tab }) => (tab?.room.pending.value.length ?? 0) > 0, null);
+    await server.restart();
+    await app.settled();
+    expect(await app.children()).toEqual(["Label the box", "Pack one part"]);
+  },
+);
+
+journey(
+  "an edit that the server never got and refuses is said to be undone",
+  HERE,
+  async ({ app, server }) => {
+    await app.select(FULL);
+    await server.end();
+    await app.until(({ page }) => page.server.link.value.state === "down", null);
+    await app.press("Delete");
+    rmSync(join(server.place.project, "hierarchy_and_data"), { recursive: true });
+    rmSync(join(server.place.folder, "state", "drafts"), { recursive: true, force: true });
+    await server.restart();
+    await app.settled();
+    await app.until(
+      ({ page }) => page.notices.value.some(({ text }) => text.includes("was not done")),
+      null,
+    );
+  },
+);

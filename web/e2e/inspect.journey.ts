@@ -1,0 +1,72 @@
+import { expect } from "vitest";
+import type { App } from "./house/app.ts";
+import { journey } from "./house/journey.ts";
+
+const HERE = { open: "hierarchy_and_data" };
+const LABEL = "PACKER/LABELS";
+
+/** Writes into a cell of a table, as one does: double click, text, Enter. */
+async function write(app: App, table: string, row: string, column: number, text: string) {
+  const line = app.sheet.getByRole("grid", { name: table }).getByRole("row", { name: row });
+  await line.getByRole("gridcell").nth(column).dblclick();
+  await app.sheet.keyboard.press("Control+a");
+  await app.sheet.keyboard.type(text);
+  await app.sheet.keyboard.press("Enter");
+  await app.settled();
+}
+
+journey("a state is renamed in the inspector", HERE, async ({ app }) => {
+  await app.select(LABEL);
+  const name = app.sheet.getByLabel("Name", { exact: true });
+  await name.fill("Write the label");
+  await name.press("Enter");
+  await app.settled();
+  expect((await app.state(LABEL)).name).toBe("Write the label");
+});
+
+journey("a port gets another name, type and default", HERE, async ({ app }) => {
+  await app.select(LABEL);
+  const table = "Inputs of Label the box";
+  await write(app, table, "weight_g", 2, "2.5");
+  expect((await app.state(LABEL)).inputs?.find(({ name }) => name === "weight_g")?.default).toBe(
+    2.5,
+  );
+  await write(app, table, "count", 2, "no number");
+  await app.sheet
+    .getByText(/no int|not an int|whole number|int/i)
+    .first()
+    .waitFor();
+  await app.sheet.keyboard.press("Escape");
+  expect((await app.state(LABEL)).inputs?.find(({ name }) => name === "count")?.default).toBe(0);
+});
+
+journey("an outcome and a port are added and removed in the inspector", HERE, async ({ app }) => {
+  await app.select(LABEL);
+  await app.sheet.getByRole("button", { name: "Add input" }).click();
+  await app.settled();
+  expect((await app.state(LABEL)).inputs?.length).toBe(3);
+  await app.press("Control+z");
+  await app.settled();
+  expect((await app.state(LABEL)).inputs?.length).toBe(2);
+});
+
+journey("a script with a mistake says where it is", HERE, async ({ app }) => {
+  await app.select(LABEL);
+  const editor = app.sheet.locator(".cm-content").first();
+  await editor.click();
+  await app.sheet.keyboard.press("Control+a");
+  await app.sheet.keyboard.type("def execute(self, inputs, outputs, gvm)\nreturn");
+  await app.sheet.locator(".cm-lintRange-error, .cm-lint-marker-error").first().waitFor();
+});
+
+journey("a script is written and applied as one step", HERE, async ({ app }) => {
+  await app.select(LABEL);
+  await app.sheet.locator(".cm-content").first().click();
+  await app.sheet.keyboard.press("Control+Home");
+  await app.sheet.keyboard.type("# written here\n");
+  await app.sheet.keyboard.press("Control+Enter");
+  await app.until(
+    ({ tab }, path) => tab?.room.machine.state(path)?.script?.startsWith("# written here") === true,
+    LABEL,
+  );
+});
