@@ -121,7 +121,7 @@ function useDraft({
   useEffect(() => () => void last.current(), []);
   const key = (event: KeyboardEvent<HTMLElement>) => {
     if (event.key === "Enter" && (!multiline || event.ctrlKey || event.metaKey)) {
-      event.preventDefault();
+      if (onCommit) event.preventDefault();
       void commit();
     } else if (event.key === "Escape" && latest.current !== null && onCommit) {
       event.stopPropagation();
