@@ -20,8 +20,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("cargo:rerun-if-changed={}", watched.display());
         for file in files(&page)? {
             let name = file.strip_prefix(&page)?.to_string_lossy().replace('\\', "/");
-            let file = file.canonicalize()?;
-            writeln!(list, "    ({name:?}, include_bytes!({:?})),", file.display().to_string())?;
+            // A copy: the page may be built anew before the compiler reads it.
+            let copy = out.join("page").join(&name);
+            fs::create_dir_all(copy.parent().unwrap_or(&out))?;
+            fs::copy(&file, &copy)?;
+            writeln!(list, "    ({name:?}, include_bytes!({:?})),", copy.display().to_string())?;
         }
     }
     list.push_str("]\n");
