@@ -60,6 +60,7 @@ function dial({ url, token }: Address, news: WireNews): Wire {
   const query = token ? `?token=${encodeURIComponent(token)}` : "";
   const socket = new WebSocket(`${base.replace(/^http/, "ws")}/api/v1/socket${query}`);
   socket.onmessage = ({ data }) => news.text(String(data));
+  socket.onerror = () => news.closed("the connection broke");
   socket.onclose = ({ reason }) => news.closed(reason === "" ? "the connection broke" : reason);
   return { send: (text) => socket.send(text), close: () => socket.close() };
 }

@@ -19,37 +19,41 @@ export function tellPresence(
   clock: Clock,
 ): () => void {
   let cancel: (() => void) | null = null;
-  let isDirty = false;
-  const now = () => {
-    const tab = active();
-    if (server.link.peek().state !== "up" || !tab) return;
-    const selection = bounded(touchedStates(tab.view));
-    server.say({ frame: "presence", machine: tab.room.id, selection: [...selection] });
-  };
-  const pause = () => {
+  let told = "";
+  const tell = () => {
+    cancel = null;
+    const frame = presence(server, active());
+    if (!frame) return;
+    told = JSON.stringify(frame);
+    server.say(frame);
     cancel = clock.after(EVERY_MS, () => {
       cancel = null;
-      if (!isDirty) return;
-      isDirty = false;
-      now();
-      pause();
+      if (JSON.stringify(presence(server, active())) !== told) tell();
     });
   };
   const stop = effect(() => {
-    const tab = active();
-    if (tab) touchedStates(tab.view);
-    if (server.link.value.state !== "up") return;
-    if (cancel) {
-      isDirty = true;
-      return;
-    }
-    now();
-    pause();
+    const frame = presence(server, active());
+    const isKnown = isListed(server, active()) && JSON.stringify(frame) === told;
+    if (frame && !isKnown && !cancel) tell();
   });
   return () => {
     stop();
     cancel?.();
   };
+}
+
+/** What is to be told; null while nobody can be told, or nothing is open. */
+function presence(server: Server, tab: OpenTab | null) {
+  if (server.link.value.state !== "up" || !tab) return null;
+  const selection = [...bounded(touchedStates(tab.view))];
+  return { frame: "presence", machine: tab.room.id, selection } as const;
+}
+
+/** Whether the server has this connection among those who look: it forgets them when a machine is closed and opened again. */
+function isListed(server: Server, tab: OpenTab | null): boolean {
+  const link = server.link.value;
+  const people = tab?.room.status.value?.people ?? [];
+  return link.state === "up" && people.some(({ connection }) => connection === link.connection);
 }
 
 function bounded(paths: readonly string[]): readonly string[] {

@@ -152,7 +152,7 @@ describe("the socket", () => {
       clock.pass(wait ?? 0);
       await settle();
     }
-    expect(waits).toEqual([0, 250, 500, 1_000, 2_000, 5_000, 5_000]);
+    expect(waits).toEqual([0, 250, 500, 1_000, 2_000, 2_000, 2_000]);
     wire().news.closed("refused");
     const before = wires.length;
     socket.retry();

@@ -36,7 +36,7 @@ const PING_MS = 5_000;
 const SILENCE_MS = 12_000;
 /** A connection that does not say welcome for so long is given up. */
 const WELCOME_MS = 10_000;
-const RETRY_MS = [0, 250, 500, 1_000, 2_000, 5_000];
+const RETRY_MS = [0, 250, 500, 1_000, 2_000];
 /** Refusals by which a server that is about to end asks for patience. */
 const LATER = new Set(["server_ends"]);
 

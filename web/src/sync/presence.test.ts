@@ -1,0 +1,57 @@
+import { signal } from "@preact/signals-core";
+import { describe, expect, it } from "vitest";
+import type { MachineStatus } from "../model/generated/protocol.ts";
+import { sketch } from "../model/sketch.ts";
+import type { OpenTab } from "../store/page.ts";
+import { newView, select } from "../store/view.ts";
+import { FakeClock } from "./fake_clock.ts";
+import { FakeServer, MACHINE } from "./fake_server.ts";
+import { tellPresence } from "./presence.ts";
+
+function setUp() {
+  const server = new FakeServer(sketch("R hierarchy"));
+  const clock = new FakeClock();
+  const status = signal<MachineStatus>({ summary: MACHINE, people: [] });
+  const tab = { room: { id: "m", status }, view: newView() } as unknown as OpenTab;
+  const active = signal<OpenTab | null>(tab);
+  tellPresence(server, () => active.value, clock);
+  const listed = (connection: number) => {
+    status.value = { summary: MACHINE, people: [{ connection, user: "anna", selection: [] }] };
+  };
+  const told = () =>
+    server.said.map((frame) => (frame as { selection: string[] }).selection.join(" "));
+  return { server, clock, tab, active, listed, told };
+}
+
+describe("presence", () => {
+  it("is told at once, then not more often than can be seen, and the last for sure", () => {
+    const { clock, tab, listed, told } = setUp();
+    listed(1);
+    for (const path of ["R/A", "R/B", "R/C"]) select(tab.view, [{ kind: "state", path }]);
+    expect(told()).toEqual([""]);
+    clock.pass(50);
+    expect(told()).toEqual(["", "R/C"]);
+    clock.pass(500);
+    expect(told()).toEqual(["", "R/C"]);
+    select(tab.view, [{ kind: "outcome", path: "R/A", id: 0 }]);
+    expect(told()).toEqual(["", "R/C", "R/A"]);
+  });
+
+  it("is told again when the server has forgotten it", () => {
+    const { clock, listed, told } = setUp();
+    listed(1);
+    clock.pass(500);
+    listed(2);
+    expect(told()).toEqual(["", ""]);
+  });
+
+  it("is told again over a new connection", () => {
+    const { server, clock, listed, told } = setUp();
+    listed(1);
+    clock.pass(500);
+    const up = server.link.value;
+    server.link.value = { state: "connecting" };
+    if (up.state === "up") server.link.value = { ...up, connection: 2 };
+    expect(told()).toEqual(["", ""]);
+  });
+});
