@@ -1,7 +1,7 @@
 /** The way of a data flow: a soft curve that leaves and enters its ports at right angles, or the author's waypoints. */
 
-import { around, distance, type Point } from "../model/geometry.ts";
-import { type End, longestOf, type Routed } from "./route.ts";
+import { distance, type Point } from "../model/geometry.ts";
+import { boxOf, type End, longestOf, type Routed } from "./route.ts";
 
 /** So many straight pieces look round. */
 const PIECES = 16;
@@ -13,11 +13,9 @@ export function curve(start: End, goal: End, by: readonly Point[], reach: number
     points,
     waypoints: by.map((_, index) => index + 1),
     longest: by.length > 0 ? longestOf(points) : points.length >> 1,
-    box: around(points.map((point) => ({ ...point, width: 0, height: 0 }))) ?? NOWHERE,
+    box: boxOf(points),
   };
 }
-
-const NOWHERE = { x: 0, y: 0, width: 0, height: 0 };
 
 function bent(start: End, goal: End, reach: number): readonly Point[] {
   const first = led(start, goal.at, reach);

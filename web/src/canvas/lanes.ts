@@ -25,7 +25,8 @@ const THROUGH_FOR_UNIT = 4;
 const GRAZE_FOR_UNIT = 0.6;
 const OVER_OTHER_FOR_UNIT = 3;
 const CROSS = 0.8;
-const SHARED_FOR_UNIT = 0.75;
+/** So much is saved of the length that lines to one target share. */
+export const SHARED_FOR_UNIT = 0.75;
 const OUTSIDE = 60;
 
 export class Lanes {
@@ -34,6 +35,7 @@ export class Lanes {
   readonly #boxes: readonly Box[];
   readonly #frame: Size;
   readonly #grid: Grid;
+  readonly #groups = new Set<string>();
   readonly #lying: Piece[] = [];
   readonly #standing: Piece[] = [];
 
@@ -44,8 +46,14 @@ export class Lanes {
     this.pace = paceOf(boxes, frame);
   }
 
+  /** Whether a way to this target is there already. */
+  isShared(group: string): boolean {
+    return this.#groups.has(group);
+  }
+
   /** The way is used from now on. */
   take(points: readonly Point[], group: string): void {
+    this.#groups.add(group);
     for (let index = 0; index + 1 < points.length; index++) {
       const [one, other] = [points[index], points[index + 1]];
       if (!one || !other) continue;
@@ -54,17 +62,19 @@ export class Lanes {
     }
   }
 
-  /** What a way costs; anything from `enough` on if it is no less than that. */
-  cost(points: readonly Point[], line: Wanted, enough: number): number {
-    const { pace } = this;
-    let cost = (points.length - 2) * BEND * pace;
+  /** What a way costs at least: for its length and bends, with nothing in the way. */
+  least(points: readonly Point[]): number {
+    let cost = (points.length - 2) * BEND * this.pace + turnsBack(points) * TURN_BACK * this.pace;
     for (let index = 0; index + 1 < points.length; index++) {
       const [one, other] = [points[index], points[index + 1]];
-      if (!one || !other) continue;
-      cost += (Math.abs(one.x - other.x) + Math.abs(one.y - other.y)) * (1 - SHARED_FOR_UNIT);
+      if (one && other) cost += Math.abs(one.x - other.x) + Math.abs(one.y - other.y);
     }
-    cost += turnsBack(points) * TURN_BACK * pace;
-    if (cost >= enough) return cost;
+    return cost;
+  }
+
+  /** What a way costs for what it meets; less than nothing where it shares a way; anything from `enough` on if no less. */
+  penalty(points: readonly Point[], line: Wanted, enough: number): number {
+    let cost = 0;
     for (let index = 0; index + 1 < points.length; index++) {
       const [one, other] = [points[index], points[index + 1]];
       if (!one || !other) continue;
@@ -82,8 +92,7 @@ export class Lanes {
     const spared = index === 0 ? line.start.box : index === count - 2 ? line.goal.box : -1;
     const outside = this.#isOutside(at, lying) ? OUTSIDE * this.pace : 0;
     const boxes = this.#boxCost(lying, at, from, from + length, spared);
-    const others = this.#othersCost(lying, at, from, from + length, line.to);
-    return length * SHARED_FOR_UNIT + outside + boxes + others;
+    return outside + boxes + this.#othersCost(lying, at, from, from + length, line.to);
   }
 
   #isOutside(at: number, lying: boolean): boolean {
@@ -181,6 +190,7 @@ export class Lanes {
   }
 
   #isShared(one: Point, other: Point): boolean {
+    if (this.#lying.length + this.#standing.length > MANY_LINES) return false;
     const lying = one.y === other.y;
     const at = lying ? one.y : one.x;
     const [from, to] = lying

@@ -2,8 +2,8 @@
  * local: of a few shapes for each line the one that costs least, after the lines before it. What leads to one target shares
  * its way there, and so many lines become one trunk; others keep apart. */
 
-import { around, type Box, type Point, type Size } from "../model/geometry.ts";
-import { Lanes } from "./lanes.ts";
+import type { Box, Point, Size } from "../model/geometry.ts";
+import { Lanes, SHARED_FOR_UNIT } from "./lanes.ts";
 
 /** Where a line begins or ends. */
 export interface End {
@@ -77,28 +77,69 @@ function stub({ at, out }: End, length: number): Point {
   return { x: at.x + out.x * length, y: at.y + out.y * length };
 }
 
+/** A likely shape that costs nothing but its length is taken at once; else all channels are tried that are not too far off. */
 function cheapest(line: Wanted, lanes: Lanes): Routed {
   const [from, to] = [stub(line.start, lanes.pace), stub(line.goal, lanes.pace)];
-  let best: readonly Point[] = [];
-  let cost = Infinity;
-  for (const middle of shapes(line, from, to, lanes)) {
-    const points = withoutDetours([line.start.at, from, ...middle, to, line.goal.at]);
-    const now = lanes.cost(points, line, cost);
-    if (now < cost) [best, cost] = [points, now];
+  const best = new Best(line, from, to, lanes);
+  const middle = { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
+  best.offer([{ x: to.x, y: from.y }]);
+  best.offer([{ x: from.x, y: to.y }]);
+  best.offer(acrossAt(middle.x, from, to));
+  best.offer(alongAt(middle.y, from, to));
+  if (!best.isFree) {
+    const { columns, rows } = lanes.channels(line, from, to);
+    best.offerAll(columns, (x) => acrossAt(x, from, to));
+    best.offerAll(rows, (y) => alongAt(y, from, to));
   }
-  return { points: best, waypoints: [], longest: lanes.longestAlone(best), box: boxOf(best) };
+  const { points } = best;
+  return { points, waypoints: [], longest: lanes.longestAlone(points), box: boxOf(points) };
 }
 
-/** Corners between the ends of the short pieces, likely ones first. */
-function* shapes(line: Wanted, from: Point, to: Point, lanes: Lanes): Generator<readonly Point[]> {
-  yield [{ x: to.x, y: from.y }];
-  yield [{ x: from.x, y: to.y }];
-  const middle = { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
-  yield acrossAt(middle.x, from, to);
-  yield alongAt(middle.y, from, to);
-  const { columns, rows } = lanes.channels(line, from, to);
-  for (const x of columns) yield acrossAt(x, from, to);
-  for (const y of rows) yield alongAt(y, from, to);
+/** So many channels in a row that are too long already are enough to know. */
+const TOO_LONG = 3;
+
+/** The best way so far. */
+class Best {
+  points: readonly Point[] = [];
+  isFree = false;
+  #cost = Infinity;
+  readonly #line: Wanted;
+  readonly #from: Point;
+  readonly #to: Point;
+  readonly #lanes: Lanes;
+  /** How little of its length a way may cost, if it can be shared. */
+  readonly #share: number;
+
+  constructor(line: Wanted, from: Point, to: Point, lanes: Lanes) {
+    this.#line = line;
+    this.#from = from;
+    this.#to = to;
+    this.#lanes = lanes;
+    this.#share = lanes.isShared(line.to) ? 1 - SHARED_FOR_UNIT : 1;
+  }
+
+  /** Tries corners between the ends of the short pieces; false if they are too long for that. */
+  offer(middle: readonly Point[]): boolean {
+    const { start, goal } = this.#line;
+    const points = withoutDetours([start.at, this.#from, ...middle, this.#to, goal.at]);
+    const least = this.#lanes.least(points);
+    if (least * this.#share >= this.#cost) return false;
+    const cost = least + this.#lanes.penalty(points, this.#line, this.#cost - least);
+    if (cost < this.#cost) {
+      this.points = points;
+      this.#cost = cost;
+      this.isFree = cost <= least * 1.0001;
+    }
+    return true;
+  }
+
+  offerAll(channels: readonly number[], shape: (at: number) => readonly Point[]): void {
+    let tooLong = 0;
+    for (const at of channels) {
+      tooLong = this.offer(shape(at)) ? 0 : tooLong + 1;
+      if (tooLong >= TOO_LONG) return;
+    }
+  }
 }
 
 function acrossAt(x: number, from: Point, to: Point): readonly Point[] {
@@ -150,7 +191,14 @@ export function longestOf(points: readonly Point[]): number {
   return best;
 }
 
-function boxOf(points: readonly Point[]): Box {
-  const found = around(points.map(({ x, y }) => ({ x, y, width: 0, height: 0 })));
-  return found ?? { x: 0, y: 0, width: 0, height: 0 };
+/** The smallest box around points. */
+export function boxOf(points: readonly Point[]): Box {
+  let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const { x, y } of points) {
+    if (x < left) left = x;
+    if (x > right) right = x;
+    if (y < top) top = y;
+    if (y > bottom) bottom = y;
+  }
+  return { x: left, y: top, width: right - left, height: bottom - top };
 }
