@@ -18,7 +18,7 @@ import {
 } from "@codemirror/language";
 import { linter, lintGutter, lintKeymap } from "@codemirror/lint";
 import { highlightSelectionMatches, search, searchKeymap } from "@codemirror/search";
-import { Compartment, EditorState, type Extension } from "@codemirror/state";
+import { type ChangeSpec, Compartment, EditorState, type Extension } from "@codemirror/state";
 import {
   drawSelection,
   EditorView,
@@ -75,9 +75,10 @@ export function scriptEditor(place: HTMLElement, options: ScriptEditorOptions): 
     ],
   });
   const put = (text: string) => {
-    if (view.state.doc.toString() === text) return;
+    const change = difference(view.state.doc.toString(), text);
+    if (!change) return;
     isPut = true;
-    view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: text } });
+    view.dispatch({ changes: change });
     isPut = false;
   };
   const goTo = (line: number) => {
@@ -88,6 +89,17 @@ export function scriptEditor(place: HTMLElement, options: ScriptEditorOptions): 
   const setReadOnly = (readOnly: boolean) =>
     view.dispatch({ effects: access.reconfigure(readable(readOnly)) });
   return { view, put, setReadOnly, goTo };
+}
+
+/** What leads from one text to the other in the middle of what is the same: the cursor stays where it is. */
+export function difference(before: string, after: string): ChangeSpec | null {
+  if (before === after) return null;
+  const most = Math.min(before.length, after.length);
+  let from = 0;
+  while (from < most && before[from] === after[from]) from++;
+  let same = 0;
+  while (same < most - from && before.at(-1 - same) === after.at(-1 - same)) same++;
+  return { from, to: before.length - same, insert: after.slice(from, after.length - same) };
 }
 
 function applyKeys(onApply: () => void) {
