@@ -165,6 +165,7 @@ function follow({ tab, overlay, extras }: PictureOptions): void {
   view.hovered.value;
   view.modes.value;
   view.contents.value;
+  view.marks.value;
   overlay();
   extras?.();
 }
@@ -188,6 +189,7 @@ function inputOf(
     overlay: overlay(),
     people: onlookers(room.people.peek()),
     problems: worst(room.problems.peek()),
+    differences: view.marks.peek() ?? PLAIN.differences,
     measure,
     mayRoute,
     ...extras?.(),
