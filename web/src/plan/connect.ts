@@ -13,7 +13,7 @@ import type {
 import { centre, distance, type Point } from "../model/geometry.ts";
 import { dataFlowsOf, type Machine, outcomesOf, transitionsOf } from "../model/machine.ts";
 import { freshName, freshNumber } from "../model/names.ts";
-import { childPath, idOf, parentOf } from "../model/path.ts";
+import { childPath, idOf, isWithin, parentOf } from "../model/path.ts";
 import { childBoxes, pins, waypointsEdit } from "./boxes.ts";
 import { courseBetween, fittingPort, flowEdits, portAt, portEdit } from "./flows.ts";
 import { containerAt, interfaceAt, movableFrom, stateAt } from "./legal.ts";
@@ -90,6 +90,7 @@ function transition(
 /** Whether the line was drawn from its end: from an income to an outcome, or from the outcome of the state around. */
 function runsBackwards(one: ElementRef, other: ElementRef): boolean {
   if (lineBetween(other, one) !== null) return true;
+  if (one.kind === "state" && isWithin(one.path, other.path)) return false;
   return (one.kind === "income" || one.kind === "state") && other.kind === "outcome";
 }
 

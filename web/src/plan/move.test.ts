@@ -1,0 +1,167 @@
+import { expect, test } from "vitest";
+import { layoutOf } from "../model/drawing.ts";
+import type { Edit } from "../model/generated/protocol.ts";
+import { copySelection, duplicate, paste } from "./clipboard.ts";
+import { group, substitute, ungroup } from "./group.ts";
+import { align, distribute, move, moveInto, movePort, resize, setBackground } from "./move.ts";
+import { isRefused } from "./plan.ts";
+import { drawn, editsOf, lines, made, reason } from "./testing.ts";
+
+const machine = drawn(`
+  R "Root" hierarchy 0 0 400 300 outcome done
+    A "Scan" execution 20 20 80 60 outcome ok
+    B "Grasp" execution 200 40 80 60 outcome ok
+    C "Inner" hierarchy 20 120 160 120 outcome out
+      D "Deep" execution 10 10 40 40 outcome ok
+    R > A
+    A.ok > B
+    B.ok > R.done
+`);
+
+const bare = drawn(`
+  R hierarchy 0 0 100 100 outcome done
+    A execution outcome ok
+    B execution outcome ok
+`);
+
+test("states move together and stay in their container", () => {
+  expect(lines(move(machine, ["R/A"], { x: 10, y: 5 }))).toEqual([
+    "set_position R/A element=state position=[30,25]",
+  ]);
+  expect(lines(move(machine, ["R/A", "R/B"], { x: -500, y: 0 }))).toEqual([
+    "set_position R/A element=state position=[0,20]",
+    "set_position R/B element=state position=[180,40]",
+  ]);
+  expect(reason(move(machine, ["R"], { x: 1, y: 1 }))).toContain("root");
+  expect(reason(move(machine, ["R/A", "R/C/D"], { x: 1, y: 1 }))).toContain("different containers");
+});
+
+test("what has no place in the file gets the one where it shows", () => {
+  const edits = lines(move(bare, ["R/B"], { x: 5, y: 0 }));
+  expect(edits).toEqual([
+    "set_position R/B element=state position=[33,12]",
+    "set_size R/B element=state size=[20,20]",
+  ]);
+});
+
+test("a state goes into another container with a place and an id of its own there", () => {
+  expect(lines(moveInto(machine, ["R/A"], "R/C", { x: 60, y: 50 }))).toEqual([
+    "set_position R/A element=state position=[60,50]",
+    'move_states R states=["A"] to=R/C ids=["A"]',
+  ]);
+  expect(reason(moveInto(machine, ["R/C"], "R/C", { x: 0, y: 0 }))).toContain("itself");
+  expect(reason(moveInto(machine, ["R/A"], "R/B", { x: 0, y: 0 }))).toContain("holds no states");
+});
+
+test("what is too large for a container is made smaller", () => {
+  const small = drawn(`
+    R hierarchy 0 0 400 300 outcome done
+      A execution 0 0 200 100 outcome ok
+      C hierarchy 210 0 100 100 outcome ok
+  `);
+  const [first] = editsOf(moveInto(small, ["R/A"], "R/C", { x: 0, y: 0 }));
+  expect(
+    first?.edit === "set_layout" &&
+      first.layout &&
+      layoutOf({ ...state, layout: first.layout }).size,
+  ).toEqual({
+    width: 80,
+    height: 40,
+  });
+});
+
+const state = { path: "A", name: "A", kind: "execution" } as const;
+
+function boxes(edits: readonly Edit[]): Record<string, unknown> {
+  return Object.fromEntries(
+    edits.flatMap((edit) => {
+      if (edit.edit !== "set_layout" || !edit.layout) return [];
+      const { position, size } = layoutOf({ ...state, layout: edit.layout });
+      return [[edit.path, [position?.x, position?.y, size?.width, size?.height]]];
+    }),
+  );
+}
+
+test("with its content a state is resized in proportion", () => {
+  const plan = resize(machine, "R/C", { x: 20, y: 120, width: 80, height: 60 }, true);
+  expect(boxes(editsOf(plan))).toEqual({ "R/C": [20, 120, 80, 60], "R/C/D": [5, 5, 20, 20] });
+});
+
+test("without its content everything inside stays where it shows", () => {
+  const plan = resize(machine, "R/C", { x: 10, y: 110, width: 170, height: 130 }, false);
+  expect(lines(plan).slice(1)).toEqual(["set_position R/C/D element=state position=[20,20]"]);
+  const small = editsOf(resize(machine, "R/C", { x: 20, y: 120, width: 1, height: 1 }, false));
+  expect(boxes(small)["R/C"]).toEqual([20, 120, 40, 40]);
+});
+
+test("states line up and get even gaps", () => {
+  expect(lines(align(machine, ["R/A", "R/B", "R/C"], "left"))).toEqual([
+    "set_position R/B element=state position=[20,40]",
+  ]);
+  expect(lines(distribute(machine, ["R/A", "R/B", "R/C"], "vertical"))).toHaveLength(1);
+  expect(reason(distribute(machine, ["R/A", "R/B"], "vertical"))).toContain("three");
+});
+
+test("a port goes to the nearest point of the border", () => {
+  expect(
+    lines(movePort(machine, { kind: "outcome", path: "R/A", id: 0 }, { x: 70, y: 30 })),
+  ).toEqual(['set_position R/A element={"outcome":0} position=[80,30]']);
+});
+
+test("a colour is written as the reference writes it", () => {
+  const [edit] = editsOf(setBackground(machine, "R/A", [255, 0, 51]));
+  expect(
+    edit?.edit === "set_layout" && layoutOf({ ...state, layout: edit.layout }).background,
+  ).toBe("rgb(255 0 51)");
+});
+
+test("a group has room for its name and keeps what stands in it in place", () => {
+  const edits = editsOf(group(machine, ["R/A", "R/B"]));
+  const set = edits.find(({ edit }) => edit === "set_layout");
+  const layout = set?.edit === "set_layout" ? layoutOf({ ...state, layout: set.layout }) : null;
+  expect([layout?.position, layout?.size]).toEqual([
+    { x: 0, y: 0 },
+    { width: 306, height: 126 },
+  ]);
+  const two = drawn(`
+    R hierarchy outcome done
+      S execution outcome one outcome two
+      A execution outcome ok
+      B execution outcome ok
+      S.one > A
+      S.two > B
+  `);
+  expect(reason(group(two, ["R/A", "R/B"]))).toContain("both A and B");
+  expect(reason(group(machine, ["R"]))).toContain("root");
+});
+
+test("children of an ungrouped state stand where they showed", () => {
+  expect(lines(ungroup(machine, "R/C"))).toEqual([
+    "set_position R/C/D element=state position=[30,130]",
+    "ungroup R state=C fresh=[]",
+  ]);
+  expect(reason(ungroup(machine, "R/A"))).toContain("holds no states");
+});
+
+test("a substitute has the box of the state that goes", () => {
+  const other = { path: "NEW", name: "New", kind: "execution", outcomes: [] } as const;
+  const [edit] = editsOf(substitute(machine, "R/B", [{ ...other, outcomes: [] }], true));
+  const [root] = edit?.edit === "substitute_state" ? edit.states : [];
+  expect([root?.path, root?.name]).toEqual(["B", "Grasp"]);
+  expect(root && layoutOf(root).position).toEqual({ x: 200, y: 40 });
+});
+
+test("copies come with what is between them, and beside what is there", () => {
+  const selection = copySelection(machine, [
+    { kind: "state", path: "R/A" },
+    { kind: "state", path: "R/B" },
+  ]);
+  if (isRefused(selection)) throw new Error(selection.refused);
+  expect(selection.transitions).toHaveLength(1);
+  const plan = made(paste(machine, "R", selection));
+  expect(plan.select?.map(({ path }) => path).filter((path) => path === "R/A")).toEqual([]);
+  const inner = editsOf(paste(machine, "R/C", selection, { x: 80, y: 60 }));
+  expect(inner.at(-1)).toMatchObject({ edit: "paste", path: "R/C", ids: ["A", "B"] });
+  expect(made(duplicate(machine, ["R/A"], { x: 5, y: 5 })).name).toBe("Duplicate Scan");
+  expect(reason(paste(machine, "R/A", selection))).toContain("holds no states");
+});
