@@ -1,0 +1,118 @@
+import Elk from "elkjs/lib/elk.bundled.js";
+import { expect, test } from "vitest";
+import { childBox, layoutOf, rootSize } from "../model/drawing.ts";
+import type { Document, StateDocument } from "../model/generated/protocol.ts";
+import { type Box, intersects } from "../model/geometry.ts";
+import type { Machine } from "../model/machine.ts";
+import { machineOf } from "../model/plain.ts";
+import { sketch } from "../model/sketch.ts";
+import { arrange, elkGraph } from "./arrange.ts";
+import { arranged } from "./arranged.ts";
+import { editsOf, reason } from "./testing.ts";
+
+const MISSION = `
+  R "Root" hierarchy outcome done
+    A execution outcome ok
+    B hierarchy outcome ok
+      D execution outcome ok
+      E execution outcome ok
+      F barrier outcome ok
+        G execution outcome ok
+        H execution outcome ok
+      B > D
+      D.ok > E
+      E.ok > F
+      F.ok > B.ok
+    C execution outcome ok
+    ERR "Handle error" execution outcome ok
+    R > A
+    A.ok > B
+    B.ok > C
+    B.aborted > ERR
+    C.ok > R.done
+    ERR.ok > C
+`;
+
+const elk = new Elk();
+
+async function laidOut(document: Document, container: string, deep: boolean): Promise<Machine> {
+  const machine = machineOf(document);
+  const levels = await arrange(machine, container, deep, (graph) => elk.layout(graph));
+  const layouts = new Map(
+    editsOf(arranged(machine, container, levels)).flatMap((edit) =>
+      edit.edit === "set_layout" ? [[edit.path, edit.layout] as const] : [],
+    ),
+  );
+  const states = document.states.map((state): StateDocument => {
+    const layout = layouts.get(state.path);
+    return layout ? { ...state, layout } : state;
+  });
+  return machineOf({ ...document, states });
+}
+
+function boxesIn(machine: Machine, path: string): ReadonlyMap<string, Box> {
+  const state = machine.state(path);
+  const size = (state && layoutOf(state).size) ?? rootSize({ path, name: "", kind: "hierarchy" });
+  return new Map(
+    machine.children(path).flatMap((child, index) => {
+      const found = machine.state(child);
+      return found ? [[child, childBox(found, index, size)] as const] : [];
+    }),
+  );
+}
+
+/** No two states overlap, and all are inside of the state around them. */
+function isTidy(machine: Machine, path: string): void {
+  const state = machine.state(path);
+  const size = state && layoutOf(state).size;
+  const boxes = [...boxesIn(machine, path)];
+  for (const [child, box] of boxes) {
+    expect(box.x, child).toBeGreaterThanOrEqual(0);
+    expect(box.y, child).toBeGreaterThanOrEqual(0);
+    expect(box.x + box.width, child).toBeLessThanOrEqual((size?.width ?? 0) + 1e-6);
+    expect(box.y + box.height, child).toBeLessThanOrEqual((size?.height ?? 0) + 1e-6);
+    for (const [other, second] of boxes) {
+      if (other !== child) expect(intersects(box, second), `${child} and ${other}`).toBe(false);
+    }
+    isTidy(machine, child);
+  }
+}
+
+test("all levels are tidy: nothing overlaps, everything is inside", async () => {
+  isTidy(await laidOut(sketch(MISSION), "R", true), "R");
+});
+
+test("it goes on from the start, and errors are handled below what goes on", async () => {
+  const boxes = boxesIn(await laidOut(sketch(MISSION), "R", true), "R");
+  const at = (id: string) => boxes.get(`R/${id}`) ?? { x: 0, y: 0, width: 0, height: 0 };
+  const before = (one: string, other: string) =>
+    at(other).x > at(one).x || at(other).y > at(one).y + at(one).height;
+  expect([before("A", "B"), before("B", "C"), before("B", "ERR")]).toEqual([true, true, true]);
+});
+
+test("one level keeps its size and scales what stands in it", async () => {
+  const document = await laidOut(sketch(MISSION), "R", true);
+  const again = await laidOut({ ...sketch(MISSION), states: statesOf(document) }, "R/B", false);
+  isTidy(again, "R");
+  const size = (machine: Machine) => boxesIn(machine, "R").get("R/B");
+  expect(size(again)).toEqual(size(document));
+});
+
+function statesOf(machine: Machine): StateDocument[] {
+  return [...machine.paths()].flatMap((path) => machine.state(path) ?? []);
+}
+
+test("only lines between states shape the picture", () => {
+  const graph = elkGraph(machineOf(sketch(MISSION)), "R", new Map());
+  expect(graph.edges?.map(({ sources, targets }) => `${sources} ${targets}`)).toEqual([
+    "A:outcome0 B:income",
+    "B:outcome0 C:income",
+    "B:outcome-1 ERR:income",
+    "ERR:outcome0 C:income",
+  ]);
+});
+
+test("an empty container is refused", async () => {
+  const machine = machineOf(sketch("R hierarchy outcome done"));
+  expect(reason(arranged(machine, "R", new Map()))).toContain("nothing to arrange");
+});
