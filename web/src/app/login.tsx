@@ -35,7 +35,7 @@ export function Login({ reason }: { reason: string }) {
         }}
       >
         <h1 className="login-title">RAFCON</h1>
-        <p className="login-text">{reason}</p>
+        <p className="login-text">{sentence(reason)}</p>
         <TextField label="User" value={user} onInput={setUser} autoFocus autoComplete="username" />
         <TextField
           label="Password"
@@ -55,6 +55,10 @@ export function Login({ reason }: { reason: string }) {
       </form>
     </main>
   );
+}
+
+function sentence(text: string): string {
+  return `${text.slice(0, 1).toUpperCase()}${text.slice(1)}.`;
 }
 
 export function Unreachable({ reason }: { reason: string }) {

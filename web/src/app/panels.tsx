@@ -5,6 +5,7 @@ import {
   CircleAlert,
   GitCompareArrows,
   History,
+  Library,
   ListTree,
   type LucideIcon,
   ScrollText,
@@ -18,6 +19,7 @@ import { Differences } from "../panels/differences/differences.tsx";
 import { Edits } from "../panels/edits/edits.tsx";
 import { Globals } from "../panels/globals/globals.tsx";
 import { Inspector } from "../panels/inspector/inspector.tsx";
+import { Libraries } from "../panels/libraries/libraries.tsx";
 import { Log } from "../panels/log/log.tsx";
 import { Problems } from "../panels/problems/problems.tsx";
 import { Search } from "../panels/search/search.tsx";
@@ -36,6 +38,7 @@ export interface Panel {
 }
 
 export const PANELS: readonly Panel[] = [
+  { id: "libraries", title: "Libraries", icon: Library, component: Libraries, side: "left" },
   { id: "tree", title: "Tree", icon: ListTree, component: StateTree, side: "left" },
   { id: "search", title: "Search", icon: SearchSign, component: Search, side: "left" },
   { id: "globals", title: "Globals", icon: Braces, component: Globals, side: "left" },

@@ -1,8 +1,10 @@
 /** What the Edit menu does: back and on, the clipboard, what is selected. */
 
 import type { ElementRef } from "../model/element.ts";
-import { outcomesOf, portsOf, startOf } from "../model/machine.ts";
-import { childPath } from "../model/path.ts";
+import { around, intersects, type Point } from "../model/geometry.ts";
+import { type Machine, outcomesOf, portsOf, startOf } from "../model/machine.ts";
+import { childPath, parentOf } from "../model/path.ts";
+import { boxIn, childBoxes, sizeIn } from "../plan/boxes.ts";
 import { copySelection, duplicate, paste } from "../plan/clipboard.ts";
 import { isRefused } from "../plan/plan.ts";
 import { renameOutcome, renamePort } from "../plan/ports.ts";
@@ -82,7 +84,11 @@ export const EDIT: readonly Command[] = [
     classic: ["Ctrl+Shift+D"],
     menu: "Edit/2",
     enabled: hasStates,
-    run: (context) => perform(context, (m) => duplicate(m, states(context), DUPLICATE_BY)),
+    run: (context) =>
+      perform(context, (m) => {
+        const paths = states(context);
+        return duplicate(m, paths, besides(m, paths));
+      }),
   },
   {
     id: "edit.delete",
@@ -153,8 +159,25 @@ export const EDIT: readonly Command[] = [
   },
 ];
 
-/** How far a duplicate stands from its original, in the coordinates of the container. */
-const DUPLICATE_BY = { x: 10, y: 10 };
+/** How far duplicates stand from their originals: beside them or below where there is room, else a little shifted. */
+export function besides(machine: Machine, paths: readonly string[]): Point {
+  const own = around(paths.map((path) => boxIn(machine, path)));
+  const container = parentOf(paths[0] ?? "");
+  if (!own || container === null) return { x: 0, y: 0 };
+  const size = sizeIn(machine, container);
+  const taken = [...childBoxes(machine, container).values()];
+  const isFree = ({ x, y }: Point) => {
+    const box = { ...own, x: own.x + x, y: own.y + y };
+    const fits = box.x + box.width <= size.width && box.y + box.height <= size.height;
+    return fits && !taken.some((other) => intersects(box, other));
+  };
+  const steps = [
+    { x: own.width * 1.2, y: 0 },
+    { x: 0, y: own.height * 1.2 },
+  ];
+  const shift = Math.min(own.width, own.height) * 0.12;
+  return steps.find(isFree) ?? { x: shift, y: shift };
+}
 
 async function copy(context: Context, argument: unknown): Promise<boolean> {
   const { page, tab } = context;
@@ -207,7 +230,7 @@ async function rename(context: Context): Promise<void> {
   const { kind, id } = element;
   const parts = kind === "outcome" ? outcomesOf(state) : portsOf(state, kind);
   const before = parts.find((part) => part.id === id)?.name ?? "";
-  const plan = (name: string) => (machine: Parameters<typeof renamePort>[0]) =>
+  const plan = (name: string) => (machine: Machine) =>
     kind === "outcome" ? renameOutcome(machine, element, name) : renamePort(machine, element, name);
   const name = await context.shell.prompt({
     title: `Rename ${kind.replace("_", " ")}`,

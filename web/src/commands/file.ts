@@ -6,6 +6,7 @@ import type {
   MachineSummary,
   SavedState,
 } from "../model/generated/protocol.ts";
+import { comparisonOf } from "../store/comparison.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import type { Link } from "../store/server.ts";
 import { RefusalError } from "../store/server.ts";
@@ -133,7 +134,7 @@ export const FILE: readonly Command[] = [
     title: "Compare with disk or an earlier version…",
     menu: "File/3",
     enabled: isOpen,
-    run: ({ shell }) => shell.showPanel("differences"),
+    run: compare,
   },
   {
     id: "file.open-library",
@@ -240,11 +241,19 @@ async function saveTab(context: Context, tab: OpenTab | null, overwrite = false)
       { value: "mine", title: "Save mine over it", detail: "What lies on disk is replaced." },
     ],
   });
-  if (choice === "compare") shell.showPanel("differences");
+  if (choice === "compare") await compare(context);
   if (choice === "theirs") {
     await page.server.request("POST", `/machines/${tab.room.id}/reload`, { id: requestId() });
   }
   return choice === "mine" ? saveTab(context, tab, true) : false;
+}
+
+/** Compares with what lies on disk, unless something else was chosen already. */
+async function compare({ page, tab, shell }: Context): Promise<void> {
+  shell.showPanel("differences");
+  if (!tab) return;
+  const comparison = comparisonOf(tab, page.server);
+  if (comparison.against.peek() === null) await comparison.choose({ kind: "saved" });
 }
 
 async function saveElsewhere(context: Context, copy: boolean): Promise<boolean> {
