@@ -1,6 +1,6 @@
 /** Boxes by where they are: finds those in an area without a look at all of them. */
 
-import { around, type Box, intersects } from "../model/geometry.ts";
+import { around, type Box } from "../model/geometry.ts";
 
 /** Fewer are looked at one by one. */
 const FEW = 48;
@@ -23,30 +23,42 @@ export class Grid {
     if (boxes.length > FEW) this.#fill();
   }
 
-  /** Tells the index of every box that the area touches, rising if all are looked at. */
+  /** Tells the index of every box that the area touches, in rising order. */
   each(area: Box, tell: (index: number) => void): void {
     if (this.#side === 0) {
-      for (let index = 0; index < this.#boxes.length; index++) this.#tell(index, area, tell);
+      for (let index = 0; index < this.#boxes.length; index++) {
+        if (this.#touches(index, area)) tell(index);
+      }
       return;
     }
+    for (const index of this.#near(area)) tell(index);
+  }
+
+  #near(area: Box): readonly number[] {
     this.#round++;
-    for (const index of this.#wide) this.#tell(index, area, tell);
+    const found = this.#wide.filter((index) => this.#touches(index, area));
     const [left, right] = this.#range(area.x, area.width, this.#bounds.x, this.#bounds.width);
     const [top, bottom] = this.#range(area.y, area.height, this.#bounds.y, this.#bounds.height);
     for (let row = top; row <= bottom; row++) {
       for (let column = left; column <= right; column++) {
-        for (const index of this.#cells[row * this.#side + column] ?? []) {
-          if (this.#seen[index] === this.#round) continue;
-          this.#seen[index] = this.#round;
-          this.#tell(index, area, tell);
-        }
+        this.#gather(this.#cells[row * this.#side + column], area, found);
       }
+    }
+    return found.sort((one, other) => one - other);
+  }
+
+  /** What a cell has that no other cell had before. */
+  #gather(cell: readonly number[] | undefined, area: Box, found: number[]): void {
+    for (const index of cell ?? []) {
+      if (this.#seen[index] === this.#round) continue;
+      this.#seen[index] = this.#round;
+      if (this.#touches(index, area)) found.push(index);
     }
   }
 
-  #tell(index: number, area: Box, tell: (index: number) => void): void {
+  #touches(index: number, area: Box): boolean {
     const box = this.#boxes[index];
-    if (box && intersects(box, area)) tell(index);
+    return box !== undefined && touches(box, area);
   }
 
   #fill(): void {
@@ -79,4 +91,14 @@ export class Grid {
       );
     return [cell(at), cell(at + length)];
   }
+}
+
+/** Also boxes without a width or height, as straight lines have them. */
+function touches(one: Box, other: Box): boolean {
+  return (
+    one.x <= other.x + other.width &&
+    other.x <= one.x + one.width &&
+    one.y <= other.y + other.height &&
+    other.y <= one.y + one.height
+  );
 }

@@ -14,6 +14,8 @@ interface Piece {
 
 /** More lines than these do not look after each other: nobody could tell them apart. */
 const MANY_LINES = 160;
+/** Among more states than these only the likeliest ways are tried: one cannot follow any line there. */
+const MANY_BOXES = 800;
 /** Boxes that give ways around them, at most, and ways beside each side of one. */
 const NEAR_BOXES = 10;
 const BESIDE = 3;
@@ -44,6 +46,10 @@ export class Lanes {
     this.#frame = frame;
     this.#grid = new Grid(boxes);
     this.pace = paceOf(boxes, frame);
+  }
+
+  get isCrowded(): boolean {
+    return this.#boxes.length > MANY_BOXES;
   }
 
   /** Whether a way to this target is there already. */

@@ -86,7 +86,7 @@ function cheapest(line: Wanted, lanes: Lanes): Routed {
   best.offer([{ x: from.x, y: to.y }]);
   best.offer(acrossAt(middle.x, from, to));
   best.offer(alongAt(middle.y, from, to));
-  if (!best.isFree) {
+  if (!best.isFree && !lanes.isCrowded) {
     const { columns, rows } = lanes.channels(line, from, to);
     best.offerAll(columns, (x) => acrossAt(x, from, to));
     best.offerAll(rows, (y) => alongAt(y, from, to));

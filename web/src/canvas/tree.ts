@@ -13,6 +13,7 @@ import { stateKey } from "../model/element.ts";
 import type { StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import type { Machine } from "../model/machine.ts";
+import { Grid } from "./grid.ts";
 import { type Line, linesOf } from "./lines.ts";
 
 /** What a tree is made from: as it is now, since what lies inside states is found late. */
@@ -42,6 +43,8 @@ export class PlacedState {
   #name: Box | null = null;
   #lines: readonly Line[] | null = null;
   #joined: ReadonlySet<string> | null = null;
+  #childGrid: Grid | null = null;
+  #lineGrid: Grid | null = null;
   #byPath: ReadonlyMap<string, PlacedState> | null = null;
   /** What it was before it was stretched, with all that lies inside it. */
   #stretched: { readonly from: PlacedState; readonly by: Point } | null = null;
@@ -110,6 +113,24 @@ export class PlacedState {
   /** Whether the lines are known: finding them is the dearest part. */
   get hasLines(): boolean {
     return this.#lines !== null;
+  }
+
+  /** Tells the children that the area, in its own coordinates, touches. */
+  eachChild(area: Box, tell: (child: PlacedState) => void): void {
+    this.#childGrid ??= new Grid(this.children.map((child) => child.box));
+    this.#childGrid.each(area, (index) => {
+      const child = this.children[index];
+      if (child) tell(child);
+    });
+  }
+
+  /** Tells the lines whose surroundings the area touches. */
+  eachLine(area: Box, tell: (line: Line) => void): void {
+    this.#lineGrid ??= new Grid(this.lines.map((line) => line.box));
+    this.#lineGrid.each(area, (index) => {
+      const line = this.lines[index];
+      if (line) tell(line);
+    });
   }
 
   child(path: string): PlacedState | undefined {

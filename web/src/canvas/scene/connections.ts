@@ -16,34 +16,26 @@ const BEYOND = 30;
 /** `inside` is the layer of the children. */
 export function connectionMarks(drawing: Drawing, spot: Spot): void {
   const alpha = fade(spot.extent, DETAIL.content);
-  const { modes } = drawing.input;
   if (alpha === 0) return;
   if (!spot.at.hasLines && !drawing.input.mayRoute()) {
     drawing.unfinished = true;
     return;
   }
+  spot.at.eachLine(drawing.area(spot, BEYOND), (line) => lineMarks(drawing, spot, line, alpha));
+}
+
+function lineMarks(drawing: Drawing, spot: Spot, line: Line, alpha: number): void {
+  const look = lookOf(drawing, line);
+  if (!look.loud && !isShown(drawing, line)) return;
+  const size = sizeOfEnd(spot, line);
+  if (!look.loud && size < DETAIL.tangle && size > 0) return;
+  const mark = lineMark(spot, line, look, size, alpha);
   const layer = drawing.layer(spot.depth + 1);
-  const apart = Math.min(1, alpha);
-  for (const line of spot.at.lines) {
-    const x = spot.x + line.box.x * spot.scale;
-    const y = spot.y + line.box.y * spot.scale;
-    const [width, height] = [line.box.width * spot.scale, line.box.height * spot.scale];
-    if (!drawing.sees(x, y, width, height, BEYOND)) continue;
-    const look = lookOf(drawing, line);
-    if (
-      line.kind === "transition"
-        ? !modes.transitions && !look.loud
-        : !showsFlow(drawing, line, look.loud)
-    ) {
-      continue;
-    }
-    const mark = lineMark(spot, line, look, apart);
-    if (look.loud) drawing.layer(spot.depth + 2).lines.push(mark);
-    else if (line.kind === "transition" || isFocused(drawing, line)) layer.lines.push(mark);
-    else layer.under.push(mark);
-    if (line.kind === "transition") labelMark(drawing, spot, line, mark, look);
-    if (drawing.isSelected(line.key)) waypointMarks(drawing, spot, line);
-  }
+  if (look.loud) drawing.layer(spot.depth + 2).lines.push(mark);
+  else if (line.kind === "transition" || isFocused(drawing, line)) layer.lines.push(mark);
+  else layer.under.push(mark);
+  if (line.kind === "transition") labelMark(drawing, spot, line, mark, look);
+  if (drawing.isSelected(line.key)) waypointMarks(drawing, spot, line);
 }
 
 interface LineLook {
@@ -74,18 +66,17 @@ function isThat(hovered: Drawing["input"]["hovered"], key: ElementKey): boolean 
   return key === `${hovered.kind}:${hovered.path}:${hovered.id}`;
 }
 
-function showsFlow(drawing: Drawing, line: Line, loud: boolean): boolean {
-  const { dataFlows } = drawing.input.modes;
-  if (loud || dataFlows === "all") return true;
-  if (dataFlows === "none") return false;
-  return isFocused(drawing, line);
+function isShown(drawing: Drawing, line: Line): boolean {
+  const { dataFlows, transitions } = drawing.input.modes;
+  if (line.kind === "transition") return transitions;
+  return dataFlows === "all" || (dataFlows === "selection" && isFocused(drawing, line));
 }
 
 function isFocused({ focused }: Drawing, line: Line): boolean {
   return focused.has(line.fromPath) || focused.has(line.toPath);
 }
 
-function lineMark(spot: Spot, line: Line, look: LineLook, alpha: number): LineMark {
+function lineMark(spot: Spot, line: Line, look: LineLook, size: number, alpha: number): LineMark {
   const points: number[] = new Array(line.points.length * 2);
   let next = 0;
   for (const point of line.points) {
@@ -93,7 +84,6 @@ function lineMark(spot: Spot, line: Line, look: LineLook, alpha: number): LineMa
     points[next++] = spot.y + point.y * spot.scale;
   }
   const isTransition = line.kind === "transition";
-  const size = sizeOfEnd(spot, line);
   const far = look.loud || !isTransition ? 1 : Math.min(1, Math.max(0.35, size / DETAIL.lines));
   return {
     what: line.key,

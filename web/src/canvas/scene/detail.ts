@@ -12,6 +12,8 @@ export const DETAIL = {
   ports: 72,
   /** What stands inside, as far as that is large enough itself, with transitions between. Before, that is a texture. */
   content: 80,
+  /** Lines between smaller states would be a tangle. */
+  tangle: 11,
   /** Labels of connections, by the size of the state that they come from. */
   lines: 54,
   /** Names of ports and outcomes. */

@@ -81,6 +81,16 @@ export class Drawing {
     );
   }
 
+  /** What can be seen, with so much around it, in the coordinates of a state. */
+  area(spot: Spot, around: number): Box {
+    return {
+      x: (-around - spot.x) / spot.scale,
+      y: (-around - spot.y) / spot.scale,
+      width: (this.width + 2 * around) / spot.scale,
+      height: (this.height + 2 * around) / spot.scale,
+    };
+  }
+
   isSelected(key: ElementKey): boolean {
     return this.input.selection.has(key);
   }

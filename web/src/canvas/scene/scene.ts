@@ -60,7 +60,9 @@ function visit(drawing: Drawing, spot: Spot, connected: ReadonlySet<string>): vo
   if (open) {
     connectionMarks(drawing, spot);
     const joined = joinedBy(spot);
-    for (const child of children) visitChild(drawing, spot, child, joined);
+    spot.at.eachChild(drawing.area(spot, REACH), (child) =>
+      visitChild(drawing, spot, child, joined),
+    );
   } else for (const child of children) textureOf(drawing, spot, child);
   if (isAround) drawing.covering ??= spot;
   else portMarks(drawing, spot, connected, open);
@@ -86,7 +88,6 @@ function visitChild(
   const x = outer.x + box.x * outer.scale;
   const y = outer.y + box.y * outer.scale;
   const [width, height] = [box.width * outer.scale, box.height * outer.scale];
-  if (!drawing.sees(x, y, width, height, REACH)) return;
   const size = extent({ width, height });
   if (size < DETAIL.box) {
     if (size >= SPECK)
