@@ -41,7 +41,7 @@ export function differences(old: Machine, now: Machine): readonly Difference[] {
     const before = old.state(comparison.pairs.oldOf.get(path) ?? "");
     if (!state) continue;
     if (!before) found.push(...addedState(comparison, state));
-    else if (state !== before) found.push(...changedState(comparison, before, state));
+    else if (!isSame(state, before)) found.push(...changedState(comparison, before, state));
     if (before) found.push(...goneChildren(comparison, before.path));
   }
   return found;

@@ -2,7 +2,7 @@
  * got another id is not taken for something new. */
 
 import type { Machine } from "./machine.ts";
-import { idOf, parentOf } from "./path.ts";
+import { childPath, idOf, parentOf } from "./path.ts";
 
 /** Counterparts by path. A state without one is not in its map. */
 export interface Pairs {
@@ -35,10 +35,9 @@ class Pairing implements Pairs {
       const [before, after] = pair;
       this.oldOf.set(after, before);
       this.newOf.set(before, after);
-      const children = new Map(this.#now.children(after).map((child) => [idOf(child), child]));
       for (const child of this.#old.children(before)) {
-        const same = children.get(idOf(child));
-        if (same !== undefined && this.#isFree(child, same)) open.push([child, same]);
+        const same = childPath(after, idOf(child));
+        if (this.#now.state(same) && this.#isFree(child, same)) open.push([child, same]);
       }
     }
   }

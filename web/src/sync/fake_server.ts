@@ -69,7 +69,7 @@ export class FakeServer implements Server {
     return { header: this.model.header, states };
   }
 
-  async request<T>(method: string, path: string): Promise<T> {
+  request: Server["request"] = async <T>(method: string, path: string): Promise<T> => {
     this.asked.push(`${method} ${path}`);
     if (path === "/machines/open") this.isOpen = true;
     if (path === "/machines/open") return { ...MACHINE, revision: this.revision } as T;
@@ -79,13 +79,13 @@ export class FakeServer implements Server {
     }
     if (path.endsWith("/steps")) return { start: 1, steps: [] } as T;
     return [] as T;
-  }
+  };
 
-  follow(follower: Follower): () => void {
+  follow: Server["follow"] = (follower) => {
     const topic = follower.topic();
     if (topic.topic === "machine_history") this.#followers.set(follower, { next: topic.from });
     return () => void this.#followers.delete(follower);
-  }
+  };
 
   edit(_: string, edit: EditMachine): Promise<number> {
     return new Promise((answered, failed) => this.#waiting.push({ edit, answered, failed }));

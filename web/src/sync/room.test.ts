@@ -29,7 +29,7 @@ function setUp(document: Document = sketch(TEXT)) {
     { revision: 1, document },
     {
       server,
-      shelf: new Shelf(server.request.bind(server)),
+      shelf: new Shelf(server.request),
       clock: new FakeClock(),
       newId: () => `own-${++count}`,
       tell: (notice) => notices.push(notice),

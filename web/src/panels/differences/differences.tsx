@@ -1,6 +1,6 @@
 /** How the machine in front differs from another: what lies on disk, an earlier version, or the machine of another tab. */
 
-import { GitCompareArrows, RefreshCw } from "lucide-react";
+import { RefreshCw } from "lucide-react";
 import { useEffect, useState } from "react";
 import type { Difference } from "../../model/difference.ts";
 import type { MachineVersions } from "../../model/generated/protocol.ts";
@@ -84,9 +84,8 @@ function Found({ tab, comparison, shown }: FoundProps) {
   if (!against) {
     return (
       <Empty
-        icon={<GitCompareArrows size={22} />}
         title="Compared with nothing"
-        text="Choose above what to compare with: differences are listed here and marked on the canvas."
+        text="Differences are listed here and marked on the canvas."
         action={{
           title: "Compare with what lies on disk",
           onClick: () => void comparison.choose({ kind: "saved" }),

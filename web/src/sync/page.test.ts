@@ -1,0 +1,104 @@
+import { describe, expect, it } from "vitest";
+import type { HouseStatus } from "../model/generated/protocol.ts";
+import { sketch } from "../model/sketch.ts";
+import type { Follower } from "../store/server.ts";
+import { memoryShed } from "../store/shed.ts";
+import { select } from "../store/view.ts";
+import { FakeClock } from "./fake_clock.ts";
+import { FakeServer, MACHINE } from "./fake_server.ts";
+import { startPage } from "./page.ts";
+
+const FILE = { project: "p", path: "machine" };
+const HOUSE: HouseStatus = { files_revision: 1, machines: [MACHINE], runs: [] };
+
+function setUp(sheds = { own: memoryShed(), shared: memoryShed() }) {
+  const server = new FakeServer(sketch("R hierarchy\n  A execution"));
+  const followers: Follower[] = [];
+  const { follow } = server;
+  server.follow = (follower) => {
+    followers.push(follower);
+    return follow(follower);
+  };
+  const clock = new FakeClock();
+  const page = startPage({ server, clock, sheds });
+  const tellHouse = (status: HouseStatus) => {
+    const follower = followers.find((each) => each.topic().topic === "house_status");
+    follower?.frame({ frame: "house_status", subscription: 1, status });
+  };
+  const asked = (path: string) => server.asked.filter((each) => each === `GET ${path}`).length;
+  return { server, page, clock, sheds, tellHouse, asked };
+}
+
+async function settle(): Promise<void> {
+  for (let turn = 0; turn < 50; turn += 1) await Promise.resolve();
+}
+
+describe("the page", () => {
+  it("opens a machine once, and remembers its folder", async () => {
+    const { server, page } = setUp();
+    const [one, other] = await Promise.all([page.open(FILE), page.open(FILE)]);
+    expect(one).toBe(other);
+    expect(page.tabs.value).toEqual([one]);
+    expect(page.active.value).toBe(one);
+    expect(page.settings.value.recent).toEqual([FILE]);
+    expect(server.asked).toContain("GET /machines/m/document");
+  });
+
+  it("takes a tab away, and shows the next one", async () => {
+    const { page } = setUp();
+    const tab = await page.open(FILE);
+    page.leave(tab);
+    page.leave(tab);
+    expect([page.tabs.value, page.active.value]).toEqual([[], null]);
+  });
+
+  it("comes back as it was", async () => {
+    const { page, clock, sheds } = setUp();
+    const tab = await page.open(FILE);
+    await settle();
+    select(tab.view, [{ kind: "state", path: "R/A" }]);
+    tab.view.camera.value = { x: 1, y: 2, scale: 3 };
+    clock.pass(1_000);
+    const again = setUp({ own: memoryShed(), shared: sheds.shared }).page;
+    expect(again.isRestoring.value).toBe(true);
+    await settle();
+    expect(again.isRestoring.value).toBe(false);
+    const view = again.active.value?.view;
+    expect([...(view?.selection.value ?? [])]).toEqual(["state:R/A"]);
+    expect(view?.camera.value).toEqual({ x: 1, y: 2, scale: 3 });
+  });
+
+  it("asks for projects and libraries when files have changed, and only then", async () => {
+    const { tellHouse, asked } = setUp();
+    tellHouse(HOUSE);
+    tellHouse({ ...HOUSE, machines: [] });
+    await settle();
+    expect([asked("/projects"), asked("/libraries")]).toEqual([1, 1]);
+    tellHouse({ ...HOUSE, files_revision: 2 });
+    await settle();
+    expect([asked("/projects"), asked("/libraries")]).toEqual([2, 2]);
+  });
+
+  it("says when the connection is back after a break that people noticed", () => {
+    const { server, page, clock } = setUp();
+    const up = server.link.value;
+    const broken = (length_ms: number) => {
+      const since_ms = clock.now();
+      server.link.value = { state: "down", since_ms, retry_ms: null, reason: "gone" };
+      clock.pass(length_ms);
+      server.link.value = up;
+    };
+    broken(500);
+    broken(7_000);
+    expect(page.notices.value.map(({ text }) => text)).toEqual(["Connected again after 7 s"]);
+  });
+
+  it("forgets what is selected when it is gone", async () => {
+    const { server, page } = setUp();
+    const tab = await page.open(FILE);
+    select(tab.view, [{ kind: "state", path: "R/A" }]);
+    server.make("x", { edit: "remove_state", path: "R", state: "A" });
+    server.tell(1);
+    expect(tab.view.selection.value.size).toBe(0);
+  });
+});
