@@ -3,7 +3,13 @@
 
 import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import { type ElementRef, keyOf } from "../model/element.ts";
-import { type Box, around as boxAround, type Point, type Size } from "../model/geometry.ts";
+import {
+  type Box,
+  around as boxAround,
+  intersects,
+  type Point,
+  type Size,
+} from "../model/geometry.ts";
 import { outcomesOf, portsOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { move as movePlan } from "../plan/move.ts";
@@ -12,12 +18,14 @@ import type { Dragged } from "../store/dragged.ts";
 import type { OpenTab } from "../store/page.ts";
 import { wasRefused } from "../store/room.ts";
 import { type Camera, select, selected, selectedStates, toggle } from "../store/view.ts";
-import { zoomedAt } from "./camera.ts";
+import { visibleBox, zoomedAt } from "./camera.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
 import type { Hit, PortRef } from "./hit/look.ts";
+import { extentOn } from "./hit/shown.ts";
 import { filling, revealing } from "./looks.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
 import { type Placed, placesOf } from "./placed.ts";
+import { DETAIL } from "./scene/detail.ts";
 import { connecting } from "./tools/connect.ts";
 import { bringing } from "./tools/drop.ts";
 import { type Around, type Gesture, inState, type Pointer, type Result } from "./tools/gesture.ts";
@@ -298,12 +306,15 @@ export class Hand {
     return true;
   }
 
-  /** Begins to change the name of a state, in place; brings it into sight first. */
+  /** Begins to change the name of a state, in place; brings it into sight if it is not. */
   rename(path: string): void {
     const box = this.places().box(path);
     if (!box) return;
     const { camera } = this.#desk.tab.view;
-    camera.value = revealing(box, camera.peek(), this.#desk.size());
+    const size = this.#desk.size();
+    const isSeen = intersects(box, visibleBox(camera.peek(), size));
+    const isNamed = extentOn(camera.peek(), box) >= DETAIL.name;
+    if (!isSeen || !isNamed) camera.value = revealing(box, camera.peek(), size);
     this.#desk.rename(path);
   }
 

@@ -78,8 +78,9 @@ function pointers(
   on("dblclick", (event) => hand.doubleClick(pointerOf(root, event)));
   on("contextmenu", (event) => {
     event.preventDefault();
-    const isByKey = event.button !== 2 && event.detail === 0 && event.clientX === 0;
-    menu(isByKey ? null : pointerOf(root, event));
+    // Those by key are known already: browsers tell them without a pointer.
+    const isByKey = event.button !== 2 && !(event instanceof PointerEvent && event.pointerType);
+    if (!isByKey) menu(pointerOf(root, event));
   });
   on(
     "wheel",
@@ -104,7 +105,7 @@ function keys(
   root.addEventListener(
     "keydown",
     (event) => {
-      if (MODIFIERS.has(event.key)) hand.modifiers(modifiers(event));
+      if (MODIFIERS.has(event.key)) changeModifiers(hand, event);
       const isUsed = hand.key({ key: event.key, ...modifiers(event) });
       const isMenu = event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey);
       if (!isUsed && isMenu) menu(null);
@@ -121,7 +122,7 @@ function keys(
     "keyup",
     (event) => {
       if (event.key === " ") SPACE.delete(root);
-      if (MODIFIERS.has(event.key)) hand.modifiers(modifiers(event));
+      if (MODIFIERS.has(event.key)) changeModifiers(hand, event);
     },
     { signal },
   );
@@ -134,6 +135,12 @@ function keys(
     },
     { signal },
   );
+}
+
+/** During a gesture Alt is for the gesture, and not for the browser's menu. */
+function changeModifiers(hand: Hand, event: KeyboardEvent): void {
+  if (hand.doing !== null) event.preventDefault();
+  hand.modifiers(modifiers(event));
 }
 
 function drags(root: HTMLElement, { hand, dragged }: Hearers, signal: AbortSignal): void {

@@ -7,12 +7,13 @@ import { type Box, contains, distance, type Point } from "../../model/geometry.t
 import type { Machine } from "../../model/machine.ts";
 import type { Camera } from "../../store/view.ts";
 import { screenBox, screenFromWorld, worldFromScreen } from "../camera.ts";
-import type { Placed } from "../placed.ts";
-import type { Places, Route } from "../places.ts";
+import { type Placed, pointAt } from "../placed.ts";
+import type { Route } from "../places.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
 import { distanceToLine, middlesOf } from "./lines.ts";
 import type { Grip, Hit, LineRef, Look, PortRef, StateRef } from "./look.ts";
+import { childrenIn, inFrame, reachOf } from "./near.ts";
 import { extentOn, isPortShown, isRouteShown } from "./shown.ts";
 
 interface Search {
@@ -51,7 +52,7 @@ export function hitAt(
 
 /** The states that the point is in, from the root to the innermost one that is drawn. */
 export function statesAt(
-  places: Places,
+  places: Placed,
   machine: Machine,
   camera: Camera,
   point: Point,
@@ -65,13 +66,15 @@ export function statesAt(
     const box = places.box(next);
     const opens = box && extentOn(camera, box) >= DETAIL.content;
     next = opens
-      ? places.children(next).findLast((child) => isIn(places, camera, point, child))
+      ? childrenIn(places, next, reachOf(camera, point, 0)).findLast((child) =>
+          isIn(places, camera, point, child),
+        )
       : undefined;
   }
   return found;
 }
 
-function isIn(places: Places, camera: Camera, point: Point, path: string): boolean {
+function isIn(places: Placed, camera: Camera, point: Point, path: string): boolean {
   const box = places.box(path);
   if (!box || extentOn(camera, box) < DETAIL.box) return false;
   return isNear(camera, box, point, 0);
@@ -97,7 +100,8 @@ function nearStates(search: Search, line: readonly string[]): readonly string[] 
     if (box && isNear(camera, box, point, tolerance * 2)) near.add(path);
   };
   if (line.length === 0) beside(machine.root);
-  for (const path of line) for (const child of places.children(path)) beside(child);
+  const area = reachOf(camera, point, tolerance * 2);
+  for (const path of line) for (const child of childrenIn(places, path, area)) near.add(child);
   return [...near];
 }
 
@@ -252,23 +256,31 @@ const LINE_SHARE = 0.75;
 
 /** The nearest connection of a container. */
 function lineHit(search: Search, path: string): Hit | null {
-  if (extentOf(search, path) < DETAIL.content || !isRouted(search.places, path)) return null;
-  let best: { readonly route: Route; readonly away: number } | null = null;
-  for (const route of search.places.routes(path)) {
-    const away = distanceToLine(route.points, search.point, search.camera);
-    if (away > search.tolerance * LINE_SHARE || (best && away >= best.away)) continue;
-    if (isRouteShown(route, search)) best = { route, away };
+  const frame = search.places.frame(path);
+  if (!frame || extentOf(search, path) < DETAIL.content || !isRouted(search.places, path)) {
+    return null;
   }
-  if (!best) return null;
-  const element: LineRef = { kind: best.route.kind, path, id: best.route.id };
-  if (search.machine.isInLibrary(path)) return { on: "line", element };
-  return (
-    waypointHit(search, best.route, element) ??
-    (search.look.selection.has(keyOf(element)) ? middleHit(search, best.route, element) : null) ?? {
-      on: "line",
-      element,
-    }
-  );
+  const reach = search.tolerance * LINE_SHARE;
+  const area = inFrame(frame, reachOf(search.camera, search.point, reach));
+  let best: { readonly route: Route; readonly away: number } | null = null;
+  frame.at.eachLine(area, ({ kind, id, points, waypoints }) => {
+    const corners = points.map((point) => pointAt(frame, point));
+    const away = distanceToLine(corners, search.point, search.camera);
+    if (away > reach || (best && away >= best.away)) return;
+    const route = { kind, path, id, points: corners, waypoints };
+    if (isRouteShown(route, search)) best = { route, away };
+  });
+  return best && onLine(search, (best as { readonly route: Route }).route);
+}
+
+/** The line itself, or what can be taken on it. */
+function onLine(search: Search, route: Route): Hit {
+  const element: LineRef = { kind: route.kind, path: route.path, id: route.id };
+  const line = { on: "line", element } as const;
+  if (search.machine.isInLibrary(route.path)) return line;
+  const isSelected = search.look.selection.has(keyOf(element));
+  const middle = isSelected ? middleHit(search, route, element) : null;
+  return waypointHit(search, route, element) ?? middle ?? line;
 }
 
 function nameHit(search: Search, element: StateRef): Hit | null {

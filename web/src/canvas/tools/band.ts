@@ -3,6 +3,7 @@
 import { type ElementRef, keyOf } from "../../model/element.ts";
 import { type Box, contains, intersects, type Point } from "../../model/geometry.ts";
 import { isRouted } from "../hit/hit.ts";
+import { childrenIn } from "../hit/near.ts";
 import { extentOn, isRouteShown } from "../hit/shown.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { DETAIL } from "../scene/detail.ts";
@@ -52,7 +53,7 @@ function collect(path: string, band: Box, around: Around, found: ElementRef[]): 
     found.push({ kind: "state", path });
     return;
   }
-  for (const child of places.children(path)) collect(child, band, around, found);
+  for (const child of childrenIn(places, path, band)) collect(child, band, around, found);
   for (const route of isRouted(places, path) ? places.routes(path) : []) {
     if (!route.points.every((point) => contains(band, point))) continue;
     if (isRouteShown(route, around)) found.push({ kind: route.kind, path, id: route.id });

@@ -201,13 +201,15 @@ function said(plan: Plan, name: string): string {
     : `To “${name}”`;
 }
 
-/** The target of that number, as the keyboard walks them: the nearest first. */
+/** The target of that number, as the keyboard walks them: the nearest first, the own state last. */
 function chosen(before: Drawing, number: number, pointer: Pointer, around: Around): Gesture {
   const drawing = current(before, around);
-  const { seen, at } = drawing;
+  const { seen, at, from } = drawing;
+  const away = ({ element, at: there }: SeenPort) =>
+    element.path === from.path ? Number.POSITIVE_INFINITY : square(there, at);
   const fitting = seen.ports
     .filter(({ element }) => seen.legal.has(keyOf(element)))
-    .sort((one, other) => square(one.at, at) - square(other.at, at));
+    .sort((one, other) => (away(one) < away(other) ? -1 : 1));
   const index = fitting.length === 0 ? 0 : (number + fitting.length) % fitting.length;
   const port = fitting[index];
   if (!port) {

@@ -62,8 +62,8 @@ export interface Gesture {
   readonly cycle?: (by: 1 | -1, around: Around) => Gesture;
 }
 
-/** How far a pointer goes before it drags, in CSS pixels. */
-export const DRAG_DISTANCE = 4;
+/** How far a pointer, or a finger, goes before it drags, in CSS pixels. */
+export const DRAG_DISTANCE = { pointer: 4, finger: 10 } as const;
 
 /** The pointer in the root's coordinates. */
 export function worldOf(pointer: Point, around: Around): Point {

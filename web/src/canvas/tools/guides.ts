@@ -2,6 +2,7 @@
 
 import { type Box, intersects, type Point } from "../../model/geometry.ts";
 import { visibleBox } from "../camera.ts";
+import { childrenIn } from "../hit/near.ts";
 import type { Overlay } from "../overlay.ts";
 import type { Around } from "./gesture.ts";
 
@@ -18,7 +19,7 @@ export function neighbours(
 ): readonly Box[] {
   const { places, camera, size } = around;
   const seen = visibleBox(camera, size);
-  const paths = places.children(container).filter((path) => !without.has(path));
+  const paths = childrenIn(places, container, seen).filter((path) => !without.has(path));
   return [...paths, container].flatMap((path) => {
     const box = places.box(path);
     return box && intersects(box, seen) ? [box] : [];

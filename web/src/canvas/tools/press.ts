@@ -26,7 +26,8 @@ export interface Press extends Pointer {
 
 /** Begins with what is under the pointer. */
 export function pressing(hit: Hit | null, press: Press, around: Around): Gesture {
-  const isFar = (pointer: Pointer) => distance(pointer, press) >= DRAG_DISTANCE;
+  const least = press.isTouch ? DRAG_DISTANCE.finger : DRAG_DISTANCE.pointer;
+  const isFar = (pointer: Pointer) => distance(pointer, press) >= least;
   const still: Gesture = {
     name: "press",
     cursor: cursorAt(hit),

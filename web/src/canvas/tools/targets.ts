@@ -7,6 +7,7 @@ import { canConnect } from "../../plan/connect.ts";
 import { isRefused, type Refused, refused } from "../../plan/plan.ts";
 import { screenFromWorld, visibleBox, worldFromScreen } from "../camera.ts";
 import type { PortRef } from "../hit/look.ts";
+import { childrenIn } from "../hit/near.ts";
 import { extentOn } from "../hit/shown.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
@@ -48,7 +49,8 @@ function collect(path: string, data: boolean, around: Around, found: SeenPort[])
       found.push({ element: element as PortRef, name: port.name, at: port.at });
     }
   }
-  for (const child of places.children(path)) collect(child, data, around, found);
+  const seen = visibleBox(camera, size);
+  for (const child of childrenIn(places, path, seen)) collect(child, data, around, found);
 }
 
 /** From where to where a connection between two ports leads: people draw both ways. */
