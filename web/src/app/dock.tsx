@@ -10,10 +10,18 @@ import {
   type IDockviewPanelProps,
   themeAbyss,
 } from "dockview-react";
-import { Maximize2, Minimize2, PictureInPicture2, SquareArrowOutUpRight } from "lucide-react";
+import {
+  Ellipsis,
+  Maximize2,
+  Minimize2,
+  PanelsTopLeft,
+  PictureInPicture2,
+  SquareArrowOutUpRight,
+} from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import { shedOf } from "../store/shed.ts";
 import { IconButton } from "../ui/button.tsx";
+import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { Centre } from "./centre.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
@@ -105,43 +113,59 @@ function PanelTab({ api }: IDockviewPanelHeaderProps) {
   );
 }
 
+/** What can be done with a group of panels: one button, so that tabs keep their room. */
 function GroupActions({ api, containerApi, activePanel, group }: IDockviewHeaderActionsProps) {
-  const [place, setPlace] = useState(api.location.type);
-  const [big, setBig] = useState(api.isMaximized());
-  useEffect(() => {
-    const moved = api.onDidLocationChange((event) => setPlace(event.location.type));
-    const grown = containerApi.onDidMaximizedGroupChange(() => setBig(api.isMaximized()));
-    return () => {
-      moved.dispose();
-      grown.dispose();
-    };
-  }, [api, containerApi]);
+  const { dock } = useSession();
+  const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
   if (!activePanel) return null;
-  const isDocked = place === "grid";
+  const place = api.location.type;
+  const big = api.isMaximized();
+  const items: MenuItem[] = [
+    {
+      id: "size",
+      title: big ? "As large as before" : "As large as it can be",
+      icon: big ? <Minimize2 size={13} /> : <Maximize2 size={13} />,
+      disabled: place !== "grid",
+      run: () => (big ? api.exitMaximized() : api.maximize()),
+    },
+    {
+      id: "float",
+      title: "Float",
+      icon: <PictureInPicture2 size={13} />,
+      disabled: place === "floating",
+      run: () => containerApi.addFloatingGroup(group, FLOATING),
+    },
+    {
+      id: "window",
+      title: "Open in a window",
+      icon: <SquareArrowOutUpRight size={13} />,
+      disabled: place === "popout",
+      run: () => void containerApi.addPopoutGroup(group),
+    },
+    {
+      id: "dock",
+      title: "Dock",
+      icon: <PanelsTopLeft size={13} />,
+      disabled: place === "grid",
+      run: () => dock.peek().dock(group.panels.map(({ id }) => id)),
+    },
+    "separator",
+    { id: "close", title: `Close ${activePanel.title}`, run: () => activePanel.api.close() },
+  ];
   return (
     <div className="dock-actions">
-      {isDocked && (
-        <IconButton
-          label={big ? "Make panel smaller" : "Make panel larger"}
-          icon={big ? <Minimize2 size={13} /> : <Maximize2 size={13} />}
-          onClick={() => (big ? api.exitMaximized() : api.maximize())}
-        />
-      )}
       <IconButton
-        label={isDocked ? "Float panel" : "Dock panel"}
-        icon={<PictureInPicture2 size={13} />}
-        onClick={() => {
-          if (isDocked) containerApi.addFloatingGroup(group);
-          else api.moveTo({ position: "right" });
+        label={`Place of ${activePanel.title}`}
+        icon={<Ellipsis size={14} />}
+        onClick={(event) => {
+          const { left, bottom } = event.currentTarget.getBoundingClientRect();
+          setMenu({ x: left, y: bottom });
         }}
       />
-      {place !== "popout" && (
-        <IconButton
-          label="Open in a window"
-          icon={<SquareArrowOutUpRight size={13} />}
-          onClick={() => void containerApi.addPopoutGroup(group)}
-        />
-      )}
+      {menu && <ContextMenu label="Panel" at={menu} items={items} onClose={() => setMenu(null)} />}
     </div>
   );
 }
+
+/** Where and how large a panel floats at first, in CSS pixels. */
+const FLOATING = { width: 380, height: 520, position: { top: 80, right: 420 } };

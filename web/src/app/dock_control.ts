@@ -22,6 +22,7 @@ export class DockControl implements DockPort {
   readonly #shed: Shed;
   readonly #changes = signal(0);
   readonly #stop: () => void;
+  readonly #sizes = new Map<string, { readonly width: number; readonly height: number }>();
 
   constructor(api: DockviewApi, shed: Shed) {
     this.#api = api;
@@ -56,6 +57,20 @@ export class DockControl implements DockPort {
     there.api.setActive();
   };
 
+  dock = (ids: readonly string[]): void => {
+    for (const id of ids) {
+      const panel = this.#api.getPanel(id);
+      const side = panelOf(id)?.side;
+      if (!panel || !side) continue;
+      const [neighbour] = this.#groups(side);
+      if (neighbour) panel.api.moveTo({ group: neighbour });
+      else {
+        panel.api.close();
+        this.#add(id, side);
+      }
+    }
+  };
+
   readonly layouts: Layouts = {
     names: () => [...Object.keys(SHIPPED), ...this.layouts.own()],
     own: () => Object.keys(this.#own()),
@@ -79,12 +94,18 @@ export class DockControl implements DockPort {
     },
     toggle: (side) => this.#show(side, !this.layouts.isShown(side)),
     toggleFocus: () => {
-      const sides: readonly Side[] = ["left", "right", "bottom"];
-      const shown = !sides.some((side) => this.layouts.isShown(side));
-      for (const side of sides) this.#show(side, shown);
+      const canvas = this.#api.getPanel(CANVAS);
+      if (this.#api.hasMaximizedGroup()) this.#api.exitMaximizedGroup();
+      else if (canvas) this.#api.maximizeGroup(canvas);
     },
     panels: () => PANELS.map(({ id, title }) => ({ id, title })),
   };
+
+  /** What was folded is as large as before. */
+  #sizeAgain({ id, api }: DockviewGroupPanel): void {
+    const size = this.#sizes.get(id);
+    if (size) api.setSize(size);
+  }
 
   #own(): Readonly<Record<string, SerializedDockview>> {
     return kept(this.#shed, OWN) ?? {};
@@ -95,7 +116,12 @@ export class DockControl implements DockPort {
     if (groups.length === 0 && shown) {
       for (const panel of PANELS) if (panel.side === side) this.showPanel(panel.id);
     }
+    if (!shown) {
+      for (const { id, api } of groups)
+        this.#sizes.set(id, { width: api.width, height: api.height });
+    }
     for (const group of groups) group.api.setVisible(shown);
+    if (shown) for (const group of groups) this.#sizeAgain(group);
     this.#changes.value = this.#changes.peek() + 1;
   }
 

@@ -29,11 +29,14 @@ export interface AppSession {
 /** What the dock does for the shell. */
 export interface DockPort {
   readonly showPanel: (panel: string) => void;
+  /** Puts panels that float, or stand in a window, back to their side. */
+  readonly dock: (panels: readonly string[]) => void;
   readonly layouts: Layouts;
 }
 
 const NO_DOCK: DockPort = {
   showPanel: () => {},
+  dock: () => {},
   layouts: {
     names: () => [],
     own: () => [],

@@ -1,15 +1,15 @@
 /** Notices for some seconds at the lower edge. All of them stay in the log. */
 
 import { CircleAlert, Info, TriangleAlert, X } from "lucide-react";
-import { useEffect, useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import type { Notice } from "../store/page.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { useSession } from "./provided.tsx";
 import "./toasts.css";
 
-/** So long a notice stays, by how much it matters. Errors stay until they are closed. */
-const SHOWN_MS = { info: 5_000, warning: 10_000, error: Number.POSITIVE_INFINITY };
+/** So long a notice stays, by how much it matters; the pointer holds it. */
+const SHOWN_MS = { info: 5_000, warning: 10_000, error: 30_000 };
 const SHOWN_MAX = 4;
 
 export function Toasts() {
@@ -33,12 +33,13 @@ const ICONS = { info: Info, warning: TriangleAlert, error: CircleAlert };
 function Toast({ notice, onClose }: { notice: Notice; onClose: () => void }) {
   const { commands, context } = useSession();
   const [held, setHeld] = useState(false);
+  const last = useRef(onClose);
+  last.current = onClose;
   useEffect(() => {
-    const length_ms = SHOWN_MS[notice.level];
-    if (held || !Number.isFinite(length_ms)) return;
-    const timer = setTimeout(onClose, length_ms);
+    if (held) return;
+    const timer = setTimeout(() => last.current(), SHOWN_MS[notice.level]);
     return () => clearTimeout(timer);
-  }, [notice.level, held, onClose]);
+  }, [notice.level, held]);
   const Icon = ICONS[notice.level];
   const { action } = notice;
   return (
