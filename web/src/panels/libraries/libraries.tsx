@@ -102,8 +102,8 @@ export function Libraries() {
           }}
         />
       )}
-      {chosen && <About library={chosen} />}
-      {used && <Usages library={used} />}
+      {chosen && !used && <About library={chosen} />}
+      {used && <Usages library={used} onClose={() => setUsed(null)} />}
       {menu && (
         <ContextMenu
           label={`What can be done with ${menu.library.name}`}

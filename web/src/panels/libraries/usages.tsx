@@ -1,7 +1,9 @@
 /** Where a library is used: in open machines and in files; a click leads there. */
 
+import { X } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import type { LibraryName, LibraryUsage, LibraryUsages } from "../../model/generated/protocol.ts";
+import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { Section } from "../../ui/section.tsx";
 import { Tree } from "../../ui/tree.tsx";
@@ -17,7 +19,12 @@ interface Row {
 
 const NONE: ReadonlySet<string> = new Set();
 
-export function Usages({ library }: { readonly library: LibraryName }) {
+export interface UsagesProps {
+  readonly library: LibraryName;
+  readonly onClose: () => void;
+}
+
+export function Usages({ library, onClose }: UsagesProps) {
   const host = useHost();
   const known = useUsages(library);
   const rows = useMemo<readonly Row[]>(
@@ -29,7 +36,11 @@ export function Usages({ library }: { readonly library: LibraryName }) {
   );
   const open = ({ usage }: Row) => void goToUsage(host, usage);
   return (
-    <Section title={`Where ${library.name} is used`} count={rows.length}>
+    <Section
+      title={`Where ${library.name} is used`}
+      count={rows.length}
+      actions={<IconButton label="Close the list" icon={<X size={14} />} onClick={onClose} />}
+    >
       {known === null && <div className="libraries-soft">Looking through all machines…</div>}
       {known && "failed" in known && <div className="libraries-failed">{known.failed}</div>}
       {known && "usages" in known && rows.length === 0 && (
