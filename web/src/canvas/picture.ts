@@ -6,6 +6,7 @@ import type { ElementKey } from "../model/element.ts";
 import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
 import type { Size } from "../model/geometry.ts";
 import type { OpenTab } from "../store/page.ts";
+import { Ahead } from "./ahead.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
 import { type Colours, coloursOf } from "./paint/colours.ts";
 import { measureWith } from "./paint/measure.ts";
@@ -55,7 +56,7 @@ export interface Picture {
 /** So many ms a frame may take to find the ways of lines. */
 const ROUTING_MS = 5;
 
-const EMPTY: DrawList = { layers: [], wanted: [], unfinished: false };
+const EMPTY: DrawList = { layers: [], wanted: [], soon: [], unfinished: false };
 
 /** Puts a picture into an element, and keeps it true. */
 export function pictureIn(place: HTMLElement, options: PictureOptions): Picture {
@@ -72,6 +73,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   let frame = 0;
   let asked = new Set<string>();
   const listeners = new Set<() => void>();
+  const ahead = new Ahead();
 
   const places = () =>
     placesOf(
@@ -95,6 +97,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     performance.measure("rafcon:frame", { start: from, end: performance.now() });
     for (const path of list.wanted) load(path);
     if (list.unfinished) redraw();
+    else ahead.look(list.soon);
     for (const listener of listeners) listener();
   };
   const redraw = () => {
@@ -144,6 +147,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     },
     dispose: () => {
       cancelAnimationFrame(frame);
+      ahead.stop();
       stopFollowing();
       stopHearing();
       stopTheme();

@@ -18,6 +18,7 @@ export function connectionMarks(drawing: Drawing, spot: Spot): void {
   const alpha = fade(spot.extent, DETAIL.content);
   if (alpha === 0) return;
   if (!spot.at.hasLines && !drawing.input.mayRoute()) {
+    drawing.soon.push(spot.at);
     drawing.unfinished = true;
     return;
   }
@@ -77,11 +78,11 @@ function isFocused({ focused }: Drawing, line: Line): boolean {
 }
 
 function lineMark(spot: Spot, line: Line, look: LineLook, size: number, alpha: number): LineMark {
-  const points: number[] = new Array(line.points.length * 2);
-  let next = 0;
-  for (const point of line.points) {
-    points[next++] = spot.x + point.x * spot.scale;
-    points[next++] = spot.y + point.y * spot.scale;
+  const points: number[] = [];
+  const step = stepOf(spot, line);
+  for (let index = 0; index < line.points.length; index += step) {
+    const point = line.points[index];
+    if (point) points.push(spot.x + point.x * spot.scale, spot.y + point.y * spot.scale);
   }
   const isTransition = line.kind === "transition";
   const far = look.loud || !isTransition ? 1 : Math.min(1, Math.max(0.35, size / DETAIL.lines));
@@ -96,6 +97,12 @@ function lineMark(spot: Spot, line: Line, look: LineLook, size: number, alpha: n
     dash: false,
     alpha: alpha * far,
   };
+}
+
+/** Of a short curve every fourth point is enough. */
+function stepOf(spot: Spot, { kind, waypoints, box, points }: Line): number {
+  if (kind === "transition" || waypoints.length > 0 || points.length % 4 !== 1) return 1;
+  return Math.max(box.width, box.height) * spot.scale < 90 ? 4 : 1;
 }
 
 /** How large the state is that the line leads to; of the container's own end the one that it comes from. */

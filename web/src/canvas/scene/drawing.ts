@@ -28,6 +28,7 @@ export class Drawing {
   readonly input: SceneInput;
   readonly layers: Layer[] = [];
   readonly wanted: string[] = [];
+  readonly soon: PlacedState[] = [];
   readonly lit: ReadonlySet<ElementKey>;
   /** States that somebody looks at closely: selected, hovered, or with a selected part. */
   readonly focused: ReadonlySet<string>;

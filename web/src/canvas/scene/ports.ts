@@ -1,8 +1,10 @@
 /** Ports on the border of a state: dots that point the way, and their names where there is room. */
 
 import type { PortPlace } from "../../model/drawing.ts";
+import type { JsonValue, StateDocument } from "../../model/generated/protocol.ts";
 import { sideOf } from "../../model/geometry.ts";
-import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import { ABORTED, type PortKind, PREEMPTED, portsOf } from "../../model/machine.ts";
+import { python } from "../../model/value.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { DotShape, Ink } from "./list.ts";
@@ -113,7 +115,7 @@ function label(
   const { side } = place;
   const isUpright = side === "left" || side === "right";
   const text = cut(
-    port.name,
+    portText(drawing, spot, port),
     isUpright ? spot.width * 0.42 : 150,
     TEXT.small,
     false,
@@ -142,6 +144,25 @@ function label(
     plate: place.open ? groundInk(spot) : null,
     width,
   });
+}
+
+/** So many letters of a value are shown. */
+const VALUE = 14;
+
+/** The name, and what goes in if nothing else does. */
+function portText(drawing: Drawing, { at }: Spot, port: PortPlace): string {
+  if (!drawing.input.modes.values) return port.name;
+  if (port.kind !== "input" && port.kind !== "scoped_variable") return port.name;
+  const value = presetOf(at.state, port.kind, port.id);
+  if (value === undefined || value === null) return port.name;
+  const text = python(value);
+  return `${port.name} = ${text.length > VALUE ? `${text.slice(0, VALUE - 1)}…` : text}`;
+}
+
+/** What is set for a port: by the library state, or as its default. */
+function presetOf(state: StateDocument, kind: PortKind, id: number): JsonValue | undefined {
+  const set = state.library?.inputs?.find((value) => value.port === id && value.used);
+  return set ? set.value : portsOf(state, kind).find((port) => port.id === id)?.default;
 }
 
 function labelInk(port: PortPlace): Ink {

@@ -29,7 +29,8 @@ export function scene(input: SceneInput): DrawList {
     labelMarks(drawing);
     gestureMarks(drawing);
   }
-  return { layers: drawing.layers, wanted: drawing.wanted, unfinished: drawing.unfinished };
+  const { layers, wanted, soon, unfinished } = drawing;
+  return { layers, wanted, soon, unfinished };
 }
 
 const NOTHING: ReadonlySet<string> = new Set();
@@ -63,7 +64,10 @@ function visit(drawing: Drawing, spot: Spot, connected: ReadonlySet<string>): vo
     spot.at.eachChild(drawing.area(spot, REACH), (child) =>
       visitChild(drawing, spot, child, joined),
     );
-  } else for (const child of children) textureOf(drawing, spot, child);
+  } else {
+    if (children.length > 0 && !spot.at.hasLines) drawing.soon.push(spot.at);
+    for (const child of children) textureOf(drawing, spot, child);
+  }
   if (isAround) drawing.covering ??= spot;
   else portMarks(drawing, spot, connected, open);
 }

@@ -1,0 +1,38 @@
+/** Finds the ways of lines that will be needed soon, while the browser has nothing else to do. */
+
+import type { PlacedState } from "./tree.ts";
+
+/** Less time than this is left to others. */
+const LEAST_MS = 6;
+
+export class Ahead {
+  #open: PlacedState[] = [];
+  #asked = 0;
+
+  /** These will be needed next, and no others. */
+  look(states: readonly PlacedState[]): void {
+    this.#open = [...states];
+    if (this.#open.length > 0 && this.#asked === 0) this.#ask();
+  }
+
+  stop(): void {
+    this.#open = [];
+    if (this.#asked !== 0) cancelIdleCallback(this.#asked);
+    this.#asked = 0;
+  }
+
+  #ask(): void {
+    if (typeof requestIdleCallback === "undefined") return;
+    this.#asked = requestIdleCallback((left) => {
+      this.#asked = 0;
+      while (left.timeRemaining() > LEAST_MS && this.#open.length > 0) this.#next();
+      if (this.#open.length > 0) this.#ask();
+    });
+  }
+
+  /** Asks for the lines, which the state then keeps. */
+  #next(): void {
+    const state = this.#open.shift();
+    void state?.lines;
+  }
+}
