@@ -32,9 +32,16 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
   const commit = async (step: CellStep = 0) => {
     if (over.current) return;
     if (text === value) return stop(step);
-    const fault = check(text) ?? (await onCommit(text)) ?? null;
+    const fault = check(text) ?? (await answered(step)) ?? null;
     if (fault === null) stop(step);
     else setRefusal(fault);
+  };
+  // Who goes on to another cell types there already: only what is refused at once, or asked about, keeps them here.
+  const answered = async (step: CellStep) => {
+    const answer = onCommit(text);
+    if (step === 0) return answer;
+    const first = await Promise.race([answer, soon()]);
+    return first === LATER ? (isAsked(input.current) ? answer : null) : first;
   };
   return (
     <>
@@ -77,6 +84,19 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
       )}
     </>
   );
+}
+
+const LATER = Symbol("later");
+
+/** After everything that is decided at once. */
+function soon(): Promise<typeof LATER> {
+  return new Promise((resolve) => setTimeout(() => resolve(LATER), 0));
+}
+
+/** Whether a dialog over the cell asks for something. */
+function isAsked(cell: HTMLElement | null): boolean {
+  const dialogs = [...(cell?.ownerDocument.querySelectorAll("dialog[open]") ?? [])];
+  return dialogs.some((dialog) => !dialog.contains(cell));
 }
 
 interface SaidProps {
