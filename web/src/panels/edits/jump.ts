@@ -13,7 +13,7 @@ export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): P
   }
   const yes = await shell.confirm({
     title: "Take steps of others away?",
-    text: `${capital(answer.refused)}.`,
+    text: `${capital(whatGoes(answer.refused))}. You can undo this afterwards.`,
     yes: "Go there anyway",
     no: "Stay",
     danger: true,
@@ -23,6 +23,11 @@ export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): P
   if ("refused" in again) {
     page.tell({ level: "warning", text: `Not gone to that step: ${again.refused}` });
   }
+}
+
+/** `this takes 1 step of anna away`, without what programs are told to do about it. */
+function whatGoes(refusal: string): string {
+  return refusal.split(":")[0] ?? refusal;
 }
 
 function capital(text: string): string {

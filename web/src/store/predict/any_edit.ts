@@ -3,6 +3,7 @@
 import type { Edit, Goal, PortList, StateDocument } from "../../model/generated/protocol.ts";
 import {
   dataFlowsOf,
+  isContainer as holdsStates,
   type Machine,
   outcomesOf,
   type PortKind,
@@ -69,6 +70,12 @@ function end(state: StateDocument, machine: Machine, pick: Pick) {
 
 function next(list: readonly { readonly id: number }[]): number {
   return Math.max(0, ...list.map((each) => each.id)) + 1;
+}
+
+/** The state, and perhaps a sibling. */
+function someIds(machine: Machine, path: string, pick: Pick): string[] {
+  const sibling = one(machine.children(parentOf(path) ?? path), pick);
+  return [...new Set([path, ...(sibling && pick(2) > 0 ? [sibling] : [])])].map(idOf);
 }
 
 function name(pick: Pick): string {
@@ -217,6 +224,32 @@ const MAKERS: readonly Maker[] = [
       { path: "IN", name: name(pick), kind: "hierarchy", outcomes: [{ id: 0, name: "success" }] },
       { path: "IN/A", name: "A", kind: "execution" },
     ],
+  }),
+  ({ path }, machine, pick) => ({
+    edit: "move_states",
+    path: parentOf(path) ?? machine.root,
+    states: someIds(machine, path, pick),
+    to: one([...machine.paths()], pick) ?? machine.root,
+    ids: pick(2) > 0 ? [] : [`MOVED${pick(30)}`],
+  }),
+  ({ path }, machine, pick) => ({
+    edit: "paste",
+    path,
+    selection: {
+      container: machine.root,
+      states: machine
+        .children(machine.root)
+        .slice(0, 2)
+        .flatMap((child) => machine.state(child) ?? [])
+        .filter((state) => !holdsStates(state) && !state.library)
+        .map((state) => ({ ...state, path: idOf(state.path) })),
+    },
+    ids: [`COPY${pick(99)}`, `COPY${100 + pick(99)}`],
+  }),
+  ({ path }, _, pick) => ({
+    edit: "set_id",
+    path,
+    id: pick(5) > 0 ? `ID${pick(30)}` : idOf(path),
   }),
   ({ path }, machine) => ({
     edit: "remove_state",

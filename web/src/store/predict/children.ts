@@ -14,7 +14,7 @@ import { placed, withList } from "../lists.ts";
 import { drop, nextTransition } from "./connections.ts";
 import type { Draft } from "./draft.ts";
 
-const DECIDER = "unique_decider_state_id";
+export const DECIDER = "unique_decider_state_id";
 const MANDATORY: readonly OutcomeDocument[] = [
   { id: PREEMPTED, name: "preempted" },
   { id: ABORTED, name: "aborted" },
@@ -56,7 +56,7 @@ function newDecider(path: string): StateDocument {
 }
 
 /** In a barrier, what a child can end with leads to the decider. */
-function lead(draft: Draft, parent: StateDocument, child: StateDocument): void {
+export function lead(draft: Draft, parent: StateDocument, child: StateDocument): void {
   const hasDecider = draft.state(childPath(parent.path, DECIDER)) !== undefined;
   if (parent.kind !== "barrier" || !hasDecider || child.path === DECIDER) return;
   let state = parent;
@@ -74,7 +74,7 @@ function lead(draft: Draft, parent: StateDocument, child: StateDocument): void {
   draft.put(state);
 }
 
-function remove(draft: Draft, path: string, id: string): boolean {
+export function remove(draft: Draft, path: string, id: string): boolean {
   const parent = draft.state(path);
   const child = draft.state(childPath(path, id));
   if (!parent || !child || child.kind === "decider" || id === idOf(path)) return false;

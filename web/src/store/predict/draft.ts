@@ -2,7 +2,7 @@
 
 import type { HeaderDocument, StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
-import { lineage } from "../../model/path.ts";
+import { isWithin, lineage } from "../../model/path.ts";
 
 export type Write =
   | { readonly put: StateDocument }
@@ -35,6 +35,19 @@ export class Draft {
     if (own) return own;
     if (lineage(path).some((outer) => this.#states.get(outer) === null)) return undefined;
     return this.#machine.isInLibrary(path) ? undefined : this.#machine.state(path);
+  }
+
+  /** The state and all inside it, but for libraries. */
+  inside(path: string): readonly StateDocument[] {
+    const paths = new Set<string>();
+    const open = [path];
+    for (let next = open.pop(); next !== undefined; next = open.pop()) {
+      if (this.#machine.isInLibrary(next)) continue;
+      paths.add(next);
+      open.push(...this.#machine.children(next));
+    }
+    for (const written of this.#states.keys()) if (isWithin(written, path)) paths.add(written);
+    return [...paths].flatMap((each) => this.state(each) ?? []);
   }
 
   put(state: StateDocument): void {

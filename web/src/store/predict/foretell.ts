@@ -6,6 +6,7 @@ import { children } from "./children.ts";
 import { connections } from "./connections.ts";
 import { Draft, type Write } from "./draft.ts";
 import { ownInterface } from "./interface.ts";
+import { moved } from "./moved.ts";
 import { own } from "./own.ts";
 import { places } from "./places.ts";
 
@@ -15,7 +16,7 @@ export function foretell(machine: Machine, edit: Edit): readonly Write[] | null 
   return write(draft, edit) ? draft.writes : null;
 }
 
-const KINDS = [own, ownInterface, connections, places, children];
+const KINDS = [own, ownInterface, connections, places, children, moved];
 
 function write(draft: Draft, edit: Edit): boolean {
   if (edit.edit === "batch") return edit.edits.every((each) => write(draft, each));
