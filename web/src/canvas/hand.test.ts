@@ -21,6 +21,8 @@ const act = fc.oneof(
   }),
   fc.record({ act: fc.constant("connect" as const) }),
   fc.record({ act: fc.constant("bring" as const), point }),
+  fc.record({ act: fc.constant("touch" as const), point, finger: fc.constantFrom(1, 2) }),
+  fc.record({ act: fc.constant("lift" as const), finger: fc.constantFrom(1, 2) }),
   fc.record({ act: fc.constant("click" as const), point, keys }),
 );
 
@@ -33,6 +35,8 @@ function perform(canvas: Driver, each: Act): void {
   else if (each.act === "key") canvas.key(each.key, each.keys);
   else if (each.act === "turn") canvas.turn(each.point, { deltaY: each.delta });
   else if (each.act === "connect") canvas.hand.connect();
+  else if (each.act === "touch") canvas.press(each.point, {}, { touch: each.finger });
+  else if (each.act === "lift") canvas.release(each.finger);
   else if (each.act === "bring") canvas.bring({ insert: "execution" }, each.point);
   else canvas.click(each.point, each.keys);
 }
@@ -42,7 +46,7 @@ test("whatever the hand does, nothing throws and no gesture leaves anything behi
     fc.asyncProperty(fc.array(act, { maxLength: 30 }), async (acts) => {
       const canvas = driver();
       for (const each of acts) perform(canvas, each);
-      canvas.release();
+      canvas.release(1).release(2).release();
       canvas.hand.cancel();
       await canvas.answered();
       expect(canvas.isClear()).toBe(true);

@@ -5,6 +5,7 @@ import { signal } from "@preact/signals-core";
 import { elementOf, keyOf } from "../../model/element.ts";
 import type { Edit } from "../../model/generated/protocol.ts";
 import { centre, type Point } from "../../model/geometry.ts";
+import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/sketch.ts";
 import type { Dragged } from "../../store/dragged.ts";
 import { Mirror } from "../../store/mirror.ts";
@@ -41,8 +42,9 @@ export class PlainRoom implements Room {
   readonly problems = signal([]);
   readonly made: { readonly name: string; readonly edit: Edit }[] = [];
 
-  constructor(text: string) {
-    this.machine = new Mirror(sketch(text), () => undefined);
+  constructor(text: string, library: string | null = null) {
+    const content = library === null ? undefined : machineOf(sketch(library));
+    this.machine = new Mirror(sketch(text), () => content);
   }
 
   readonly onChange = () => () => {};
@@ -74,8 +76,8 @@ export class Driver {
   #at: Point = { x: 0, y: 0 };
   #keys: Keys = {};
 
-  constructor(text: string) {
-    this.room = new PlainRoom(text);
+  constructor(text: string, library: string | null) {
+    this.room = new PlainRoom(text, library);
     this.hand = new Hand({
       tab: { room: this.room, view: this.view },
       size: () => ({ width: 1000, height: 800 }),
@@ -97,7 +99,10 @@ export class Driver {
     if (typeof where !== "string") return where;
     const [name = "", port] = where.split(".");
     const { machine } = this.room;
-    const path = [...machine.paths()].find((each) => each === name || each.endsWith(`/${name}`));
+    const paths = [name, ...machine.paths()];
+    const path = paths.find(
+      (each) => machine.state(each) && (each === name || each.endsWith(`/${name}`)),
+    );
     const box = path === undefined ? undefined : this.hand.places().box(path);
     if (path === undefined || !box) throw new Error(`no state ${where}`);
     if (port === undefined) return screenFromWorld(this.view.camera.value, centre(box));
@@ -229,8 +234,9 @@ export class Driver {
   }
 }
 
-export function driver(text: string = ARM): Driver {
-  return new Driver(text);
+/** All libraries of the machine, if it has any, are the one in the second text. */
+export function driver(text: string = ARM, library: string | null = null): Driver {
+  return new Driver(text, library);
 }
 
 /** A machine for tests, drawn one to one on the screen. */
