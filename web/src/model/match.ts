@@ -26,31 +26,45 @@ const BEGINS_WORD = 60;
 const INSIDE = 30;
 const SCATTERED = 5;
 
-/** Null if not every word is there. `loose`: letters may also stand apart, in order (`fmg` finds Fetch the mug). */
-export function match(query: Query, text: string, loose = false): Match | null {
-  const lower = text.toLowerCase();
+/** How well it fits, without where; -1 if not every word is there. `lower` is the text in small letters. `loose`: letters may
+ * also stand apart, in order (`fmg` finds Fetch the mug). */
+export function scoreOf(query: Query, text: string, lower: string, loose = false): number {
   let score = 0;
-  const spans: Span[] = [];
+  let letters = 0;
   for (const word of query.words) {
-    const found = placeOf(word, lower, text) ?? (loose ? scattered(word, lower) : null);
-    if (!found) return null;
-    score += found.score;
-    spans.push(...found.spans);
+    const at = bestPlace(word, text, lower);
+    letters += word.length;
+    if (at >= 0) score += at === 0 ? BEGINS_TEXT : beginsWord(text, at) ? BEGINS_WORD : INSIDE;
+    else if (loose && isScattered(word, lower)) score += SCATTERED;
+    else return -1;
   }
-  const exact = lower.length === spans.reduce((sum, { length }) => sum + length, 0);
-  return { score: score + (exact ? 40 : 0) - Math.min(20, text.length / 10), spans: joined(spans) };
+  const exact = letters === text.length ? EXACT : 0;
+  return score + exact + Math.max(0, LENGTH_MAX - text.length) / 10;
 }
 
-function placeOf(word: string, lower: string, text: string): Match | null {
+const EXACT = 40;
+const LENGTH_MAX = 200;
+
+/** The same with where; null if not every word is there. */
+export function match(query: Query, text: string, loose = false): Match | null {
+  const lower = text.toLowerCase();
+  const score = scoreOf(query, text, lower, loose);
+  if (score < 0) return null;
+  const spans = query.words.flatMap((word): Span[] => {
+    const start = bestPlace(word, text, lower);
+    return start < 0 ? scattered(word, lower) : [{ start, length: word.length }];
+  });
+  return { score, spans: joined(spans) };
+}
+
+/** Where the word stands: where a word begins if it does so anywhere. */
+function bestPlace(word: string, text: string, lower: string): number {
   const first = lower.indexOf(word);
-  if (first < 0) return null;
-  if (first === 0) return { score: BEGINS_TEXT, spans: [{ start: 0, length: word.length }] };
+  if (first <= 0) return first;
   for (let at = first; at >= 0; at = lower.indexOf(word, at + 1)) {
-    if (beginsWord(text, at)) {
-      return { score: BEGINS_WORD, spans: [{ start: at, length: word.length }] };
-    }
+    if (beginsWord(text, at)) return at;
   }
-  return { score: INSIDE, spans: [{ start: first, length: word.length }] };
+  return first;
 }
 
 /** After something that is no letter, or where small letters end: `grab|Object`. */
@@ -60,16 +74,21 @@ function beginsWord(text: string, at: number): boolean {
   return /\p{Ll}/u.test(before) && /\p{Lu}/u.test(here);
 }
 
-function scattered(word: string, lower: string): Match | null {
-  const spans: Span[] = [];
+function isScattered(word: string, lower: string): boolean {
   let at = -1;
   for (const letter of word) {
     at = lower.indexOf(letter, at + 1);
-    if (at < 0) return null;
-    spans.push({ start: at, length: 1 });
+    if (at < 0) return false;
   }
-  const wide = (spans.at(-1)?.start ?? 0) - (spans[0]?.start ?? 0);
-  return { score: SCATTERED - Math.min(4, wide / 10), spans };
+  return true;
+}
+
+function scattered(word: string, lower: string): Span[] {
+  let at = -1;
+  return [...word].map((letter) => {
+    at = lower.indexOf(letter, at + 1);
+    return { start: at, length: letter.length };
+  });
 }
 
 /** In order, without overlaps. */

@@ -4,7 +4,7 @@
 import type { ElementRef } from "./element.ts";
 import type { PortDocument, StateDocument } from "./generated/protocol.ts";
 import { type Machine, outcomesOf, type PortKind, portsOf } from "./machine.ts";
-import { type Match, match, type Query, queryOf, type Span } from "./match.ts";
+import { type Match, match, type Query, queryOf, type Span, scoreOf } from "./match.ts";
 import { idOf } from "./path.ts";
 import { python } from "./value.ts";
 
@@ -106,7 +106,7 @@ function read(state: StateDocument): readonly Text[] {
       const part = { kind, id: port.id };
       add(kind, port.name, part);
       add("type", port.data_type, part);
-      add("value", valueOf(state, kind, port), part);
+      add("value", valueText(state, kind, port), part);
     }
   }
   if (state.library) add("library", `${state.library.path}/${state.library.name}`);
@@ -115,7 +115,7 @@ function read(state: StateDocument): readonly Text[] {
 }
 
 /** The default, or what a library state sets instead. */
-function valueOf(state: StateDocument, kind: PortKind, port: PortDocument): string | null {
+function valueText(state: StateDocument, kind: PortKind, port: PortDocument): string | null {
   const values = kind === "input" ? state.library?.inputs : state.library?.outputs;
   const set = values?.find((value) => value.port === port.id && value.used);
   const value = set ? set.value : port.default;
@@ -136,40 +136,75 @@ export interface Found {
   readonly total: number;
 }
 
+/** A place that fits; where exactly is looked for only if it is shown. */
+interface Candidate {
+  readonly path: string;
+  readonly text: Text;
+  readonly score: number;
+}
+
 /** Looks for a text everywhere in a machine, also in content of libraries that is here. */
 export function search(machine: Machine, text: string, options: SearchOptions): Found {
   const query = queryOf(text);
   if (query.words.length === 0) return { hits: [], total: 0 };
-  const hits: Hit[] = [];
+  const best = new Best();
   const pending = [machine.root];
   for (let path = pending.pop(); path !== undefined; path = pending.pop()) {
     const state = machine.state(path);
     if (!state) continue;
     for (const text of textsOf(state)) {
       if (options.scope && SCOPES[text.field] !== options.scope) continue;
-      const hit = hitIn(query, text, path);
-      if (hit) hits.push(hit);
+      const score = scoreIn(query, text);
+      if (score >= 0) best.add({ path, text, score });
     }
-    for (const child of machine.children(path)) pending.push(child);
+    const children = machine.children(path);
+    for (let index = children.length - 1; index >= 0; index--) {
+      const child = children[index];
+      if (child !== undefined) pending.push(child);
+    }
   }
-  hits.sort((one, other) => other.score - one.score || compare(one, other));
-  return { hits: hits.slice(0, options.count), total: hits.length };
+  const hits = best.first(options.count).flatMap((candidate) => hitAt(query, candidate) ?? []);
+  return { hits, total: best.total };
 }
 
-function compare(one: Hit, other: Hit): number {
-  return one.element.path < other.element.path ? -1 : 1;
+/** Candidates by their score, so that only those that are shown have to be sorted. */
+class Best {
+  readonly #byScore: Candidate[][] = [];
+  total = 0;
+
+  add(candidate: Candidate): void {
+    const score = Math.floor(candidate.score);
+    const known = this.#byScore[score];
+    if (known) known.push(candidate);
+    else this.#byScore[score] = [candidate];
+    this.total++;
+  }
+
+  first(count: number): readonly Candidate[] {
+    const found: Candidate[] = [];
+    for (let score = this.#byScore.length - 1; score >= 0 && found.length < count; score--) {
+      const equal = this.#byScore[score] ?? [];
+      found.push(...equal.slice(0, count - found.length));
+    }
+    return found;
+  }
 }
 
 const LONG: ReadonlySet<SearchField> = new Set(["script", "description"]);
+const ANYWHERE = 30;
 
-function hitIn(query: Query, { field, text, lower, part }: Text, path: string): Hit | null {
-  const isThere = query.words.every((word) => lower.includes(word));
-  const loose = field === "name";
-  if (!isThere && !loose) return null;
-  const element: ElementRef = part ? { ...part, path } : { kind: "state", path };
-  const found = LONG.has(field) ? lineWith(query, text) : whole(match(query, text, loose), text);
+function scoreIn(query: Query, { field, text, lower }: Text): number {
+  if (!LONG.has(field)) {
+    const score = scoreOf(query, text, lower, field === "name");
+    return score < 0 ? score : score + WEIGHTS[field];
+  }
+  return query.words.every((word) => lower.includes(word)) ? ANYWHERE + WEIGHTS[field] : -1;
+}
+
+function hitAt(query: Query, { path, text: { field, text, part }, score }: Candidate): Hit | null {
+  const found = LONG.has(field) ? lineWith(query, text) : whole(match(query, text, true), text);
   if (!found) return null;
-  const score = found.match.score + WEIGHTS[field];
+  const element: ElementRef = part ? { ...part, path } : { kind: "state", path };
   return { field, element, text: found.text, spans: found.match.spans, line: found.line, score };
 }
 

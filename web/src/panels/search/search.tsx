@@ -2,7 +2,15 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import { SearchX, Search as Sign } from "lucide-react";
-import { type KeyboardEvent, type ReactNode, useEffect, useMemo, useRef, useState } from "react";
+import {
+  type KeyboardEvent,
+  type ReactNode,
+  useDeferredValue,
+  useEffect,
+  useMemo,
+  useRef,
+  useState,
+} from "react";
 import { namesTo } from "../../model/machine.ts";
 import type { SearchField, SearchScope } from "../../model/search.ts";
 import type { OpenTab } from "../../store/page.ts";
@@ -44,6 +52,7 @@ export function Search() {
   const active = useActiveTab();
   const open = useSignal(page.tabs);
   const wanted = useSignal(WANTED);
+  const text = useDeferredValue(wanted.text);
   const place = useRef<HTMLDivElement>(null);
   useKeyboard(place);
   const tabs = useMemo(
@@ -53,8 +62,8 @@ export function Search() {
   const version = useVersions(tabs);
   // biome-ignore lint/correctness/useExhaustiveDependencies: machines stay the same objects; their versions tell of changes
   const found = useMemo(
-    () => resultsIn(tabs, wanted.text, wanted.scope),
-    [tabs, wanted.text, wanted.scope, version],
+    () => resultsIn(tabs, text, wanted.scope),
+    [tabs, text, wanted.scope, version],
   );
   const change = (more: Partial<Wanted>) => {
     WANTED.value = { ...WANTED.peek(), ...more };
@@ -88,12 +97,7 @@ export function Search() {
           />
         )}
       </div>
-      <List
-        results={found.results}
-        total={found.total}
-        text={wanted.text}
-        several={tabs.length > 1}
-      />
+      <List results={found.results} total={found.total} text={text} several={tabs.length > 1} />
     </div>
   );
 }
