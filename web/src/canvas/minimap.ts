@@ -13,7 +13,7 @@ import type { Picture } from "./picture.ts";
 import { PLAIN } from "./scene/input.ts";
 import { scene } from "./scene/scene.ts";
 
-const SIZE: Size = { width: 200, height: 124 };
+const SIZE: Size = { width: 168, height: 104 };
 /** The small picture is drawn so much larger, for its detail, and then made smaller. */
 const FINER = 4;
 const MARGIN = 6;

@@ -62,16 +62,22 @@ export function coloursOf(element: Element): Colours {
   for (const [ink, variable] of Object.entries(VARIABLES)) {
     colours[ink] = style.getPropertyValue(variable).trim() || "#888888";
   }
-  const outer = rgb(style.getPropertyValue("--canvas-state"));
-  const inner = rgb(style.getPropertyValue("--canvas-state-deep"));
-  for (let depth = 0; depth < DEPTHS; depth++) {
-    const part = 1 - 0.72 ** depth;
-    const mixed = outer.map((value, index) =>
-      Math.round(value + ((inner[index] ?? value) - value) * part),
-    );
-    colours[`shade${depth}`] = `rgb(${mixed.join(" ")})`;
-  }
+  const outer = style.getPropertyValue("--canvas-state");
+  const inner = style.getPropertyValue("--canvas-state-deep");
+  for (const [depth, colour] of shades(outer, inner).entries()) colours[`shade${depth}`] = colour;
   return colours;
+}
+
+/** The ground of states by depth: from one `#rrggbb` towards another, in smaller and smaller steps. */
+export function shades(outer: string, inner: string): readonly string[] {
+  const [from, to] = [rgb(outer), rgb(inner)];
+  return Array.from({ length: DEPTHS }, (_, depth) => {
+    const part = 1 - 0.72 ** depth;
+    const mixed = from.map((value, index) =>
+      Math.round(value + ((to[index] ?? value) - value) * part),
+    );
+    return `#${mixed.map((value) => value.toString(16).padStart(2, "0")).join("")}`;
+  });
 }
 
 /** Red, green and blue of `#rrggbb`. */

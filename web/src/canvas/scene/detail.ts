@@ -31,8 +31,8 @@ export function extent({ width, height }: Size): number {
   return Math.min(Math.sqrt(width * height), 2.5 * Math.min(width, height));
 }
 
-/** From a third at `from` to all of it a little later: what is there can be read. */
+/** From the better half at `from` to all of it a little later: what is there can be read. */
 export function fade(size: number, from: number): number {
   if (size < from) return 0;
-  return Math.min(1, 0.35 + (size - from) / (from * 0.15));
+  return Math.min(1, 0.6 + (size - from) / (from * 0.15));
 }

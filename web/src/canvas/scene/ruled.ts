@@ -22,7 +22,7 @@ export function ruledMarks(drawing: Drawing): void {
 }
 
 /** One, two or five of a power of ten: units of the root between two lines. */
-function stepFor(scale: number): number {
+export function stepFor(scale: number): number {
   const least = PITCH / scale;
   const ten = 10 ** Math.floor(Math.log10(least));
   return [1, 2, 5, 10].map((times) => times * ten).find((step) => step >= least) ?? 10 * ten;
