@@ -4,6 +4,7 @@ import { type Box, intersects, type Point } from "../../model/geometry.ts";
 import { visibleBox } from "../camera.ts";
 import { childrenIn } from "../hit/near.ts";
 import type { Overlay } from "../overlay.ts";
+import { stepFor } from "../scene/ruled.ts";
 import type { Around } from "./gesture.ts";
 
 export type Guides = Overlay["guides"];
@@ -38,7 +39,7 @@ interface Fit {
 /** Which lines of the box count: its start, middle and end along each axis. */
 export type Lines = readonly (0 | 0.5 | 1)[];
 
-/** How far a box must go to line up with others, and the lines that say so. */
+/** How far a box must go to line up with others, or else with the grid if that shows, and the lines that say so. */
 export function snapped(
   box: Box,
   others: readonly Box[],
@@ -48,12 +49,23 @@ export function snapped(
   const reach = SNAP / around.camera.scale;
   const x = best(box, others, "x", lines.x, reach);
   const y = best(box, others, "y", lines.y, reach);
-  const by = { x: x?.by ?? 0, y: y?.by ?? 0 };
+  const by = {
+    x: x?.by ?? toRuled(box, "x", lines.x, around),
+    y: y?.by ?? toRuled(box, "y", lines.y, around),
+  };
   const there = { ...box, x: box.x + by.x, y: box.y + by.y };
   const guides: Guides[number][] = [];
   if (x) guides.push(guide(there, x, "x"));
   if (y) guides.push(guide(there, y, "y"));
   return { by, guides };
+}
+
+/** How far the first line of a box is from the nearest ruled one, if those show. */
+function toRuled(box: Box, axis: Axis, [line]: Lines, { look, camera }: Around): number {
+  if (!look.modes.grid || line === undefined) return 0;
+  const step = stepFor(camera.scale);
+  const at = box[axis] + box[axis === "x" ? "width" : "height"] * line;
+  return Math.round(at / step) * step - at;
 }
 
 function best(

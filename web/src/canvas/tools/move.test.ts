@@ -85,3 +85,11 @@ test("Ctrl and arrows move by a step, with Alt by a small one", () => {
   expect(canvas.box("A")).toBe("64 100 200 150");
   expect(canvas.key("ArrowUp", { alt: true }).box("A")).toBe("64 98.6 200 150");
 });
+
+test("where the grid shows, states stand on it", () => {
+  const canvas = driver();
+  canvas.view.modes.value = { ...canvas.view.modes.value, grid: true };
+  expect(canvas.press("A").by(33, 57).release().box("A")).toBe("100 150 200 150");
+  canvas.press("A").by(33, 57, { ctrl: true }).release();
+  expect(canvas.box("A")).toBe("133 207 200 150");
+});
