@@ -14,6 +14,7 @@ import { outcomesOf, portsOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
+import { rename as renamePlan } from "../plan/states.ts";
 import type { Dragged } from "../store/dragged.ts";
 import type { OpenTab } from "../store/page.ts";
 import { wasRefused } from "../store/room.ts";
@@ -209,7 +210,7 @@ export class Hand {
     const hit = this.at(pointer);
     if (!hit) return;
     const { path } = hit.element;
-    if (hit.on === "name") this.#desk.rename(path);
+    if (hit.on === "name") this.rename(path);
     else if (hit.on === "state" || hit.on === "grip") this.fit([path]);
   }
 
@@ -308,9 +309,15 @@ export class Hand {
 
   /** Begins to change the name of a state, in place; brings it into sight if it is not. */
   rename(path: string): void {
-    const box = this.places().box(path);
-    if (!box) return;
-    const { camera } = this.#desk.tab.view;
+    const { room, view } = this.#desk.tab;
+    const [state, box] = [room.machine.state(path), this.places().box(path)];
+    if (!state || !box) return;
+    const same = renamePlan(room.machine, path, state.name);
+    if (isRefused(same) && room.machine.isInLibrary(path)) {
+      this.#desk.refuse(same.refused);
+      return;
+    }
+    const { camera } = view;
     const size = this.#desk.size();
     const isSeen = intersects(box, visibleBox(camera.peek(), size));
     const isNamed = extentOn(camera.peek(), box) >= DETAIL.name;

@@ -22,7 +22,9 @@ test("the line snaps to a port that is near", () => {
 });
 
 test("a data flow is drawn the other way round too", () => {
-  const canvas = driver().press("B.pose").drag("A.pose").release();
+  const canvas = driver().press("B.pose").drag("A.pose");
+  expect(canvas.hand.overlay.value.message?.text).toBe("To output pose of Scan, type int");
+  canvas.release();
   expect(canvas.text()).toContain(
     'add_data_flow R 0 {"state":"A","port":0} {"state":"B","port":0}',
   );

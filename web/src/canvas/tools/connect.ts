@@ -8,6 +8,7 @@ import { idOf, isWithin, parentOf } from "../../model/path.ts";
 import { connect, connectToState } from "../../plan/connect.ts";
 import { isRefused, type Plan, type Planned, together } from "../../plan/plan.ts";
 import { screenBox, screenFromWorld, visibleBox } from "../camera.ts";
+import { described } from "../describe.ts";
 import { gripAt, statesAt } from "../hit/hit.ts";
 import type { PortRef } from "../hit/look.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
@@ -154,7 +155,7 @@ function atPort(seen: Seen, port: SeenPort, around: Around): Aim {
     to: port.at,
     legal: true,
     target: key,
-    message: null,
+    message: isData(port.element) ? `To ${described(around.machine, port.element)}` : null,
     plan: () => (ends ? connect(around.machine, ends.from, ends.to) : null),
   };
 }

@@ -57,3 +57,8 @@ test("a line inside a library is selected, and makes no waypoints", () => {
   canvas.select("transition:R/L/G:1");
   expect(canvas.hand.at(from)?.on).not.toBe("end");
 });
+
+test("a name inside a library is refused before it is typed", () => {
+  const canvas = opened().doubleClick("R/L/G/M");
+  expect([canvas.renamed, canvas.refusals.length]).toEqual([[], 1]);
+});
