@@ -90,6 +90,7 @@ export class DockControl implements DockPort {
     },
     isShown: (side) => {
       this.#changes.value;
+      if (this.#api.hasMaximizedGroup()) return false;
       return this.#groups(side).some((group) => group.api.isVisible);
     },
     toggle: (side) => this.#show(side, !this.layouts.isShown(side)),
@@ -112,6 +113,7 @@ export class DockControl implements DockPort {
   }
 
   #show(side: Side, shown: boolean): void {
+    if (this.#api.hasMaximizedGroup()) this.#api.exitMaximizedGroup();
     const groups = this.#groups(side);
     if (groups.length === 0 && shown) {
       for (const panel of PANELS) if (panel.side === side) this.showPanel(panel.id);

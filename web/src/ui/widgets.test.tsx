@@ -1,0 +1,151 @@
+// @vitest-environment happy-dom
+import { afterEach, expect, test, vi } from "vitest";
+import { TextField } from "./field.tsx";
+import { ContextMenu } from "./menu.tsx";
+import { byRole, click, mount, press, settled, type, unmount } from "./mounted.tsx";
+import { Section } from "./section.tsx";
+import { Table } from "./table.tsx";
+import { Tree } from "./tree.tsx";
+
+afterEach(unmount);
+
+function field(commit: (text: string) => string | null | Promise<string | null>) {
+  const place = mount(<TextField label="Name" value="old" onCommit={commit} />);
+  return place.querySelector("input");
+}
+
+test("a field commits on Enter, once, and only if the text is another one", async () => {
+  const commit = vi.fn(() => null);
+  const input = field(commit);
+  press(input, "Enter");
+  expect(commit).not.toHaveBeenCalled();
+  await type(input, "new");
+  press(input, "Enter");
+  await settled();
+  press(input, "Enter");
+  await settled();
+  expect(commit.mock.calls).toEqual([["new"]]);
+});
+
+test("a refused text stays, says why, and Escape brings back what was", async () => {
+  const input = field(() => "There is a state of this name already.");
+  await type(input, "taken");
+  press(input, "Enter");
+  await settled();
+  expect(input?.value).toBe("taken");
+  expect(input?.getAttribute("aria-invalid")).toBe("true");
+  expect(document.querySelector("[role=alert]")?.textContent).toContain("already");
+  press(input, "Escape");
+  expect(input?.value).toBe("old");
+  expect(document.querySelector("[role=alert]")).toBeNull();
+});
+
+test("what was typed is committed when the field goes away", async () => {
+  const commit = vi.fn(() => null);
+  await type(field(commit), "new");
+  unmount();
+  await settled();
+  expect(commit.mock.calls).toEqual([["new"]]);
+});
+
+test("a section folds and says so", () => {
+  const place = mount(
+    <Section title="Ports" count={2}>
+      inside
+    </Section>,
+  );
+  const head = place.querySelector("button");
+  expect(head?.getAttribute("aria-expanded")).toBe("true");
+  click(head);
+  expect(head?.getAttribute("aria-expanded")).toBe("false");
+  expect(place.textContent).not.toContain("inside");
+});
+
+test("a menu is walked by arrows, leaves out nothing, and does not do what cannot be done", () => {
+  const [done, closed] = [vi.fn(), vi.fn()];
+  mount(
+    <ContextMenu
+      label="State"
+      at={{ x: 0, y: 0 }}
+      onClose={closed}
+      items={[
+        { id: "a", title: "Add", run: () => done("a") },
+        "separator",
+        { id: "b", title: "Break", disabled: true, run: () => done("b") },
+        { id: "c", title: "More", items: [{ id: "d", title: "Deep", run: () => done("d") }] },
+      ]}
+    />,
+  );
+  const [menu] = byRole(document, "menu");
+  const now = () => document.activeElement?.textContent;
+  expect(now()).toBe("Add");
+  press(document.activeElement, "ArrowDown");
+  expect(now()).toBe("Break");
+  click(document.activeElement);
+  expect(closed).not.toHaveBeenCalled();
+  press(document.activeElement, "m");
+  press(document.activeElement, "ArrowRight");
+  expect(now()).toBe("Deep");
+  click(document.activeElement);
+  expect(done.mock.calls).toEqual([["d"]]);
+  expect(closed).toHaveBeenCalledOnce();
+  press(menu ?? null, "Escape");
+  expect(closed).toHaveBeenCalledTimes(2);
+});
+
+const NUMBERS = Array.from({ length: 5_000 }, (_, index) => `row ${index}`);
+
+test("a long tree makes only what is in sight, and the keyboard selects", () => {
+  const select = vi.fn();
+  const place = mount(
+    <Tree
+      label="Rows"
+      roots={NUMBERS}
+      id={(node) => node}
+      childrenOf={() => null}
+      text={(node) => node}
+      expanded={new Set()}
+      onExpand={() => {}}
+      onSelect={select}
+    />,
+  );
+  const [tree] = byRole(place, "tree");
+  const rows = byRole(place, "treeitem");
+  expect(rows.length).toBeGreaterThan(5);
+  expect(rows.length).toBeLessThan(60);
+  expect(rows[0]?.getAttribute("aria-setsize")).toBe("5000");
+  press(tree ?? null, "ArrowDown");
+  press(tree ?? null, "ArrowDown");
+  expect(select.mock.calls.map(([node]) => node)).toEqual(["row 1", "row 2"]);
+});
+
+test("a cell is edited in place, and what is refused stays in it", async () => {
+  const commit = vi.fn((_: string, text: string) => (text === "bad" ? "No." : null));
+  const place = mount(
+    <Table
+      label="Ports"
+      rows={["one", "two"]}
+      id={(row) => row}
+      columns={[
+        { key: "name", title: "Name", cell: (row) => row, edit: { value: (row) => row, commit } },
+      ]}
+    />,
+  );
+  const [grid = null] = byRole(place, "grid");
+  press(grid, "ArrowDown");
+  press(grid, "Enter");
+  const input = () => place.querySelector("input");
+  expect(input()?.value).toBe("one");
+  await type(input(), "bad");
+  press(input(), "Enter");
+  await settled();
+  expect(document.querySelector("[role=alert]")?.textContent).toBe("No.");
+  await type(input(), "good");
+  press(input(), "Enter");
+  await settled();
+  expect(input()).toBeNull();
+  expect(commit.mock.calls).toEqual([
+    ["one", "bad"],
+    ["one", "good"],
+  ]);
+});
