@@ -39,7 +39,7 @@ export function ChainTable({ seen, title, hops, none }: ChainTableProps) {
     {
       key: "kind",
       title: "Kind",
-      width: "110px",
+      width: "118px",
       cell: ({ port }) => <span className="inspector-faint">{PORT_TITLES[port.kind].one}</span>,
     },
   ];

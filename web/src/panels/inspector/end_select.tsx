@@ -25,7 +25,7 @@ export interface EndSelectProps {
   readonly value: ElementRef | null;
   /** The other end, whose type is to fit. */
   readonly other?: ElementRef | null | undefined;
-  /** The state that all this is about: its own ends need not say its name. */
+  /** The state that all this is about: in a table its own ends do not say its name, and those of the container have an arrow. */
   readonly own?: string | undefined;
   /** What stands there while nothing is chosen; it can be chosen again. */
   readonly nothing?: string | undefined;
@@ -38,11 +38,7 @@ export function EndSelect(props: EndSelectProps) {
   const { machine, container, value, nothing, label, hideLabel, disabled, onChange } = props;
   const id = useId();
   const [isNear, setNear] = useState(false);
-  const choices = isNear
-    ? choicesOf(props)
-    : value
-      ? [choiceOf(machine, container, value, props.own)]
-      : [];
+  const choices = isNear ? choicesOf(props) : value ? [choiceOf(props, value)] : [];
   const come = () => setNear(true);
   return (
     <div className={hideLabel ? "inspector-end" : "field"}>
@@ -83,27 +79,20 @@ interface Choice {
 }
 
 function choiceOf(
-  machine: Machine,
-  container: string,
+  { machine, container, own, hideLabel }: EndSelectProps,
   element: ElementRef,
-  own: string | undefined,
 ): Choice {
-  const isOwn = element.path === own && element.kind !== "income";
-  const title = isOwn ? nameOf(machine, element) : endInWords(machine, container, element);
-  return { key: keyOf(element), element, title, isUnfit: false };
+  const key = keyOf(element);
+  const isNamed = element.kind !== "income" && (element.path === own || element.path === container);
+  if (!hideLabel || !isNamed)
+    return { key, element, title: endInWords(machine, container, element), isUnfit: false };
+  const name = nameOf(machine, element);
+  return { key, element, title: element.path === own ? name : `↑ ${name}`, isUnfit: false };
 }
 
-function choicesOf({
-  machine,
-  container,
-  kind,
-  end,
-  other,
-  own,
-}: EndSelectProps): readonly Choice[] {
-  const choices = endsIn(machine, container, kind, end).map((element) =>
-    choiceOf(machine, container, element, own),
-  );
+function choicesOf(props: EndSelectProps): readonly Choice[] {
+  const { machine, container, kind, end, other } = props;
+  const choices = endsIn(machine, container, kind, end).map((element) => choiceOf(props, element));
   const counts = new Map<string, number>();
   for (const { title } of choices) counts.set(title, (counts.get(title) ?? 0) + 1);
   const wanted = other && typeOf(machine, other);

@@ -1,13 +1,13 @@
 /** The inspector: everything about what is selected, in one column. Pinned it stays where it is. */
 
 import { ExternalLink, LocateFixed, Pin, PinOff } from "lucide-react";
-import { useState } from "react";
-import type { ElementRef } from "../../model/element.ts";
+import { memo, useDeferredValue, useMemo, useState } from "react";
+import { type ElementKey, type ElementRef, elementOf } from "../../model/element.ts";
 import { nameOf } from "../../model/ends.ts";
 import { lineage, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
 import type { OpenTab } from "../../store/page.ts";
-import { select, selected } from "../../store/view.ts";
+import { select } from "../../store/view.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";
@@ -52,10 +52,25 @@ interface OfTabProps {
   readonly onPin: (pinned: Pinned | null) => void;
 }
 
+/** The canvas shows what is selected or edited at once; all this follows without holding it up. */
 function OfTab({ tab, pinned, onPin }: OfTabProps) {
+  const version = useSignal(tab.room.version);
+  const selection = useSignal(tab.view.selection);
+  const shown = useMemo(
+    () => ({ version, elements: pinned?.elements ?? elementsOf(selection) }),
+    [version, selection, pinned],
+  );
+  return <Shown tab={tab} pinned={pinned} onPin={onPin} {...useDeferredValue(shown)} />;
+}
+
+interface ShownProps extends OfTabProps {
+  readonly elements: readonly ElementRef[];
+  /** Of the machine, which stays the same object: another one is another picture. */
+  readonly version: number;
+}
+
+const Shown = memo(function Shown({ tab, pinned, onPin, elements }: ShownProps) {
   const seen = useSeen(tab);
-  useSignal(tab.view.selection);
-  const elements = pinned?.elements ?? selected(tab.view);
   const subject = subjectOf(seen.machine, elements);
   const state = seenState(seen, pathOf(seen.machine, subject));
   if (!state) return null;
@@ -69,6 +84,10 @@ function OfTab({ tab, pinned, onPin }: OfTabProps) {
       </div>
     </div>
   );
+});
+
+function elementsOf(selection: ReadonlySet<ElementKey>): readonly ElementRef[] {
+  return [...selection].flatMap((key) => elementOf(key) ?? []);
 }
 
 /** The machine as it is now, and the ways from here to it. */
@@ -76,7 +95,6 @@ function useSeen(tab: OpenTab): Seen {
   const host = useHost();
   const run = useCommand();
   const { page } = host.context();
-  useSignal(tab.room.version);
   useSignal(page.server.link);
   return {
     page,
@@ -127,7 +145,7 @@ interface HeadProps {
 
 function Head({ seen, subject, isPinned, onPin }: HeadProps) {
   const { state } = seen;
-  const element = elementOf(subject);
+  const element = elementIn(subject);
   const kind = element?.kind ?? "state";
   const Icon = kind === "state" || kind === "income" ? KIND_ICONS[state.kind] : ELEMENT_ICONS[kind];
   return (
@@ -156,11 +174,11 @@ function Head({ seen, subject, isPinned, onPin }: HeadProps) {
 
 function titleOf({ machine, state }: SeenState, subject: Subject): string {
   if (subject.kind === "several") return counted(subject.elements.length, "element");
-  const element = elementOf(subject);
+  const element = elementIn(subject);
   return element ? nameOf(machine, element) : state.name;
 }
 
-function elementOf(subject: Subject): ElementRef | null {
+function elementIn(subject: Subject): ElementRef | null {
   switch (subject.kind) {
     case "machine":
     case "several":
