@@ -30,6 +30,7 @@ import { listenToKeys } from "./keyboard.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
 import { useDerived, useSession } from "./provided.tsx";
+import { wearTheme } from "./theme.ts";
 
 const THEME = { ...themeAbyss, name: "rafcon", className: "dockview-theme-rafcon", gap: 0 };
 
@@ -45,9 +46,11 @@ export function Dock() {
     control.restore();
     session.dock.value = control;
     const opened = api.onDidAddPopoutGroup(({ window: view }) => {
-      const stops = [listenToKeys(session, view), listenToClipboard(session, view.document)];
-      const { theme } = document.documentElement.dataset;
-      if (theme) view.document.documentElement.dataset["theme"] = theme;
+      const stops = [
+        listenToKeys(session, view),
+        listenToClipboard(session, view.document),
+        wearTheme(session.page, view.document.documentElement),
+      ];
       view.addEventListener("pagehide", () => {
         for (const stop of stops) stop();
       });

@@ -9,12 +9,14 @@ import { startPage } from "../sync/page.ts";
 import { App } from "./app.tsx";
 import { newSession } from "./session.ts";
 import { wearTheme } from "./theme.ts";
+import { keepTitle } from "./title.ts";
 
 const place = document.getElementById("app");
 if (place) {
   const page = startPage();
   const session = newSession(page, allCommands());
   wearTheme(page, document.documentElement);
+  keepTitle(page, document);
   const { commands, context } = session;
   // For tests and benches, to look and not to change.
   Object.assign(window, { __rafcon: { page, commands, context } });

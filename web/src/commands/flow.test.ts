@@ -1,0 +1,86 @@
+import { expect, test } from "vitest";
+import { RefusalError } from "../store/server.ts";
+import { allCommands } from "./all.ts";
+import { folderName } from "./file.ts";
+import { type StandOptions, stand } from "./stand.ts";
+
+const MACHINE = `
+  R "Drill" hierarchy 0 0 400 300 outcome done
+    A "Scan" execution 20 20 80 60 outcome ok
+    B "Move" execution 120 20 80 60 outcome ok
+`;
+
+/** What a command does, as it is recorded. */
+async function done(id: string, options: StandOptions = {}, argument?: unknown): Promise<string[]> {
+  const context = stand(MACHINE, options);
+  const command = allCommands().get(id);
+  if (!command || command.enabled?.(context) === false) return ["cannot"];
+  try {
+    await command.run(context, argument);
+  } catch (error) {
+    context.record.push(`failed ${String(error)}`);
+  }
+  return context.record;
+}
+
+test("an edit that is planned is made under its name", async () => {
+  expect(await done("edit.delete", { selected: ["state:R/A"] })).toEqual([
+    "edit Delete state (remove_state)",
+  ]);
+  expect(await done("arrange.align-left", { selected: ["state:R/A", "state:R/B"] })).toHaveLength(
+    1,
+  );
+  expect(await done("arrange.align-left", { selected: ["state:R/A"] })).toEqual(["cannot"]);
+});
+
+test("what is refused is told with its reason, and nothing is sent", async () => {
+  const [only = "", ...more] = await done("insert.transition-to-parent", {
+    selected: ["state:R/A"],
+  });
+  expect(more).toEqual([]);
+  expect(only).toMatch(/^(edit|tell) /);
+  expect(await done("edit.delete", { selected: ["state:R"] })).toEqual([
+    expect.stringMatching(/^tell .*root/),
+  ]);
+});
+
+test("saving over what another program changed asks, and loses nothing without a word", async () => {
+  let first = true;
+  const serve = (request: string) => {
+    if (!first || !request.includes("/save")) return undefined;
+    first = false;
+    throw new RefusalError({ code: "changed_on_disk", message: "changed" }, 409);
+  };
+  expect(await done("file.save", { serve, answers: ["mine"] })).toEqual([
+    `POST /machines/m1/save {"overwrite":false}`,
+    "ask The files were changed by another program",
+    `POST /machines/m1/save {"overwrite":true}`,
+  ]);
+});
+
+test("closing what is not saved asks, and takes no for an answer", async () => {
+  const title = "ask Save “Drill” before it is closed?";
+  expect(await done("file.close", { changed: true, answers: [null] })).toEqual([title]);
+  expect(await done("file.close", { changed: true, answers: ["keep"] })).toEqual([title, "leave"]);
+  expect(await done("file.close", { changed: true, answers: ["save"] })).toEqual([
+    title,
+    `POST /machines/m1/save {"overwrite":false}`,
+    `POST /machines/m1/close {"discard":false}`,
+    "leave",
+  ]);
+  expect(await done("file.close")).toEqual([`POST /machines/m1/close {"discard":false}`, "leave"]);
+});
+
+test("who may only look closes their tab and nothing else", async () => {
+  expect(await done("file.close", { rights: ["observe"], changed: true })).toEqual(["leave"]);
+  expect(await done("file.save", { rights: ["observe"] })).toEqual(["cannot"]);
+});
+
+test("a folder's name is what every file system takes", () => {
+  expect(["Drill & Fill!", "  Ölwechsel 2 ", "../..", "§"].map(folderName)).toEqual([
+    "drill_fill",
+    "ölwechsel_2",
+    "machine",
+    "machine",
+  ]);
+});
