@@ -189,7 +189,7 @@ function edge(machine: Machine, container: string, line: TransitionDocument): El
 /** Reads what elk says of a container, and makes room for its name above. */
 function readLevel(state: StateDocument, answer: ElkNode): Level {
   const { width = 1, height = 1, children = [] } = answer;
-  const by = { x: width * 0.02, y: Math.max(width, height) * 0.06 };
+  const by = { x: width * 0.02, y: Math.max(height * 0.13, width * 0.05) };
   const size = { width: width + 2 * by.x, height: height + by.y + width * 0.02 };
   const boxes = new Map<string, Box>();
   const ports = new Map<string, ReadonlyMap<string, Point>>();
