@@ -117,7 +117,7 @@ function middleMarks(
   const room = spot.width - (spot.extent >= DETAIL.ports ? 18 : 8);
   const top = freeFrom(drawing, spot);
   const height = spot.y + spot.height - top;
-  const rows = Math.min(3, Math.floor((height - 4) / pitch));
+  const rows = Math.min(3, Math.floor(height / pitch));
   const lines =
     modes.names && rows > 0 ? wrapped(spot.at.state.name, room, rows, size, measure) : [];
   const middle = top + height / 2;
