@@ -35,6 +35,8 @@ export interface RoomPorts {
 
 /** A step's name has at most so many characters. */
 const NAME_LENGTH_MAX = 200;
+/** So many steps are known; the oldest are forgotten. */
+const STEPS_MAX = 10_000;
 /** Problems are asked for when nothing has changed for so long. */
 const SETTLED_MS = 300;
 
@@ -231,7 +233,7 @@ export class OpenRoom implements Room {
       });
       const steps = fresh.map(({ changes: _, ...step }) => ({ ...step, is_kept: true }));
       const before = this.steps.peek();
-      this.steps.value = { ...before, steps: [...before.steps, ...steps] };
+      this.steps.value = { ...before, steps: [...before.steps, ...steps].slice(-STEPS_MAX) };
     });
     this.#soonProblems();
   }

@@ -38,6 +38,10 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   const found = useSignal(comparison.found);
   const [hasLayout, setLayout] = useState(false);
   const options = againstOptions(tabs, tab, versions);
+  const isGone = against?.kind === "tab" && !tabs.includes(against.tab);
+  useEffect(() => {
+    if (isGone) void comparison.choose(null);
+  }, [isGone, comparison]);
   const shown = hasLayout ? found : found.filter(({ isLayout }) => !isLayout);
   const choose = (value: string) => {
     const option = options.find((each) => each.value === value);
