@@ -24,10 +24,10 @@ export interface GlobalVariable {
 export function globalsOf(machine: Machine): readonly GlobalVariable[] {
   const found = new Map<string, GlobalUse[]>();
   const look = (path: string, state: StateDocument) => {
-    for (const { name, ...use } of usesOf(state)) {
+    for (const [name, use] of usesOf(state, path)) {
       const uses = found.get(name);
-      if (uses) uses.push({ path, ...use });
-      else found.set(name, [{ path, ...use }]);
+      if (uses) uses.push(use);
+      else found.set(name, [use]);
     }
   };
   const lookInside = (path: string) => {
@@ -49,11 +49,21 @@ export function globalsOf(machine: Machine): readonly GlobalVariable[] {
 }
 
 type OwnUse = Omit<GlobalUse, "path"> & { readonly name: string };
+type Uses = readonly (readonly [string, GlobalUse])[];
 
-/** States never change, so each is read once. */
+/** States never change, so each script is read once, wherever libraries put it. */
 const READ = new WeakMap<StateDocument, readonly OwnUse[]>();
+const PLACED = new WeakMap<StateDocument, { readonly path: string; readonly uses: Uses }>();
 
-function usesOf(state: StateDocument): readonly OwnUse[] {
+function usesOf(state: StateDocument, path: string): Uses {
+  const known = PLACED.get(state);
+  if (known?.path === path) return known.uses;
+  const uses = ownUses(state).map(({ name, ...use }) => [name, { path, ...use }] as const);
+  PLACED.set(state, { path, uses });
+  return uses;
+}
+
+function ownUses(state: StateDocument): readonly OwnUse[] {
   let uses = READ.get(state);
   if (!uses) {
     uses = [...inScript(state.script ?? ""), ...inDefaults(state)];

@@ -1,7 +1,7 @@
 /** Global variables: every name that scripts of the machine set or read, and where. */
 
 import { Pencil } from "lucide-react";
-import { useDeferredValue, useMemo, useState } from "react";
+import { useMemo, useState } from "react";
 import { mayEdit } from "../../commands/subject.ts";
 import { type GlobalUse, type GlobalVariable, globalsOf } from "../../model/globals.ts";
 import { type Machine, namesTo } from "../../model/machine.ts";
@@ -11,6 +11,7 @@ import { select } from "../../store/view.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
+import { useSettled } from "../../ui/settled.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import type { TreeSource } from "../../ui/tree_rows.ts";
@@ -21,6 +22,9 @@ import "./globals.css";
 
 /** A row: a variable, or a place where it is used. */
 type Node = { readonly id: string; readonly variable: GlobalVariable; readonly use?: GlobalUse };
+
+/** Scripts of a large machine are not read anew at each key. */
+const PATIENCE_MS = 200;
 
 export function Globals() {
   const tab = useActiveTab();
@@ -33,7 +37,7 @@ export function Globals() {
 
 function OfTab({ tab }: { tab: OpenTab }) {
   const { page } = useHost().context();
-  const version = useDeferredValue(useSignal(tab.room.version));
+  const version = useSettled(useSignal(tab.room.version), PATIENCE_MS);
   const { machine } = tab.room;
   // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
   const all = useMemo(() => globalsOf(machine), [machine, version]);

@@ -1,11 +1,12 @@
 /** The machine in the inspector, while nothing is selected: what it is, how large it is, and its interface. */
 
-import { useDeferredValue, useMemo } from "react";
+import { useMemo } from "react";
 import type { StateKind } from "../../model/generated/protocol.ts";
 import { dataFlowsOf, type Machine, transitionsOf } from "../../model/machine.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { TextField } from "../../ui/field.tsx";
+import { useSettled } from "../../ui/settled.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { Description } from "./description.tsx";
 import { Drafts } from "./drafts.tsx";
@@ -60,8 +61,10 @@ export function MachineView({ seen }: { seen: SeenState }) {
   );
 }
 
+const PATIENCE_MS = 200;
+
 function Counts({ tab: { room } }: { tab: OpenTab }) {
-  const version = useDeferredValue(useSignal(room.version));
+  const version = useSettled(useSignal(room.version), PATIENCE_MS);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
   const counts = useMemo(() => countsOf(room.machine), [room, version]);
   const [states] = counts;
