@@ -10,7 +10,7 @@ import {
   type Point,
   type Size,
 } from "../model/geometry.ts";
-import { outcomesOf, portsOf, transitionsOf } from "../model/machine.ts";
+import { isContainer, outcomesOf, portsOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
@@ -210,8 +210,18 @@ export class Hand {
     const hit = this.at(pointer);
     if (!hit) return;
     const { path } = hit.element;
-    if (hit.on === "name") this.rename(path);
-    else if (hit.on === "state" || hit.on === "grip") this.fit([path]);
+    if (hit.on === "name" && this.#isOnlyName(path)) this.rename(path);
+    else if (hit.on === "state" || hit.on === "name" || hit.on === "grip") this.fit([path]);
+  }
+
+  /** Whether a name is not in the way of what one would drill into: that of a closed container fills it. */
+  #isOnlyName(path: string): boolean {
+    const state = this.#desk.tab.room.machine.state(path);
+    const box = this.places().box(path);
+    if (!state || !box) return false;
+    if (!isContainer(state) && state.kind !== "library") return true;
+    const isOpen = this.places().children(path).length > 0;
+    return isOpen && extentOn(this.#desk.tab.view.camera.peek(), box) >= DETAIL.content;
   }
 
   turn(at: Point, wheel: Wheel): void {

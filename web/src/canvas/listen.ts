@@ -1,7 +1,7 @@
 /** What browsers tell about pointer, wheel, keys and drags, as the hand understands it. */
 
 import type { ElementRef } from "../model/element.ts";
-import type { Point } from "../model/geometry.ts";
+import { distance, type Point } from "../model/geometry.ts";
 import type { Dragged } from "../store/dragged.ts";
 import type { Hand } from "./hand.ts";
 import type { Reader } from "./reader.ts";
@@ -69,13 +69,22 @@ function pointers(
     hand.press(press, { pans, ...fingerOf(event) });
   });
   on("pointermove", (event) => hand.move(pointerOf(root, event), fingerOf(event).finger));
-  on("pointerup", (event) => hand.release(pointerOf(root, event), fingerOf(event).finger));
+  const isSecondTap = doubleTap();
+  on("pointerup", (event) => {
+    const pointer = pointerOf(root, event);
+    hand.release(pointer, fingerOf(event).finger);
+    if (event.pointerType === "touch" && isSecondTap(pointer, event.timeStamp)) {
+      hand.doubleClick(pointer);
+    }
+  });
   on("pointercancel", (event) => {
     hand.cancel();
     hand.release(pointerOf(root, event), fingerOf(event).finger);
   });
   on("pointerleave", () => hand.leave());
-  on("dblclick", (event) => hand.doubleClick(pointerOf(root, event)));
+  on("dblclick", (event) => {
+    if (event.button === LEFT) hand.doubleClick(pointerOf(root, event));
+  });
   on("contextmenu", (event) => {
     event.preventDefault();
     // Those by key are known already: browsers tell them without a pointer.
@@ -93,6 +102,20 @@ function pointers(
     },
     { passive: false },
   );
+}
+
+const TAPS_WITHIN_MS = 350;
+const TAPS_WITHIN = 24;
+
+/** Whether a finger has tapped twice at one place: browsers tell no double click of fingers on a canvas. */
+function doubleTap(): (at: Point, time: number) => boolean {
+  let last: { readonly at: Point; readonly time: number } | null = null;
+  return (at, time) => {
+    const isSecond =
+      last !== null && time - last.time <= TAPS_WITHIN_MS && distance(at, last.at) <= TAPS_WITHIN;
+    last = isSecond ? null : { at, time };
+    return isSecond;
+  };
 }
 
 const MODIFIERS = new Set(["Shift", "Control", "Alt", "Meta"]);

@@ -87,6 +87,20 @@ test("a press that is dragged moves a state", () => {
   expect(room.made.map(({ name }) => name)).toEqual(["Move Scan"]);
 });
 
+test("two taps of a finger drill into a state", () => {
+  const { root, view, mounted } = mounting();
+  view.camera.value = { x: 0, y: 0, scale: 1 };
+  const tap = (name: string) =>
+    root.dispatchEvent(
+      new PointerEvent(name, { clientX: 500, clientY: 600, pointerType: "touch", pointerId: 7 }),
+    );
+  for (const name of ["pointerdown", "pointerup", "pointerdown"]) tap(name);
+  expect(mounted.control.stage.value).toBe("R");
+  vi.spyOn(window, "matchMedia").mockReturnValue({ matches: true } as MediaQueryList);
+  tap("pointerup");
+  expect(mounted.control.stage.value).toBe("R/C");
+});
+
 test("the wheel zooms and the page does not scroll", () => {
   const { root, view } = mounting();
   const before = view.camera.value.scale;

@@ -54,3 +54,13 @@ test("a double click drills into a state, and on its name renames it", () => {
   canvas.hand.fit([]);
   expect(canvas.doubleClick("A").renamed).toEqual(["R/A"]);
 });
+
+test("a double click on the name of a closed container drills into it", () => {
+  const canvas = driver(`
+    R hierarchy 0 0 900 700
+      C "Box" hierarchy 100 100 60 60
+        D execution 10 10 20 20
+  `);
+  canvas.doubleClick("C");
+  expect([canvas.renamed, canvas.hand.stage.value]).toEqual([[], "R/C"]);
+});
