@@ -93,6 +93,18 @@ describe("the page", () => {
     expect(page.notices.value.map(({ text }) => text)).toEqual(["Connected again after 7 s"]);
   });
 
+  it("says when the server is of another version than the page", () => {
+    const { server, page } = setUp();
+    const up = server.link.value;
+    server.link.value = { state: "connecting" };
+    if (up.state === "up") {
+      server.link.value = { ...up, session: { ...up.session, version: "1" } };
+    }
+    expect(page.notices.value.map(({ text }) => text)).toEqual([
+      "The server is of version 1 now, and this page of 0: load the page again",
+    ]);
+  });
+
   it("forgets what is selected when it is gone", async () => {
     const { server, page } = setUp();
     const tab = await page.open(FILE);

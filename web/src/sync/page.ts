@@ -92,6 +92,7 @@ function followFiles(server: Server, house: Signal<HouseStatus | null>, shelf: S
     }
   };
   effect(() => {
+    if (server.link.value.state !== "up") known = null;
     const revision = house.value?.files_revision ?? null;
     if (revision === null || revision === known) return;
     known = revision;
@@ -160,17 +161,23 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>) {
 /** A break that people may have noticed is told. */
 const NOTICED_MS = 2_000;
 
-/** Says when the connection is back after a break. */
+/** Says when the connection is back after a break, and when there is another server behind it. */
 function tellBreaks(server: Server, clock: Clock, tell: Page["tell"]): void {
   let since: number | null = null;
+  let version: string | null = null;
   effect(() => {
     const link = server.link.value;
     if (link.state === "down") since = link.since_ms;
-    if (link.state !== "up" || since === null) return;
-    const length_ms = clock.now() - since;
+    if (link.state !== "up") return;
+    const length_ms = since === null ? 0 : clock.now() - since;
     since = null;
-    if (length_ms < NOTICED_MS) return;
-    const text = `Connected again after ${Math.round(length_ms / 1_000)} s`;
-    tell({ level: "info", text });
+    if (length_ms >= NOTICED_MS) {
+      tell({ level: "info", text: `Connected again after ${Math.round(length_ms / 1_000)} s` });
+    }
+    if (version !== null && version !== link.session.version) {
+      const text = `The server is of version ${link.session.version} now, and this page of ${version}: load the page again`;
+      tell({ level: "warning", text });
+    }
+    version ??= link.session.version;
   });
 }
