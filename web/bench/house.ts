@@ -3,7 +3,12 @@
 import { spawnSync } from "node:child_process";
 import { existsSync, rmSync } from "node:fs";
 import { join } from "node:path";
-import { type Browser, chromium, type Page as Sheet } from "playwright-core";
+import {
+  type Browser,
+  type BrowserContextOptions,
+  chromium,
+  type Page as Sheet,
+} from "playwright-core";
 import { binary, CHROMIUM, newPlace, REPOSITORY } from "../e2e/house/places.ts";
 import { Server } from "../e2e/house/server.ts";
 import { writeLarge } from "./large.ts";
@@ -47,12 +52,15 @@ function machines(): Record<Size, string> {
 }
 
 /** A fresh page in a profile of its own, let in and waiting for a machine. */
-export async function freshPage({ server, browser }: House): Promise<Sheet> {
-  const context = await browser.newContext({ viewport: VIEW });
+export async function freshPage(
+  { server, browser }: House,
+  options: BrowserContextOptions = {},
+): Promise<Sheet> {
+  const context = await browser.newContext({ viewport: VIEW, ...options });
   const sheet = await context.newPage();
   sheet.on("pageerror", (error) => process.stderr.write(`the page: ${error.message}\n`));
   await sheet.goto(server.link);
-  await sheet.waitForFunction(() => window.__rafcon?.page.projects.value.length > 0);
+  await sheet.getByRole("treeitem", { name: "mission_750" }).waitFor();
   return sheet;
 }
 

@@ -53,6 +53,8 @@ enum Task {
     Bench(bench::Options),
     /// Measure the speed of the page in a browser, against what we promise.
     BenchWeb(bench_web::Options),
+    /// Take the pictures of the page that stand in `docs/pictures`.
+    Pictures,
     /// Build everything and show a generated mission: in the page, or run live in this terminal.
     Demo(demo::Options),
     /// Pack an archive and a wheel.
@@ -89,6 +91,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Conformance(options) => conformance::run(&options),
         Task::Bench(options) => bench::run(&options),
         Task::BenchWeb(options) => bench_web::run(&options),
+        Task::Pictures => bench_web::pictures(),
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
         Task::Simulate(options) => simulate::run(&options),

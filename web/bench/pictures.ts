@@ -1,0 +1,68 @@
+/** Takes the pictures of the page that stand in the documents: `cargo xtask pictures`. The mission at five depths, in both themes. */
+
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import type { Page as Sheet } from "playwright-core";
+import { REPOSITORY } from "../e2e/house/places.ts";
+import { begin, end, freshPage, type House, open } from "./house.ts";
+
+const DEPTHS = 5;
+const FOLDER = join(REPOSITORY, "docs", "pictures");
+
+async function main(): Promise<void> {
+  mkdirSync(FOLDER, { recursive: true });
+  const house = await begin();
+  try {
+    await taken(house, "light");
+    await taken(house, "dark");
+  } finally {
+    await end(house);
+  }
+}
+
+async function taken(house: House, theme: "light" | "dark"): Promise<void> {
+  const sheet = await freshPage(house, { colorScheme: theme, reducedMotion: "reduce" });
+  await open(sheet, "mission_750");
+  await sheet.evaluate(() => document.fonts.ready.then(() => undefined));
+  for (let depth = 1; depth <= DEPTHS; depth++) {
+    await lookInto(sheet, depth);
+    await sheet.screenshot({ path: join(FOLDER, `mission-${depth}-${theme}.png`) });
+  }
+  await sheet.context().close();
+}
+
+/** Looks at one of the states on the way to the deepest one: the first time at the root, the last time at its container. */
+async function lookInto(sheet: Sheet, depth: number): Promise<void> {
+  await sheet.evaluate(
+    ([number, count]) =>
+      new Promise<void>((done) => {
+        const { tab, canvas } = window.__rafcon.context();
+        const paths = [...(tab?.room.machine.paths() ?? [])].map((path) => path.split("/"));
+        const deepest = paths.reduce((one, other) => (other.length > one.length ? other : one), []);
+        const levels = Math.max(1, deepest.length - 1);
+        const level = 1 + Math.round(((levels - 1) * (number - 1)) / (count - 1));
+        canvas?.fit([deepest.slice(0, level).join("/")]);
+        settle(done);
+
+        /** When nothing was drawn for a while, nothing moves any more, and all ways of lines are found. */
+        function settle(then: () => void) {
+          let last = performance.now();
+          const seen = new PerformanceObserver(() => {
+            last = performance.now();
+          });
+          seen.observe({ type: "measure" });
+          const look = () => {
+            if (performance.now() - last < 400) requestAnimationFrame(look);
+            else {
+              seen.disconnect();
+              then();
+            }
+          };
+          requestAnimationFrame(look);
+        }
+      }),
+    [depth, DEPTHS] as const,
+  );
+}
+
+await main();
