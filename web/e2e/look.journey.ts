@@ -1,0 +1,107 @@
+import { expect } from "vitest";
+import type { App } from "./house/app.ts";
+import { journey } from "./house/journey.ts";
+
+const HERE = { open: "hierarchy_and_data" };
+const ROOT = "PACKER";
+const PART = "PACKER/ONEPAR";
+const PICK = "PACKER/ONEPAR/PICKIT";
+
+const scale = (app: App) =>
+  app.sheet.evaluate(() => window.__rafcon.context().tab?.view.camera.value.scale ?? 0);
+
+journey("the wheel zooms at the pointer, and all is fitted again", HERE, async ({ app }) => {
+  const [before, at] = [await scale(app), await app.middle(PICK)];
+  await app.sheet.mouse.move(at.x, at.y);
+  await app.sheet.mouse.wheel(0, -240);
+  await app.until(({ tab }, was) => (tab?.view.camera.value.scale ?? 0) > was * 1.2, before);
+  const after = await app.middle(PICK);
+  expect(Math.hypot(after.x - at.x, after.y - at.y)).toBeLessThan(2);
+  await app.press("f");
+  await app.until(
+    ({ tab }, was) => Math.abs((tab?.view.camera.value.scale ?? 0) - was) < was * 0.01,
+    before,
+  );
+});
+
+journey("a double click goes into a state, the breadcrumb leads out", HERE, async ({ app }) => {
+  const before = await scale(app);
+  const at = await app.spot(PART, 200, 160);
+  await app.sheet.mouse.dblclick(at.x, at.y);
+  await app.until(({ tab }, was) => (tab?.view.camera.value.scale ?? 0) > was * 1.2, before);
+  const path = app.sheet.getByRole("navigation", { name: "Where you are" });
+  await path.getByRole("button", { name: "Pack an order" }).click();
+  await app.until(
+    ({ tab }, was) => Math.abs((tab?.view.camera.value.scale ?? 0) - was) < was * 0.01,
+    before,
+  );
+});
+
+journey("layers of the picture are shown and hidden", HERE, async ({ app }) => {
+  await app.press("d");
+  await app.until(({ tab }) => tab?.view.modes.value.dataFlows === "all", null);
+  await app.press("t");
+  await app.until(({ tab }) => tab?.view.modes.value.transitions === false, null);
+});
+
+journey("boxes on the canvas stand where the file says", HERE, async ({ app }) => {
+  await app.press("t");
+  const { x, y, width, height } = await app.box("PACKER/ISFULL");
+  const bytes = await app.sheet.screenshot({ clip: { x: x - 10, y, width: width + 20, height } });
+  const edges = await app.sheet
+    .evaluate(async (png) => {
+      const picture = await createImageBitmap(
+        await (await fetch(`data:image/png;base64,${png}`)).blob(),
+      );
+      const canvas = new OffscreenCanvas(picture.width, picture.height);
+      const context = canvas.getContext("2d");
+      if (!context) throw new Error("no canvas");
+      context.drawImage(picture, 0, 0);
+      const { data } = context.getImageData(0, Math.floor(picture.height / 2), picture.width, 1);
+      const at = (column: number) => data.slice(column * 4, column * 4 + 3).join(" ");
+      const columns = Array.from({ length: picture.width }, (_, column) => column);
+      const ground = at(2);
+      return columns.filter((column) => at(column) !== ground);
+    }, bytes.toString("base64"))
+    .catch(() => null);
+  expect(edges).not.toBeNull();
+  expect(edges?.[0]).toBeGreaterThanOrEqual(8);
+  expect(edges?.[0]).toBeLessThanOrEqual(12);
+});
+
+journey("the theme changes, and stays after the page is loaded again", HERE, async ({ app }) => {
+  await app.command("Theme: Dark");
+  const ground = () => app.sheet.evaluate(() => getComputedStyle(document.body).colorScheme);
+  await app.until(({ page }) => page.settings.value.theme === "dark", null);
+  await app.sheet.reload();
+  await app.connected();
+  await app.until(({ page }) => page.settings.value.theme === "dark", null);
+  expect(await ground()).toContain("dark");
+});
+
+journey("the content of a library shows in place", { open: "library_reuse" }, async ({ app }) => {
+  const square = await app.path("Drive a small square");
+  await app.select(square);
+  await app.press("Shift+l");
+  await app.until(
+    ({ tab }, path) =>
+      (tab?.room.machine.children(path).length ?? 0) === 1 &&
+      tab?.view.contents.value.get(path) === true,
+    square,
+  );
+  expect(await app.children(square)).toEqual(["Drive a square"]);
+});
+
+journey("everything of the canvas is reached by keyboard", HERE, async ({ app }) => {
+  await app.canvas.focus();
+  await app.press("s");
+  await app.selected(`state:${ROOT}/ISFULL`);
+  await app.press("ArrowRight");
+  await app.until(({ tab }) => !tab?.view.selection.value.has("state:PACKER/ISFULL"), null);
+  await app.press("F2");
+  await app.sheet.keyboard.press("Control+a");
+  await app.sheet.keyboard.type("Told by keys");
+  await app.sheet.keyboard.press("Enter");
+  await app.settled();
+  expect(await app.children()).toContain("Told by keys");
+});
