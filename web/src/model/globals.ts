@@ -72,11 +72,23 @@ function ownUses(state: StateDocument): readonly OwnUse[] {
   return uses;
 }
 
+/** Every call that names a global variable; most scripts have none and need not be read. */
+const CALL = /_variable\b|\bvariable_|\b(is_locked|get_data_type|get_representation)\b/;
+
+/** Large machines have the same script in many places. */
+const SCRIPTS = new Map<string, readonly OwnUse[]>();
+const SCRIPTS_MAX = 4096;
+
 function inScript(script: string): readonly OwnUse[] {
-  if (!/gvm|variable|_locked/.test(script)) return [];
-  return scriptUses(script).flatMap(({ of, name, access, from }) =>
+  if (!CALL.test(script)) return [];
+  const known = SCRIPTS.get(script);
+  if (known) return known;
+  const uses = scriptUses(script).flatMap(({ of, name, access, from }) =>
     of === "global" ? [{ name, access, ...lineAt(script, from) }] : [],
   );
+  if (SCRIPTS.size >= SCRIPTS_MAX) SCRIPTS.clear();
+  SCRIPTS.set(script, uses);
+  return uses;
 }
 
 const WORDS: Readonly<Record<PortKind, string>> = {

@@ -19,11 +19,11 @@ export interface ScriptUse {
 export function scriptUses(script: string): readonly ScriptUse[] {
   const top = parser.parse(script).topNode;
   const reading: Reading = { script, names: argumentNames(script, top), found: [] };
-  top.cursor().iterate(({ node }) => {
-    if (node.name === "MemberExpression") subscript(node, reading);
-    else if (node.name === "CallExpression") call(node, reading);
-    else if (node.name === "BinaryExpression") membership(node, reading);
-    else if (node.name === "FunctionDefinition") returns(node, reading);
+  top.cursor().iterate((at) => {
+    if (at.name === "MemberExpression") subscript(at.node, reading);
+    else if (at.name === "CallExpression") call(at.node, reading);
+    else if (at.name === "BinaryExpression") membership(at.node, reading);
+    else if (at.name === "FunctionDefinition") returns(at.node, reading);
   });
   return reading.found.sort((one, other) => one.from - other.from);
 }
