@@ -194,7 +194,7 @@ function Row<T>({ tree, row, domId, top, height, active, onActive }: RowProps<T>
       aria-setsize={row.siblings}
       aria-expanded={open}
       aria-selected={tree.selected?.has(row.id) ?? false}
-      aria-label={tree.text(node)}
+      aria-label={tree.row ? undefined : tree.text(node)}
       data-active={active}
       draggable={tree.draggable?.(node) ?? false}
       style={{ height, transform: `translateY(${top}px)`, paddingLeft: 4 + depth * INDENT_PX }}
