@@ -17,6 +17,7 @@ import { drawnInto, underId } from "./documents.ts";
 import { commonContainer, containerAt, movableFrom } from "./legal.ts";
 import { statesInWords } from "./move.ts";
 import { newBox, newId, newName } from "./newcomers.ts";
+import { passingRefused } from "./passing.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
 import { added } from "./states.ts";
 import { kindRefused } from "./transitions.ts";
@@ -169,6 +170,8 @@ export function ungroup(machine: Machine, path: string): Planned {
     const bad = kindRefused(around, line);
     if (bad) return bad;
   }
+  const bad = passingRefused(machine, path);
+  if (bad) return bad;
   const { x, y } = boxIn(machine, path);
   const edits: Edit[] = [
     ...pins(machine, parent, new Set([path])),

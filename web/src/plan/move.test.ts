@@ -143,6 +143,20 @@ test("children of an ungrouped state stand where they showed", () => {
   expect(reason(ungroup(machine, "R/A"))).toContain("holds no states");
 });
 
+test("what only fitted by way of an object port keeps a state together", () => {
+  const passing = drawn(`
+    R hierarchy outcome done
+      A execution outcome ok output text:str
+      C hierarchy outcome ok input any:object
+        D execution outcome ok input many:list
+        C.any >> D.many
+      A.text >> C.any
+  `);
+  expect(reason(ungroup(passing, "R/C"))).toBe(
+    "The value of A.text (str) would flow directly to D.many (list), which does not fit: change one of the types, or use object.",
+  );
+});
+
 test("a substitute has the box of the state that goes", () => {
   const other = { path: "NEW", name: "New", kind: "execution", outcomes: [] } as const;
   const [edit] = editsOf(substitute(machine, "R/B", [{ ...other, outcomes: [] }], true));
