@@ -10,8 +10,8 @@ import {
   type Point,
   type Size,
 } from "../model/geometry.ts";
-import { isContainer, outcomesOf, portsOf, transitionsOf } from "../model/machine.ts";
-import { idOf, parentOf } from "../model/path.ts";
+import { isContainer } from "../model/machine.ts";
+import { parentOf } from "../model/path.ts";
 import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
 import { rename as renamePlan } from "../plan/states.ts";
@@ -21,7 +21,7 @@ import { wasRefused } from "../store/room.ts";
 import { type Camera, select, selected, selectedStates, toggle } from "../store/view.ts";
 import { visibleBox, zoomedAt } from "./camera.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
-import type { Hit, PortRef } from "./hit/look.ts";
+import type { Hit } from "./hit/look.ts";
 import { extentOn } from "./hit/shown.ts";
 import { filling, revealing } from "./looks.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
@@ -29,9 +29,11 @@ import { type Placed, placesOf } from "./placed.ts";
 import { DETAIL } from "./scene/detail.ts";
 import { connecting } from "./tools/connect.ts";
 import { bringing } from "./tools/drop.ts";
+import { firstPort } from "./tools/first_port.ts";
 import { type Around, type Gesture, inState, type Pointer, type Result } from "./tools/gesture.ts";
 import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
-import { cursorAt, isStage, type Press, pressing } from "./tools/press.ts";
+import { cursorAt, type Press, pressing } from "./tools/press.ts";
+import { stageOf } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
 
 /** What the hand needs of its surroundings. */
@@ -364,45 +366,18 @@ export class Hand {
   }
 
   #stageAt(camera: Camera): string {
-    const around = { ...this.around(), camera };
-    const { size, machine, places } = around;
-    const middle = { x: size.width / 2, y: size.height / 2 };
-    const line = statesAt(places, machine, camera, middle);
-    return line.findLast((path) => isStage(path, around)) ?? machine.root;
+    return stageOf({ ...this.around(), camera });
   }
 
   /** Begins a connection at what is selected, by keyboard. */
   connect(): void {
     const [from] = selected(this.#desk.tab.view);
-    const port = from && this.#firstPort(from);
+    const port = from && firstPort(this.#desk.tab.room.machine, from);
     if (!port) {
       this.#desk.refuse("Select a state or a port first: there the connection begins.");
       return;
     }
     this.#become(connecting(port, null, this.around(), true));
-  }
-
-  /** The port itself; of a state the first outcome that leads nowhere yet, or its first. */
-  #firstPort(from: ElementRef): PortRef | null {
-    if (from.kind === "transition" || from.kind === "data_flow") return null;
-    if (from.kind !== "state") return from as PortRef;
-    const { machine } = this.#desk.tab.room;
-    const [state, parent] = [machine.state(from.path), parentOf(from.path)];
-    const around = parent === null ? undefined : machine.state(parent);
-    if (!state) return null;
-    if (!around) return { kind: "income", path: from.path };
-    const taken = new Set(
-      transitionsOf(around)
-        .filter((one) => one.from_state === idOf(from.path))
-        .map((one) => one.from_outcome),
-    );
-    const own = outcomesOf(state).filter(({ id }) => id >= 0);
-    const outcome = own.find(({ id }) => !taken.has(id)) ?? own[0];
-    if (outcome) return { kind: "outcome", path: from.path, id: outcome.id };
-    const [output] = portsOf(state, "output");
-    return output
-      ? { kind: "output", path: from.path, id: output.id }
-      : { kind: "outcome", path: from.path, id: -1 };
   }
 
   /** Flies so that these states, or the root, fill the view. */

@@ -2,7 +2,6 @@
 
 import { type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { distance } from "../../model/geometry.ts";
-import { isContainer } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
 import { routeOf } from "../hit/hit.ts";
 import { nearestPart } from "../hit/lines.ts";
@@ -17,6 +16,7 @@ import { panning } from "./pan.ts";
 import { sliding } from "./port.ts";
 import { reconnecting } from "./reconnect.ts";
 import { cursorOf, resizing } from "./resize.ts";
+import { isStage } from "./stage.ts";
 import { bending } from "./waypoint.ts";
 
 /** How it was pressed. */
@@ -118,16 +118,6 @@ function movable(along: string, { look, machine }: Around): readonly string[] {
     const isOwn = element?.kind === "state" && !machine.isInLibrary(element.path);
     return isOwn && parentOf(element.path) === parentOf(along) ? [element.path] : [];
   });
-}
-
-/** Whether the state is what one works in now, and not one thing among others. */
-export function isStage(path: string, { machine, places, camera, size }: Around): boolean {
-  if (parentOf(path) === null) return true;
-  const [state, box] = [machine.state(path), places.box(path)];
-  if (!state || !box || !(isContainer(state) || state.kind === "library")) return false;
-  return (
-    box.width * camera.scale >= size.width * 0.8 || box.height * camera.scale >= size.height * 0.8
-  );
 }
 
 function ground(press: Press, around: Around): Gesture {
