@@ -57,7 +57,7 @@ export interface Room {
   readonly redo: () => Promise<EditAnswer>;
   /** Makes the machine what it was at a revision; refused with `others_edits` if that takes steps of others away unasked. */
   readonly jump: (revision: number, overOthers: boolean) => Promise<JumpAnswer>;
-  /** Gets the content of the library at this library state, to be shown in place. */
+  /** Gets the content of the library at this library state, to be shown in place. Why it cannot be had is told to the user. */
   readonly loadLibrary: (path: string) => Promise<void>;
   readonly close: () => void;
 }

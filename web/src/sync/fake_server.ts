@@ -51,6 +51,8 @@ export class FakeServer implements Server {
   readonly pulse = signal(null);
   readonly asked: string[] = [];
   readonly said: unknown[] = [];
+  /** Documents of libraries by the route that gives them. */
+  readonly libraries = new Map<string, Document>();
   readonly model: Mirror;
   revision = 1;
   isOpen = true;
@@ -71,6 +73,7 @@ export class FakeServer implements Server {
 
   request: Server["request"] = async <T>(method: string, path: string): Promise<T> => {
     this.asked.push(`${method} ${path}`);
+    if (path.startsWith("/libraries/")) return this.#library(path) as T;
     if (path === "/machines/open") this.isOpen = true;
     if (path === "/machines/open") return { ...MACHINE, revision: this.revision } as T;
     if (!this.isOpen) throw this.#closed(404);
@@ -159,6 +162,12 @@ export class FakeServer implements Server {
 
   get isIdle(): boolean {
     return this.#waiting.length === 0 && this.#answers.length === 0;
+  }
+
+  #library(path: string): Document {
+    const found = this.libraries.get(path);
+    if (found) return found;
+    throw new RefusalError({ code: "no_library", message: "there is no such library" }, 404);
   }
 
   #closed(status: number): RefusalError {

@@ -123,6 +123,21 @@ describe("an open machine", () => {
     expect(room.revision.value).toBe(2);
   });
 
+  it("shows the content of a library once it was asked for, or says once why not", async () => {
+    const text = "R hierarchy\n  L library library=tools/grip\n  M library library=tools/none";
+    const { server, room, notices } = setUp(sketch(text));
+    server.libraries.set("/libraries/tools/grip", sketch("G hierarchy\n  A execution"));
+    const touched: (readonly string[] | null)[] = [];
+    room.onChange((paths) => touched.push(paths && [...paths]));
+    await room.loadLibrary("R/L");
+    expect(room.machine.children("R/L/G")).toEqual(["R/L/G/A"]);
+    expect(touched).toEqual([null]);
+    for (const path of ["R/M", "R/M"]) await room.loadLibrary(path);
+    expect(notices.map((notice) => notice.text)).toEqual([
+      "R: what is inside tools/none cannot be shown: there is no such library",
+    ]);
+  });
+
   it("shows what the server has once nothing is on its way, whatever came in which order", async () => {
     const step = fc.record({
       what: fc.constantFrom("edit", "edit", "foreign", "take", "answer", "tell", "reset"),

@@ -13,7 +13,7 @@ import type {
   Presence,
   Revision,
 } from "../model/generated/protocol.ts";
-import { libraryKey } from "../store/graft.ts";
+import { type LibraryKey, libraryKey } from "../store/graft.ts";
 import { Mirror, type Touched } from "../store/mirror.ts";
 import type { Notice } from "../store/page.ts";
 import { foretell } from "../store/predict/foretell.ts";
@@ -52,6 +52,8 @@ export class OpenRoom implements Room {
   readonly #ports: RoomPorts;
   readonly #onItsWay = new Pending();
   readonly #traces = new Traces();
+  /** Libraries whose content was refused, which was told. */
+  readonly #withoutContent = new Set<LibraryKey>();
   readonly #listeners = new Set<(touched: Touched) => void>();
   readonly #following: Following;
   readonly #deaf: () => void;
@@ -120,7 +122,17 @@ export class OpenRoom implements Room {
 
   async loadLibrary(path: string): Promise<void> {
     const library = this.machine.state(path)?.library;
-    if (library) await this.#ports.shelf.load(libraryKey(library));
+    if (!library) return;
+    const key = libraryKey(library);
+    try {
+      await this.#ports.shelf.load(key);
+      this.#withoutContent.delete(key);
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+      if (error.status === 0 || this.#withoutContent.has(key)) return;
+      this.#withoutContent.add(key);
+      this.#tell("warning", `what is inside ${key} cannot be shown: ${error.message}`, path);
+    }
   }
 
   close(): void {
