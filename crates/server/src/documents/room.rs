@@ -362,14 +362,17 @@ impl Room {
         self.document.of(revision, || Ok(whole(revision, &disk::content(&machine)?.1)))
     }
 
-    /// Rules that it breaks, and faults of its files as they were read last.
-    pub(super) fn problems(&self) -> Result<Vec<MachineProblem>, Failure> {
+    /// Rules that it breaks, faults of its files as they were read last, and libraries that have changed.
+    pub(super) fn problems(&self, libraries: &Libraries) -> Result<Vec<MachineProblem>, Failure> {
         let (revision, machine) = self.machine();
         let rules =
             self.problems.of(revision, || Ok(super::problems::of_machine(&machine).into()))?;
         let open = self.open.read();
-        let files = open.files.problems.iter().map(super::problems::of_file);
-        Ok(files.chain(rules.iter().cloned()).collect())
+        let files: Vec<_> =
+            open.files.problems.iter().filter_map(super::problems::of_file).collect();
+        drop(open);
+        let changed = super::problems::of_libraries(&machine, libraries);
+        Ok(files.into_iter().chain(rules.iter().cloned()).chain(changed).collect())
     }
 
     /// Somebody looks at these states.

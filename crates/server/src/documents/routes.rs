@@ -153,7 +153,7 @@ async fn revisions(
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/problems", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
-        (status = 200, description = "Rules that it breaks, and faults of its files when they were read last", body = [MachineProblem]),
+        (status = 200, description = "Rules that it breaks, faults of its files when they were read last, and libraries that have changed", body = [MachineProblem]),
         (status = 404, description = "It is not open", body = Refusal),
         (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
@@ -163,7 +163,8 @@ async fn machine_problems(
     Path(machine): Path<String>,
 ) -> Result<Json<Vec<MachineProblem>>, Failure> {
     let room = house.documents.room(&machine)?;
-    house.documents.looks.work(move || room.problems().map(Json)).await
+    let libraries = house.projects.libraries();
+    house.documents.looks.work(move || room.problems(&libraries).map(Json)).await
 }
 
 /// Copies states of an open machine, as an edit `paste` takes them.

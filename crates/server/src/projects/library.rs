@@ -19,7 +19,16 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 struct Stock {
     libraries: Arc<Libraries>,
-    documents: Mutex<BTreeMap<PathBuf, Bytes>>,
+    documents: Mutex<BTreeMap<PathBuf, Content>>,
+}
+
+/// A library as clients get it.
+#[derive(Debug, Clone)]
+pub(super) struct Content {
+    /// A [`Document`] as JSON.
+    pub(super) document: Bytes,
+    /// Another one for another document: an `ETag`.
+    pub(super) tag: String,
 }
 
 /// The libraries of the server.
@@ -59,8 +68,8 @@ impl Shelf {
         self.libraries().tree().into_iter().map(root_of).collect()
     }
 
-    /// The library at `path` below the root named `root`: a [`Document`] as JSON.
-    pub(super) fn document(&self, root: &str, path: &str) -> Result<Bytes, Failure> {
+    /// The library at `path` below the root named `root`.
+    pub(super) fn document(&self, root: &str, path: &str) -> Result<Content, Failure> {
         self.stock().document(&format!("{root}/{path}"))
     }
 
@@ -78,7 +87,7 @@ impl Stock {
         Self { libraries, documents: Mutex::default() }
     }
 
-    fn document(&self, path: &str) -> Result<Bytes, Failure> {
+    fn document(&self, path: &str) -> Result<Content, Failure> {
         let folder = self.folder(path)?;
         if let Some(document) = self.documents.lock().get(&folder) {
             return Ok(document.clone());
@@ -86,7 +95,9 @@ impl Stock {
         let loaded = load(&folder, &self.libraries).map_err(|error| unloaded(path, &error))?;
         let text = serde_json::to_vec(&Document::of(&loaded.machine));
         let text = text.map_err(|error| unreadable(path, &error))?;
-        Ok(self.documents.lock().entry(folder).or_insert(text.into()).clone())
+        let tag = format!("\"{}\"", &blake3::hash(&text).to_hex()[..32]);
+        let content = Content { document: text.into(), tag };
+        Ok(self.documents.lock().entry(folder).or_insert(content).clone())
     }
 
     /// A root's name may itself have several parts; the longest that fits counts.

@@ -1,13 +1,15 @@
 //! What is asked about projects and libraries. Knows requests and answers; the work is done next door, off the threads that
 //! talk.
 
+use super::library::Content;
 use super::tree::{self, BOUNDS};
 use crate::extract::{Path, Query};
 use crate::{Failure, House};
 use axum::Json;
 use axum::extract::State;
-use axum::http::header::CONTENT_TYPE;
-use axum::response::IntoResponse;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{
     FileNode, LibraryRoot, LibraryUsages, MachineFile, Project, Refusal, TreeFrom, UsagesOf,
 };
@@ -99,7 +101,8 @@ async fn library_usages(
         ("path" = String, Path, description = "From the root's folder on, joined by `/`"),
     ),
     responses(
-        (status = 200, description = "The machine", body = Document),
+        (status = 200, description = "The machine; `ETag` is another one when it has changed", body = Document),
+        (status = 304, description = "It is still the one that `If-None-Match` names"),
         (status = 400, description = "The path is none", body = Refusal),
         (status = 403, description = "The path, or a link in the library, leads out", body = Refusal),
         (status = 404, description = "There is no such library", body = Refusal),
@@ -110,9 +113,16 @@ async fn library_usages(
 async fn library(
     State(house): State<Arc<House>>,
     Path((root, path)): Path<(String, String)>,
-) -> Result<impl IntoResponse, Failure> {
+    headers: HeaderMap,
+) -> Result<Response, Failure> {
     let at = Arc::clone(&house);
     let read = move || house.projects.shelf().document(&root, &path);
-    let document = at.projects.looks().work(read).await?;
-    Ok(([(CONTENT_TYPE, "application/json")], document))
+    let Content { document, tag } = at.projects.looks().work(read).await?;
+    let is_known =
+        headers.get(IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes());
+    if is_known {
+        return Ok((StatusCode::NOT_MODIFIED, [(ETAG, tag)]).into_response());
+    }
+    let head = [(CONTENT_TYPE, "application/json"), (CACHE_CONTROL, "no-cache"), (ETAG, &tag)];
+    Ok((head, document).into_response())
 }

@@ -490,7 +490,7 @@ fn problems_are_told_with_the_way_out() {
     let lines = problems.as_array().unwrap().iter().map(|problem| problem.to_string() + "\n");
     expect![[r#"
         {"message":"ROOT, state: no child is where it starts; connect the income with a child","part":"state","path":"ROOT","rule":"StartMissing","severity":"note"}
-        {"message":"ROOT, transition 1: it leads to GONE, which does not exist; connect the end with a child or an outcome of the container, or remove the transition","part":"transition 1","path":"ROOT","rule":"TargetState","severity":"error"}
+        {"message":"ROOT, transition 1: it leads to GONE, which does not exist; connect the end with a child or an outcome of the container, or remove the transition","part":"transition 1","path":"ROOT","repairs":[{"edit":{"edit":"remove_transition","path":"ROOT","transition":1},"name":"Remove the transition"}],"rule":"TargetState","severity":"error"}
         {"message":"ROOT/AAAAAA, state: there is no script; write a script","part":"state","path":"ROOT/AAAAAA","rule":"ScriptMissing","severity":"note"}
     "#]].assert_eq(&lines.collect::<String>());
 }

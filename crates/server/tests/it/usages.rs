@@ -111,9 +111,81 @@ fn a_library_brings_its_outcomes_and_ports_along() {
         (names("inputs"), names("outputs")),
         (vec!["force".to_owned()], vec!["width".to_owned()])
     );
-    let library =
-        house.call(Some(Role::Viewer), "GET", "/api/v1/libraries/skills/arm/grip", None).json();
+    let path = "/api/v1/libraries/skills/arm/grip";
+    let answer = house.call(Some(Role::Viewer), "GET", path, None);
+    let library = answer.json();
+    let bearer = format!("Bearer {}", house.token(Role::Viewer));
+    let known = [("Authorization", &*bearer), ("If-None-Match", answer.header("etag").unwrap())];
+    let again = house.send("GET", path, &known, None);
+    assert_eq!((again.status, &*again.text), (304, ""));
+    assert_eq!(again.header("etag"), answer.header("etag"));
     let inside = &library["states"][1];
     assert_eq!(inside["path"], "GRIPPP/CLOSEE");
     assert!(!inside["layout"].is_null(), "{inside}");
+}
+
+/// The library gets another version, another input in the place of one, and one more outcome.
+const CHANGED: &str = "
+    hierarchy GRIPPP \"Grip\"
+      outcome dropped
+      outcome held
+      in 7 speed: float = 1.5
+      out 8 width: float
+";
+
+#[test]
+fn a_library_that_changed_is_told_and_taken_over() {
+    let house = with_library(LIBRARY);
+    write(
+        &house,
+        "one",
+        "hierarchy ROOT
+           outcome success
+           in 20 force: float = 1.5
+           var 21 width: float",
+    );
+    let id = open(&house, "one");
+    add(&house, &id, "ROOT", "GRIPAA");
+    let document = || get(&house, &format!("/{id}/document"))["document"].clone();
+    let library = |document: &Value| {
+        let states = document["states"].as_array().unwrap().clone();
+        states.into_iter().find(|state| state["path"] == "ROOT/GRIPAA").unwrap()
+    };
+    let state = library(&document());
+    let port = |list: &str| state[list][0]["id"].clone();
+    let flow = |number: i64, from: Value, to: Value| json!({ "edit": "add_data_flow", "path": "ROOT", "data_flow": number, "from": from, "to": to });
+    let batch = json!({ "edit": "batch", "edits": [
+        { "edit": "add_transition", "path": "ROOT", "transition": 1, "from": { "state": "GRIPAA", "outcome": 0 }, "to": { "outcome": 0 } },
+        flow(1, json!({ "state": "ROOT", "port": 20 }), json!({ "state": "GRIPAA", "port": port("inputs") })),
+        flow(2, json!({ "state": "GRIPAA", "port": port("outputs") }), json!({ "state": "ROOT", "port": 21 })),
+    ] });
+    let send = |id_of_edit: &str, edit: &Value| {
+        let edit = json!({ "id": id_of_edit, "name": "x", "edit": edit });
+        let answer = post(&house, Role::Engineer, &format!("/{id}/edits"), &edit);
+        assert_eq!(answer.status, 200, "{answer:?}");
+    };
+    send("connect", &batch);
+    let changed = || {
+        let problems = get(&house, &format!("/{id}/problems"));
+        let problems = problems.as_array().unwrap().clone();
+        problems.into_iter().find(|problem| problem["rule"] == "library_changed")
+    };
+    assert_eq!(changed(), None);
+    std::fs::remove_dir_all(skills(&house).join("arm/grip")).unwrap();
+    write_library(&house, "arm/grip", CHANGED);
+    let told = std::iter::from_fn(|| Some(changed())).find_map(|told| told).unwrap();
+    assert_eq!(
+        told["message"],
+        "ROOT/GRIPAA, state: its library skills/arm/grip has changed: the outcome `dropped` is new, \
+         the input `force: float` is gone, the input `speed: float` is new; take it over as it is now, \
+         or leave the state as it is until the machine is read again"
+    );
+    send("repair", &told["repairs"][0]["edit"]);
+    assert_eq!(changed(), None);
+    let now = document();
+    assert_eq!(library(&now)["inputs"][0]["name"], "speed");
+    let root = &now["states"][0];
+    assert_eq!(root["transitions"][0]["from_outcome"], 1);
+    assert_eq!(root["data_flows"].as_array().unwrap().len(), 1);
+    assert_eq!(root["data_flows"][0]["from_port"], 8);
 }
