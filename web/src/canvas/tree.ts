@@ -159,6 +159,7 @@ export class PlacedState {
 
   /** The same after the machine or what is shown of its libraries changed; itself if all stayed. */
   renewed(ground: Ground, state: StateDocument, box: Box, scale: number): PlacedState {
+    if (scale === this.scale && same(box, this.box) && this.#isTrue(state)) return this;
     const children = this.#children && this.#renewedChildren(ground, state, box, scale);
     const sameBox = same(box, this.box) && scale === this.scale;
     const opened = state.kind === "library" && opens(ground, this.path, state);
@@ -171,6 +172,23 @@ export class PlacedState {
     made.#name = this.#name;
     if (children && sameOutlines(children, this.#children)) made.#lines = this.#lines;
     return made;
+  }
+
+  /** Whether nothing is different in the state and in all inside it that is known. */
+  #isTrue(state: StateDocument): boolean {
+    if (state !== this.state) return false;
+    const { machine } = this.#ground;
+    if (state.kind === "library" && opens(this.#ground, this.path, state) !== this.opened) {
+      return false;
+    }
+    const children = this.#children;
+    if (children === null) return true;
+    const paths = childPaths(this.#ground, this);
+    if (paths.length !== children.length) return false;
+    return children.every((child, index) => {
+      const now = machine.state(child.path);
+      return child.path === paths[index] && now !== undefined && child.#isTrue(now);
+    });
   }
 
   #renewedChildren(
