@@ -1,7 +1,7 @@
 /** Global variables: every name that scripts of the machine set or read, and where. */
 
 import { Pencil } from "lucide-react";
-import { useMemo, useState } from "react";
+import { useEffect, useMemo, useState } from "react";
 import { mayEdit } from "../../commands/subject.ts";
 import { type GlobalUse, type GlobalVariable, globalsOf } from "../../model/globals.ts";
 import { type Machine, namesTo } from "../../model/machine.ts";
@@ -11,7 +11,6 @@ import { select } from "../../store/view.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
-import { useSettled } from "../../ui/settled.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import type { TreeSource } from "../../ui/tree_rows.ts";
@@ -37,13 +36,11 @@ export function Globals() {
 
 function OfTab({ tab }: { tab: OpenTab }) {
   const { page } = useHost().context();
-  const version = useSettled(useSignal(tab.room.version), PATIENCE_MS);
-  const { machine } = tab.room;
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
-  const all = useMemo(() => globalsOf(machine), [machine, version]);
+  const all = useGlobals(tab);
   const [query, setQuery] = useState("");
   const [chosen, setChosen] = useState<string | null>(null);
   const [renaming, setRenaming] = useState<GlobalVariable | null>(null);
+  if (!all) return <p className="globals-reading">Reading the scripts…</p>;
   const current = all.find(({ name }) => name === chosen) ?? null;
   if (all.length === 0) {
     return (
@@ -89,6 +86,18 @@ function OfTab({ tab }: { tab: OpenTab }) {
       )}
     </div>
   );
+}
+
+/** The variables once edits have settled; null before the scripts were read for the first time. */
+function useGlobals({ room }: OpenTab): readonly GlobalVariable[] | null {
+  const version = useSignal(room.version);
+  const [all, setAll] = useState<readonly GlobalVariable[] | null>(null);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
+  useEffect(() => {
+    const timer = setTimeout(() => setAll(globalsOf(room.machine)), PATIENCE_MS);
+    return () => clearTimeout(timer);
+  }, [room, version]);
+  return all;
 }
 
 interface VariablesProps {
