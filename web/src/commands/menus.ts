@@ -152,7 +152,7 @@ const STATE: Recipe = [
 ];
 
 const LIBRARY: Recipe = [
-  ["view.library-content", "arrange.show-content", "view.show-library", "file.open-library"],
+  ["view.library-content", "arrange.show-content", "file.open-library"],
   ["arrange.start-state", RUN],
   [CONNECT, ARRANGE],
   CLIPBOARD,
@@ -161,14 +161,11 @@ const LIBRARY: Recipe = [
   ["view.zoom-selection"],
 ];
 
-const IN_LIBRARY: Recipe = [
-  ["edit.copy", "view.show-library", "file.open-library"],
-  ["view.zoom-selection"],
-];
+const IN_LIBRARY: Recipe = [["edit.copy", "file.open-library"], ["view.zoom-selection"]];
 
 const PORT: Recipe = [
   ["edit.rename", "insert.connect"],
-  ["edit.cut", "edit.copy", "edit.paste-as", "edit.delete"],
+  ["edit.cut", "edit.copy", "edit.delete"],
 ];
 
 const CONNECTION: Recipe = [["arrange.clear-waypoints"], ["edit.delete"], ["view.zoom-selection"]];
