@@ -40,14 +40,14 @@ journey(
     await app.panel("Libraries");
     await app.sheet.getByPlaceholder("Filter libraries").fill("grasp");
     const grasp = app.sheet.getByRole("treeitem", { name: /grasp/ });
-    const box = await grasp.boundingBox();
-    if (!box) throw new Error("the library is not listed");
-    const root = await app.path("Patrol");
-    const to = await app.box(root);
-    await app.drag(
-      { x: box.x + 40, y: box.y + box.height / 2 },
-      { x: to.x + to.width * 0.4, y: to.y + to.height * 0.75 },
-    );
+    await app.sheet.getByRole("treeitem", { name: /drive_to/ }).waitFor({ state: "hidden" });
+    const root = await app.box(await app.path("Patrol"));
+    const frame = (await app.canvas.boundingBox()) ?? root;
+    const targetPosition = {
+      x: root.x - frame.x + root.width * 0.4,
+      y: root.y - frame.y + root.height * 0.8,
+    };
+    await grasp.dragTo(app.canvas, { targetPosition });
     await app.until(
       ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 6,
       null,

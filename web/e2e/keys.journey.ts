@@ -7,7 +7,7 @@ const FULL = "PACKER/ISFULL";
 journey("a command gets another key", HERE, async ({ app }) => {
   await app.command("Keys…");
   const dialog = app.sheet.getByRole("dialog", { name: "Keys" });
-  await dialog.getByLabel("Find").fill("Duplicate");
+  await dialog.getByRole("searchbox", { name: "Find" }).fill("Duplicate");
   await dialog.getByRole("button", { name: "Add keys to Duplicate" }).click();
   await app.sheet.keyboard.press("Alt+j");
   await app.sheet.keyboard.press("Escape");

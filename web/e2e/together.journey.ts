@@ -60,7 +60,7 @@ journey(
     const steps = app.sheet.getByRole("grid", { name: "Steps, the newest first" });
     await steps.getByText("As it was opened").click();
     await app.sheet.getByRole("button", { name: "Go to this step" }).click();
-    await app.sheet.getByRole("button", { name: "Stay" }).click();
+    await app.sheet.getByRole("button", { name: "Stay", exact: true }).click();
     expect((await app.children()).length).toBe(2);
     await app.sheet.getByRole("button", { name: "Go to this step" }).click();
     await app.sheet.getByRole("button", { name: "Go there anyway" }).click();
