@@ -6,8 +6,9 @@ import type { ElementKey } from "../model/element.ts";
 import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
 import type { Size } from "../model/geometry.ts";
 import type { OpenTab } from "../store/page.ts";
+import type { Room } from "../store/room.ts";
 import { Ahead } from "./ahead.ts";
-import { NO_OVERLAY, type Overlay } from "./overlay.ts";
+import type { Overlay } from "./overlay.ts";
 import { type Colours, coloursOf } from "./paint/colours.ts";
 import { measureWith } from "./paint/measure.ts";
 import { paint } from "./paint/paint.ts";
@@ -71,18 +72,13 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   let size: Size = { width: place.clientWidth, height: place.clientHeight };
   let list = EMPTY;
   let frame = 0;
-  let asked = new Set<string>();
   const listeners = new Set<() => void>();
   const ahead = new Ahead();
 
-  const places = () =>
-    placesOf(
-      room.machine,
-      { modes: view.modes.peek(), contents: view.contents.peek() },
-      overlayNow(),
-    );
-  const overlayNow = () => options.overlay() ?? NO_OVERLAY;
-
+  const places = () => {
+    const shown = { modes: view.modes.peek(), contents: view.contents.peek() };
+    return placesOf(room.machine, shown, options.overlay());
+  };
   const draw = () => {
     frame = 0;
     if (!context || !measure || size.width === 0 || size.height === 0) return;
@@ -95,7 +91,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     paint(context, list, colours);
     performance.clearMeasures("rafcon:frame");
     performance.measure("rafcon:frame", { start: from, end: performance.now() });
-    for (const path of list.wanted) load(path);
+    for (const path of list.wanted) libraries.load(path);
     if (list.unfinished) redraw();
     else ahead.look(list.soon);
     for (const listener of listeners) listener();
@@ -103,35 +99,23 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   const redraw = () => {
     if (frame === 0) frame = requestAnimationFrame(draw);
   };
-  const load = (path: string) => {
-    if (asked.has(path)) return;
-    asked.add(path);
-    room.loadLibrary(path).then(redraw, () => undefined);
-  };
-
-  const stopFollowing = effect(() => {
-    follow(options);
-    theme.value;
-    redraw();
+  const libraries = loader(room, () => redraw());
+  const stop = watch(place, options, {
+    changed: redraw,
+    themed: () => {
+      colours = coloursOf(place);
+      theme.value++;
+      redraw();
+    },
+    sized: () => {
+      size = { width: place.clientWidth, height: place.clientHeight };
+      redraw();
+    },
+    lettered: () => {
+      measure = context && measureWith(context);
+      redraw();
+    },
   });
-  const stopHearing = room.onChange((touched) => {
-    if (touched === null) asked = new Set();
-    redraw();
-  });
-  const stopTheme = onTheme(() => {
-    colours = coloursOf(place);
-    theme.value++;
-  });
-  const resized = new ResizeObserver(() => {
-    size = { width: place.clientWidth, height: place.clientHeight };
-    redraw();
-  });
-  resized.observe(place);
-  const fontsCame = () => {
-    measure = context && measureWith(context);
-    redraw();
-  };
-  document.fonts?.addEventListener("loadingdone", fontsCame);
 
   return {
     canvas,
@@ -148,13 +132,56 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     dispose: () => {
       cancelAnimationFrame(frame);
       ahead.stop();
-      stopFollowing();
-      stopHearing();
-      stopTheme();
-      resized.disconnect();
-      document.fonts?.removeEventListener("loadingdone", fontsCame);
+      libraries.stop();
+      stop();
       canvas.remove();
     },
+  };
+}
+
+interface Loader {
+  readonly load: (path: string) => void;
+  readonly stop: () => void;
+}
+
+/** Gets the content of libraries, each once; those that may have changed once more. */
+function loader(room: Room, came: () => void): Loader {
+  let asked = new Set<string>();
+  const stop = room.onChange((touched) => {
+    if (touched === null) asked = new Set();
+  });
+  const load = (path: string) => {
+    if (asked.has(path)) return;
+    asked.add(path);
+    room.loadLibrary(path).then(came, () => undefined);
+  };
+  return { load, stop };
+}
+
+interface Watched {
+  readonly changed: () => void;
+  readonly themed: () => void;
+  readonly sized: () => void;
+  readonly lettered: () => void;
+}
+
+/** Tells what the picture has to follow; returns the way to stop. */
+function watch(place: HTMLElement, options: PictureOptions, tell: Watched): () => void {
+  const stopFollowing = effect(() => {
+    follow(options);
+    tell.changed();
+  });
+  const stopHearing = options.tab.room.onChange(tell.changed);
+  const stopTheme = onTheme(tell.themed);
+  const resized = new ResizeObserver(tell.sized);
+  resized.observe(place);
+  document.fonts?.addEventListener("loadingdone", tell.lettered);
+  return () => {
+    stopFollowing();
+    stopHearing();
+    stopTheme();
+    resized.disconnect();
+    document.fonts?.removeEventListener("loadingdone", tell.lettered);
   };
 }
 
