@@ -5,7 +5,9 @@ import type { MachineFile } from "../../model/generated/protocol.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
 import { filtered, type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
+import { useSession } from "../provided.tsx";
 import type { DialogProps } from "./dialogs.tsx";
 
 export function OpenMachine({ answer }: DialogProps<undefined>) {
@@ -53,8 +55,32 @@ export function OpenMachine({ answer }: DialogProps<undefined>) {
             />
           )}
         </div>
+        {search === "" && <Recent onTake={answer} />}
       </div>
     </Dialog>
+  );
+}
+
+const RECENT_SHOWN = 5;
+
+/** Machines that were open lately. */
+function Recent({ onTake }: { onTake: (file: MachineFile) => void }) {
+  const { page } = useSession();
+  const { recent } = useSignal(page.settings);
+  if (recent.length === 0) return null;
+  return (
+    <section className="form-recent" aria-label="Recent">
+      <span>Recent</span>
+      {recent.slice(0, RECENT_SHOWN).map((file) => (
+        <Button
+          key={`${file.project}/${file.path}`}
+          title={`${file.project} / ${file.path}`}
+          onClick={() => onTake(file)}
+        >
+          {file.path.split("/").at(-1)}
+        </Button>
+      ))}
+    </section>
   );
 }
 
