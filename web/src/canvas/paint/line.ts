@@ -27,11 +27,16 @@ function corner(context: Context, points: readonly number[], at: number, radius:
   const [x, y] = [points[at] ?? 0, points[at + 1] ?? 0];
   const [beforeX, beforeY] = [points[at - 2] ?? x, points[at - 1] ?? y];
   const [afterX, afterY] = [points[at + 2] ?? x, points[at + 3] ?? y];
-  const before = Math.abs(x - beforeX) + Math.abs(y - beforeY);
-  const after = Math.abs(x - afterX) + Math.abs(y - afterY);
+  const before = Math.hypot(x - beforeX, y - beforeY);
+  const after = Math.hypot(x - afterX, y - afterY);
   const round = Math.min(radius, before / 2, after / 2);
-  if (round < 0.75) context.lineTo(x, y);
-  else context.arcTo(x, y, afterX, afterY, round);
+  if (round < 0.75) {
+    context.lineTo(x, y);
+    return;
+  }
+  const [back, on] = [round / before, round / after];
+  context.lineTo(x + (beforeX - x) * back, y + (beforeY - y) * back);
+  context.quadraticCurveTo(x, y, x + (afterX - x) * on, y + (afterY - y) * on);
 }
 
 function head(context: Context, points: readonly number[], length: number): void {
