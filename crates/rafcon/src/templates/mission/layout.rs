@@ -1,7 +1,7 @@
 //! Where the parts of a generated machine stand on the screen.
 //!
 //! Knows numbers and the file's layout entries (`docs/format.md`, layout). Children stand in columns by how many steps
-//! it takes to get to them; a long row of columns is broken into lines.
+//! it takes to get to them; a long row of columns is broken into lines, so that a container is about as wide as a screen.
 
 use rafcon_model::Layout;
 use rafcon_model::json::Json;
@@ -12,13 +12,13 @@ pub(super) type Pair = (f64, f64);
 /// Size of a state without children.
 pub(super) const LEAF: Pair = (120.0, 72.0);
 /// Free space between columns, and between the children of a column.
-const GAP: Pair = (60.0, 40.0);
+const GAP: Pair = (80.0, 56.0);
 /// Free space between the border of a container and its children.
 const MARGIN: f64 = 50.0;
 /// The same above them, where the name stands.
 const HEADING: f64 = 60.0;
-/// After this many columns a new line begins.
-const COLUMNS: usize = 8;
+/// A container is to be so many times as wide as it is high.
+const SHAPE: f64 = 1.6;
 
 /// The children of a sequence by steps from the first one; `lines` are its transitions, from child to child.
 pub(super) fn by_steps(children: usize, lines: &[(usize, usize)]) -> Vec<Vec<usize>> {
@@ -38,11 +38,35 @@ pub(super) fn by_steps(children: usize, lines: &[(usize, usize)]) -> Vec<Vec<usi
     columns
 }
 
-/// Places for children of these sizes, and the size of the container around them.
+/// Places for children of these sizes, and the size of the container around them: with columns as high and lines as long as
+/// give it the best shape.
 pub(super) fn arrange(columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pair) {
+    let highest = columns.iter().map(Vec::len).max().unwrap_or(1);
+    let mut best = in_lines(columns.len().max(1), columns, sizes);
+    for height in (1..=highest).rev() {
+        let columns =
+            columns.iter().flat_map(|column| column.chunks(height)).map(<[usize]>::to_vec);
+        let columns: Vec<_> = columns.collect();
+        for length in (1..=columns.len()).rev() {
+            let next = in_lines(length, &columns, sizes);
+            if misshapen(next.1) < misshapen(best.1) {
+                best = next;
+            }
+        }
+    }
+    best
+}
+
+/// How far a size is from the best shape.
+fn misshapen(size: Pair) -> f64 {
+    (size.0 / size.1 / SHAPE).ln().abs()
+}
+
+/// Places if a new line begins after so many columns.
+fn in_lines(length: usize, columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pair) {
     let mut places = vec![(MARGIN, HEADING); sizes.len()];
     let (mut right, mut top) = (0.0f64, HEADING);
-    for line in columns.chunks(COLUMNS) {
+    for line in columns.chunks(length) {
         let (mut x, mut bottom) = (MARGIN, top);
         for column in line {
             let mut y = top;
@@ -97,6 +121,7 @@ mod tests {
         let sizes = vec![LEAF; 20];
         let columns = (0..10).map(|column| vec![2 * column, 2 * column + 1]).collect::<Vec<_>>();
         let (places, size) = arrange(&columns, &sizes);
+        assert!((1.0..2.5).contains(&(size.0 / size.1)), "{size:?}");
         for (one, a) in places.iter().enumerate() {
             assert!(a.0 + LEAF.0 <= size.0 && a.1 + LEAF.1 <= size.1);
             let overlaps =
