@@ -68,6 +68,13 @@ describe("the page", () => {
     expect(view?.camera.value).toEqual({ x: 1, y: 2, scale: 3 });
   });
 
+  it("remembers a machine as soon as it is open", async () => {
+    const { page, sheds } = setUp();
+    await settle();
+    await page.open(FILE);
+    expect(setUp(sheds).page.isRestoring.value).toBe(true);
+  });
+
   it("asks for projects and libraries when files have changed, and only then", async () => {
     const { tellHouse, asked } = setUp();
     tellHouse(HOUSE);

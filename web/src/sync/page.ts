@@ -63,7 +63,7 @@ export function startPage(options: PageOptions = {}): Page {
   effect(() => keepSettings(sheds.shared, settings.value));
   const ports = { server, shelf, clock, newId: newIds(), tell };
   const machines = openMachines(ports, settings);
-  const isRestoring = followSession({ ...ports, ...sheds, ...machines });
+  const isRestoring = followSession({ ...ports, ...sheds, ...machines, leaving });
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
   const known = { house, projects, libraries, isRestoring };
@@ -73,6 +73,10 @@ export function startPage(options: PageOptions = {}): Page {
 function browserSheds(): { readonly own: Shed; readonly shared: Shed } {
   if (typeof window === "undefined") return { own: memoryShed(), shared: memoryShed() };
   return { own: shedOf(() => window.sessionStorage), shared: shedOf(() => window.localStorage) };
+}
+
+function leaving(call: () => void): void {
+  if (typeof window !== "undefined") window.addEventListener("pagehide", call);
 }
 
 /** Projects and libraries, asked for again when files have changed. */

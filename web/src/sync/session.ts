@@ -25,10 +25,12 @@ export interface SessionPorts {
   readonly tabs: Signal<readonly OpenTab[]>;
   readonly active: Signal<OpenTab | null>;
   readonly open: (file: MachineFile) => Promise<OpenTab>;
+  /** Calls when the page is about to end. */
+  readonly leaving: (call: () => void) => void;
   readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
 }
 
-/** The session is written when nothing has changed for so long: a camera in flight is none of it. */
+/** How machines are looked at is written when nothing has changed for so long: a camera in flight is none of it. */
 const KEPT_AFTER_MS = 500;
 
 /** Whether it is still on its way back. */
@@ -42,15 +44,22 @@ export function followSession(ports: SessionPorts): Signal<boolean> {
   return isRestoring;
 }
 
-function keep({ clock, own, shared, tabs, active }: SessionPorts): void {
+function keep({ clock, own, shared, tabs, active, leaving }: SessionPorts): void {
   let cancel = () => {};
-  effect(() => {
-    const session = sessionOf(tabs.value, active.value);
+  let session = sessionOf(tabs.peek(), active.peek());
+  let opened: readonly OpenTab[] | null = null;
+  const write = () => {
     cancel();
-    cancel = clock.after(KEPT_AFTER_MS, () => {
-      for (const shed of [own, shared]) keepSession(shed, session);
-    });
+    for (const shed of [own, shared]) keepSession(shed, session);
+  };
+  effect(() => {
+    session = sessionOf(tabs.value, active.value);
+    cancel();
+    if (tabs.value === opened) cancel = clock.after(KEPT_AFTER_MS, write);
+    else write();
+    opened = tabs.value;
   });
+  leaving(write);
 }
 
 async function restore(ports: SessionPorts, session: Session | null): Promise<void> {
