@@ -2,7 +2,7 @@
  * local: of a few shapes for each line the one that costs least, after the lines before it. What leads to one target shares
  * its way there, and so many lines become one trunk; others keep apart. */
 
-import type { Box, Point, Size } from "../model/geometry.ts";
+import { type Box, distance, type Point, type Size } from "../model/geometry.ts";
 import { Lanes, SHARED_FOR_UNIT } from "./lanes.ts";
 
 /** Where a line begins or ends. */
@@ -64,7 +64,10 @@ function reach({ start, goal, by }: Wanted): number {
 
 /** As the reference draws it: straight from point to point, with short pieces out of the ports. */
 function overWaypoints({ start, goal, by }: Wanted, pace: number): Routed {
-  const points = [start.at, stub(start, pace), ...by, stub(goal, pace), goal.at];
+  const [first = goal.at, last = start.at] = [by[0], by.at(-1)];
+  const out = stub(start, Math.min(pace, distance(start.at, first) / 2));
+  const into = stub(goal, Math.min(pace, distance(goal.at, last) / 2));
+  const points = [start.at, out, ...by, into, goal.at];
   return {
     points,
     waypoints: by.map((_, index) => index + 2),
@@ -79,7 +82,8 @@ function stub({ at, out }: End, length: number): Point {
 
 /** A likely shape that costs nothing but its length is taken at once; else all channels are tried that are not too far off. */
 function cheapest(line: Wanted, lanes: Lanes): Routed {
-  const [from, to] = [stub(line.start, lanes.pace), stub(line.goal, lanes.pace)];
+  const short = Math.min(lanes.pace, distance(line.start.at, line.goal.at) / 3);
+  const [from, to] = [stub(line.start, short), stub(line.goal, short)];
   const best = new Best(line, from, to, lanes);
   const middle = { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
   best.offer([{ x: to.x, y: from.y }]);
