@@ -199,10 +199,12 @@ function Row<T>({ tree, row, domId, top, height, active, onActive }: RowProps<T>
       draggable={tree.draggable?.(node) ?? false}
       style={{ height, transform: `translateY(${top}px)`, paddingLeft: 4 + depth * INDENT_PX }}
       onMouseDown={(event) => {
-        event.preventDefault();
-        event.currentTarget.closest<HTMLElement>(".tree")?.focus();
+        // Who prevents this prevents dragging, too.
+        if (!event.currentTarget.draggable) event.preventDefault();
+        event.currentTarget.closest<HTMLElement>(".tree")?.focus({ preventScroll: true });
       }}
       onClick={(event) => {
+        event.currentTarget.closest<HTMLElement>(".tree")?.focus({ preventScroll: true });
         onActive();
         tree.onSelect?.(node, { toggle: event.ctrlKey || event.metaKey });
         if (!tree.onSelect && open !== undefined) tree.onExpand(node, !open);
