@@ -20,7 +20,7 @@ export function libraryMenu(
   const context = host.context();
   const { page } = context;
   const can = (id: string) => host.commands.get(id)?.enabled?.(context) !== false;
-  const insert = (id: string) => () => void host.commands.run(id, context, { library });
+  const insert = (id: string) => () => void host.commands.run(id, context, library);
   return [
     {
       id: "add",
