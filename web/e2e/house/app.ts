@@ -89,7 +89,8 @@ export class App {
   /** Chooses a command of a menu in the bar. */
   async menu(menu: string, item: string): Promise<void> {
     await this.sheet.getByRole("menubar").getByRole("menuitem", { name: menu }).click();
-    await this.sheet.getByRole("menuitem", { name: item, exact: true }).click();
+    const keysMayFollow = new RegExp(`^${item}( \\S+)?$`);
+    await this.sheet.getByRole("menu").getByRole("menuitem", { name: keysMayFollow }).click();
   }
 
   /** Does a command by the palette, by its whole title. */
