@@ -67,6 +67,7 @@ journey(
     other.sheet.on("console", (message) => message.type() === "error" && said.push(message.text()));
     other.sheet.on("pageerror", (error) => said.push(error.message));
     await other.sheet.reload();
+    await other.connected();
     await other.open("library_reuse");
     await other.press("Control+Alt+l");
     await other.settled();
