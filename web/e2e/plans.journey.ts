@@ -18,11 +18,11 @@ import {
   connectToParent,
   connectToSibling,
   connectToState,
-  insertState,
   reconnect,
 } from "../src/plan/connect.ts";
 import { documentsOf } from "../src/plan/documents.ts";
 import { addTemplate, group, substitute, ungroup } from "../src/plan/group.ts";
+import { insertState } from "../src/plan/insert.ts";
 import { align, distribute, move, moveInto, resize } from "../src/plan/move.ts";
 import { isRefused, type Planned } from "../src/plan/plan.ts";
 import { addOutcome, addPort, renamePort, setPortType } from "../src/plan/ports.ts";

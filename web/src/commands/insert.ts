@@ -5,6 +5,7 @@ import type { Point } from "../model/geometry.ts";
 import { isContainer, type Machine, type PortKind } from "../model/machine.ts";
 import { connectFromSibling, connectToParent, connectToSibling } from "../plan/connect.ts";
 import { addTemplate } from "../plan/group.ts";
+import { insertState } from "../plan/insert.ts";
 import type { Planned } from "../plan/plan.ts";
 import { addOutcome, addPort } from "../plan/ports.ts";
 import { addLibrary, addState } from "../plan/states.ts";
@@ -44,6 +45,8 @@ export interface InsertLibrary {
   readonly name: string;
   readonly container?: string;
   readonly at?: Point;
+  /** The transition of the container into which it was dropped. */
+  readonly transition?: number;
 }
 
 const LIBRARIES: readonly Command[] = [
@@ -56,7 +59,7 @@ const LIBRARIES: readonly Command[] = [
     run: (context, argument) =>
       withLibrary(context, argument, (machine, place, library, states) => {
         const [root] = states;
-        return root ? addLibrary(machine, place.path, library, root, place.at) : null;
+        return root ? withRoot(machine, place, library, root) : null;
       }),
   },
   {
@@ -73,6 +76,16 @@ const LIBRARIES: readonly Command[] = [
 ];
 
 type Place = { readonly path: string; readonly at?: Point };
+
+function withRoot(
+  machine: Machine,
+  { path, at }: Place,
+  { transition: id, ...library }: InsertLibrary,
+  root: StateDocument,
+): Planned {
+  if (id === undefined || !at) return addLibrary(machine, path, library, root, at);
+  return insertState(machine, { kind: "transition", path, id }, { library, root }, at);
+}
 
 async function withLibrary(
   context: Context,

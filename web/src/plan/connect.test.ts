@@ -8,9 +8,9 @@ import {
   connectToParent,
   connectToSibling,
   connectToState,
-  insertState,
   reconnect,
 } from "./connect.ts";
+import { insertState } from "./insert.ts";
 import { drawn, editsOf, lines, reason } from "./testing.ts";
 
 const machine = drawn(`
@@ -142,6 +142,19 @@ test("a state is put into a transition", () => {
     "add_transition",
   ]);
   expect(reason(insertState(machine, second, "R/B", { x: 0, y: 0 }))).toContain("already");
+});
+
+test("a library is put into a transition by the first outcome that is no failure", () => {
+  const library = { path: "arm", name: "grasp" };
+  const root = (outcomes: string) =>
+    drawn(`G "Grasp" hierarchy 0 0 200 100 ${outcomes}`).state("G");
+  const [grasp, endless] = [root("outcome held outcome lost"), root("")];
+  if (!grasp || !endless) throw new Error("the libraries are not drawn");
+  const at = { x: 150, y: 50 };
+  const second: ElementRef = { kind: "transition", path: "R", id: 1 };
+  const plan = insertState(machine, second, { library, root: grasp }, at);
+  expect(lines(plan).at(-1)).toMatch(/^add_transition .*"outcome":0} to={"state":"B"}$/);
+  expect(reason(insertState(machine, second, { library, root: endless }, at))).toContain("outcome");
 });
 
 test("the next state, and the way out, by a key", () => {

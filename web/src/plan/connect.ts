@@ -1,23 +1,15 @@
 /** Connecting outcomes with states, and ports with ports: on one level, over several, and anew. */
 
-import { waypointsOf } from "../model/drawing.ts";
 import type { ElementRef } from "../model/element.ts";
 import { type Ends, endsOf, isConnection, isPort, type PortRef } from "../model/ends.ts";
-import type {
-  DataFlowDocument,
-  Edit,
-  Goal,
-  StateDocument,
-  TransitionDocument,
-} from "../model/generated/protocol.ts";
-import { centre, distance, type Point } from "../model/geometry.ts";
+import type { DataFlowDocument, Edit, StateDocument } from "../model/generated/protocol.ts";
+import { centre, distance } from "../model/geometry.ts";
 import { dataFlowsOf, type Machine, outcomesOf, transitionsOf } from "../model/machine.ts";
 import { freshName, freshNumber } from "../model/names.ts";
-import { childPath, idOf, isWithin, parentOf } from "../model/path.ts";
-import { childBoxes, pins, waypointsEdit } from "./boxes.ts";
+import { idOf, isWithin, parentOf } from "../model/path.ts";
+import { childBoxes } from "./boxes.ts";
 import { courseBetween, fittingPort, flowEdits, portAt, portEdit } from "./flows.ts";
 import { containerAt, interfaceAt, movableFrom, stateAt } from "./legal.ts";
-import { type NewKind, newBox, newState } from "./newcomers.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
 import { climb, freeOutcome, lineBetween, lineEdit, lineRefused } from "./transitions.ts";
 
@@ -231,125 +223,6 @@ function moved(
   return [
     { edit: "remove_data_flow", ...place },
     { edit: "add_data_flow", ...place, from, to },
-  ];
-}
-
-/** Puts a state between the ends of a transition: one that is there, or a new one with its middle at the point. */
-export function insertState(
-  machine: Machine,
-  element: ElementRef,
-  state: string | { readonly kind: NewKind; readonly name?: string },
-  at: Point,
-): Planned {
-  const container = containerAt(machine, element.path);
-  if (isRefused(container)) return container;
-  const found =
-    element.kind === "transition"
-      ? transitionsOf(container).find(({ id }) => id === element.id)
-      : undefined;
-  if (!found) return refused("There is no such transition any more: somebody may have removed it.");
-  const goal = goalOf(found);
-  const comer = typeof state === "string" ? standing(machine, found, element.path, state) : null;
-  if (comer && isRefused(comer)) return comer;
-  const added = typeof state === "string" ? null : newcomer(machine, element.path, state, at);
-  const id = comer?.id ?? added?.path ?? "";
-  const outcome = comer?.outcome ?? 0;
-  const transition = freshNumber(transitionsOf(container));
-  const path = element.path;
-  const from = { state: id, outcome };
-  const edits: Edit[] = [
-    ...(added ? addition(machine, path, added) : (comer?.edits ?? [])),
-    { edit: "set_transition_target", path, transition: found.id, to: { state: id } },
-    { edit: "add_transition", path, transition, from, to: goal },
-    ...splitWaypoints(path, container, found.id, transition, at),
-  ];
-  const select: ElementRef[] = [{ kind: "state", path: childPath(path, id) }];
-  return (
-    insertRefused(container) ?? {
-      name: "Insert state into transition",
-      edit: together(edits),
-      select,
-    }
-  );
-}
-
-function goalOf({ to_state, to_outcome }: TransitionDocument): Goal {
-  return to_outcome == null ? { state: to_state ?? "" } : { outcome: to_outcome };
-}
-
-function insertRefused(container: StateDocument): Refused | null {
-  return container.kind === "hierarchy"
-    ? null
-    : refused(`${container.name} runs all its states at once: nothing stands between two of them.`);
-}
-
-function newcomer(
-  machine: Machine,
-  container: string,
-  { kind, name }: { readonly kind: NewKind; readonly name?: string },
-  at: Point,
-): StateDocument {
-  return newState(machine, container, kind, newBox(machine, container, at), name);
-}
-
-function addition(machine: Machine, path: string, state: StateDocument): Edit[] {
-  const edits = pins(machine, path, new Set());
-  return [...edits, { edit: "add_state", path, states: [state] }];
-}
-
-interface Comer {
-  readonly id: string;
-  readonly outcome: number;
-  readonly edits: Edit[];
-}
-
-/** A sibling with an outcome that leads nowhere yet, or to which one can be given. */
-function standing(
-  machine: Machine,
-  transition: TransitionDocument,
-  container: string,
-  path: string,
-): Comer | Refused {
-  const state = stateAt(machine, path);
-  if (isRefused(state)) return state;
-  if (parentOf(path) !== container) {
-    return refused(`Move ${state.name} into ${machine.state(container)?.name} first.`);
-  }
-  const id = idOf(path);
-  if (transition.from_state === id || goalIs(transition, id)) {
-    return refused(`The transition leads from or to ${state.name} already.`);
-  }
-  const free = freeOutcome(machine, path);
-  if (free !== null) return { id, outcome: free, edits: [] };
-  if (state.kind === "library" || outcomesOf(state).some((outcome) => outcome.id >= 0)) {
-    return refused(
-      `All outcomes of ${state.name} lead somewhere: add one, or delete a transition.`,
-    );
-  }
-  return { id, outcome: 0, edits: [{ edit: "add_outcome", path, outcome: 0, name: "success" }] };
-}
-
-function goalIs({ to_state, to_outcome }: TransitionDocument, id: string): boolean {
-  return to_outcome == null && to_state === id;
-}
-
-/** Waypoints before the new state stay with the first transition, those behind it go to the second. */
-function splitWaypoints(
-  path: string,
-  container: StateDocument,
-  first: number,
-  second: number,
-  at: Point,
-): Edit[] {
-  const points = waypointsOf(container, "transition", first);
-  if (points.length === 0) return [];
-  const nearest = points.reduce((best, point, index) => {
-    const known = points[best];
-    return known && distance(known, at) <= distance(point, at) ? best : index;
-  }, 0);
-  return [
-    waypointsEdit(path, { transition: first }, points.slice(0, nearest)),
-    waypointsEdit(path, { transition: second }, points.slice(nearest + 1)),
   ];
 }
 

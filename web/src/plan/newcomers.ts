@@ -88,6 +88,20 @@ export interface LibraryName {
   readonly version?: string | null;
 }
 
+/** A new state that runs a library, in the library's own form. */
+export function newLibrary(
+  machine: Machine,
+  container: string,
+  library: LibraryName,
+  root: StateDocument,
+  at?: Point,
+): StateDocument {
+  const size = rootSize(root);
+  const box = newBox(machine, container, at, size.width / size.height);
+  const name = libraryStateName(machine, container, root);
+  return libraryState(newId(machine, container), name, library, root, box);
+}
+
 /** A library state under an id; its box has the form of the library. */
 export function libraryState(
   id: string,

@@ -1,6 +1,5 @@
 /** Adding and removing states and what belongs to them, and changing what a state says about itself. */
 
-import { rootSize } from "../model/drawing.ts";
 import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Edit, JsonValue, StateDocument, StateKind } from "../model/generated/protocol.ts";
 import type { Point } from "../model/geometry.ts";
@@ -8,15 +7,7 @@ import { ABORTED, type Machine, outcomesOf, PREEMPTED, startOf } from "../model/
 import { idOf, isWithin, parentOf } from "../model/path.ts";
 import { pins } from "./boxes.ts";
 import { containerAt, counted, interfaceAt, KIND_WORDS, movableFrom, stateAt } from "./legal.ts";
-import {
-  type LibraryName,
-  libraryState,
-  libraryStateName,
-  type NewKind,
-  newBox,
-  newId,
-  newState,
-} from "./newcomers.ts";
+import { type LibraryName, type NewKind, newBox, newLibrary, newState } from "./newcomers.ts";
 import { isRefused, type Plan, type Planned, type Refused, refused, together } from "./plan.ts";
 
 /** Adds a state with its middle at a point of the container, or where there is room. */
@@ -43,10 +34,7 @@ export function addLibrary(
 ): Planned {
   const around = containerAt(machine, container);
   if (isRefused(around)) return around;
-  const size = rootSize(root);
-  const box = newBox(machine, container, at, size.width / size.height);
-  const name = libraryStateName(machine, container, root);
-  const state = libraryState(newId(machine, container), name, library, root, box);
+  const state = newLibrary(machine, container, library, root, at);
   return added(machine, container, around, [state], `Add library ${library.name}`);
 }
 

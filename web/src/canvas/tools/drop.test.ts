@@ -34,6 +34,16 @@ test("a library is inserted by its command", () => {
   ]);
 });
 
+test("a library on a transition is inserted into that", () => {
+  const canvas = driver();
+  const [from, to] = [canvas.point("A.ok"), canvas.point("B.income")];
+  const library = { path: "arm", name: "grasp" };
+  canvas.bring({ library }, { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 });
+  expect(canvas.hand.overlay.value.message?.text).toBe("Insert into the transition");
+  canvas.drop();
+  expect(canvas.commands[0]).toContain('"transition":1}');
+});
+
 test("outside of all containers it is refused", () => {
   const canvas = driver().bring({ insert: "execution" }, { x: 980, y: 780 });
   expect(canvas.hand.overlay.value.message?.bad).toBe(true);

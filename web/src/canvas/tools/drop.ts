@@ -3,7 +3,7 @@
 import { layoutOf } from "../../model/drawing.ts";
 import { keyOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
-import { insertState } from "../../plan/connect.ts";
+import { insertState } from "../../plan/insert.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import { addState } from "../../plan/states.ts";
 import type { Dragged } from "../../store/dragged.ts";
@@ -41,7 +41,7 @@ function refusedHere(pointer: Pointer): Step {
 
 function into(brought: Dragged, container: string, pointer: Pointer, around: Around): Step {
   const at = inState(around.places, container, worldOf(pointer, around));
-  const line = "insert" in brought ? lineUnder(container, pointer, around) : null;
+  const line = lineUnder(container, pointer, around);
   if ("insert" in brought) {
     const plan = line
       ? insertState(around.machine, lineRef(line), { kind: brought.insert }, at)
@@ -49,17 +49,20 @@ function into(brought: Dragged, container: string, pointer: Pointer, around: Aro
     const drop = keyOf(line ? lineRef(line) : { kind: "state", path: container });
     return { overlay: planned(plan, container, drop, pointer, around), result: () => ({ plan }) };
   }
-  const argument = { ...brought.library, container, at };
+  const transition = line ? { transition: line.id } : {};
+  const argument = { ...brought.library, container, at, ...transition };
+  const drop = keyOf(line ? lineRef(line) : { kind: "state", path: container });
   const overlay = {
     ...NO_OVERLAY,
-    drop: keyOf({ kind: "state", path: container }),
+    drop,
     ghosts: [ghost(container, cornerAt(container, pointer, around), around)],
-    message: { at: pointer, text: intoName(container, around), bad: false },
+    message: { at: pointer, text: whereTo(drop, container, around), bad: false },
   };
   return { overlay, result: () => ({ run: { command: "insert.library", argument } }) };
 }
 
-function intoName(container: string, { machine }: Around): string {
+function whereTo(drop: string, container: string, { machine }: Around): string {
+  if (drop.startsWith("transition:")) return "Insert into the transition";
   return `Into “${machine.state(container)?.name ?? container}”`;
 }
 
@@ -75,9 +78,7 @@ function planned(
   }
   const added = editsOf(plan.edit).find((edit) => edit.edit === "add_state");
   const layout = added?.states[0] && layoutOf(added.states[0]);
-  const text = drop.startsWith("transition:")
-    ? "Insert into the transition"
-    : intoName(container, around);
+  const text = whereTo(drop, container, around);
   const at = layout?.position ?? cornerAt(container, pointer, around);
   const box = ghost(container, at, around, layout?.size);
   return { ...NO_OVERLAY, drop, ghosts: [box], message: { at: pointer, text, bad: false } };

@@ -5,7 +5,7 @@ import { type Box, around as boxAround, type Point } from "../../model/geometry.
 import { isContainer, transitionsOf } from "../../model/machine.ts";
 import { idOf, isWithin, parentOf } from "../../model/path.ts";
 import { duplicate } from "../../plan/clipboard.ts";
-import { insertState } from "../../plan/connect.ts";
+import { insertState } from "../../plan/insert.ts";
 import { move, moveInto } from "../../plan/move.ts";
 import { isRefused, type Planned, together } from "../../plan/plan.ts";
 import { statesAt } from "../hit/hit.ts";
