@@ -11,18 +11,17 @@ import {
   type Size,
 } from "../model/geometry.ts";
 import { isContainer } from "../model/machine.ts";
-import { parentOf } from "../model/path.ts";
-import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
 import { rename as renamePlan } from "../plan/states.ts";
 import type { Dragged } from "../store/dragged.ts";
 import type { OpenTab } from "../store/page.ts";
 import { wasRefused } from "../store/room.ts";
-import { type Camera, select, selected, selectedStates, toggle } from "../store/view.ts";
+import { type Camera, select, selected, toggle } from "../store/view.ts";
 import { visibleBox, zoomedAt } from "./camera.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
 import type { Hit } from "./hit/look.ts";
 import { extentOn } from "./hit/shown.ts";
+import { type Key, keyed } from "./keyed.ts";
 import { filling, revealing } from "./looks.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
 import { type Placed, placesOf } from "./placed.ts";
@@ -34,7 +33,6 @@ import { type Around, type Gesture, inState, type Pointer, type Result } from ".
 import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
 import { cursorAt, type Press, pressing } from "./tools/press.ts";
 import { stageOf } from "./tools/stage.ts";
-import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
 
 /** What the hand needs of its surroundings. */
 export interface Desk {
@@ -50,14 +48,6 @@ export interface Desk {
   /** Says why something cannot be done. */
   readonly refuse: (reason: string) => void;
   readonly rename: (path: string) => void;
-}
-
-/** A key that was pressed, by the name that browsers give it. */
-export interface Key {
-  readonly key: string;
-  readonly shift: boolean;
-  readonly ctrl: boolean;
-  readonly alt: boolean;
 }
 
 interface Touch {
@@ -213,7 +203,18 @@ export class Hand {
     if (!hit) return;
     const { path } = hit.element;
     if (hit.on === "name" && this.#isOnlyName(path)) this.rename(path);
-    else if (hit.on === "state" || hit.on === "name" || hit.on === "grip") this.fit([path]);
+    else if (hit.on === "state" || hit.on === "name" || hit.on === "grip") this.drill(path);
+  }
+
+  /** Goes to a state so that it fills the view; a library shows what is inside. */
+  drill(path: string): void {
+    const { room, view } = this.#desk.tab;
+    const isClosed = this.places().children(path).length === 0;
+    if (isClosed && room.machine.state(path)?.kind === "library") {
+      view.contents.value = new Map(view.contents.peek()).set(path, true);
+      void room.loadLibrary(path);
+    }
+    this.fit([path]);
   }
 
   /** Whether a name is not in the way of what one would drill into: that of a closed container fills it. */
@@ -253,7 +254,7 @@ export class Hand {
 
   /** A key was pressed; false if the canvas has no use for it. */
   key(key: Key): boolean {
-    return this.#gesture ? this.#gestureKey(this.#gesture, key) : this.#freeKey(key);
+    return this.#gesture ? this.#gestureKey(this.#gesture, key) : keyed(this, this.#desk, key);
   }
 
   /** Shift, Ctrl or Alt went down or up while the pointer rests. */
@@ -280,45 +281,6 @@ export class Hand {
     return true;
   }
 
-  #freeKey(key: Key): boolean {
-    if (key.key === "Escape") return this.#leaveLevel();
-    if (key.key === "Enter") return this.#enter();
-    if (key.key === "Tab") return this.#portStep(key.shift ? -1 : 1);
-    const arrow = ARROWS[key.key];
-    if (!arrow || key.shift) return false;
-    return key.ctrl || key.alt ? this.#nudge(arrow.by, key.alt) : this.walk(arrow.direction);
-  }
-
-  /** First the selection goes, then one is one level farther out. */
-  #leaveLevel(): boolean {
-    const { view } = this.#desk.tab;
-    if (view.selection.peek().size > 0) {
-      select(view, []);
-      return true;
-    }
-    const parent = parentOf(this.#stageAt(this.#desk.heading()));
-    if (parent === null) return false;
-    this.fit([parent]);
-    return true;
-  }
-
-  #enter(): boolean {
-    const [path] = selectedStates(this.#desk.tab.view);
-    if (path === undefined) return false;
-    const inside = entrance(this.#desk.tab.room.machine, this.places(), path);
-    this.fit([path]);
-    if (inside) select(this.#desk.tab.view, [inside]);
-    return true;
-  }
-
-  #portStep(by: 1 | -1): boolean {
-    const [from] = selected(this.#desk.tab.view);
-    const to = from && portWalk(this.places(), from, by);
-    if (!to) return false;
-    select(this.#desk.tab.view, [to]);
-    return true;
-  }
-
   /** Begins to change the name of a state, in place; brings it into sight if it is not. */
   rename(path: string): void {
     const { room, view } = this.#desk.tab;
@@ -335,34 +297,6 @@ export class Hand {
     const isNamed = extentOn(camera.peek(), box) >= DETAIL.name;
     if (!isSeen || !isNamed) camera.value = revealing(box, camera.peek(), size);
     this.#desk.rename(path);
-  }
-
-  /** Selects what follows in a direction, and brings it into sight. */
-  walk(direction: Direction): boolean {
-    const { room, view } = this.#desk.tab;
-    const from = selected(view).at(-1);
-    const stage: ElementRef = { kind: "state", path: this.stage.peek() };
-    const to = from
-      ? walked(room.machine, this.places(), from, direction)
-      : (entrance(room.machine, this.places(), stage.path) ?? stage);
-    if (to) {
-      select(view, [to]);
-      this.reveal(to);
-    }
-    return true;
-  }
-
-  /** Moves the selected states by a step, with Alt by a tenth of it. */
-  #nudge(by: Point, isFine: boolean): boolean {
-    const { room, view } = this.#desk.tab;
-    const paths = selectedStates(view);
-    const parent = paths[0] === undefined ? null : parentOf(paths[0]);
-    const box = parent === null ? undefined : this.places().box(parent);
-    if (!box || parent === null) return false;
-    const whole = Math.min(box.width, box.height) / this.places().unit(parent);
-    const step = whole / (isFine ? 500 : 50);
-    this.apply(movePlan(room.machine, paths, { x: by.x * step, y: by.y * step }));
-    return true;
   }
 
   #stageAt(camera: Camera): string {
@@ -483,13 +417,4 @@ const CYCLE: Readonly<Record<string, 1 | -1>> = {
   ArrowDown: 1,
   ArrowLeft: -1,
   ArrowUp: -1,
-};
-
-const ARROWS: Readonly<
-  Record<string, { readonly direction: Direction; readonly by: Point } | undefined>
-> = {
-  ArrowRight: { direction: "next", by: { x: 1, y: 0 } },
-  ArrowLeft: { direction: "previous", by: { x: -1, y: 0 } },
-  ArrowDown: { direction: "in", by: { x: 0, y: 1 } },
-  ArrowUp: { direction: "out", by: { x: 0, y: -1 } },
 };

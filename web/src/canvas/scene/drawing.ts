@@ -92,6 +92,11 @@ export class Drawing {
     };
   }
 
+  /** Whether nothing of the state's border is in the view. */
+  isCoveredBy({ x, y, width, height }: Spot): boolean {
+    return x < 0 && y < 0 && x + width > this.width && y + height > this.height;
+  }
+
   isSelected(key: ElementKey): boolean {
     return this.input.selection.has(key);
   }

@@ -6,6 +6,7 @@ import { screenBox, screenFromWorld } from "../camera.ts";
 import { TEXT } from "./detail.ts";
 import type { Drawing } from "./drawing.ts";
 import type { BoxMark, Layer, LineMark } from "./list.ts";
+import { wrapped } from "./words.ts";
 
 export function gestureMarks(drawing: Drawing): void {
   const { overlay, camera } = drawing.input;
@@ -89,24 +90,39 @@ function dropMarks(drawing: Drawing, layer: Layer, key: string): void {
   layer.lines.push({ ...line(drawing, `${key} drop`, points, "legal", 4, false), radius: 6 });
 }
 
+const MESSAGE = { width: 360, rows: 4, pitch: 17, inset: 8 };
+
+/** What is said at the pointer, on a plate that stands out from the picture. */
 function messageMarks(drawing: Drawing, layer: Layer): void {
   const { overlay, measure } = drawing.input;
   if (!overlay.message) return;
   const { at, text, bad } = overlay.message;
-  const width = measure(text, TEXT.usual, false);
-  const x = Math.max(8, Math.min(at.x + 16, drawing.width - width - 16));
-  const y = Math.max(14, Math.min(at.y + 24, drawing.height - 16));
-  layer.texts.push({
-    what: "message",
-    x,
-    y,
-    text,
-    size: TEXT.usual,
-    bold: false,
-    ink: bad ? "on-bad" : "on-good",
-    align: "left",
-    alpha: 1,
-    plate: bad ? "bad" : "good",
-    width,
+  const { rows, pitch, inset } = MESSAGE;
+  const lines = wrapped(text, MESSAGE.width, rows, TEXT.usual, measure);
+  const width = Math.max(...lines.map((each) => measure(each, TEXT.usual, false))) + 2 * inset;
+  const height = lines.length * pitch + inset;
+  const x = Math.max(4, Math.min(at.x + 16, drawing.width - width - 4));
+  const y = Math.max(4, Math.min(at.y + 16, drawing.height - height - 4));
+  const plate = bad ? "bad" : "good";
+  layer.boxes.push({
+    what: "message plate",
+    ...{ x, y, width, height, radius: 5, fill: plate, dash: false, alpha: 1 },
+    stroke: bad ? "illegal" : "outline",
+    line: 1,
+  });
+  lines.forEach((each, index) => {
+    layer.texts.push({
+      what: "message",
+      x: x + inset,
+      y: y + inset / 2 + (index + 0.5) * pitch,
+      text: each,
+      size: TEXT.usual,
+      bold: false,
+      ink: bad ? "on-bad" : "on-good",
+      align: "left",
+      alpha: 1,
+      plate,
+      width: measure(each, TEXT.usual, false),
+    });
   });
 }

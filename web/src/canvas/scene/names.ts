@@ -5,6 +5,7 @@ import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { Icon, IconMark, Layer } from "./list.ts";
 import { groundInk } from "./states.ts";
+import { FRAME } from "./sticky.ts";
 import { cut, wrapped } from "./words.ts";
 
 const BADGE = 12;
@@ -84,8 +85,9 @@ function free(
   const name = spot.at.name;
   const right = Math.min(spot.x + spot.width, drawing.width) - width - 4;
   const bottom = Math.min(spot.y + spot.height, drawing.height) - height - 2;
-  const x = Math.min(Math.max(spot.x + Math.min(name.x * spot.scale, 10), 4), right);
-  let y = Math.max(spot.y + Math.min(name.y * spot.scale, 6), 4);
+  const edge = drawing.isCoveredBy(spot) ? FRAME + 6 : 4;
+  const x = Math.min(Math.max(spot.x + Math.min(name.x * spot.scale, 10), edge), right);
+  let y = Math.max(spot.y + Math.min(name.y * spot.scale, 6), edge);
   let left = Math.max(x, spot.x + 2);
   for (const plate of drawing.plates) {
     if (!meets(plate, left, y, width, height)) continue;

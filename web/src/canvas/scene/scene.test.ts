@@ -105,6 +105,12 @@ describe("what is where", () => {
   });
 });
 
+test("a state without content around the view has its name and its ports in sight", () => {
+  const lines = seen(60, {}, { x: 60, y: 80 });
+  expect(about(lines, 'state:R/A name "Look for the part"')).toHaveLength(1);
+  expect(about(lines, "dot outcome:R/A:0 sticky")).toHaveLength(1);
+});
+
 describe("what is picked out", () => {
   test("data flows show with the state that they belong to", () => {
     expect(about(seen(1.5), "data_flow")).toHaveLength(0);

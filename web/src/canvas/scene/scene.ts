@@ -56,8 +56,8 @@ function visit(drawing: Drawing, spot: Spot, connected: ReadonlySet<string>): vo
   stateMarks(drawing, spot);
   const children = childrenOf(drawing, spot);
   const open = children.length > 0 && spot.extent >= DETAIL.content;
-  const isAround = covers(drawing, spot);
-  if (!isAround) nameMarks(drawing, spot, open);
+  const isAround = drawing.isCoveredBy(spot);
+  if (!isAround || !open) nameMarks(drawing, spot, open);
   if (open) {
     connectionMarks(drawing, spot);
     const joined = joinedBy(spot);
@@ -157,9 +157,4 @@ const RUN_INKS: Readonly<Record<string, string>> = {
 /** Ports that transitions inside the state join, as far as that is known. */
 function joinedBy(spot: Spot): ReadonlySet<string> {
   return spot.at.hasLines ? spot.at.joined : NOTHING;
-}
-
-/** Whether nothing of the state's border is in the view. */
-function covers({ width, height }: Drawing, spot: Spot): boolean {
-  return spot.x < 0 && spot.y < 0 && spot.x + spot.width > width && spot.y + spot.height > height;
 }

@@ -1,4 +1,4 @@
-/** The border of a container that fills the view, as a frame at the view's edges: its ports stay in sight and in reach. */
+/** The border of a state that fills the view, as a frame at the view's edges: its ports stay in sight and in reach. */
 
 import type { PortPlace } from "../../model/drawing.ts";
 import type { Point, Side, Size } from "../../model/geometry.ts";
@@ -29,7 +29,7 @@ export interface Sticky {
   readonly ports: readonly StickyPort[];
 }
 
-/** The innermost container around the whole view, with its ports at the view's edges; null if a border is in sight. */
+/** The innermost state around the whole view, with its ports at the view's edges; null if a border is in sight. */
 export function stickyFrame(placed: Placed, camera: Camera, view: Size): Sticky | null {
   let found: Frame | null = null;
   let next: Frame | null = placed.root && { at: placed.root, x: 0, y: 0, unit: 1 };
@@ -37,7 +37,7 @@ export function stickyFrame(placed: Placed, camera: Camera, view: Size): Sticky 
     found = next;
     next = childAround(next, camera, view);
   }
-  return found && found.at.children.length > 0 ? stuck(found, camera, view) : null;
+  return found && stuck(found, camera, view);
 }
 
 function fills({ at, x, y, unit }: Frame, camera: Camera, view: Size): boolean {

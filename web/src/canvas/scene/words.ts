@@ -28,20 +28,19 @@ export function wrapped(
   }
   const found: string[] = [];
   let line = "";
-  const words = text.split(/[\s_]+/);
+  const words = text.split(/(?<=[\s_])/);
   for (const [index, word] of words.entries()) {
-    const longer = line === "" ? word : `${line} ${word}`;
-    if (line === "" || measure(longer, size, false) <= width) {
-      line = longer;
+    if (line === "" || measure((line + word).trimEnd(), size, false) <= width) {
+      line += word;
       continue;
     }
     if (found.length === lines - 1) {
-      line = `${line} ${words.slice(index).join(" ")}`;
+      line += words.slice(index).join("");
       break;
     }
-    found.push(cut(line, width, size, false, measure));
+    found.push(cut(line.trimEnd(), width, size, false, measure));
     line = word;
   }
-  found.push(cut(line, width, size, false, measure));
+  found.push(cut(line.trimEnd(), width, size, false, measure));
   return found.filter((each) => each !== "");
 }

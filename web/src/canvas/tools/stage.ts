@@ -7,17 +7,29 @@ import type { Around } from "./gesture.ts";
 
 /** The innermost state that fills the view; the root if none does. */
 export function stageOf(around: Around): string {
-  const { size, machine, places, camera } = around;
-  const middle = { x: size.width / 2, y: size.height / 2 };
-  const line = statesAt(places, machine, camera, middle);
-  return line.findLast((path) => isStage(path, around)) ?? machine.root;
+  return inMiddle(around).findLast((path) => isStage(path, around)) ?? around.machine.root;
+}
+
+/** The innermost state of any kind that fills the view; the root if none does. */
+export function filledBy(around: Around): string {
+  return inMiddle(around).findLast((path) => fills(path, around)) ?? around.machine.root;
 }
 
 /** Whether the state is what one works in now, and not one thing among others. */
-export function isStage(path: string, { machine, places, camera, size }: Around): boolean {
+export function isStage(path: string, around: Around): boolean {
   if (parentOf(path) === null) return true;
-  const [state, box] = [machine.state(path), places.box(path)];
-  if (!state || !box || !(isContainer(state) || state.kind === "library")) return false;
+  const state = around.machine.state(path);
+  if (!state || !(isContainer(state) || state.kind === "library")) return false;
+  return fills(path, around);
+}
+
+function inMiddle({ size, machine, places, camera }: Around): readonly string[] {
+  return statesAt(places, machine, camera, { x: size.width / 2, y: size.height / 2 });
+}
+
+function fills(path: string, { places, camera, size }: Around): boolean {
+  const box = places.box(path);
+  if (!box) return false;
   return (
     box.width * camera.scale >= size.width * 0.8 || box.height * camera.scale >= size.height * 0.8
   );

@@ -46,6 +46,24 @@ test("Enter drills into the selected state", () => {
   expect([canvas.hand.stage.value, canvas.selection()]).toEqual(["R/C", "state:R/C/D"]);
 });
 
+test("Enter shows what is inside a library", () => {
+  const canvas = driver(
+    "R hierarchy 0 0 900 700\n  L library 300 100 300 300 library=arm/grasp",
+    "G hierarchy 0 0 10 10",
+  );
+  canvas.select("state:R/L").key("Enter");
+  expect([canvas.hand.stage.value, canvas.hand.places().children("R/L")]).toEqual([
+    "R/L/G",
+    ["R/L/G"],
+  ]);
+});
+
+test("Escape leaves a state without content that fills the view", () => {
+  const canvas = driver().select("state:R/A").key("Enter").key("Escape");
+  const near = canvas.view.camera.value.scale;
+  expect(canvas.key("Escape").view.camera.value.scale).toBeLessThan(near);
+});
+
 test("what is selected by keyboard comes into sight", () => {
   const canvas = driver().select("state:R/A");
   canvas.view.camera.value = { x: 0, y: 0, scale: 3 };

@@ -1,0 +1,14 @@
+import { expect, test } from "vitest";
+import { wrapped } from "./words.ts";
+
+/** Every letter six wide. */
+const measure = (text: string) => text.length * 6;
+
+test("texts are broken between words and behind underscores, and keep all their letters", () => {
+  expect(wrapped("Look for the part", 60, 3, 11, measure)).toEqual(["Look for", "the part"]);
+  expect(wrapped("look_for_the_part", 60, 3, 11, measure)).toEqual(["look_for_", "the_part"]);
+  expect(wrapped("one two three four five six", 60, 2, 11, measure)).toEqual([
+    "one two",
+    "three fou…",
+  ]);
+});
