@@ -1,6 +1,11 @@
-/** States on the clipboard: as text, so that they go between machines, browser tabs and files. */
+/** The clipboard as text, so that states, ports and outcomes go between machines, browser tabs and files. */
 
+import type { ElementRef } from "../model/element.ts";
 import type { Selection } from "../model/generated/protocol.ts";
+import type { Machine } from "../model/machine.ts";
+import { type Clip, clipOf, type Ways } from "../plan/clipboard.ts";
+import type { Part } from "../plan/parts.ts";
+import { isRefused } from "../plan/plan.ts";
 
 /** As much of a drag's or paste's data as is needed. */
 export type TextTransfer = Pick<DataTransfer, "getData" | "setData">;
@@ -8,25 +13,46 @@ export type TextTransfer = Pick<DataTransfer, "getData" | "setData">;
 /** What is written while the browser gives no clipboard: other tabs of this browser find it. */
 const STAND_IN = "rafcon.clipboard";
 
-export function textOf(selection: Selection): string {
-  return JSON.stringify({ rafcon: selection });
+/** What stands in the text: what an edit takes, and beside it what this page adds. */
+interface Written {
+  readonly rafcon?: Partial<Selection> | null;
+  readonly ways?: Ways;
+  readonly parts?: readonly Part[];
 }
 
-/** The states in a text; null if it is about something else. */
-export function selectionIn(text: string): Selection | null {
+export function textOf({ selection, ways, parts }: Clip): string {
+  const written: Written = {
+    rafcon: selection,
+    ...(ways ? { ways } : {}),
+    ...(parts.length > 0 ? { parts } : {}),
+  };
+  return JSON.stringify(written);
+}
+
+/** What a text holds for machines; null if it is about something else. */
+export function clipIn(text: string): Clip | null {
   if (!text.trimStart().startsWith("{")) return null;
   try {
-    const found = JSON.parse(text) as { rafcon?: Partial<Selection> };
-    const selection = found.rafcon;
-    return typeof selection?.container === "string" ? (selection as Selection) : null;
+    const { rafcon, ways, parts } = JSON.parse(text) as Written;
+    const selection = typeof rafcon?.container === "string" ? (rafcon as Selection) : null;
+    const known = Array.isArray(parts) ? parts.filter(isPart) : [];
+    return selection || known.length > 0 ? { selection, ways, parts: known } : null;
   } catch {
     return null;
   }
 }
 
-/** Puts the states onto the clipboard: of the event that asks for them, else of the system. */
-export async function write(selection: Selection, transfer: TextTransfer | null): Promise<void> {
-  const text = textOf(selection);
+const PORTS: readonly unknown[] = ["input", "output", "scoped_variable"];
+
+function isPart(part: Partial<Record<string, unknown>> | null): part is Part {
+  if (typeof part?.["name"] !== "string") return false;
+  const isPort = PORTS.includes(part["kind"]) && typeof part["data_type"] === "string";
+  return part["kind"] === "outcome" || isPort;
+}
+
+/** Puts it onto the clipboard: of the event that asks for it, else of the system. */
+export async function write(clip: Clip, transfer: TextTransfer | null): Promise<void> {
+  const text = textOf(clip);
   try {
     localStorage.setItem(STAND_IN, text);
   } catch {
@@ -36,11 +62,27 @@ export async function write(selection: Selection, transfer: TextTransfer | null)
   else await navigator.clipboard?.writeText(text).catch(() => undefined);
 }
 
-/** The states on the clipboard; null if there is something else. */
-export async function read(transfer: TextTransfer | null): Promise<Selection | null> {
-  if (transfer) return selectionIn(transfer.getData("text/plain"));
+/** Puts elements of a machine onto the clipboard; says why not if they cannot be copied. */
+export async function copyElements(
+  machine: Machine,
+  elements: readonly ElementRef[],
+  transfer: TextTransfer | null,
+): Promise<string | null> {
+  const clip = clipOf(machine, elements);
+  if (isRefused(clip)) return clip.refused;
+  await write(clip, transfer);
+  return null;
+}
+
+/** What is said where there is nothing to paste. */
+export const NOTHING_COPIED =
+  "There are no states, ports or outcomes on the clipboard: copy some first, here or in another tab.";
+
+/** What is on the clipboard; null if it is about something else. */
+export async function read(transfer: TextTransfer | null): Promise<Clip | null> {
+  if (transfer) return clipIn(transfer.getData("text/plain"));
   const text = await navigator.clipboard?.readText().catch(() => undefined);
-  return selectionIn(text ?? localStorage.getItem(STAND_IN) ?? "");
+  return clipIn(text ?? localStorage.getItem(STAND_IN) ?? "");
 }
 
 /** The data of an event that a command was run with, if it was. */

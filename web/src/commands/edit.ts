@@ -5,16 +5,16 @@ import { around, intersects, type Point } from "../model/geometry.ts";
 import { type Machine, outcomesOf, portsOf, startOf } from "../model/machine.ts";
 import { childPath, parentOf } from "../model/path.ts";
 import { boxIn, childBoxes, sizeIn } from "../plan/boxes.ts";
-import { copySelection, duplicate, paste } from "../plan/clipboard.ts";
+import { duplicate, pasteClip } from "../plan/clipboard.ts";
 import { isRefused } from "../plan/plan.ts";
 import { renameOutcome, renamePort } from "../plan/ports.ts";
 import { removeElements } from "../plan/states.ts";
 import { select, selected } from "../store/view.ts";
 import { wantedSearch } from "../store/wanted_search.ts";
-import { read, transferOf, write } from "./clipboard.ts";
+import { copyElements, NOTHING_COPIED, read, transferOf } from "./clipboard.ts";
 import type { Command, Context } from "./command.ts";
 import { perform } from "./perform.ts";
-import { canEdit, containerOf, elements, placeForNew, states } from "./subject.ts";
+import { canEdit, containerOf, elements, ownerForNew, placeForNew, states } from "./subject.ts";
 
 const hasSelection = ({ tab }: Context) => (tab?.view.selection.value.size ?? 0) > 0;
 const canChange = (context: Context) => canEdit(context) && elements(context).length > 0;
@@ -60,21 +60,16 @@ export const EDIT: readonly Command[] = [
   {
     id: "edit.paste",
     title: "Paste",
-    detail: "At the pointer, or into the selected container.",
+    detail:
+      "States at the pointer or into the selected container, ports and outcomes to the state.",
     keys: ["Ctrl+V"],
     menu: "Edit/2",
     enabled: canEdit,
     run: async (context, argument) => {
-      const place = placeForNew(context);
-      const selection = await read(transferOf(argument));
-      if (!selection) {
-        context.page.tell({
-          level: "info",
-          text: "There are no states on the clipboard: copy some first, here or in another tab.",
-        });
-      } else if (place) {
-        await perform(context, (m) => paste(m, place.path, selection, place.at));
-      }
+      const goal = { container: placeForNew(context), owner: ownerForNew(context) };
+      const clip = await read(transferOf(argument));
+      if (clip) await perform(context, (m) => pasteClip(m, clip, goal));
+      else context.page.tell({ level: "info", text: NOTHING_COPIED });
     },
   },
   {
@@ -182,13 +177,9 @@ export function besides(machine: Machine, paths: readonly string[]): Point {
 async function copy(context: Context, argument: unknown): Promise<boolean> {
   const { page, tab } = context;
   if (!tab) return false;
-  const selection = copySelection(tab.room.machine, selected(tab.view));
-  if (isRefused(selection)) {
-    page.tell({ level: "warning", text: selection.refused });
-    return false;
-  }
-  await write(selection, transferOf(argument));
-  return true;
+  const refusal = await copyElements(tab.room.machine, selected(tab.view), transferOf(argument));
+  if (refusal !== null) page.tell({ level: "warning", text: refusal });
+  return refusal === null;
 }
 
 /** The container that one works in: the one that fills the view, or the one around what is selected. */

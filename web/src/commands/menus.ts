@@ -165,7 +165,7 @@ const IN_LIBRARY: Recipe = [["edit.copy", "file.open-library"], ["view.zoom-sele
 
 const PORT: Recipe = [
   ["edit.rename", "insert.connect"],
-  ["edit.cut", "edit.copy", "edit.delete"],
+  ["edit.cut", "edit.copy", "edit.paste", "edit.delete"],
 ];
 
 const CONNECTION: Recipe = [["arrange.clear-waypoints"], ["edit.delete"], ["view.zoom-selection"]];

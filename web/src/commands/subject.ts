@@ -83,6 +83,14 @@ export function placeForNew(context: Context): { path: string; at?: Point } | nu
   return path === null ? null : { path };
 }
 
+/** Which state would get new ports and outcomes: the one that all that is selected belongs to, else the one under the pointer. */
+export function ownerForNew(context: Context): string | null {
+  const paths = new Set(elements(context).map(({ path }) => path));
+  const [path] = paths;
+  if (path !== undefined && paths.size === 1) return path;
+  return context.canvas?.pointer()?.path ?? null;
+}
+
 /** Whether all selected states stand in one container: what group, align and the like need. */
 export function siblings(context: Context, count: number): boolean {
   const paths = states(context);

@@ -1,15 +1,112 @@
-/** Copying, pasting and duplicating states with what connects them. */
+/** Copying, pasting and duplicating: states with what connects them, and ports and outcomes beside them. */
 
+import { waypointsOf } from "../model/drawing.ts";
 import type { ElementRef } from "../model/element.ts";
-import type { Selection, StateDocument } from "../model/generated/protocol.ts";
-import { around, type Box, type Point } from "../model/geometry.ts";
-import { dataFlowsOf, type Machine, portsOf, transitionsOf } from "../model/machine.ts";
-import { childPath, idOf, parentOf } from "../model/path.ts";
-import { boxIn, childBoxes, inside, pins, sizeIn } from "./boxes.ts";
+import type { Edit, Selection, StateDocument } from "../model/generated/protocol.ts";
+import { around, type Point } from "../model/geometry.ts";
+import {
+  dataFlowsOf,
+  isContainer,
+  type Machine,
+  portsOf,
+  transitionsOf,
+} from "../model/machine.ts";
+import { childPath, idOf, isWithin, parentOf } from "../model/path.ts";
+import { boxIn, childBoxes, inside, pins, sizeIn, waypointsEdit } from "./boxes.ts";
 import { besides, drawnBox, drawnInto, placedDocumentsOf, separate } from "./documents.ts";
 import { commonContainer, containerAt, counted } from "./legal.ts";
 import { arrivingIds, statesInWords } from "./move.ts";
+import { type Part, partOf, partsOf, pasteParts } from "./parts.ts";
 import { isRefused, type Plan, type Planned, type Refused, refused, together } from "./plan.ts";
+
+/** All that can be on the clipboard. */
+export interface Clip {
+  /** States, and scoped variables of their container; null if there are none. */
+  readonly selection: Selection | null;
+  /** Where the connections of the selection bend. */
+  readonly ways?: Ways | undefined;
+  /** Ports and outcomes for themselves. */
+  readonly parts: readonly Part[];
+}
+
+/** Waypoints of connections, in their order in the selection and in the coordinates of the container. */
+export interface Ways {
+  readonly transitions: readonly (readonly Point[])[];
+  readonly data_flows: readonly (readonly Point[])[];
+}
+
+/** What of the elements goes to the clipboard. */
+export function clipOf(machine: Machine, elements: readonly ElementRef[]): Clip | Refused {
+  const states = elements.filter(({ kind }) => kind === "state");
+  const selection = states.length > 0 ? copySelection(machine, elements) : null;
+  const home = states.length > 0 ? commonest(elements) : null;
+  const isAlong = ({ kind, path }: ElementRef) =>
+    (kind === "scoped_variable" && path === home) ||
+    states.some((state) => isWithin(path, state.path));
+  const parts = partsOf(
+    machine,
+    elements.filter((element) => !isAlong(element)),
+  );
+  if (selection && !isRefused(selection)) {
+    return { selection, ways: home === null ? undefined : waysOf(machine, home, selection), parts };
+  }
+  if (parts.length > 0) return { selection: null, parts };
+  return selection ?? refused(NOTHING);
+}
+
+const NOTHING =
+  "Select states inside the machine, ports or own outcomes to copy them: an income, aborted and preempted are everywhere.";
+
+/** Where the connections between what was copied bend. */
+function waysOf(machine: Machine, container: string, selection: Selection): Ways | undefined {
+  const state = machine.state(container);
+  if (!state) return undefined;
+  const points = (kind: "transition" | "data_flow") => (line: { readonly id: number }) =>
+    waypointsOf(state, kind, line.id);
+  const ways = {
+    transitions: (selection.transitions ?? []).map(points("transition")),
+    data_flows: (selection.data_flows ?? []).map(points("data_flow")),
+  };
+  return [...ways.transitions, ...ways.data_flows].some(({ length }) => length > 0)
+    ? ways
+    : undefined;
+}
+
+/** Where a paste would go: states into a container, ports and outcomes to a state. */
+export interface PasteGoal {
+  readonly container: { readonly path: string; readonly at?: Point } | null;
+  readonly owner: string | null;
+}
+
+/** The ports and outcomes of what was copied, also scoped variables that came with states. */
+export function partsIn({ selection, parts }: Clip): readonly Part[] {
+  const variables = selection?.scoped_variables ?? [];
+  return [...parts, ...variables.map((port) => partOf("scoped_variable", port))];
+}
+
+/** Pastes all that was copied; a state that holds no states gets the ports and outcomes only. */
+export function pasteClip(machine: Machine, clip: Clip, { container, owner }: PasteGoal): Planned {
+  const { selection, parts, ways } = clip;
+  const state = owner === null ? undefined : machine.state(owner);
+  const takesParts = parts.length > 0 && state && !isContainer(state) && state.kind !== "library";
+  if (owner !== null && (selection === null || takesParts)) {
+    return pasteParts(machine, owner, parts);
+  }
+  if (container === null || selection === null) {
+    return refused("Select the state into which it is to be pasted.");
+  }
+  const states = paste(machine, container.path, selection, container.at, ways);
+  if (isRefused(states) || parts.length === 0) return states;
+  const more = pasteParts(machine, container.path, parts);
+  if (isRefused(more)) return more;
+  // Parts first: their ids are taken when the paste looks for free ones.
+  const select = [...(states.select ?? []), ...(more.select ?? [])];
+  return { name: states.name, edit: together([...editsIn(more), ...editsIn(states)]), select };
+}
+
+function editsIn({ edit }: Plan): readonly Edit[] {
+  return edit.edit === "batch" ? edit.edits : [edit];
+}
 
 /** The states and scoped variables among the elements, of the container that has most of them, and what is between. */
 export function copySelection(
@@ -46,9 +143,11 @@ function containerOf({ kind, path }: ElementRef): string | null {
   return kind === "scoped_variable" ? path : null;
 }
 
+/** The container of most states; where there are none, of most scoped variables. */
 function commonest(elements: readonly ElementRef[]): string | null {
   const counts = new Map<string, number>();
-  for (const element of elements) {
+  const states = elements.filter(({ kind, path }) => kind === "state" && parentOf(path) !== null);
+  for (const element of states.length > 0 ? states : elements) {
     const container = containerOf(element);
     if (container !== null) counts.set(container, (counts.get(container) ?? 0) + 1);
   }
@@ -84,22 +183,27 @@ export function paste(
   container: string,
   selection: Selection,
   at?: Point,
+  ways?: Ways,
 ): Planned {
-  const bounds = boundsOf(selection);
-  const middle = at && bounds && { x: at.x - bounds.width / 2, y: at.y - bounds.height / 2 };
-  return pasted(machine, container, selection, middle, "Paste");
+  return pasted(machine, container, { selection, ways }, { middle: at }, "Paste");
 }
 
-function boundsOf(selection: Selection): Box | null {
-  const roots = separate(selection.states ?? []).flatMap(([first]) => first ?? []);
-  return around(roots.map(drawnBox));
+interface Copied {
+  readonly selection: Selection;
+  readonly ways: Ways | undefined;
+}
+
+/** Where copies are wanted; left out: near where the originals stand. */
+interface Wanted {
+  readonly middle?: Point | undefined;
+  readonly corner?: Point | undefined;
 }
 
 function pasted(
   machine: Machine,
   container: string,
-  selection: Selection,
-  corner: Point | null | undefined,
+  { selection, ways }: Copied,
+  wanted: Wanted,
   verb: string,
 ): Planned {
   const target = containerAt(machine, container);
@@ -107,7 +211,8 @@ function pasted(
   const copies = separate(selection.states ?? []);
   const old = copies.map(([first]) => first?.path ?? "");
   const ids = arrivingIds(machine, container, old);
-  const states = copies.length === 0 ? [] : fitted(machine, container, copies, corner);
+  const room = roomFor(machine, container, copies, wanted);
+  const states = room ? copies.flatMap((copy, index) => into(copy, index, room)) : copies.flat();
   const count = copies.length + (selection.scoped_variables?.length ?? 0);
   if (count === 0) return refused("Nothing was copied yet: select states and copy them first.");
   const what = copies.length > 0 ? counted(copies.length, "state") : "scoped variables";
@@ -116,23 +221,30 @@ function pasted(
     edit: together([
       ...pins(machine, container, new Set()),
       { edit: "paste", path: container, selection: { ...selection, states }, ids: [...ids] },
+      ...(room && ways ? bends(container, target, ways, room) : []),
     ]),
     select: ids.map((id) => ({ kind: "state", path: childPath(container, id) })),
   };
   return plan;
 }
 
-/** The copies where they come to stand, as large as there is room. */
-function fitted(
+/** From where copies stood to where they come to stand. */
+interface Room {
+  readonly from: Point;
+  readonly to: Point;
+  readonly factor: number;
+}
+
+/** The place of copies, as large as there is room; null if nothing of them is drawn. */
+function roomFor(
   machine: Machine,
   container: string,
   copies: readonly StateDocument[][],
-  corner: Point | null | undefined,
-): StateDocument[] {
+  wanted: Wanted,
+): Room | null {
+  const bounds = around(copies.flatMap(([first], index) => (first ? drawnBox(first, index) : [])));
+  if (!bounds) return null;
   const size = sizeIn(machine, container);
-  const boxes = copies.map(([first], index) => (first ? drawnBox(first, index) : null));
-  const bounds = around(boxes.filter((box) => box !== null));
-  if (!bounds) return copies.flat();
   const factor = Math.min(
     1,
     (0.8 * size.width) / bounds.width,
@@ -140,17 +252,38 @@ function fitted(
   );
   const whole = { width: bounds.width * factor, height: bounds.height * factor };
   const taken = [...childBoxes(machine, container).values()];
-  const first = { ...bounds, width: whole.width, height: whole.height };
-  const at = corner ?? besides(inside(first, size), first, taken);
-  const place = inside({ ...whole, ...at }, size);
-  return copies.flatMap((states, index) => {
-    const box = boxes[index];
-    if (!box) return states;
-    return drawnInto(states, {
-      x: place.x + (box.x - bounds.x) * factor,
-      y: place.y + (box.y - bounds.y) * factor,
-      width: box.width * factor,
-      height: box.height * factor,
+  const first = { ...bounds, ...whole };
+  const { middle } = wanted;
+  const corner = middle && { x: middle.x - whole.width / 2, y: middle.y - whole.height / 2 };
+  const at = corner ?? wanted.corner ?? besides(inside(first, size), first, taken);
+  return { from: bounds, to: inside({ ...whole, ...at }, size), factor };
+}
+
+function moved({ x, y }: Point, { from, to, factor }: Room): Point {
+  return { x: to.x + (x - from.x) * factor, y: to.y + (y - from.y) * factor };
+}
+
+function into(states: readonly StateDocument[], index: number, room: Room): StateDocument[] {
+  const [first] = states;
+  if (!first) return [];
+  const box = drawnBox(first, index);
+  const size = { width: box.width * room.factor, height: box.height * room.factor };
+  return drawnInto(states, { ...moved(box, room), ...size });
+}
+
+/** Waypoints of what a paste connects: it numbers connections from the last one on, in their order. */
+function bends(path: string, target: StateDocument, ways: Ways, room: Room): Edit[] {
+  const lists = [
+    ["transition", target.kind === "hierarchy" ? ways.transitions : [], transitionsOf(target)],
+    ["data_flow", ways.data_flows, dataFlowsOf(target)],
+  ] as const;
+  return lists.flatMap(([kind, lines, taken]) => {
+    const next = taken.reduce((last, { id }) => Math.max(last, id), 0) + 1;
+    return lines.flatMap((points, index) => {
+      const element =
+        kind === "transition" ? { transition: next + index } : { data_flow: next + index };
+      const way = points.map((point) => moved(point, room));
+      return way.length > 0 ? [waypointsEdit(path, element, way)] : [];
     });
   });
 }
@@ -165,7 +298,8 @@ export function duplicate(machine: Machine, paths: readonly string[], by: Point)
   );
   if (isRefused(selection)) return selection;
   const bounds = around(paths.map((path) => boxIn(machine, path)));
-  const corner = bounds && { x: bounds.x + by.x, y: bounds.y + by.y };
-  const plan = pasted(machine, container, selection, corner, "Duplicate");
+  const corner = bounds ? { x: bounds.x + by.x, y: bounds.y + by.y } : undefined;
+  const ways = waysOf(machine, container, selection);
+  const plan = pasted(machine, container, { selection, ways }, { corner }, "Duplicate");
   return isRefused(plan) ? plan : { ...plan, name: `Duplicate ${statesInWords(machine, paths)}` };
 }

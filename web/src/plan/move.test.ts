@@ -1,7 +1,9 @@
 import { expect, test } from "vitest";
 import { layoutOf } from "../model/drawing.ts";
 import type { Edit } from "../model/generated/protocol.ts";
-import { copySelection, duplicate, paste } from "./clipboard.ts";
+import { changed } from "../model/layout.ts";
+import { machineOf } from "../model/plain.ts";
+import { clipOf, copySelection, duplicate, paste, pasteClip } from "./clipboard.ts";
 import { group, substitute, ungroup } from "./group.ts";
 import { align, distribute, move, moveInto, movePort, resize, setBackground } from "./move.ts";
 import { isRefused } from "./plan.ts";
@@ -178,4 +180,52 @@ test("copies come with what is between them, and beside what is there", () => {
   expect(inner.at(-1)).toMatchObject({ edit: "paste", path: "R/C", ids: ["A", "B"] });
   expect(made(duplicate(machine, ["R/A"], { x: 5, y: 5 })).name).toBe("Duplicate Scan");
   expect(reason(paste(machine, "R/A", selection))).toContain("holds no states");
+});
+
+test("copies keep the waypoints of what connects them, where they come to stand", () => {
+  const bent = drawn(`
+    R hierarchy 0 0 400 300 outcome ok
+      A execution 20 20 80 60 outcome ok
+      B execution 200 20 80 60 outcome ok
+      C hierarchy 20 120 200 150 outcome ok
+      R > A
+      A.ok > B
+      B.ok > R.ok
+  `);
+  const root = bent.state("R");
+  if (!root) throw new Error("no root");
+  const states = [...bent.paths()].flatMap((path) => bent.state(path) ?? []);
+  const way = new Map([["transition1", [{ x: 150, y: 90 }]]]);
+  const own = { ...root, layout: changed(root.layout, { waypoints: way }) };
+  const curved = machineOf({
+    header: bent.header,
+    states: states.map((state) => (state === root ? own : state)),
+  });
+  const both = [
+    { kind: "state", path: "R/A" },
+    { kind: "state", path: "R/B" },
+  ] as const;
+  const twins = editsOf(
+    duplicate(
+      curved,
+      both.map(({ path }) => path),
+      { x: 10, y: 30 },
+    ),
+  );
+  expect(twins.at(-1)).toEqual({
+    edit: "set_waypoints",
+    path: "R",
+    element: { transition: 3 },
+    waypoints: [[160, 120]],
+  });
+  const clip = clipOf(curved, both);
+  if (isRefused(clip)) throw new Error(clip.refused);
+  const goal = { container: { path: "R/C", at: { x: 100, y: 75 } }, owner: null };
+  const inner = editsOf(pasteClip(curved, clip, goal));
+  expect(inner.at(-1)).toMatchObject({
+    edit: "set_waypoints",
+    path: "R/C",
+    element: { transition: 1 },
+    waypoints: [[100, expect.closeTo(99.6, 1)]],
+  });
 });

@@ -35,6 +35,14 @@ export interface Column<T> {
   readonly sortable?: boolean | undefined;
 }
 
+/** How a row is chosen beside others: with Ctrl it is added or taken away, with Shift all rows up to it are. */
+export interface RowChoice {
+  readonly toggle: boolean;
+  readonly extend: boolean;
+}
+
+const ALONE: RowChoice = { toggle: false, extend: false };
+
 export interface TableProps<T> {
   /** What it is a table of, for screen readers. */
   readonly label: string;
@@ -42,7 +50,7 @@ export interface TableProps<T> {
   readonly rows: readonly T[];
   readonly id: (row: T) => string;
   readonly selected?: ReadonlySet<string> | undefined;
-  readonly onSelect?: ((row: T, how: { readonly toggle: boolean }) => void) | undefined;
+  readonly onSelect?: ((row: T, how: RowChoice) => void) | undefined;
   /** Enter on a cell that cannot be edited, or double click. */
   readonly onOpen?: ((row: T) => void) | undefined;
   readonly onDelete?: ((row: T) => void) | undefined;
@@ -83,7 +91,7 @@ export function Table<T>(props: TableProps<T>) {
     if (follow && rows.length > 0) virtual.scrollToIndex(rows.length - 1);
   }, [follow, rows.length, virtual]);
   const at = rows.findIndex((row) => id(row) === active?.row);
-  const go = (index: number, column: number, how = { toggle: false }) => {
+  const go = (index: number, column: number, how = ALONE) => {
     const row = rows[Math.max(0, Math.min(rows.length - 1, index))];
     if (row === undefined) return;
     setEditing(false);
@@ -140,7 +148,7 @@ interface Cursor {
   readonly column: number;
   readonly editing: boolean;
   readonly setEditing: (editing: boolean) => void;
-  readonly go: (index: number, column: number, how?: { toggle: boolean }) => void;
+  readonly go: (index: number, column: number, how?: RowChoice) => void;
 }
 
 /** The cell that Tab leads to: the nearest one that can be edited, over the ends of rows. */
@@ -168,14 +176,19 @@ function tableKey<T>(
   if (event.target !== place || event.ctrlKey || event.altKey || event.metaKey) return;
   const row = table.rows[cursor.at];
   const handled =
-    walk(event.key, table.rows.length, cursor, place) ||
+    walk(event, table.rows.length, cursor, place) ||
     (row !== undefined && act(event, table, row, cursor, place));
   if (!handled) return;
   event.preventDefault();
   event.stopPropagation();
 }
 
-function walk(key: string, count: number, cursor: Cursor, place: HTMLElement | null): boolean {
+function walk(
+  { key, shiftKey }: KeyboardEvent<HTMLElement>,
+  count: number,
+  cursor: Cursor,
+  place: HTMLElement | null,
+): boolean {
   const { at, column } = cursor;
   const page = Math.max(1, Math.floor((place?.clientHeight ?? 0) / ROW_PX) - 2);
   const walks: Record<string, readonly [number, number]> = {
@@ -189,7 +202,7 @@ function walk(key: string, count: number, cursor: Cursor, place: HTMLElement | n
     End: [count - 1, column],
   };
   const to = walks[key];
-  if (to) cursor.go(to[0], to[1]);
+  if (to) cursor.go(to[0], to[1], { toggle: false, extend: shiftKey });
   return to !== undefined;
 }
 
@@ -288,7 +301,7 @@ function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T
       onContextMenu={(event) => {
         if (!table.onMenu) return;
         event.preventDefault();
-        cursor.go(index, cursor.column);
+        if (!table.selected?.has(table.id(row))) cursor.go(index, cursor.column);
         table.onMenu(row, { x: event.clientX, y: event.clientY });
       }}
     >
@@ -306,9 +319,14 @@ function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T
             data-active={active}
             data-editing={editing}
             aria-readonly={value === null}
+            onMouseDown={(event) => {
+              // With Shift rows are chosen, and not the text between.
+              if (event.shiftKey && table.selected && !editing) event.preventDefault();
+            }}
             onClick={(event) => {
               if (editing) return;
-              cursor.go(index, at, { toggle: event.ctrlKey || event.metaKey });
+              const toggle = event.ctrlKey || event.metaKey;
+              cursor.go(index, at, { toggle, extend: event.shiftKey });
               event.currentTarget.closest<HTMLElement>(".table")?.focus();
             }}
             onDoubleClick={() => {

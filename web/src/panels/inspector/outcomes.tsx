@@ -7,15 +7,14 @@ import { parentOf } from "../../model/path.ts";
 import { addOutcome } from "../../plan/ports.ts";
 import { removeElements } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
-import { type Column, Table } from "../../ui/table.tsx";
+import type { Column } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import { Goal } from "./goal.tsx";
+import { PartTable, PasteButton } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { RowButtons } from "./row_buttons.tsx";
 import type { SeenState } from "./seen.ts";
-
-const ROWS_MAX = 12;
 
 export function Outcomes({ seen }: { seen: SeenState }) {
   const { path, state, machine, readOnly, edit } = seen;
@@ -71,22 +70,26 @@ export function Outcomes({ seen }: { seen: SeenState }) {
     },
   ];
   const add = (
-    <IconButton
-      label="Add outcome"
-      icon={<Plus size={15} />}
-      onClick={() => run(edit((now) => addOutcome(now, path)))}
-    />
+    <>
+      <PasteButton seen={seen} kind="outcome" run={run} words="outcome" />
+      <IconButton
+        label="Add outcome"
+        icon={<Plus size={15} />}
+        onClick={() => run(edit((now) => addOutcome(now, path)))}
+      />
+    </>
   );
   return (
     <Fold title="Outcomes" count={outcomes.length} actions={canChange ? add : null}>
-      <Table
+      <PartTable
+        key={path}
+        seen={seen}
+        kind="outcome"
+        run={run}
         label={`Outcomes of ${state.name}`}
         columns={columns}
         rows={outcomes}
-        id={({ id }) => String(id)}
-        rowsMax={ROWS_MAX}
-        onHover={(outcome) => seen.hover(outcome && refOf(outcome))}
-        onDelete={canChange ? remove : undefined}
+        canChange={canChange}
       />
       <Refusal text={refusal} />
       {asking}

@@ -17,8 +17,9 @@ import {
 import { removeElements } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Checkbox } from "../../ui/field.tsx";
-import { type Column, Table } from "../../ui/table.tsx";
+import type { Column } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
+import { PartTable, PasteButton } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { RowButtons } from "./row_buttons.tsx";
@@ -34,8 +35,6 @@ export const PORT_TITLES = {
     value: "Initial value",
   },
 } as const;
-
-const ROWS_MAX = 12;
 
 export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
   const { path, state, readOnly, edit } = seen;
@@ -64,11 +63,14 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
     ? libraryColumns(seen, kind, run)
     : ownColumns(seen, kind, canChange, rename);
   const add = (
-    <IconButton
-      label={`Add ${one}`}
-      icon={<Plus size={15} />}
-      onClick={() => run(edit((now) => addPort(now, path, kind)))}
-    />
+    <>
+      <PasteButton seen={seen} kind={kind} run={run} words={one} />
+      <IconButton
+        label={`Add ${one}`}
+        icon={<Plus size={15} />}
+        onClick={() => run(edit((now) => addPort(now, path, kind)))}
+      />
+    </>
   );
   return (
     <Fold
@@ -80,14 +82,15 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
       {ports.length === 0 ? (
         <p className="inspector-none">No {many.toLowerCase()}.</p>
       ) : (
-        <Table
+        <PartTable
+          key={path}
+          seen={seen}
+          kind={kind}
+          run={run}
           label={`${many} of ${state.name}`}
           columns={[...columns, buttons]}
           rows={ports}
-          id={({ id }) => String(id)}
-          rowsMax={ROWS_MAX}
-          onHover={(port) => seen.hover(port && refOf(port))}
-          onDelete={canChange ? remove : undefined}
+          canChange={canChange}
         />
       )}
       <Refusal text={refusal} />

@@ -1,0 +1,137 @@
+/** Ports or outcomes as a table whose rows are copied, cut, pasted and removed, by keys and by its menu. */
+
+import { ClipboardPaste } from "lucide-react";
+import { type ClipboardEvent, useState } from "react";
+import { copyElements, NOTHING_COPIED, read, type TextTransfer } from "../../commands/clipboard.ts";
+import type { ElementRef } from "../../model/element.ts";
+import type { Point } from "../../model/geometry.ts";
+import { partsIn } from "../../plan/clipboard.ts";
+import { type PartKind, pasteParts } from "../../plan/parts.ts";
+import { removeElements } from "../../plan/states.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { useChosenRows } from "../../ui/chosen_rows.ts";
+import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
+import { type Column, Table } from "../../ui/table.tsx";
+import type { SeenState } from "./seen.ts";
+
+interface PartsOf {
+  readonly seen: SeenState;
+  readonly kind: PartKind;
+  readonly run: (made: Promise<string | null>) => void;
+}
+
+export interface PartTableProps<T> extends PartsOf {
+  readonly label: string;
+  readonly rows: readonly T[];
+  readonly columns: readonly Column<T>[];
+  /** Whether rows may come and go. */
+  readonly canChange: boolean;
+}
+
+const ROWS_MAX = 12;
+
+interface MenuAt<T> {
+  readonly at: Point;
+  readonly rows: readonly T[];
+}
+
+export function PartTable<T extends { readonly id: number }>(props: PartTableProps<T>) {
+  const { seen, kind, run, label, rows, columns, canChange } = props;
+  const chosen = useChosenRows(rows, idOf);
+  const [menu, setMenu] = useState<MenuAt<T> | null>(null);
+  const refsOf = (parts: readonly T[]) => parts.map(({ id }) => ({ kind, path: seen.path, id }));
+  const remove = (parts: readonly T[]) =>
+    run(seen.edit((now) => removeElements(now, refsOf(parts))));
+  const copy = (parts: readonly T[], transfer: TextTransfer | null) =>
+    copyElements(seen.machine, refsOf(parts), transfer);
+  const cut = async (parts: readonly T[], transfer: TextTransfer | null) =>
+    (await copy(parts, transfer)) ?? seen.edit((now) => removeElements(now, refsOf(parts)));
+  const happened = (event: ClipboardEvent) => {
+    if (event.target instanceof HTMLInputElement) return;
+    const parts = chosen.with();
+    const isCopied = event.type !== "paste" && parts.length > 0;
+    if (event.type === "copy" && isCopied) run(copy(parts, event.clipboardData));
+    else if (event.type === "cut" && isCopied && canChange) run(cut(parts, event.clipboardData));
+    else if (event.type === "paste" && canChange) run(pasteInto(props, event.clipboardData));
+    else return;
+    event.preventDefault();
+  };
+  const items = (parts: readonly T[]): readonly MenuItem[] => [
+    { id: "copy", title: "Copy", keys: "Ctrl+C", run: () => run(copy(parts, null)) },
+    {
+      id: "cut",
+      title: "Cut",
+      keys: "Ctrl+X",
+      disabled: !canChange,
+      run: () => run(cut(parts, null)),
+    },
+    {
+      id: "paste",
+      title: "Paste",
+      keys: "Ctrl+V",
+      disabled: !canChange,
+      run: () => run(pasteInto(props, null)),
+    },
+    "separator",
+    {
+      id: "delete",
+      title: "Delete",
+      keys: "Delete",
+      disabled: !canChange,
+      run: () => remove(parts),
+    },
+  ];
+  return (
+    <div onCopy={happened} onCut={happened} onPaste={happened}>
+      <Table
+        label={label}
+        columns={columns}
+        rows={rows}
+        id={idOf}
+        rowsMax={ROWS_MAX}
+        selected={chosen.ids}
+        onSelect={chosen.choose}
+        onHover={(part) => seen.hover(part && refOf(props, part))}
+        onDelete={canChange ? (part) => remove(chosen.with(part)) : undefined}
+        onMenu={(part, at) => setMenu({ at, rows: chosen.with(part) })}
+      />
+      {menu && (
+        <ContextMenu
+          label={`of ${label}`}
+          at={menu.at}
+          items={items(menu.rows)}
+          onClose={() => setMenu(null)}
+        />
+      )}
+    </div>
+  );
+}
+
+function idOf({ id }: { readonly id: number }): string {
+  return String(id);
+}
+
+function refOf({ seen, kind }: PartsOf, { id }: { readonly id: number }): ElementRef {
+  return { kind, path: seen.path, id };
+}
+
+/** Pastes what is on the clipboard as rows of this table. */
+async function pasteInto(
+  { seen, kind }: PartsOf,
+  transfer: TextTransfer | null,
+): Promise<string | null> {
+  const clip = await read(transfer);
+  if (!clip) return NOTHING_COPIED;
+  return seen.edit((now) => pasteParts(now, seen.path, partsIn(clip), kind));
+}
+
+/** The way to paste into a table that has no rows yet. */
+export function PasteButton({ words, ...parts }: PartsOf & { readonly words: string }) {
+  return (
+    <IconButton
+      label={`Paste as ${words}`}
+      icon={<ClipboardPaste size={14} />}
+      onClick={() => parts.run(pasteInto(parts, null))}
+    />
+  );
+}
