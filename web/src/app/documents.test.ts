@@ -1,0 +1,21 @@
+/** What the documents say of the page is held by tests that are there. */
+
+import { readdirSync, readFileSync } from "node:fs";
+import { expect, test } from "vitest";
+
+const REPOSITORY = new URL("../../../", import.meta.url);
+
+/** `web/e2e/draw.journey.ts` “a state is moved”: a file, and the words of a test in it. */
+const NAMED = /`(web\/[^`]+\.ts)` “([^”]+)”/g;
+
+function read(path: string): string {
+  return readFileSync(new URL(path, REPOSITORY), "utf8");
+}
+
+const documents = readdirSync(new URL("docs", REPOSITORY)).filter((name) => name.endsWith(".md"));
+
+test.each(documents)("tests of the page that docs/%s names are there", (document) => {
+  const named = [...read(`docs/${document}`).matchAll(NAMED)];
+  const gone = named.filter(([, file = "", words = ""]) => !read(file).includes(`"${words}"`));
+  expect(gone.map(([text]) => text)).toEqual([]);
+});
