@@ -100,6 +100,18 @@ describe("the page", () => {
     expect(page.notices.value.map(({ text }) => text)).toEqual(["Connected again after 7 s"]);
   });
 
+  it("takes a wait for a login for no break", () => {
+    const { server, page, clock } = setUp();
+    const up = server.link.value;
+    const since_ms = clock.now();
+    server.link.value = { state: "down", since_ms, retry_ms: null, reason: "gone" };
+    server.link.value = { state: "refused", reason: "the server asks for a login" };
+    clock.pass(9_000);
+    server.link.value = { state: "connecting" };
+    server.link.value = up;
+    expect(page.notices.value).toEqual([]);
+  });
+
   it("says when the server is of another version than the page", () => {
     const { server, page } = setUp();
     const up = server.link.value;

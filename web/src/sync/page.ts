@@ -10,6 +10,8 @@ import type {
   MachineSummary,
   Project,
 } from "../model/generated/protocol.ts";
+import { drafts } from "../store/drafts.ts";
+import { followDrafts } from "../store/follow_drafts.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
 import { forgetGone } from "../store/selection.ts";
 import { RefusalError, type Server } from "../store/server.ts";
@@ -116,6 +118,7 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>) {
     const path = `/machines/${encodeURIComponent(summary.id)}/document`;
     const room = new OpenRoom(summary, await request<MachineDocument>("GET", path), ports);
     const tab: OpenTab = { room, view: newView() };
+    followDrafts(room, drafts);
     room.onChange(() => forgetGone(tab.view, room.machine));
     batch(() => {
       tabs.value = [...tabs.peek(), tab];
@@ -165,13 +168,14 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>) {
 /** A break that people may have noticed is told. */
 const NOTICED_MS = 2_000;
 
-/** Says when the connection is back after a break, and when there is another server behind it. */
+/** Says when the connection is back after a break (to wait for a login is none), and when there is another server behind it. */
 function tellBreaks(server: Server, clock: Clock, tell: Page["tell"]): void {
   let since: number | null = null;
   let version: string | null = null;
   effect(() => {
     const link = server.link.value;
-    if (link.state === "down") since = link.since_ms;
+    if (link.state === "down") since = version === null ? null : link.since_ms;
+    if (link.state === "refused") since = null;
     if (link.state !== "up") return;
     const length_ms = since === null ? 0 : clock.now() - since;
     since = null;

@@ -8,7 +8,6 @@ import { idOf, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
 import { showContent } from "../../plan/move.ts";
 import { changeKind, clearStart, rename, setId, setStart } from "../../plan/states.ts";
-import { drafts } from "../../store/drafts.ts";
 import { select } from "../../store/view.ts";
 import { Button } from "../../ui/button.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
@@ -47,13 +46,12 @@ export function General({ seen }: { seen: SeenState }) {
   );
 }
 
-/** Selection and drafts go with the state to its new path. */
+/** The selection goes with the state to its new path. */
 async function changeId({ path, tab, edit }: SeenState, text: string): Promise<string | null> {
   const parent = parentOf(path);
   const now = parent === null ? text.trim() : `${parent}/${text.trim()}`;
   const refusal = await edit((machine) => setId(machine, path, text));
   if (refusal !== null) return refusal;
-  drafts.move(tab.room.id, path, now);
   select(tab.view, [{ kind: "state", path: now }]);
   return null;
 }
