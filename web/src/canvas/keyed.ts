@@ -1,11 +1,12 @@
 /** What keys do on the canvas while no gesture is under way: along the graph, into states and out of them, a step aside. */
 
 import type { ElementRef } from "../model/element.ts";
-import type { Point } from "../model/geometry.ts";
+import type { Box, Point } from "../model/geometry.ts";
 import { parentOf } from "../model/path.ts";
 import { move } from "../plan/move.ts";
 import { select, selected, selectedStates } from "../store/view.ts";
 import type { Desk, Hand } from "./hand.ts";
+import { filling } from "./looks.ts";
 import { filledBy } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
 
@@ -44,10 +45,23 @@ function leaveLevel(hand: Hand, desk: Desk): boolean {
     select(view, []);
     return true;
   }
-  const parent = parentOf(filledBy({ ...hand.around(), camera: desk.heading() }));
-  if (parent === null) return false;
-  hand.fit([parent]);
+  const outer = farther(hand, desk);
+  if (outer === null) return false;
+  hand.fit([outer]);
   return true;
+}
+
+/** The nearest state around where one is that is seen from farther away: a library and its content fill the same room. */
+function farther(hand: Hand, desk: Desk): string | null {
+  const camera = desk.heading();
+  let outer = parentOf(filledBy({ ...hand.around(), camera }));
+  while (outer !== null && !isFarther(hand.places().box(outer), desk)) outer = parentOf(outer);
+  return outer;
+}
+
+function isFarther(box: Box | undefined, desk: Desk): boolean {
+  const fit = box && filling([box], desk.size());
+  return !!fit && fit.scale < desk.heading().scale * 0.95;
 }
 
 function enter(hand: Hand, { tab }: Desk): boolean {

@@ -58,6 +58,15 @@ test("Enter shows what is inside a library", () => {
   ]);
 });
 
+test("Escape leaves a library and its content at once", () => {
+  const canvas = driver(
+    "R hierarchy 0 0 900 700\n  L library 300 100 300 300 library=arm/grasp",
+    "G hierarchy 0 0 10 10",
+  );
+  canvas.select("state:R/L").key("Enter").key("Escape").key("Escape");
+  expect(canvas.hand.stage.value).toBe("R");
+});
+
 test("Escape leaves a state without content that fills the view", () => {
   const canvas = driver().select("state:R/A").key("Enter").key("Escape");
   const near = canvas.view.camera.value.scale;
