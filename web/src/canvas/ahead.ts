@@ -25,14 +25,8 @@ export class Ahead {
     if (typeof requestIdleCallback === "undefined") return;
     this.#asked = requestIdleCallback((left) => {
       this.#asked = 0;
-      while (left.timeRemaining() > LEAST_MS && this.#open.length > 0) this.#next();
+      while (this.#open[0]?.wire(() => left.timeRemaining() > LEAST_MS)) this.#open.shift();
       if (this.#open.length > 0) this.#ask();
     });
-  }
-
-  /** Asks for the lines, which the state then keeps. */
-  #next(): void {
-    const state = this.#open.shift();
-    void state?.lines;
   }
 }

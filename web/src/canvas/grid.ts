@@ -8,25 +8,46 @@ const PER_CELL = 4;
 /** A box in more cells than these is looked at always. */
 const WIDE = 64;
 
+/** So many boxes may be elsewhere until all are put into cells again. */
+const LOOSE = 96;
+
 export class Grid {
-  readonly #boxes: readonly Box[];
-  readonly #cells: number[][] = [];
-  readonly #wide: number[] = [];
+  readonly boxes: readonly Box[];
+  #cells: number[][] = [];
+  /** Looked at always: boxes in many cells, and those that are not where they were when the cells were filled. */
+  #wide: number[] = [];
+  /** How many of these there were when the cells were filled. */
+  #fixed = 0;
   readonly #seen: Uint32Array;
   #round = 0;
   #bounds: Box = { x: 0, y: 0, width: 0, height: 0 };
   #side = 0;
 
-  constructor(boxes: readonly Box[]) {
-    this.#boxes = boxes;
-    this.#seen = new Uint32Array(boxes.length);
-    if (boxes.length > FEW) this.#fill();
+  /** `before` is a grid that may know most of the boxes already, as the same objects at the same indices. */
+  constructor(boxes: readonly Box[], before: Grid | null = null) {
+    this.boxes = boxes;
+    this.#seen = new Uint32Array(boxes.length > FEW ? boxes.length : 0);
+    if (boxes.length > FEW && !this.#takeOver(before)) this.#fill();
+  }
+
+  #takeOver(before: Grid | null): boolean {
+    if (!before || before.#side === 0 || before.boxes.length !== this.boxes.length) return false;
+    const loose = new Set(before.#wide);
+    const most = before.#fixed + LOOSE;
+    for (let index = 0; index < this.boxes.length; index++) {
+      if (this.boxes[index] === before.boxes[index]) continue;
+      if (loose.add(index).size > most) return false;
+    }
+    [this.#cells, this.#bounds, this.#side] = [before.#cells, before.#bounds, before.#side];
+    this.#wide = [...loose];
+    this.#fixed = before.#fixed;
+    return true;
   }
 
   /** Tells the index of every box that the area touches, in rising order. */
   each(area: Box, tell: (index: number) => void): void {
     if (this.#side === 0) {
-      for (let index = 0; index < this.#boxes.length; index++) {
+      for (let index = 0; index < this.boxes.length; index++) {
         if (this.#touches(index, area)) tell(index);
       }
       return;
@@ -36,7 +57,8 @@ export class Grid {
 
   #near(area: Box): readonly number[] {
     this.#round++;
-    const found = this.#wide.filter((index) => this.#touches(index, area));
+    const found: number[] = [];
+    this.#gather(this.#wide, area, found);
     const [left, right] = this.#range(area.x, area.width, this.#bounds.x, this.#bounds.width);
     const [top, bottom] = this.#range(area.y, area.height, this.#bounds.y, this.#bounds.height);
     for (let row = top; row <= bottom; row++) {
@@ -57,14 +79,14 @@ export class Grid {
   }
 
   #touches(index: number, area: Box): boolean {
-    const box = this.#boxes[index];
+    const box = this.boxes[index];
     return box !== undefined && touches(box, area);
   }
 
   #fill(): void {
-    this.#bounds = around(this.#boxes) ?? this.#bounds;
-    this.#side = Math.max(1, Math.ceil(Math.sqrt(this.#boxes.length / PER_CELL)));
-    this.#boxes.forEach((box, index) => {
+    this.#bounds = around(this.boxes) ?? this.#bounds;
+    this.#side = Math.max(1, Math.ceil(Math.sqrt(this.boxes.length / PER_CELL)));
+    this.boxes.forEach((box, index) => {
       const [left, right] = this.#range(box.x, box.width, this.#bounds.x, this.#bounds.width);
       const [top, bottom] = this.#range(box.y, box.height, this.#bounds.y, this.#bounds.height);
       if ((right - left + 1) * (bottom - top + 1) > WIDE) {
@@ -80,6 +102,7 @@ export class Grid {
         }
       }
     });
+    this.#fixed = this.#wide.length;
   }
 
   /** The first and last cell of a stretch. */
@@ -94,11 +117,20 @@ export class Grid {
 }
 
 /** Also boxes without a width or height, as straight lines have them. */
-function touches(one: Box, other: Box): boolean {
+export function touches(one: Box, other: Box): boolean {
   return (
     one.x <= other.x + other.width &&
     other.x <= one.x + one.width &&
     one.y <= other.y + other.height &&
     other.y <= one.y + one.height
+  );
+}
+
+export function same(one: Box, other: Box): boolean {
+  return (
+    one.x === other.x &&
+    one.y === other.y &&
+    one.width === other.width &&
+    one.height === other.height
   );
 }

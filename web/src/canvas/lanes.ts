@@ -1,7 +1,7 @@
 /** The room between the states of a container: what a way through it costs, and which ways are taken already. */
 
 import type { Box, Point, Size } from "../model/geometry.ts";
-import { Grid } from "./grid.ts";
+import type { Grid } from "./grid.ts";
 import type { Wanted } from "./route.ts";
 
 /** A straight piece of a line that stands or lies, as far as it goes. */
@@ -41,10 +41,11 @@ export class Lanes {
   readonly #lying: Piece[] = [];
   readonly #standing: Piece[] = [];
 
-  constructor(boxes: readonly Box[], frame: Size) {
+  /** `grid` has the same boxes. */
+  constructor(boxes: readonly Box[], frame: Size, grid: Grid) {
     this.#boxes = boxes;
     this.#frame = frame;
-    this.#grid = new Grid(boxes);
+    this.#grid = grid;
     this.pace = paceOf(boxes, frame);
   }
 
@@ -59,6 +60,7 @@ export class Lanes {
 
   /** The way is used from now on. */
   take(points: readonly Point[], group: string): void {
+    if (this.#lying.length + this.#standing.length > MANY_LINES) return;
     this.#groups.add(group);
     for (let index = 0; index + 1 < points.length; index++) {
       const [one, other] = [points[index], points[index + 1]];
@@ -212,9 +214,14 @@ function piece(at: number, one: number, other: number, group: string): Piece {
   return { at, from: Math.min(one, other), to: Math.max(one, other), group };
 }
 
+/** So many states say how large the others are. */
+const SAMPLE = 256;
+
 /** A share of how large the states usually are. */
-function paceOf(boxes: readonly Box[], frame: Size): number {
+export function paceOf(boxes: readonly Box[], frame: Size): number {
+  const every = Math.ceil(boxes.length / SAMPLE);
   const sides = boxes
+    .filter((_, index) => index % every === 0)
     .map(({ width, height }) => Math.min(width, height))
     .sort((one, other) => one - other);
   const usual = sides[sides.length >> 1] ?? Math.min(frame.width, frame.height) * 0.3;

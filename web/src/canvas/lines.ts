@@ -1,19 +1,29 @@
-/** The connections of one container as lines, in its coordinates: which ports they join, and by which way. */
+/** The connections of one container, in its coordinates: which ports they join, and as lines by which way. */
 
 import { type PortPlace, waypointsOf } from "../model/drawing.ts";
 import { type ElementKey, keyOf } from "../model/element.ts";
-import { type Box, type Point, type Size, sideOf } from "../model/geometry.ts";
+import type {
+  DataFlowDocument,
+  StateDocument,
+  TransitionDocument,
+} from "../model/generated/protocol.ts";
+import { type Point, type Size, sideOf } from "../model/geometry.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
-import { curve } from "./curve.ts";
-import { type End, routed, type Wanted } from "./route.ts";
+import type { End, Routed, Wanted } from "./route.ts";
 import type { PlacedState } from "./tree.ts";
 
-/** A connection as it is drawn. */
-export interface Line {
+/** What the machine says of a connection. */
+export type Source =
+  | { readonly kind: "transition"; readonly document: TransitionDocument }
+  | { readonly kind: "data_flow"; readonly document: DataFlowDocument };
+
+/** A connection whose ends are known. */
+export interface Joined extends Wanted {
   readonly kind: "transition" | "data_flow";
   readonly id: number;
   readonly key: ElementKey;
+  readonly document: TransitionDocument | DataFlowDocument;
   /** The ports that it joins. */
   readonly from: ElementKey;
   readonly to: ElementKey;
@@ -24,59 +34,21 @@ export interface Line {
   readonly label: string;
   /** The id of the outcome where it begins; of others 0. */
   readonly outcome: number;
-  readonly points: readonly Point[];
-  /** Which of the points are waypoints of the author. */
-  readonly waypoints: readonly number[];
-  /** The point after which it runs longest on its own: where a label sits best. */
-  readonly longest: number;
-  /** All that it touches. */
-  readonly box: Box;
 }
+
+/** A connection as it is drawn. */
+export interface Line extends Joined, Routed {}
 
 /** Lines that somebody holds: their waypoints as the gesture has them. */
 export type Held = ReadonlyMap<ElementKey, readonly Point[]>;
 
-/** The lines of a container. `kept` are those whose way is known; of these nothing is asked again. */
-export function linesOf(
-  container: PlacedState,
-  held: Held,
-  kept: ReadonlyMap<ElementKey, Line> = new Map(),
-): readonly Line[] {
-  const found = wantedOf(container, held);
-  const open = found.filter(({ key }) => !kept.has(key));
-  const ways = routed(
-    open.filter(({ kind }) => kind === "transition"),
-    container.children.map((child) => child.box),
-    container.size,
-    [...kept.values()].filter(({ kind }) => kind === "transition"),
-  );
-  const reach = reachOf(container);
-  let next = 0;
-  return found.map((wanted) => {
-    const known = kept.get(wanted.key);
-    if (known) return known;
-    const way = wanted.kind === "transition" ? ways[next++] : undefined;
-    return { ...wanted, ...(way ?? curve(wanted.start, wanted.goal, wanted.by, reach)) };
-  });
-}
-
 /** How far data flows go out of their way. */
-function reachOf({ size, children }: PlacedState): number {
+export function reachOf({ size, children }: PlacedState): number {
   const sides = children.map(({ box }) => Math.min(box.width, box.height));
   return Math.min(
     0.15 * Math.min(size.width, size.height),
     0.8 * Math.max(...sides.slice(0, 64), 0),
   );
-}
-
-interface Found extends Wanted {
-  readonly kind: "transition" | "data_flow";
-  readonly id: number;
-  readonly key: ElementKey;
-  readonly fromPath: string;
-  readonly toPath: string;
-  readonly label: string;
-  readonly outcome: number;
 }
 
 /** A port, where it stands in the container, and the path of its state. */
@@ -87,15 +59,13 @@ interface Joint {
 }
 
 /** The states that connections of a container can join, by their ids. */
-class Ends {
+export class Ends {
   readonly #container: PlacedState;
   readonly #own: string;
-  readonly #index: ReadonlyMap<string, number>;
 
   constructor(container: PlacedState) {
     this.#container = container;
     this.#own = idOf(container.path);
-    this.#index = new Map(container.children.map((child, at) => [child.path, at]));
   }
 
   isOwn(id: string | null | undefined): boolean {
@@ -105,7 +75,7 @@ class Ends {
   /** The port of a child, or of the container; undefined if there is none such. */
   joint(id: string | null | undefined, fits: (port: PortPlace) => boolean): Joint | undefined {
     const isOwn = this.isOwn(id);
-    const index = isOwn ? -1 : (this.#index.get(childPath(this.#container.path, id ?? "")) ?? -1);
+    const index = isOwn ? -1 : this.#container.indexOf(childPath(this.#container.path, id ?? ""));
     const owner = isOwn ? this.#container : this.#container.children[index];
     const port = owner?.ports.find(fits);
     if (!owner || !port) return undefined;
@@ -132,43 +102,30 @@ function normal(at: Point, size: Size, inward: boolean): Point {
   return inward ? { x: -x || 0, y: -y || 0 } : { x, y };
 }
 
-function wantedOf(container: PlacedState, held: Held): readonly Found[] {
-  const { state, path } = container;
-  if (state.kind === "library") return [];
-  const ends = new Ends(container);
-  const found: Found[] = [];
-  const put = (kind: Found["kind"], id: number, from: Joint | undefined, to: Joint | undefined) => {
-    if (!from || !to) return;
-    const key = keyOf({ kind, path, id });
-    const by = held.get(key) ?? waypointsOf(state, kind, id);
-    found.push(foundOf(kind, id, key, from, to, by));
-  };
-  for (const { id, ...transition } of transitionsOf(state)) {
-    const starts = transition.from_state == null;
-    const source = starts ? isIncome : isOutcome(transition.from_outcome);
-    const goal = ends.isOwn(transition.to_state) ? isOutcome(transition.to_outcome) : isIncome;
-    const from = ends.joint(transition.from_state, source);
-    put("transition", id, from, ends.joint(transition.to_state, goal));
-  }
-  for (const { id, ...flow } of dataFlowsOf(state)) {
-    const from = ends.joint(flow.from_state, isData(flow.from_port));
-    put("data_flow", id, from, ends.joint(flow.to_state, isData(flow.to_port)));
-  }
-  return found;
+/** All that the machine says of connections in a state, transitions first. */
+export function* sourcesOf(state: StateDocument): Generator<Source, void> {
+  if (state.kind === "library") return;
+  for (const document of transitionsOf(state)) yield { kind: "transition", document };
+  for (const document of dataFlowsOf(state)) yield { kind: "data_flow", document };
 }
 
-function foundOf(
-  kind: Found["kind"],
-  id: number,
-  key: ElementKey,
-  from: Joint,
-  to: Joint,
-  by: readonly Point[],
-): Found {
+/** The connection with its ends; undefined if one of them is not there. */
+export function joined(
+  container: PlacedState,
+  ends: Ends,
+  source: Source,
+  held: Held,
+): Joined | undefined {
+  const [from, to] = jointsOf(ends, source);
+  if (!from || !to) return undefined;
+  const { kind, document } = source;
+  const { id } = document;
+  const key = keyOf({ kind, path: container.path, id });
   return {
     kind,
     id,
     key,
+    document,
     from: from.port.key,
     to: to.port.key,
     fromPath: from.path,
@@ -177,8 +134,19 @@ function foundOf(
     outcome: from.port.kind === "outcome" ? from.port.id : 0,
     start: from.end,
     goal: to.end,
-    by,
+    by: held.get(key) ?? waypointsOf(container.state, kind, id),
   };
+}
+
+function jointsOf(ends: Ends, { kind, document }: Source) {
+  if (kind === "data_flow") {
+    const { from_state, from_port, to_state, to_port } = document;
+    return [ends.joint(from_state, isData(from_port)), ends.joint(to_state, isData(to_port))];
+  }
+  const { from_state, from_outcome, to_state, to_outcome } = document;
+  const source = from_state == null ? isIncome : isOutcome(from_outcome);
+  const goal = ends.isOwn(to_state) ? isOutcome(to_outcome) : isIncome;
+  return [ends.joint(from_state, source), ends.joint(to_state, goal)];
 }
 
 const isIncome = (port: PortPlace) => port.kind === "income";

@@ -2,16 +2,16 @@
 
 import type { PortPlace } from "../model/drawing.ts";
 import { elementOf } from "../model/element.ts";
-import type { Box, Size } from "../model/geometry.ts";
+import type { Box } from "../model/geometry.ts";
 import { lineage, parentOf } from "../model/path.ts";
-import { type Held, type Line, linesOf } from "./lines.ts";
+import { same } from "./grid.ts";
 import type { Overlay } from "./overlay.ts";
-import { type Ground, type PlacedState, same, stretchedPorts } from "./tree.ts";
+import { type PlacedState, stretchedPorts } from "./tree.ts";
 
 /** The tree with what the overlay holds. */
-export function overlaid(root: PlacedState, ground: Ground, overlay: Overlay): PlacedState {
+export function overlaid(root: PlacedState, overlay: Overlay): PlacedState {
   const touched = touchedBy(overlay);
-  return touched.size === 0 ? root : held(root, ground, overlay, touched);
+  return touched.size === 0 ? root : held(root, overlay, touched);
 }
 
 /** Paths of all states that are another object then: those held, and those around them. */
@@ -24,24 +24,14 @@ function touchedBy({ boxes, ports, waypoints }: Overlay): ReadonlySet<string> {
   return new Set(paths.flatMap(lineage));
 }
 
-function held(
-  state: PlacedState,
-  ground: Ground,
-  overlay: Overlay,
-  touched: ReadonlySet<string>,
-): PlacedState {
+function held(state: PlacedState, overlay: Overlay, touched: ReadonlySet<string>): PlacedState {
   if (!touched.has(state.path)) return state;
   const box = boxIn(state, overlay);
   const grown = box && !same(box, state.box) ? resized(state, box, overlay) : state;
-  const children = grown.children.map((child) => held(child, ground, overlay, touched));
+  const children = grown.children.map((child) => held(child, overlay, touched));
   const ports = grown.ports.map((port) => withPort(port, overlay));
-  const made = grown.with({ ground, children, ports });
-  return made.with({
-    ground,
-    children,
-    ports,
-    lines: linesAround(made, overlay.scaled.has(state.path) ? grown : state, overlay),
-  });
+  const before = overlay.scaled.has(state.path) ? grown : state;
+  return grown.with({ children, ports }).after(before, overlay.waypoints);
 }
 
 /** The root stays in the corner of its own coordinates. */
@@ -65,32 +55,4 @@ function resized(state: PlacedState, box: Box, overlay: Overlay): PlacedState {
   if (overlay.scaled.has(state.path)) return state.stretched(box, by);
   const ports = stretchedPorts(state.ports, by);
   return state.with({ box, ports, ...(state.opened ? {} : { children: state.children }) });
-}
-
-/** Lines that touch nothing of what is held stay where they are. */
-function linesAround(made: PlacedState, before: PlacedState, overlay: Overlay): readonly Line[] {
-  const moved = new Set<string>();
-  made.children.forEach((child, index) => {
-    const was = before.children[index];
-    if (was && same(was.box, child.box) && !hasHeldPort(child, overlay)) return;
-    for (const port of child.ports) moved.add(port.key);
-  });
-  if (hasHeldPort(made, overlay) || !sameSize(made.size, before.size)) {
-    for (const port of made.ports) moved.add(port.key);
-  }
-  const byKey: Held = overlay.waypoints;
-  const kept = new Map<string, Line>();
-  for (const line of before.lines) {
-    const stays = !moved.has(line.from) && !moved.has(line.to) && !byKey.has(line.key);
-    if (stays) kept.set(line.key, line);
-  }
-  return linesOf(made, byKey, kept);
-}
-
-function sameSize(one: Size, other: Size): boolean {
-  return one.width === other.width && one.height === other.height;
-}
-
-function hasHeldPort(state: PlacedState, overlay: Overlay): boolean {
-  return overlay.ports.size > 0 && state.ports.some((port) => overlay.ports.has(port.key));
 }

@@ -3,11 +3,12 @@
 import type { PortPlace } from "../model/drawing.ts";
 import type { Box, Point } from "../model/geometry.ts";
 import type { Machine } from "../model/machine.ts";
+import { lineage } from "../model/path.ts";
 import type { ViewModes } from "../store/view.ts";
 import { overlaid } from "./overlaid.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
 import type { Places, Route } from "./places.ts";
-import { type Ground, type PlacedState, treeOf } from "./tree.ts";
+import { type Ground, type PlacedState, type Touched, treeOf } from "./tree.ts";
 
 /** What of a view says where things are. */
 export interface PlacesView {
@@ -48,7 +49,8 @@ export function placesOf(machine: Machine, view: PlacesView, overlay: Overlay): 
   if (!kept || kept.version !== machine.version || kept.contents !== contents) {
     const ground: Ground = kept?.ground ?? { machine, contents };
     ground.contents = contents;
-    const tree = treeOf(ground, kept?.tree ?? null);
+    const touched = kept?.contents === contents ? touchedSince(machine, kept.version) : null;
+    const tree = treeOf(ground, kept?.tree ?? null, touched);
     kept = {
       ground,
       version: machine.version,
@@ -60,10 +62,16 @@ export function placesOf(machine: Machine, view: PlacesView, overlay: Overlay): 
     KEPT.set(machine, kept);
   }
   if (kept.overlay !== overlay) {
-    kept.placed = over(kept.tree && overlaid(kept.tree, kept.ground, overlay));
+    kept.placed = over(kept.tree && overlaid(kept.tree, overlay));
     kept.overlay = overlay;
   }
   return kept.placed;
+}
+
+/** Paths of the states that are different since a version, and of all around them; null: all may be. */
+function touchedSince(machine: Machine, version: number): Touched {
+  const touched = machine.touchedSince?.(version);
+  return touched ? new Set([...touched].flatMap(lineage)) : null;
 }
 
 const NONE: readonly never[] = [];

@@ -2,8 +2,8 @@
  * local: of a few shapes for each line the one that costs least, after the lines before it. What leads to one target shares
  * its way there, and so many lines become one trunk; others keep apart. */
 
-import { type Box, distance, type Point, type Size } from "../model/geometry.ts";
-import { Lanes, SHARED_FOR_UNIT } from "./lanes.ts";
+import { type Box, distance, type Point } from "../model/geometry.ts";
+import { type Lanes, SHARED_FOR_UNIT } from "./lanes.ts";
 
 /** Where a line begins or ends. */
 export interface End {
@@ -26,35 +26,27 @@ export interface Wanted {
 
 export interface Routed {
   readonly points: readonly Point[];
+  /** Which of the points are waypoints of the author. */
   readonly waypoints: readonly number[];
+  /** The point after which it runs longest on its own: where a label sits best. */
   readonly longest: number;
+  /** All that it touches. */
   readonly box: Box;
 }
 
-interface Known {
-  readonly to: string;
-  readonly points: readonly Point[];
+/** The lines in the order in which they look for their ways: those with waypoints, and then short ones first. */
+export function nearFirst<T extends Wanted>(lines: readonly T[]): readonly T[] {
+  return lines
+    .map((line, index) => ({ line, index, far: reach(line) }))
+    .sort((one, other) => one.far - other.far || one.index - other.index)
+    .map(({ line }) => line);
 }
 
-/** The ways of all lines of a container of this size, in their order. */
-export function routed(
-  wanted: readonly Wanted[],
-  boxes: readonly Box[],
-  frame: Size,
-  known: readonly Known[],
-): readonly Routed[] {
-  const lanes = new Lanes(boxes, frame);
-  for (const { points, to } of known) lanes.take(points, to);
-  const ways: Routed[] = new Array(wanted.length);
-  const nearFirst = wanted
-    .map((line, index) => ({ line, index, far: reach(line) }))
-    .sort((one, other) => one.far - other.far || one.index - other.index);
-  for (const { line, index } of nearFirst) {
-    const way = line.by.length > 0 ? overWaypoints(line, lanes.pace) : cheapest(line, lanes);
-    lanes.take(way.points, line.to);
-    ways[index] = way;
-  }
-  return ways;
+/** The way of a line beside those that are taken; it is taken itself from now on. */
+export function routed(line: Wanted, lanes: Lanes): Routed {
+  const way = line.by.length > 0 ? overWaypoints(line, lanes.pace) : cheapest(line, lanes);
+  lanes.take(way.points, line.to);
+  return way;
 }
 
 function reach({ start, goal, by }: Wanted): number {

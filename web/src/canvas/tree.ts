@@ -13,8 +13,9 @@ import { stateKey } from "../model/element.ts";
 import type { StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import type { Machine } from "../model/machine.ts";
-import { Grid } from "./grid.ts";
-import { type Line, linesOf } from "./lines.ts";
+import { Grid, same, touches } from "./grid.ts";
+import type { Held, Line } from "./lines.ts";
+import { Wiring } from "./wiring.ts";
 
 /** What a tree is made from: as it is now, since what lies inside states is found late. */
 export interface Ground {
@@ -41,11 +42,16 @@ export class PlacedState {
   #children: readonly PlacedState[] | null = null;
   #ports: readonly PortPlace[] | null = null;
   #name: Box | null = null;
+  #wiring: Wiring | null = null;
   #lines: readonly Line[] | null = null;
   #joined: ReadonlySet<string> | null = null;
   #childGrid: Grid | null = null;
+  #gridBefore: Grid | null = null;
   #lineGrid: Grid | null = null;
-  #byPath: ReadonlyMap<string, PlacedState> | null = null;
+  #indices: ReadonlyMap<string, number> | null = null;
+  /** What it was, as long as that is of use: to find lines, and to show them until they are found. */
+  #before: PlacedState | null = null;
+  #held: Held = NOTHING_HELD;
   /** What it was before it was stretched, with all that lies inside it. */
   #stretched: { readonly from: PlacedState; readonly by: Point } | null = null;
 
@@ -96,58 +102,118 @@ export class PlacedState {
   }
 
   get lines(): readonly Line[] {
-    this.#lines ??= this.#stretched
-      ? stretchedLines(this.#stretched.from.lines, this.#stretched.by)
-      : linesOf(this, new Map());
-    return this.#lines;
+    this.wire(ALWAYS);
+    return this.#lines ?? [];
   }
 
-  /** Ports that a transition inside leaves or leads to. */
-  get joined(): ReadonlySet<string> {
-    this.#joined ??= new Set(
-      this.lines.flatMap(({ kind, from, to }) => (kind === "transition" ? [from, to] : [])),
-    );
-    return this.#joined;
-  }
-
-  /** Whether the lines are known: finding them is the dearest part. */
+  /** Whether all lines are known: finding them is the dearest part. */
   get hasLines(): boolean {
     return this.#lines !== null;
   }
 
+  /** Goes on finding lines as long as it may; whether all are known now. */
+  wire(mayGoOn: () => boolean): boolean {
+    if (this.#lines) return true;
+    if (this.#stretched) {
+      const { from, by } = this.#stretched;
+      if (!from.wire(mayGoOn)) return false;
+      this.#lines = stretchedLines(from.lines, by);
+      return true;
+    }
+    const before = this.#before;
+    if (before && !before.wire(mayGoOn)) return false;
+    this.#wiring ??= new Wiring(this, this.#held, before);
+    if (!this.#wiring.goOn(mayGoOn)) return false;
+    this.#take(this.#wiring, before);
+    return true;
+  }
+
+  #take({ known, hasSameEnds }: Wiring, before: PlacedState | null): void {
+    this.#lines = known;
+    const gridBefore = before ? before.#lineGrid : null;
+    this.#lineGrid = new Grid(boxesOf(known), gridBefore);
+    if (hasSameEnds) this.#joined = before?.joined ?? null;
+    this.#wiring = null;
+    this.#before = null;
+  }
+
+  /** Lines that are known by now; those that it had before until it begins to find its own. */
+  get #shown(): PlacedState {
+    const isOpen = this.#lines || this.#wiring;
+    return isOpen || !this.#before ? this : this.#before.#shown;
+  }
+
+  /** Ports that a transition inside leaves or leads to, as far as lines are known. */
+  get joined(): ReadonlySet<string> {
+    if (!this.#lines) return this.#before?.joined ?? NOTHING_JOINED;
+    this.#joined ??= new Set(
+      this.#lines.flatMap(({ kind, from, to }) => (kind === "transition" ? [from, to] : [])),
+    );
+    return this.#joined;
+  }
+
+  /** The children by where they are. */
+  get childGrid(): Grid {
+    this.#childGrid ??= new Grid(boxesOf(this.children), this.#gridBefore);
+    this.#gridBefore = null;
+    return this.#childGrid;
+  }
+
   /** Tells the children that the area, in its own coordinates, touches. */
   eachChild(area: Box, tell: (child: PlacedState) => void): void {
-    this.#childGrid ??= new Grid(this.children.map((child) => child.box));
-    this.#childGrid.each(area, (index) => {
+    this.childGrid.each(area, (index) => {
       const child = this.children[index];
       if (child) tell(child);
     });
   }
 
-  /** Tells the lines whose surroundings the area touches. */
+  /** Tells the lines whose surroundings the area touches, as far as they are known. */
   eachLine(area: Box, tell: (line: Line) => void): void {
-    this.#lineGrid ??= new Grid(this.lines.map((line) => line.box));
-    this.#lineGrid.each(area, (index) => {
-      const line = this.lines[index];
+    const { lines, grid } = this.#shown.#linesNow();
+    if (!grid) {
+      for (const line of lines) if (touches(line.box, area)) tell(line);
+      return;
+    }
+    grid.each(area, (index) => {
+      const line = lines[index];
       if (line) tell(line);
     });
   }
 
+  #linesNow(): { readonly lines: readonly Line[]; readonly grid: Grid | null } {
+    const lines = this.#lines;
+    if (!lines) return { lines: this.#wiring?.known ?? [], grid: null };
+    this.#lineGrid ??= new Grid(boxesOf(lines));
+    return { lines, grid: this.#lineGrid };
+  }
+
   child(path: string): PlacedState | undefined {
-    this.#byPath ??= new Map(this.children.map((child) => [child.path, child]));
-    return this.#byPath.get(path);
+    return this.children[this.indexOf(path)];
+  }
+
+  /** Which of the children it is; -1: none. */
+  indexOf(path: string): number {
+    this.#indices ??= new Map(this.children.map((child, index) => [child.path, index]));
+    return this.#indices.get(path) ?? -1;
   }
 
   /** The same in another box, or with other parts; what is left out is found anew. */
   with(parts: Parts): PlacedState {
     const { path, state, box, scale } = this;
-    const ground = parts.ground ?? this.#ground;
-    const made = new PlacedState(ground, path, parts.state ?? state, parts.box ?? box, scale);
+    const made = new PlacedState(this.#ground, path, state, parts.box ?? box, scale);
     made.#children = parts.children ?? null;
     made.#ports = parts.ports ?? null;
     made.#name = parts.name ?? null;
-    made.#lines = parts.lines ?? null;
     return made;
+  }
+
+  /** Its lines are those of `before` but for what is different now; waypoints are where they are held. */
+  after(before: PlacedState, held: Held = NOTHING_HELD): this {
+    this.#before = before.#wiring || before.#lines || before.#stretched ? before : before.#before;
+    this.#held = held;
+    this.#gridBefore = before.#childGrid;
+    if (sameOrder(this.#children, before.#children)) this.#indices = before.#indices;
+    return this;
   }
 
   /** The same in another box with all inside it larger or smaller along. */
@@ -157,81 +223,96 @@ export class PlacedState {
     return made;
   }
 
-  /** The same after the machine or what is shown of its libraries changed; itself if all stayed. */
-  renewed(ground: Ground, state: StateDocument, box: Box, scale: number): PlacedState {
-    if (scale === this.scale && same(box, this.box) && this.#isTrue(state)) return this;
-    const children = this.#children && this.#renewedChildren(ground, state, box, scale);
-    const sameBox = same(box, this.box) && scale === this.scale;
+  /** The same after the machine or what is shown of its libraries changed; itself if all stayed. `touched` are the paths of
+   * all states with something different in them, if that is known. */
+  renewed(next: Next, touched: Touched): PlacedState {
+    const { ground, state, box, scale } = next;
+    const stands = scale === this.scale && same(box, this.box);
+    if (stands && touched && !touched.has(this.path)) return this;
+    const inner = state.kind === "library" ? null : touched;
     const opened = state.kind === "library" && opens(ground, this.path, state);
-    const stays = state === this.state && sameBox && opened === this.opened;
-    if (stays && children === this.#children) return this;
+    const stays = stands && state === this.state && opened === this.opened;
     const made = new PlacedState(ground, this.path, state, box, scale);
+    const children = this.#children && made.#renewedChildren(this, this.#children, inner);
+    if (stays && children === this.#children) return this;
     made.#children = children;
-    if (state !== this.state || !sameBox) return made;
-    made.#ports = this.#ports;
-    made.#name = this.#name;
-    if (children && sameOutlines(children, this.#children)) made.#lines = this.#lines;
-    return made;
-  }
-
-  /** Whether nothing is different in the state and in all inside it that is known. */
-  #isTrue(state: StateDocument): boolean {
-    if (state !== this.state) return false;
-    const { machine } = this.#ground;
-    if (state.kind === "library" && opens(this.#ground, this.path, state) !== this.opened) {
-      return false;
+    if (stays) {
+      made.#ports = this.#ports;
+      made.#name = this.#name;
     }
-    const children = this.#children;
-    if (children === null) return true;
-    const paths = childPaths(this.#ground, this);
-    if (paths.length !== children.length) return false;
-    return children.every((child, index) => {
-      const now = machine.state(child.path);
-      return child.path === paths[index] && now !== undefined && child.#isTrue(now);
-    });
+    return made.after(this);
   }
 
   #renewedChildren(
-    ground: Ground,
-    state: StateDocument,
-    box: Box,
-    scale: number,
+    was: PlacedState,
+    before: readonly PlacedState[],
+    touched: Touched,
   ): readonly PlacedState[] {
-    const before = this.#children ?? [];
-    const here = new PlacedState(ground, this.path, state, box, scale);
-    const paths = childPaths(ground, here);
+    const paths = childPaths(this.#ground, this);
+    const sameSize = this.box.width === was.box.width && this.box.height === was.box.height;
+    const mayStay = touched !== null && sameSize && this.scale === was.scale;
+    const after: PlacedState[] = [];
     let changed = paths.length !== before.length;
-    const after = paths.flatMap((path, index) => {
-      const known = before[index]?.path === path ? before[index] : this.child(path);
-      const now = ground.machine.state(path);
-      if (!now) return [];
-      const place = placeIn(here, now, index);
-      const child = known
-        ? known.renewed(ground, now, place.box, place.scale)
-        : new PlacedState(ground, path, now, place.box, place.scale);
-      changed ||= child !== before[index];
-      return [child];
+    paths.forEach((path, index) => {
+      const there = before[index];
+      const known = there?.path === path ? there : was.child(path);
+      const stays = known === there && mayStay && !touched.has(path);
+      const child = stays ? there : this.#childAt(path, index, known, touched);
+      if (!child) return;
+      after.push(child);
+      changed ||= child !== there;
     });
     return changed ? after : before;
   }
+
+  #childAt(
+    path: string,
+    index: number,
+    known: PlacedState | undefined,
+    touched: Touched,
+  ): PlacedState | undefined {
+    const state = this.#ground.machine.state(path);
+    if (!state) return undefined;
+    const next = { ground: this.#ground, state, ...placeIn(this, state, index) };
+    return known
+      ? known.renewed(next, touched)
+      : new PlacedState(this.#ground, path, state, next.box, next.scale);
+  }
 }
 
+/** Paths of states with something different in them; null: all may be. */
+export type Touched = ReadonlySet<string> | null;
+
+interface Next {
+  readonly ground: Ground;
+  readonly state: StateDocument;
+  readonly box: Box;
+  readonly scale: number;
+}
+
+const ALWAYS = () => true;
+const NOTHING_HELD: Held = new Map();
+const NOTHING_JOINED: ReadonlySet<string> = new Set();
+
 interface Parts {
-  readonly ground?: Ground;
-  readonly state?: StateDocument;
   readonly box?: Box;
   readonly children?: readonly PlacedState[];
   readonly ports?: readonly PortPlace[];
   readonly name?: Box;
-  readonly lines?: readonly Line[];
 }
 
-/** The tree of a machine; null if it is empty. `before` is its tree as it was. */
-export function treeOf(ground: Ground, before: PlacedState | null): PlacedState | null {
+/** The tree of a machine; null if it is empty. `before` is its tree as it was, `touched` what is different since then. */
+export function treeOf(
+  ground: Ground,
+  before: PlacedState | null,
+  touched: Touched,
+): PlacedState | null {
   const state = ground.machine.state(ground.machine.root);
   if (!state) return null;
   const box = { x: 0, y: 0, ...rootSize(state) };
-  if (before?.path === ground.machine.root) return before.renewed(ground, state, box, 1);
+  if (before?.path === ground.machine.root) {
+    return before.renewed({ ground, state, box, scale: 1 }, touched);
+  }
   return new PlacedState(ground, ground.machine.root, state, box, 1);
 }
 
@@ -301,25 +382,18 @@ function stretchedLines(lines: readonly Line[], by: Point): readonly Line[] {
   });
 }
 
-export function same(one: Box, other: Box): boolean {
-  return (
-    one.x === other.x &&
-    one.y === other.y &&
-    one.width === other.width &&
-    one.height === other.height
-  );
-}
-
-/** Whether the same states stand in the same boxes with the same ports. */
-function sameOutlines(
-  children: readonly PlacedState[],
+/** Whether the same states follow each other. */
+function sameOrder(
+  children: readonly PlacedState[] | null,
   before: readonly PlacedState[] | null,
 ): boolean {
   return (
+    children !== null &&
     before?.length === children.length &&
-    children.every((child, index) => {
-      const was = before[index];
-      return was?.path === child.path && was.state === child.state && same(was.box, child.box);
-    })
+    children.every((child, index) => child === before[index] || child.path === before[index]?.path)
   );
+}
+
+function boxesOf(parts: readonly { readonly box: Box }[]): readonly Box[] {
+  return parts.map(({ box }) => box);
 }

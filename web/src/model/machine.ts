@@ -24,6 +24,8 @@ export interface Machine {
   isInLibrary(path: string): boolean;
   /** Paths of all states but those inside libraries, a state before its children. */
   paths(): Iterable<string>;
+  /** Paths of the states that are different since a version; null: all may be. Machines that do not change need no answer. */
+  touchedSince?(version: number): ReadonlySet<string> | null;
 }
 
 /** Outcome ids that every state has. */

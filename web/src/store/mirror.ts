@@ -18,10 +18,15 @@ import { type Earlier, States } from "./states.ts";
 /** Paths of states that are different; null: all may be. */
 export type Touched = ReadonlySet<string> | null;
 
+/** So many versions back it is known what was different. */
+const REMEMBERED = 16;
+
 export class Mirror implements Machine {
   readonly #states = new States();
   readonly #graft: Graft;
   #version = 1;
+  /** What the last versions were made by. */
+  #history: { readonly version: number; readonly touched: Touched }[] = [];
   #root = "";
   #header: HeaderDocument;
   /** What stood where something was foretold. */
@@ -76,7 +81,7 @@ export class Mirror implements Machine {
     }
     if (header !== this.#header) touched.add(this.#root);
     if (touched.size === 0) return touched;
-    this.#version += 1;
+    this.#nextVersion(touched);
     const isLibrary = (path: string) =>
       earlier.get(path)?.library ?? this.#states.get(path)?.library;
     if ([...touched].some(isLibrary)) this.#graft.forget();
@@ -95,7 +100,24 @@ export class Mirror implements Machine {
   /** The content of a library is another one. */
   libraryChanged(): void {
     this.#graft.forget();
+    this.#nextVersion(null);
+  }
+
+  touchedSince(version: number): Touched {
+    const since = this.#history.filter((entry) => entry.version > version);
+    if (since.length !== this.#version - version) return null;
+    const all = new Set<string>();
+    for (const { touched } of since) {
+      if (touched === null) return null;
+      for (const path of touched) all.add(path);
+    }
+    return all;
+  }
+
+  #nextVersion(touched: Touched): void {
     this.#version += 1;
+    this.#history.push({ version: this.#version, touched });
+    if (this.#history.length > REMEMBERED) this.#history.shift();
   }
 
   /** Takes back what was foretold. */

@@ -11,6 +11,7 @@ import { type Placed, pointAt } from "../placed.ts";
 import type { Route } from "../places.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
+import type { PlacedState } from "../tree.ts";
 import { distanceToLine, middlesOf } from "./lines.ts";
 import type { Grip, Hit, LineRef, Look, PortRef, StateRef } from "./look.ts";
 import { childrenIn, inFrame, reachOf } from "./near.ts";
@@ -245,10 +246,10 @@ function outerLine(search: Search, line: readonly string[]): Hit | null {
 /** So few states are connected in no time, also if the picture has not done so yet. */
 const QUICKLY_ROUTED = 200;
 
-/** Whether the ways of a container's lines are known, or can be found at once: what is not drawn yet cannot be hit. */
-export function isRouted(places: Placed, path: string): boolean {
-  const state = places.frame(path)?.at;
-  return !!state && (state.hasLines || state.children.length <= QUICKLY_ROUTED);
+/** Finds the lines of a container if that is done at once; of others those can be hit that the picture has. */
+export function withLines(state: PlacedState): PlacedState {
+  if (state.children.length <= QUICKLY_ROUTED) state.wire(() => true);
+  return state;
 }
 
 /** Lines are missed by less than ports: there is much beside them that is meant. */
@@ -257,13 +258,11 @@ const LINE_SHARE = 0.75;
 /** The nearest connection of a container. */
 function lineHit(search: Search, path: string): Hit | null {
   const frame = search.places.frame(path);
-  if (!frame || extentOf(search, path) < DETAIL.content || !isRouted(search.places, path)) {
-    return null;
-  }
+  if (!frame || extentOf(search, path) < DETAIL.content) return null;
   const reach = search.tolerance * LINE_SHARE;
   const area = inFrame(frame, reachOf(search.camera, search.point, reach));
   let best: { readonly route: Route; readonly away: number } | null = null;
-  frame.at.eachLine(area, ({ kind, id, points, waypoints }) => {
+  withLines(frame.at).eachLine(area, ({ kind, id, points, waypoints }) => {
     const corners = points.map((point) => pointAt(frame, point));
     const away = distanceToLine(corners, search.point, search.camera);
     if (away > reach || (best && away >= best.away)) return;

@@ -17,10 +17,9 @@ const BEYOND = 30;
 export function connectionMarks(drawing: Drawing, spot: Spot): void {
   const alpha = fade(spot.extent, DETAIL.content);
   if (alpha === 0) return;
-  if (!spot.at.hasLines && !drawing.input.mayRoute()) {
+  if (!spot.at.wire(drawing.input.mayRoute)) {
     drawing.soon.push(spot.at);
     drawing.unfinished = true;
-    return;
   }
   spot.at.eachLine(drawing.area(spot, BEYOND), (line) => lineMarks(drawing, spot, line, alpha));
 }

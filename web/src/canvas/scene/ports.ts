@@ -55,9 +55,7 @@ function isShown(drawing: Drawing, spot: Spot, port: PortPlace, connected: Conne
   const isQuiet = port.kind === "outcome" && (port.id === ABORTED || port.id === PREEMPTED);
   if (!isQuiet || drawing.input.modes.aborted) return true;
   return (
-    drawing.focused.has(spot.at.path) ||
-    connected.has(port.key) ||
-    (spot.at.hasLines && spot.at.joined.has(port.key))
+    drawing.focused.has(spot.at.path) || connected.has(port.key) || spot.at.joined.has(port.key)
   );
 }
 

@@ -60,7 +60,7 @@ function visit(drawing: Drawing, spot: Spot, connected: ReadonlySet<string>): vo
   if (!isAround || !open) nameMarks(drawing, spot, open);
   if (open) {
     connectionMarks(drawing, spot);
-    const joined = joinedBy(spot);
+    const { joined } = spot.at;
     spot.at.eachChild(drawing.area(spot, REACH), (child) =>
       visitChild(drawing, spot, child, joined),
     );
@@ -153,8 +153,3 @@ const RUN_INKS: Readonly<Record<string, string>> = {
   preempted: "preempted",
   trail: "trail",
 };
-
-/** Ports that transitions inside the state join, as far as that is known. */
-function joinedBy(spot: Spot): ReadonlySet<string> {
-  return spot.at.hasLines ? spot.at.joined : NOTHING;
-}

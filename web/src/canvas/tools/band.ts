@@ -2,10 +2,11 @@
 
 import { type ElementRef, keyOf } from "../../model/element.ts";
 import { type Box, contains, intersects, type Point } from "../../model/geometry.ts";
-import { isRouted } from "../hit/hit.ts";
-import { childrenIn } from "../hit/near.ts";
+import { withLines } from "../hit/hit.ts";
+import { childrenIn, inFrame } from "../hit/near.ts";
 import { extentOn, isRouteShown } from "../hit/shown.ts";
 import { NO_OVERLAY } from "../overlay.ts";
+import { type Frame, pointAt } from "../placed.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { type Around, type Gesture, type Pointer, worldOf } from "./gesture.ts";
 
@@ -54,10 +55,18 @@ function collect(path: string, band: Box, around: Around, found: ElementRef[]): 
     return;
   }
   for (const child of childrenIn(places, path, band)) collect(child, band, around, found);
-  for (const route of isRouted(places, path) ? places.routes(path) : []) {
-    if (!route.points.every((point) => contains(band, point))) continue;
-    if (isRouteShown(route, around)) found.push({ kind: route.kind, path, id: route.id });
-  }
+  const frame = places.frame(path);
+  if (frame) collectLines(frame, band, around, found);
+}
+
+function collectLines(frame: Frame, band: Box, around: Around, found: ElementRef[]): void {
+  const { path } = frame.at;
+  withLines(frame.at).eachLine(inFrame(frame, band), ({ kind, id, points, waypoints }) => {
+    const corners = points.map((point) => pointAt(frame, point));
+    if (!corners.every((point) => contains(band, point))) return;
+    const route = { kind, path, id, points: corners, waypoints };
+    if (isRouteShown(route, around)) found.push({ kind, path, id });
+  });
 }
 
 function isIn(box: Box, band: Box): boolean {

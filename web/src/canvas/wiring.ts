@@ -1,0 +1,228 @@
+/** The lines of a container in the making: a little at a time, and upon those that it had. What joins the same ports, with nothing
+ * new or gone beside its way, stays as it was. */
+
+import { type PortPlace, waypointsOf } from "../model/drawing.ts";
+import { around, type Box, type Point } from "../model/geometry.ts";
+import { curve } from "./curve.ts";
+import { Grid, same, touches } from "./grid.ts";
+import { Lanes, paceOf } from "./lanes.ts";
+import {
+  Ends,
+  type Held,
+  type Joined,
+  joined,
+  type Line,
+  reachOf,
+  type Source,
+  sourcesOf,
+} from "./lines.ts";
+import { nearFirst, routed } from "./route.ts";
+import type { PlacedState } from "./tree.ts";
+
+export class Wiring {
+  /** Lines that are found by now, and in the end all in the machine's order. */
+  known: readonly Line[] = [];
+  /** Whether in the end the same ports are joined as before. */
+  hasSameEnds = false;
+  readonly #work: Iterator<undefined, void>;
+
+  constructor(container: PlacedState, held: Held, before: PlacedState | null) {
+    this.#work = this.#wire(container, held, before && new Past(before, container, held));
+  }
+
+  /** Goes on as long as it may; whether all is done. */
+  goOn(mayGoOn: () => boolean): boolean {
+    while (mayGoOn()) if (this.#work.next().done) return true;
+    return false;
+  }
+
+  *#wire(container: PlacedState, held: Held, past: Past | null): Generator<undefined, void> {
+    const ends = new Ends(container);
+    const reach = reachOf(container);
+    const all: (Joined | Line)[] = [];
+    let isSame = past !== null;
+    for (const source of sourcesOf(container.state)) {
+      const kept = past?.line(source);
+      if (kept && past?.stays(kept)) {
+        all.push(kept);
+        continue;
+      }
+      const found = joined(container, ends, source, held);
+      isSame &&= kept?.from === found?.from && kept?.to === found?.to;
+      if (found) all.push(withWay(found, kept, past, reach));
+      yield;
+    }
+    this.hasSameEnds = isSame && past?.count === all.length;
+    const ready = all.filter(isLine);
+    this.known = ready;
+    if (ready.length === all.length) return;
+    const lanes = new Lanes(container.childGrid.boxes, container.size, container.childGrid);
+    for (const { kind, points, to } of ready) if (kind === "transition") lanes.take(points, to);
+    const ways = new Map<Joined, Line>();
+    for (const open of nearFirst(all.filter((line) => !isLine(line)))) {
+      const line = { ...open, ...routed(open, lanes) };
+      ways.set(open, line);
+      ready.push(line);
+      yield;
+    }
+    this.known = all.flatMap((line) => (isLine(line) ? line : (ways.get(line) ?? [])));
+  }
+}
+
+/** With its way, if that is known or quickly found. */
+function withWay(
+  found: Joined,
+  kept: Line | undefined,
+  past: Past | null,
+  reach: number,
+): Joined | Line {
+  if (kept && past?.keepsWay(kept, found)) return { ...kept, ...found };
+  return found.kind === "transition"
+    ? found
+    : { ...found, ...curve(found.start, found.goal, found.by, reach) };
+}
+
+function isLine(line: Joined | Line): line is Line {
+  return "points" in line;
+}
+
+/** How far beside a way something may have stood that it was led around, and how near something new may come to it. */
+const LED_AROUND = 2.3;
+const NEAR = 0.5;
+
+/** The lines that were there before, and what is no longer as it was. */
+class Past {
+  readonly #lines: readonly Line[];
+  readonly #container: PlacedState;
+  readonly #sameLayout: boolean;
+  readonly #held: Held;
+  /** States whose ports are not where they were. */
+  readonly #moved = new Set<string>();
+  /** Where something stands now, or no longer. */
+  readonly #places: Box[] = [];
+  #grid: Grid | null = null;
+  #bounds: Box | null = null;
+  #next = 0;
+  #byDocument: ReadonlyMap<object, Line> | null = null;
+
+  constructor(before: PlacedState, container: PlacedState, held: Held) {
+    this.#lines = before.lines;
+    this.#container = container;
+    this.#held = held;
+    this.#sameLayout = before.state.layout === container.state.layout;
+    const pace = paceOf(container.childGrid.boxes, container.size);
+    if (!samePorts(before, container)) this.#moved.add(container.path);
+    let sameOrder = before.children.length === container.children.length;
+    container.children.forEach((child, index) => {
+      const there = before.children[index];
+      if (child === there) return;
+      const stays = there?.path === child.path;
+      sameOrder &&= stays;
+      this.#compare(stays ? there : before.child(child.path), child, pace);
+    });
+    for (const gone of sameOrder ? [] : before.children) {
+      if (container.indexOf(gone.path) < 0) this.#places.push(wider(gone.box, LED_AROUND * pace));
+    }
+    if (this.#places.length > 0) {
+      this.#grid = new Grid(this.#places);
+      this.#bounds = around(this.#places);
+    }
+  }
+
+  get count(): number {
+    return this.#lines.length;
+  }
+
+  #compare(was: PlacedState | undefined, is: PlacedState, pace: number): void {
+    if (was && same(was.box, is.box) && was.scale === is.scale) {
+      if (!samePorts(was, is)) this.#moved.add(is.path);
+      return;
+    }
+    this.#moved.add(is.path);
+    if (was) this.#places.push(wider(was.box, LED_AROUND * pace));
+    this.#places.push(wider(is.box, NEAR * pace));
+  }
+
+  /** What a connection was before. They are asked for in the machine's order. */
+  line({ document }: Source): Line | undefined {
+    const next = this.#lines[this.#next];
+    if (next?.document === document) {
+      this.#next++;
+      return next;
+    }
+    this.#byDocument ??= new Map(this.#lines.map((line) => [line.document, line]));
+    const found = this.#byDocument.get(document);
+    if (found) this.#next = this.#lines.indexOf(found, this.#next) + 1;
+    return found;
+  }
+
+  /** Whether nothing about a line is different. */
+  stays(line: Line): boolean {
+    if (this.#moved.has(line.fromPath) || this.#moved.has(line.toPath)) return false;
+    if (this.#held.size > 0 && this.#held.has(line.key)) return false;
+    const { kind, id, by } = line;
+    if (!this.#sameLayout && !samePoints(waypointsOf(this.#container.state, kind, id), by)) {
+      return false;
+    }
+    return this.#isClear(line);
+  }
+
+  /** Whether a line leads where it led, although its ends may be called otherwise. */
+  keepsWay(line: Line, now: Joined): boolean {
+    const ends = samePoints(
+      [line.start.at, line.start.out, line.goal.at, line.goal.out],
+      [now.start.at, now.start.out, now.goal.at, now.goal.out],
+    );
+    return ends && line.to === now.to && samePoints(line.by, now.by) && this.#isClear(line);
+  }
+
+  /** Whether nothing comes or goes beside the way of a transition that looked for it. */
+  #isClear({ kind, by, box, points }: Line): boolean {
+    const grid = this.#grid;
+    if (!grid || !this.#bounds || kind === "data_flow" || by.length > 0) return true;
+    if (!touches(box, this.#bounds)) return true;
+    let clear = true;
+    for (let index = 0; index + 1 < points.length && clear; index++) {
+      const [one, other] = [points[index], points[index + 1]];
+      if (one && other) grid.each(between(one, other), () => (clear = false));
+    }
+    return clear;
+  }
+}
+
+function between(one: Point, other: Point): Box {
+  const [x, y] = [Math.min(one.x, other.x), Math.min(one.y, other.y)];
+  return { x, y, width: Math.abs(one.x - other.x), height: Math.abs(one.y - other.y) };
+}
+
+function wider({ x, y, width, height }: Box, by: number): Box {
+  return { x: x - by, y: y - by, width: width + 2 * by, height: height + 2 * by };
+}
+
+function samePoints(some: readonly Point[], others: readonly Point[]): boolean {
+  return (
+    some.length === others.length &&
+    some.every(({ x, y }, index) => x === others[index]?.x && y === others[index]?.y)
+  );
+}
+
+function samePorts(one: PlacedState, other: PlacedState): boolean {
+  return one.ports === other.ports || (sameSize(one, other) && samePlaces(one.ports, other.ports));
+}
+
+/** The side of a border that a port is on depends on it. */
+function sameSize(one: PlacedState, other: PlacedState): boolean {
+  return one.size.width === other.size.width && one.size.height === other.size.height;
+}
+
+function samePlaces(some: readonly PortPlace[], others: readonly PortPlace[]): boolean {
+  return (
+    some.length === others.length &&
+    some.every(({ key, name, at }, index) => {
+      const other = others[index];
+      return (
+        key === other?.key && name === other.name && at.x === other.at.x && at.y === other.at.y
+      );
+    })
+  );
+}
