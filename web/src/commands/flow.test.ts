@@ -11,8 +11,12 @@ const MACHINE = `
 `;
 
 /** What a command does, as it is recorded. */
-async function done(id: string, options: StandOptions = {}, argument?: unknown): Promise<string[]> {
-  const context = stand(MACHINE, options);
+async function done(
+  id: string,
+  { machine = MACHINE, ...options }: StandOptions & { readonly machine?: string } = {},
+  argument?: unknown,
+): Promise<string[]> {
+  const context = stand(machine, options);
   const command = allCommands().get(id);
   if (!command || command.enabled?.(context) === false) return ["cannot"];
   try {
@@ -82,5 +86,29 @@ test("a folder's name is what every file system takes", () => {
     "ölwechsel_2",
     "machine",
     "machine",
+  ]);
+});
+
+test("a state is inserted into the selected transition, of a kind or by a library", async () => {
+  const library = { path: "arm", name: "grasp" };
+  const states = [
+    { path: "G", name: "Grasp", kind: "hierarchy", outcomes: [{ id: 0, name: "ok" }] },
+  ];
+  const options = {
+    machine: `${MACHINE}    A.ok > B\n`,
+    selected: ["transition:R:0"],
+    answers: [library],
+    serve: () => ({ header: {}, states }),
+  };
+  expect(await done("insert.into-transition", options, "execution")).toEqual([
+    "edit Insert state into transition (batch)",
+  ]);
+  expect(await done("insert.into-transition", options, "library")).toEqual([
+    "ask library",
+    "GET /libraries/arm/grasp",
+    "edit Insert state into transition (batch)",
+  ]);
+  expect(await done("insert.into-transition", { selected: ["state:R/A"] }, "execution")).toEqual([
+    "cannot",
   ]);
 });

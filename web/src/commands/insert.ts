@@ -5,8 +5,8 @@ import type { Point } from "../model/geometry.ts";
 import { isContainer, type Machine, type PortKind } from "../model/machine.ts";
 import { connectFromSibling, connectToParent, connectToSibling } from "../plan/connect.ts";
 import { addTemplate } from "../plan/group.ts";
-import { insertState } from "../plan/insert.ts";
-import type { Planned } from "../plan/plan.ts";
+import { insertState, middleOf } from "../plan/insert.ts";
+import { type Planned, refused } from "../plan/plan.ts";
 import { addOutcome, addPort } from "../plan/ports.ts";
 import { addLibrary, addState } from "../plan/states.ts";
 import type { Command, Context } from "./command.ts";
@@ -226,6 +226,41 @@ const CONNECTIONS: readonly Command[] = [
   ),
 ];
 
+/** What can stand in a transition: a new state of a kind, or one that runs a library that is asked for. */
+const INTO_TRANSITION: Command = {
+  id: "insert.into-transition",
+  title: "Insert into transition",
+  detail: "The selected transition leads to the new state, which leads on to where it led.",
+  menu: "Insert/3",
+  enabled: (context) => canEdit(context) && transitionOf(context) !== null,
+  choices: () => [
+    ...KINDS.map(([kind, title]) => ({ title, argument: kind })),
+    { title: "Library state…", argument: "library" },
+  ],
+  run: async (context, argument) => {
+    const line = transitionOf(context);
+    const machine = machineOf(context);
+    if (!line || !machine) return;
+    const at = middleOf(machine, line);
+    const kind = KINDS.find(([each]) => each === argument)?.[0];
+    if (kind) return perform(context, (m) => insertState(m, line, { kind }, at));
+    const wanted = { title: "Insert a library into the transition", yes: "Insert" };
+    const library = await context.shell.dialog("library", wanted);
+    if (!library) return;
+    const [root] = await libraryStates(context, library);
+    return perform(context, (m) =>
+      root ? insertState(m, line, { library, root }, at) : refused(`${library.name} is empty.`),
+    );
+  },
+};
+
+/** The one selected transition; of a container whose states run one after the other. */
+function transitionOf(context: Context) {
+  const [line, ...more] = elements(context);
+  if (line?.kind !== "transition" || more.length > 0) return null;
+  return machineOf(context)?.state(line.path)?.kind === "hierarchy" ? line : null;
+}
+
 /** What stands for the kind of what is selected: used by "Add" of the reference. */
 const ADD: Command = {
   id: "insert.fitting",
@@ -243,4 +278,11 @@ const ADD: Command = {
   },
 };
 
-export const INSERT: readonly Command[] = [...STATES, ...LIBRARIES, ...PORTS, ...CONNECTIONS, ADD];
+export const INSERT: readonly Command[] = [
+  ...STATES,
+  ...LIBRARIES,
+  ...PORTS,
+  ...CONNECTIONS,
+  INTO_TRANSITION,
+  ADD,
+];

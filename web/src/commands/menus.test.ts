@@ -76,6 +76,8 @@ test("a library is opened, shown and substituted, and its kind stays", () => {
 test("ports, connections and the canvas have menus of their own", () => {
   expect(menuOf("input:R/A:0")).toContain("Rename");
   expect(menuOf("transition:R:0")).toEqual([
+    "Insert into transition ▸",
+    "—",
     "Remove waypoints",
     "—",
     "Delete",

@@ -161,14 +161,19 @@ const LIBRARY: Recipe = [
   ["view.zoom-selection"],
 ];
 
-const IN_LIBRARY: Recipe = [["edit.copy", "file.open-library"], ["view.zoom-selection"]];
+const IN_LIBRARY: Recipe = [
+  ["edit.copy", "view.library-content", "file.open-library"],
+  ["view.zoom-selection"],
+];
 
 const PORT: Recipe = [
   ["edit.rename", "insert.connect"],
   ["edit.cut", "edit.copy", "edit.paste", "edit.delete"],
 ];
 
-const CONNECTION: Recipe = [["arrange.clear-waypoints"], ["edit.delete"], ["view.zoom-selection"]];
+const DATA_FLOW: Recipe = [["arrange.clear-waypoints"], ["edit.delete"], ["view.zoom-selection"]];
+
+const TRANSITION: Recipe = [["insert.into-transition"], ...DATA_FLOW];
 
 const CANVAS: Recipe = [
   [ADD, "edit.paste", "edit.select-all"],
@@ -211,8 +216,9 @@ function recipeFor({ tab }: Context, elements: readonly ElementRef[]): Recipe {
       return only && machine.state(first.path)?.kind === "library" ? LIBRARY : STATE;
     }
     case "transition":
+      return TRANSITION;
     case "data_flow":
-      return CONNECTION;
+      return DATA_FLOW;
     default:
       return PORT;
   }

@@ -163,6 +163,16 @@ test("the next state, and the way out, by a key", () => {
   expect(lines(connectToParent(machine, "R/B"))[0]).toContain('to={"outcome":0}');
 });
 
+test("a transition to the container's first outcome is taken away by asking for it again", () => {
+  const led = drawn(`
+    R hierarchy 0 0 400 300 outcome done outcome other
+      A execution 20 20 80 60 outcome ok
+      R > A
+      A.ok > R.done
+  `);
+  expect(lines(connectToParent(led, "R/A"))).toEqual(["remove_transition R transition=1"]);
+});
+
 /** A chain of containers, each inside the other, with a state at its end that gives or takes a value. */
 function nested(depth: number, end: string, name: string): string {
   const ids = Array.from({ length: depth }, (_, level) => `${name}${level}`);

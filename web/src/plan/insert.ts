@@ -3,11 +3,11 @@
 import { waypointsOf } from "../model/drawing.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Edit, Goal, StateDocument, TransitionDocument } from "../model/generated/protocol.ts";
-import { distance, type Point } from "../model/geometry.ts";
+import { centre, distance, type Point } from "../model/geometry.ts";
 import { type Machine, outcomesOf, transitionsOf } from "../model/machine.ts";
 import { freshNumber } from "../model/names.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
-import { pins, waypointsEdit } from "./boxes.ts";
+import { childBoxes, pins, sizeIn, waypointsEdit } from "./boxes.ts";
 import { containerAt, stateAt } from "./legal.ts";
 import { type LibraryName, type NewKind, newBox, newLibrary, newState } from "./newcomers.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
@@ -61,6 +61,28 @@ export function insertState(
       select,
     }
   );
+}
+
+/** A point of a transition at which a state would stand between its ends. */
+export function middleOf(machine: Machine, element: ElementRef): Point {
+  const container = machine.state(element.path);
+  const found =
+    element.kind === "transition" && container
+      ? transitionsOf(container).find(({ id }) => id === element.id)
+      : undefined;
+  const size = sizeIn(machine, element.path);
+  if (!container || !found) return { x: size.width / 2, y: size.height / 2 };
+  const points = waypointsOf(container, "transition", found.id);
+  const bend = points[Math.floor(points.length / 2)];
+  if (bend) return bend;
+  const boxes = childBoxes(machine, element.path);
+  const at = (id: string | null | undefined, side: number) => {
+    const box = id == null ? undefined : boxes.get(childPath(element.path, id));
+    return box ? centre(box) : { x: side, y: size.height / 2 };
+  };
+  const from = at(found.from_state, 0);
+  const to = at(found.to_outcome == null ? found.to_state : null, size.width);
+  return { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
 }
 
 function goalOf({ to_state, to_outcome }: TransitionDocument): Goal {
