@@ -44,10 +44,11 @@ describe.each(Object.entries(THEMES))("in the %s theme", (_, start) => {
     },
   );
 
-  test("names of people can be read", () => {
+  test("names of people can be read, on the canvas and in the bar", () => {
     for (let person = 0; person < 6; person++) {
-      const ratio = contrast(of("canvas-on-person"), of(`canvas-person-${person}`));
-      expect(ratio).toBeGreaterThanOrEqual(4.5);
+      const colour = of(`canvas-person-${person}`);
+      expect(contrast(of("canvas-on-person"), colour)).toBeGreaterThanOrEqual(4.5);
+      expect(contrast(of("ground"), colour)).toBeGreaterThanOrEqual(4.5);
     }
   });
 });
