@@ -14,16 +14,15 @@ import type { End, Routed, Wanted } from "./route.ts";
 import type { PlacedState } from "./tree.ts";
 
 /** What the machine says of a connection. */
-export type Source =
-  | { readonly kind: "transition"; readonly document: TransitionDocument }
-  | { readonly kind: "data_flow"; readonly document: DataFlowDocument };
+export interface Source {
+  readonly kind: "transition" | "data_flow";
+  readonly document: TransitionDocument | DataFlowDocument;
+}
 
 /** A connection whose ends are known. */
-export interface Joined extends Wanted {
-  readonly kind: "transition" | "data_flow";
+export interface Joined extends Wanted, Source {
   readonly id: number;
   readonly key: ElementKey;
-  readonly document: TransitionDocument | DataFlowDocument;
   /** The ports that it joins. */
   readonly from: ElementKey;
   readonly to: ElementKey;
@@ -103,10 +102,12 @@ function normal(at: Point, size: Size, inward: boolean): Point {
 }
 
 /** All that the machine says of connections in a state, transitions first. */
-export function* sourcesOf(state: StateDocument): Generator<Source, void> {
-  if (state.kind === "library") return;
-  for (const document of transitionsOf(state)) yield { kind: "transition", document };
-  for (const document of dataFlowsOf(state)) yield { kind: "data_flow", document };
+export function sourcesOf(state: StateDocument): readonly Source[] {
+  if (state.kind === "library") return [];
+  return [
+    ...transitionsOf(state).map((document) => ({ kind: "transition", document }) as const),
+    ...dataFlowsOf(state).map((document) => ({ kind: "data_flow", document }) as const),
+  ];
 }
 
 /** The connection with its ends; undefined if one of them is not there. */
@@ -138,8 +139,8 @@ export function joined(
   };
 }
 
-function jointsOf(ends: Ends, { kind, document }: Source) {
-  if (kind === "data_flow") {
+function jointsOf(ends: Ends, { document }: Source) {
+  if ("from_port" in document) {
     const { from_state, from_port, to_state, to_port } = document;
     return [ends.joint(from_state, isData(from_port)), ends.joint(to_state, isData(to_port))];
   }

@@ -3,6 +3,7 @@
 
 import { type PortPlace, waypointsOf } from "../model/drawing.ts";
 import { around, type Box, type Point } from "../model/geometry.ts";
+import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { curve } from "./curve.ts";
 import { Grid, same, touches } from "./grid.ts";
 import { Lanes, paceOf } from "./lanes.ts";
@@ -39,51 +40,64 @@ export class Wiring {
   *#wire(container: PlacedState, held: Held, past: Past | null): Generator<undefined, void> {
     const ends = new Ends(container);
     const reach = reachOf(container);
-    const all: (Joined | Line)[] = [];
+    const all: (Line | null)[] = [];
+    const open: Open[] = [];
     let isSame = past !== null;
-    for (const source of sourcesOf(container.state)) {
-      const kept = past?.line(source);
-      if (kept && past?.stays(kept)) {
-        all.push(kept);
+    for (const source of past?.sources ?? sourcesOf(container.state)) {
+      const before = past?.line(source);
+      if (before && past?.stays(before)) {
+        all.push(before);
         continue;
       }
       const found = joined(container, ends, source, held);
-      isSame &&= kept?.from === found?.from && kept?.to === found?.to;
-      if (found) all.push(withWay(found, kept, past, reach));
+      isSame &&= before?.from === found?.from && before?.to === found?.to;
+      if (!found) continue;
+      const way = wayOf(found, before, past, reach);
+      if (!way) open.push({ ...found, index: all.length });
+      all.push(way);
       yield;
     }
-    this.hasSameEnds = isSame && past?.count === all.length;
-    const ready = all.filter(isLine);
-    this.known = ready;
-    if (ready.length === all.length) return;
-    const lanes = new Lanes(container.childGrid.boxes, container.size, container.childGrid);
-    for (const { kind, points, to } of ready) if (kind === "transition") lanes.take(points, to);
-    const ways = new Map<Joined, Line>();
-    for (const open of nearFirst(all.filter((line) => !isLine(line)))) {
-      const line = { ...open, ...routed(open, lanes) };
-      ways.set(open, line);
-      ready.push(line);
-      yield;
+    this.hasSameEnds = isSame && past?.lines.length === all.length;
+    yield* this.#route(all, open, container);
+  }
+
+  /** Finds ways for the open ones. */
+  *#route(
+    all: (Line | null)[],
+    open: readonly Open[],
+    { childGrid, size }: PlacedState,
+  ): Generator<undefined, void> {
+    if (open.length > 0) {
+      const ready = all.filter((line) => line !== null);
+      this.known = ready;
+      const lanes = new Lanes(childGrid.boxes, size, childGrid);
+      for (const { kind, points, to } of ready) if (kind === "transition") lanes.take(points, to);
+      for (const { index, ...found } of nearFirst(open)) {
+        const line = { ...found, ...routed(found, lanes) };
+        all[index] = line;
+        ready.push(line);
+        yield;
+      }
     }
-    this.known = all.flatMap((line) => (isLine(line) ? line : (ways.get(line) ?? [])));
+    this.known = all as readonly Line[];
   }
 }
 
-/** With its way, if that is known or quickly found. */
-function withWay(
-  found: Joined,
-  kept: Line | undefined,
-  past: Past | null,
-  reach: number,
-): Joined | Line {
-  if (kept && past?.keepsWay(kept, found)) return { ...kept, ...found };
-  return found.kind === "transition"
-    ? found
-    : { ...found, ...curve(found.start, found.goal, found.by, reach) };
+/** A transition that has no way yet, and which of the lines it is. */
+interface Open extends Joined {
+  readonly index: number;
 }
 
-function isLine(line: Joined | Line): line is Line {
-  return "points" in line;
+/** With its way, if that is known or quickly found. */
+function wayOf(
+  found: Joined,
+  before: Line | undefined,
+  past: Past | null,
+  reach: number,
+): Line | null {
+  if (before && past?.keepsWay(before, found)) return { ...before, ...found };
+  if (found.kind === "transition") return null;
+  return { ...found, ...curve(found.start, found.goal, found.by, reach) };
 }
 
 /** How far beside a way something may have stood that it was led around, and how near something new may come to it. */
@@ -92,7 +106,9 @@ const NEAR = 0.5;
 
 /** The lines that were there before, and what is no longer as it was. */
 class Past {
-  readonly #lines: readonly Line[];
+  readonly lines: readonly Line[];
+  /** What is to be joined, if that is the same as before. */
+  readonly sources: readonly Source[] | null;
   readonly #container: PlacedState;
   readonly #sameLayout: boolean;
   readonly #held: Held;
@@ -106,7 +122,8 @@ class Past {
   #byDocument: ReadonlyMap<object, Line> | null = null;
 
   constructor(before: PlacedState, container: PlacedState, held: Held) {
-    this.#lines = before.lines;
+    this.lines = before.lines;
+    this.sources = isWhole(before, container) ? before.lines : null;
     this.#container = container;
     this.#held = held;
     this.#sameLayout = before.state.layout === container.state.layout;
@@ -129,10 +146,6 @@ class Past {
     }
   }
 
-  get count(): number {
-    return this.#lines.length;
-  }
-
   #compare(was: PlacedState | undefined, is: PlacedState, pace: number): void {
     if (was && same(was.box, is.box) && was.scale === is.scale) {
       if (!samePorts(was, is)) this.#moved.add(is.path);
@@ -145,14 +158,14 @@ class Past {
 
   /** What a connection was before. They are asked for in the machine's order. */
   line({ document }: Source): Line | undefined {
-    const next = this.#lines[this.#next];
+    const next = this.lines[this.#next];
     if (next?.document === document) {
       this.#next++;
       return next;
     }
-    this.#byDocument ??= new Map(this.#lines.map((line) => [line.document, line]));
+    this.#byDocument ??= new Map(this.lines.map((line) => [line.document, line]));
     const found = this.#byDocument.get(document);
-    if (found) this.#next = this.#lines.indexOf(found, this.#next) + 1;
+    if (found) this.#next = this.lines.indexOf(found, this.#next) + 1;
     return found;
   }
 
@@ -188,6 +201,16 @@ class Past {
     }
     return clear;
   }
+}
+
+/** Whether the machine says the same of all connections, and each of them was a line. */
+function isWhole({ state, lines }: PlacedState, now: PlacedState): boolean {
+  const [transitions, flows] = [transitionsOf(state), dataFlowsOf(state)];
+  return (
+    transitions === transitionsOf(now.state) &&
+    flows === dataFlowsOf(now.state) &&
+    lines.length === transitions.length + flows.length
+  );
 }
 
 function between(one: Point, other: Point): Box {
