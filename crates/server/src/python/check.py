@@ -4,6 +4,9 @@ import json
 import sys
 import warnings
 
+# More problems than these help nobody.
+MOST = 1000
+
 
 def counted(lines, line, column):
     """A column as JavaScript counts, both from 1 on."""
@@ -37,7 +40,8 @@ def check(source):
     for one in warned:
         message = f"{one.category.__name__}: {one.message}"
         found.append({"line": max(one.lineno, 1), "column": 1, "message": message, "severity": "warning"})
-    return sorted(found, key=lambda one: (one["line"], one["column"]))
+    errors_first = sorted(found, key=lambda one: one["severity"])[:MOST]
+    return sorted(errors_first, key=lambda one: (one["line"], one["column"]))
 
 
 json.dump(check(sys.stdin.buffer.read().decode("utf-8", "surrogatepass")), sys.stdout)

@@ -40,6 +40,17 @@ fn nothing_of_a_script_runs() {
 }
 
 #[test]
+fn of_very_many_problems_the_first_ones_are_told() {
+    let house = House::new();
+    let wish = json!({ "script": "1 is x\n".repeat(50_000) });
+    let answer = house.call(Some(Role::Engineer), "POST", "/api/v1/python/check", Some(&wish));
+    assert_eq!(answer.said(), "200");
+    let problems = answer.json();
+    let lines = problems.as_array().unwrap().iter().map(|problem| problem["line"].as_u64());
+    assert!(lines.eq((1..=1000).map(Some)), "{problems}");
+}
+
+#[test]
 fn what_cannot_be_looked_at_is_refused() {
     let ask = |house: &House, script: &str| {
         let wish = json!({ "script": script });
