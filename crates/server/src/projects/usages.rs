@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// So many files of states are looked at.
-const FILES_MAX: usize = 200_000;
+/// So many folders are looked at.
+const FOLDERS_MAX: usize = 200_000;
 /// So deep below a project.
 const DEPTH_MAX: usize = 512;
 /// Larger files are not looked at.
@@ -35,7 +35,8 @@ pub(crate) struct Search<'s> {
     /// So many uses are told.
     pub(crate) most: usize,
     pub(crate) found: Vec<Use>,
-    files: usize,
+    /// So many folders are looked at.
+    folders: usize,
     seen: BTreeSet<PathBuf>,
 }
 
@@ -55,21 +56,25 @@ impl<'s> Search<'s> {
         hidden: &'s BTreeSet<PathBuf>,
         most: usize,
     ) -> Self {
-        Self { path, name, hidden, most, found: Vec::new(), files: 0, seen: BTreeSet::new() }
+        let (found, seen) = (Vec::new(), BTreeSet::new());
+        Self { path, name, hidden, most, found, folders: FOLDERS_MAX, seen }
     }
 
     /// Whether there may be more than was found.
     pub(crate) fn is_full(&self) -> bool {
-        self.found.len() >= self.most || self.files >= FILES_MAX
+        self.found.len() >= self.most || self.seen.len() >= self.folders
     }
 
     /// Looks at everything below a folder that was not looked at yet.
     pub(crate) fn look(&mut self, folder: &Path) {
         let mut waiting = vec![Folder { path: folder.to_owned(), depth: 0, machine: None }];
         while let Some(folder) = waiting.pop() {
+            if self.is_full() {
+                return;
+            }
             let is_new =
                 !self.hidden.contains(&folder.path) && self.seen.insert(folder.path.clone());
-            if self.is_full() || !is_new || folder.depth > DEPTH_MAX {
+            if !is_new || folder.depth > DEPTH_MAX {
                 continue;
             }
             let folder = self.at(folder);
@@ -96,7 +101,6 @@ impl<'s> Search<'s> {
 
     /// Looks at the last of these states, which stand in each other.
     fn state(&mut self, home: &Path, states: &[PathBuf]) {
-        self.files += 1;
         if states.last().is_some_and(|core| self.is_used(core)) {
             let states = states.iter().filter_map(|core| about(core)).collect();
             self.found.push(Use { machine: home.to_owned(), states });
@@ -141,4 +145,24 @@ fn about(core: &Path) -> Option<(String, String)> {
     let id = state["state_id"].as_str()?.to_owned();
     let name = state["name"].as_str().unwrap_or(&id).to_owned();
     Some((id, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Search;
+    use std::collections::BTreeSet;
+    use std::fs;
+
+    /// A project may be somebody's home, with millions of folders in which no machine is.
+    #[test]
+    fn a_search_ends_also_where_no_machines_are() {
+        let place = tempfile::tempdir().unwrap();
+        for number in 0..50 {
+            fs::create_dir_all(place.path().join(format!("photos/{number}"))).unwrap();
+        }
+        let hidden = BTreeSet::new();
+        let mut search = Search { folders: 20, ..Search::new("skills", "grip", &hidden, 10) };
+        search.look(place.path());
+        assert_eq!((search.is_full(), search.seen.len()), (true, 20));
+    }
 }
