@@ -27,6 +27,8 @@ use std::sync::Arc;
 
 /// So many machines may be open at a time.
 const OPEN_MAX: usize = 64;
+/// So many ask git at a time.
+const GITS: usize = 2;
 /// Names of what people do are no longer, in characters.
 const NAME_MAX: usize = 200;
 
@@ -42,6 +44,8 @@ pub(crate) struct Documents {
     pub(super) saves: Gate,
     /// Before something is made of an open machine.
     pub(super) looks: Gate,
+    /// Before git is asked, which may take long: who opens a machine does not wait for that.
+    pub(super) versions: Gate,
     rooms: Mutex<BTreeMap<String, Arc<Room>>>,
     /// Folders that somebody opens, closes or moves to.
     claimed: Mutex<BTreeSet<PathBuf>>,
@@ -71,6 +75,7 @@ pub(crate) enum Wish {
 impl Documents {
     /// No machine is open.
     pub(crate) fn new(settings: &Settings) -> Self {
+        super::versions::sweep(&settings.state);
         let found = config::find(settings.config.as_deref(), &settings.variable);
         Self {
             drafts: settings.state.join("drafts"),
@@ -78,6 +83,7 @@ impl Documents {
             loads: Gate::default(),
             saves: Gate::default(),
             looks: Gate::default(),
+            versions: Gate::of(GITS),
             rooms: Mutex::default(),
             claimed: Mutex::default(),
             released: Condvar::new(),

@@ -125,3 +125,41 @@ fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::documents::room::Saving;
+    use crate::documents::{Room, Wish};
+    use crate::{House, Settings};
+    use rafcon_protocol::api::{CloseMachine, EditMachine, MachineFile, NewMachine};
+    use std::fs;
+    use std::sync::Arc;
+
+    /// A save that waited while somebody else closed the machine and gave its edits up.
+    #[test]
+    fn what_was_given_up_is_not_saved() {
+        let place = tempfile::tempdir().unwrap();
+        let path = |name: &str| place.path().join(name);
+        for folder in ["project", "state"] {
+            fs::create_dir(path(folder)).unwrap();
+        }
+        let settings = Settings::new(path("state"), path("runs"));
+        let house = House::new(Settings { projects: vec![path("project")], ..settings }).unwrap();
+        let documents = &house.documents;
+        let file = MachineFile { project: "project".to_owned(), path: "one".to_owned() };
+        let new = NewMachine { file, name: "Mission".to_owned() };
+        let id = documents.make(&house, &new).unwrap().id;
+        let room: Arc<Room> = documents.room(&id).unwrap();
+        let root = room.machine().1.root.id.clone();
+        let edit = format!(r#"{{"edit":"set_name","path":"{root}","name":"Given up"}}"#);
+        let edit = format!(r#"{{"id":"1","name":"Rename","edit":{edit}}}"#);
+        let edit: EditMachine = serde_json::from_str(&edit).unwrap();
+        documents.change(&house, &id, "ann", Wish::Edit(Box::new(edit))).unwrap();
+        documents.close(&house, &id, &CloseMachine { discard: true }).unwrap();
+        let saving = Saving { to: None, overwrite: false };
+        let failure = room.save(&saving, &documents.tools(&house)).unwrap_err();
+        assert_eq!(failure.code(), "no_such_machine");
+        let core = fs::read_to_string(path("project/one/core_data.json")).unwrap();
+        assert!(core.contains("Mission"), "{core}");
+    }
+}

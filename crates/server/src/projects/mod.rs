@@ -21,12 +21,16 @@ use rafcon_storage::Libraries;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// So many look through everything at a time.
+const SEARCHES: usize = 2;
+
 /// The projects, in the order in which they were given.
 #[derive(Debug, Default)]
 pub(crate) struct Projects {
     known: Vec<Project>,
     shelf: Shelf,
     looks: Gate,
+    searches: Gate,
 }
 
 impl Projects {
@@ -34,7 +38,12 @@ impl Projects {
     pub(crate) fn new(settings: &Settings) -> Self {
         let folders: Vec<_> = settings.projects.iter().map(|folder| at_home(folder)).collect();
         let known = names::named(folders.iter().cloned());
-        Self { known, shelf: Shelf::open(settings, folders), looks: Gate::default() }
+        Self {
+            known,
+            shelf: Shelf::open(settings, folders),
+            looks: Gate::default(),
+            searches: Gate::of(SEARCHES),
+        }
     }
 
     /// The libraries that machines are loaded with now. Whoever keeps them reads no later changes.
@@ -50,6 +59,11 @@ impl Projects {
     /// Before folders and libraries are read.
     pub(crate) fn looks(&self) -> &Gate {
         &self.looks
+    }
+
+    /// Before everything is looked through: who asks for one folder or library does not wait for that.
+    pub(crate) fn searches(&self) -> &Gate {
+        &self.searches
     }
 
     /// All of them.

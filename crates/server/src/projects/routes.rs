@@ -8,7 +8,7 @@ use crate::{Failure, House};
 use axum::Json;
 use axum::extract::State;
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{
     FileNode, LibraryRoot, LibraryUsages, MachineFile, Project, Refusal, TreeFrom, UsagesOf,
@@ -91,7 +91,7 @@ async fn library_usages(
     Query(of): Query<UsagesOf>,
 ) -> Result<Json<LibraryUsages>, Failure> {
     let at = Arc::clone(&house);
-    at.projects.looks().work(move || Ok(Json(house.documents.usages(&house, &of)))).await
+    at.projects.searches().work(move || Ok(Json(house.documents.usages(&house, &of)))).await
 }
 
 /// The machine of a library, as it lies on disk.
@@ -118,11 +118,15 @@ async fn library(
     let at = Arc::clone(&house);
     let read = move || house.projects.shelf().document(&root, &path);
     let Content { document, tag } = at.projects.looks().work(read).await?;
-    let is_known =
-        headers.get(IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes());
-    if is_known {
+    if headers.get(IF_NONE_MATCH).is_some_and(|known| names(known, &tag)) {
         return Ok((StatusCode::NOT_MODIFIED, [(ETAG, tag)]).into_response());
     }
     let head = [(CONTENT_TYPE, "application/json"), (CACHE_CONTROL, "no-cache"), (ETAG, &tag)];
     Ok((head, document).into_response())
+}
+
+/// Whether one of these tags is this one. Whoever passes an answer on, and packs it anew, calls its tag weak.
+fn names(known: &HeaderValue, tag: &str) -> bool {
+    let mut tags = known.to_str().unwrap_or_default().split(',').map(str::trim);
+    tags.any(|known| known.strip_prefix("W/").unwrap_or(known) == tag)
 }

@@ -115,10 +115,16 @@ fn a_library_brings_its_outcomes_and_ports_along() {
     let answer = house.call(Some(Role::Viewer), "GET", path, None);
     let library = answer.json();
     let bearer = format!("Bearer {}", house.token(Role::Viewer));
-    let known = [("Authorization", &*bearer), ("If-None-Match", answer.header("etag").unwrap())];
-    let again = house.send("GET", path, &known, None);
+    let tag = answer.header("etag").unwrap();
+    let asked = |known: &str| {
+        let head = [("Authorization", &*bearer), ("If-None-Match", known)];
+        house.send("GET", path, &head, None)
+    };
+    let again = asked(tag);
     assert_eq!((again.status, &*again.text), (304, ""));
-    assert_eq!(again.header("etag"), answer.header("etag"));
+    assert_eq!(again.header("etag"), Some(tag));
+    assert_eq!(asked(&format!("\"other\", W/{tag}")).status, 304);
+    assert_eq!(asked("\"other\"").status, 200);
     let inside = &library["states"][1];
     assert_eq!(inside["path"], "GRIPPP/CLOSEE");
     assert!(!inside["layout"].is_null(), "{inside}");

@@ -71,8 +71,11 @@ fn an_open_machine_is_compared_with_its_files_and_its_versions() {
     };
     assert_eq!([name(&version(0)), name(&version(1))], ["Second", "AAAAAA"]);
     assert_eq!(version(0), get(&house, &format!("/{id}/saved")));
-    let left = std::fs::read_dir(house.state()).unwrap().map(|entry| entry.unwrap().file_name());
-    assert!(left.into_iter().all(|name| !name.to_string_lossy().starts_with("version-")));
+    let versions = house.state().join("versions");
+    assert_eq!(std::fs::read_dir(&versions).unwrap().count(), 0);
+    std::fs::create_dir(versions.join("left behind")).unwrap();
+    let house = House::at(house.end(), |_settings| {});
+    assert!(!house.state().join("versions").exists());
 }
 
 #[test]
@@ -132,4 +135,6 @@ fn nothing_that_a_repository_names_is_run() {
     let commit = versions["versions"][0]["commit"].as_str().unwrap();
     assert_eq!(name(&get(&house, &format!("/{id}/versions/{commit}"))), "Second");
     assert!(!ran.exists());
+    git(&house.project(), &["cat-file", "--filters", "HEAD:two/core_data.json"]);
+    assert!(ran.exists(), "a git that may run it does");
 }

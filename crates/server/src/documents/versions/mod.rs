@@ -7,14 +7,14 @@ mod routes;
 pub(super) use routes::routes;
 
 use super::disk;
-use crate::{Failure, House};
+use crate::{Failure, House, log};
 use axum::http::StatusCode;
 use git::{File, Folder};
 use rafcon_protocol::api::MachineVersions;
 use rafcon_protocol::document::Document;
 use rafcon_storage::files::{HEADER, MACHINE_LAYOUT, Part};
 use rafcon_storage::{Libraries, fill_library, load};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::{fs, io};
 use tempfile::TempDir;
 use tokio::runtime::Handle;
@@ -48,7 +48,8 @@ fn version(house: &House, id: &str, commit: &str) -> Result<Vec<u8>, Failure> {
         let contents = folder.contents(&files).await?;
         Ok::<_, Failure>((files, contents))
     })?;
-    let place = put(&house.settings.state, &files, &contents).map_err(|error| no_room(&error))?;
+    let all = place(&house.settings.state);
+    let place = put(&all, &files, &contents).map_err(|error| no_room(&error))?;
     document(place.path(), commit, &house.projects.libraries())
 }
 
@@ -60,9 +61,25 @@ fn is_of_machine(path: &str) -> bool {
         || Part::ALL.iter().any(|part| name == part.file_name())
 }
 
+/// Where versions lie while they are read.
+fn place(state: &Path) -> PathBuf {
+    state.join("versions")
+}
+
+/// Removes what a server left behind that was killed while it read a version.
+pub(super) fn sweep(state: &Path) {
+    match fs::remove_dir_all(place(state)) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            log::say(&format!("{} cannot be removed: {error}", place(state).display()));
+        }
+        _ => {}
+    }
+}
+
 /// The files in a folder that goes away when nobody needs it.
-fn put(state: &Path, files: &[File], contents: &[Vec<u8>]) -> io::Result<TempDir> {
-    let place = tempfile::Builder::new().prefix("version-").tempdir_in(state)?;
+fn put(all: &Path, files: &[File], contents: &[Vec<u8>]) -> io::Result<TempDir> {
+    fs::create_dir_all(all)?;
+    let place = tempfile::tempdir_in(all)?;
     for (file, content) in files.iter().zip(contents) {
         let path = place.path().join(&file.path);
         if let Some(folder) = path.parent() {

@@ -53,7 +53,7 @@ async fn versions(
 ) -> Result<Json<MachineVersions>, Failure> {
     let at = Arc::clone(&house);
     let ask = move || tokio::runtime::Handle::current().block_on(super::versions(&house, &machine));
-    Ok(Json(at.documents.loads.work(ask).await?))
+    Ok(Json(at.documents.versions.work(ask).await?))
 }
 
 /// An open machine as of a git commit, with libraries as they are now.
@@ -77,7 +77,7 @@ async fn version(
 ) -> Result<Response, Failure> {
     let at = Arc::clone(&house);
     let read = move || super::version(&house, &machine, &commit);
-    Ok(json(at.documents.loads.work(read).await?))
+    Ok(json(at.documents.versions.work(read).await?))
 }
 
 fn json(document: Vec<u8>) -> Response {
