@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Older steps are no longer told.
 const STEPS_MAX: usize = 10_000;
-/// So many machines of the past are kept. They share what they have in common.
+/// So many machines of the past are kept beside the start. They share what they have in common.
 const MACHINES_MAX: usize = 1000;
 
 /// The steps of an open machine, and the machines that they led to.
@@ -93,7 +93,7 @@ impl Past {
     fn keep(&mut self, node: u64, machine: Machine, mark: Mark) {
         self.nodes.insert(mark, node);
         self.machines.insert(node, Kept { machine, mark });
-        if self.machines.len() > MACHINES_MAX
+        if self.machines.len() > MACHINES_MAX + 1
             && let Some(oldest) = self.machines.keys().nth(1).copied()
         {
             self.forget(oldest);
@@ -197,7 +197,7 @@ mod tests {
         }
         let told = past.steps();
         assert_eq!((told.start, told.steps.len()), (5, STEPS_MAX));
-        assert_eq!(told.steps.iter().filter(|step| step.is_kept).count(), MACHINES_MAX - 1);
+        assert_eq!(told.steps.iter().filter(|step| step.is_kept).count(), MACHINES_MAX);
         assert_eq!(past.machine(5), Some((5, &machine(0))));
         assert_eq!(past.machine(6), None);
         let last = 5 + last as u64;
