@@ -121,8 +121,8 @@ fn head(house: &House, path: &str, role: Option<Role>, length: &str) -> String {
 /// A server that waits for nobody.
 fn impatient() -> House {
     House::with(|settings| {
-        settings.listen.head_patience = Duration::from_millis(100);
-        settings.listen.body_patience = Duration::from_millis(100);
+        settings.listen.head_patience = Duration::from_secs(1);
+        settings.listen.body_patience = Duration::from_secs(1);
     })
 }
 

@@ -7,6 +7,9 @@ use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
+/// Far beyond what any answer takes: a test fails instead of hanging.
+const PATIENCE: Duration = Duration::from_secs(15);
+
 /// A connection that says what it is told to.
 pub(crate) struct Raw(TcpStream);
 
@@ -24,8 +27,8 @@ impl Raw {
     }
 
     fn over(stream: TcpStream) -> Self {
-        // Far beyond what any answer takes: a test fails instead of hanging.
-        stream.set_read_timeout(Some(Duration::from_secs(15))).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_write_timeout(Some(PATIENCE)).unwrap();
         Self(stream)
     }
 
