@@ -23,19 +23,21 @@ const TEXT = `
 function setUp(document: Document = sketch(TEXT)) {
   const server = new FakeServer(document);
   const notices: Omit<Notice, "id" | "at_ms">[] = [];
+  const shelf = new Shelf(server.request);
+  const clock = new FakeClock();
   let count = 0;
   const room = new OpenRoom(
     MACHINE,
     { revision: 1, document },
     {
       server,
-      shelf: new Shelf(server.request),
-      clock: new FakeClock(),
+      shelf,
+      clock,
       newId: () => `own-${++count}`,
       tell: (notice) => notices.push(notice),
     },
   );
-  return { server, room, notices };
+  return { server, room, notices, shelf, clock };
 }
 
 /** Lets everything that was resolved go on. */
@@ -136,6 +138,18 @@ describe("an open machine", () => {
     expect(notices.map((notice) => notice.text)).toEqual([
       "R: what is inside tools/none cannot be shown: there is no such library",
     ]);
+  });
+
+  it("looks for problems again when files have changed, whether or not it shows a library", async () => {
+    const { server, shelf, clock } = setUp();
+    const asked = () => server.asked.filter((path) => path.endsWith("/problems")).length;
+    clock.pass(1_000);
+    await settle();
+    const before = asked();
+    await shelf.refresh();
+    clock.pass(1_000);
+    await settle();
+    expect(asked()).toBe(before + 1);
   });
 
   it("shows what the server has once nothing is on its way, whatever came in which order", async () => {

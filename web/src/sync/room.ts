@@ -68,7 +68,13 @@ export class OpenRoom implements Room {
     this.status = signal<MachineStatus | null>({ summary, people: [] });
     this.steps = signal({ start: revision, steps: [] });
     this.people = computed(() => this.#others());
-    this.#deaf = ports.shelf.onArrival(() => this.#libraryChanged());
+    const stops = [
+      ports.shelf.onArrival(() => this.#libraryChanged()),
+      ports.shelf.onLook(() => this.#soonProblems()),
+    ];
+    this.#deaf = () => {
+      for (const stop of stops) stop();
+    };
     this.#following = new Following(summary, ports.server, ports.clock, {
       revision: () => this.revision.peek(),
       revisions: (revisions) => this.#advance(revisions),

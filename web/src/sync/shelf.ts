@@ -20,6 +20,7 @@ export class Shelf {
   readonly #held = new Map<LibraryKey, Held>();
   readonly #loading = new Map<LibraryKey, Promise<void>>();
   readonly #listeners = new Set<Arrived>();
+  readonly #lookers = new Set<() => void>();
 
   constructor(request: Server["request"]) {
     this.#request = request;
@@ -32,6 +33,12 @@ export class Shelf {
   onArrival(listener: Arrived): () => void {
     this.#listeners.add(listener);
     return () => void this.#listeners.delete(listener);
+  }
+
+  /** Told when files have changed, also those of libraries whose content nobody has asked for. */
+  onLook(looker: () => void): () => void {
+    this.#lookers.add(looker);
+    return () => void this.#lookers.delete(looker);
   }
 
   /** Gets the content unless it is here or on its way. Fails if the server refuses it. */
@@ -48,6 +55,7 @@ export class Shelf {
   /** Files have changed: looks whether libraries did. One that is gone stays as it was known. */
   async refresh(): Promise<void> {
     for (const key of [...this.#held.keys()]) await this.#fetch(key).catch(() => {});
+    for (const looker of this.#lookers) looker();
   }
 
   async #fetch(key: LibraryKey): Promise<void> {
