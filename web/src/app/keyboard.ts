@@ -2,6 +2,7 @@
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import { isCanvasKey, isTextKey, keymap, keyName } from "../commands/keys.ts";
+import { whyNot } from "../commands/subject.ts";
 import type { AppSession } from "./session.ts";
 
 /** Where the keyboard is. */
@@ -59,16 +60,29 @@ export function listenToKeys(session: AppSession, view: Window): () => void {
   const press = (event: KeyboardEvent) => {
     const key = event.defaultPrevented || event.isComposing ? null : keyName(event);
     if (key === null || !counts(key, focusOf(event.target))) return;
-    for (const id of byKey.peek().get(key) ?? []) {
+    const ids = byKey.peek().get(key) ?? [];
+    for (const id of ids) {
       if (focusOf(event.target) === "text") settle(event.target as HTMLElement);
       if (!session.commands.run(id, session.context())) continue;
       event.preventDefault();
       return;
     }
+    if (ids.some(changes)) explain(session);
     if (isOurs(key)) event.preventDefault();
   };
   view.addEventListener("keydown", press);
   return () => view.removeEventListener("keydown", press);
+}
+
+/** Whether a command changes what is selected. */
+function changes(id: string): boolean {
+  return /^(edit\.(cut|delete|duplicate|rename)|insert\.|arrange\.)/.test(id);
+}
+
+/** Says why a key did nothing, where libraries are the reason. */
+function explain({ page, context }: AppSession): void {
+  const text = whyNot(context());
+  if (text !== null) page.tell({ level: "warning", text });
 }
 
 /** A text that is being written counts before the command does. */

@@ -152,7 +152,7 @@ const STATE: Recipe = [
 ];
 
 const LIBRARY: Recipe = [
-  ["view.library-content", "arrange.show-content", "file.open-library"],
+  ["view.library-content", "arrange.show-content", "file.open-library", "file.show-library"],
   ["arrange.start-state", RUN],
   [CONNECT, ARRANGE],
   CLIPBOARD,

@@ -5,6 +5,8 @@ import type { StateDocument, StateKind } from "../model/generated/protocol.ts";
 import type { Point } from "../model/geometry.ts";
 import { isContainer, type Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
+import { stateAt } from "../plan/legal.ts";
+import { isRefused } from "../plan/plan.ts";
 import type { Page } from "../store/page.ts";
 import { selected, selectedStates } from "../store/view.ts";
 import type { Context } from "./command.ts";
@@ -50,6 +52,27 @@ export function anyOnlyState(context: Context): { path: string; state: StateDocu
   const [path] = paths;
   const state = path === undefined ? undefined : tab?.room.machine.state(path);
   return paths.length === 1 && path !== undefined && state ? { path, state } : null;
+}
+
+/** The library state that is selected, or that what is selected lies in. */
+export function libraryAround(context: Context): StateDocument | null {
+  const machine = machineOf(context);
+  let path = anyOnlyState(context)?.path ?? null;
+  for (; machine && path !== null; path = parentOf(path)) {
+    const state = machine.state(path);
+    if (state?.kind === "library") return state;
+    if (!machine.isInLibrary(path)) return null;
+  }
+  return null;
+}
+
+/** Why what is selected cannot be changed, if all of it belongs to libraries. */
+export function whyNot(context: Context): string | null {
+  const machine = machineOf(context);
+  const [first] = context.tab ? selected(context.tab.view) : [];
+  if (!machine || !first || elements(context).length > 0) return null;
+  const state = stateAt(machine, first.path);
+  return isRefused(state) ? state.refused : null;
 }
 
 /** The kind of the one selected state that may be changed. */
