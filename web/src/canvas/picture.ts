@@ -54,8 +54,10 @@ export interface Picture {
   readonly dispose: () => void;
 }
 
-/** So many ms a frame may take to find the ways of lines. */
-const ROUTING_MS = 5;
+/** So many ms a frame may take with finding the ways of lines, and so many of them are for that at least and at most. */
+const FRAME_MS = 11;
+const LEAST_ROUTING_MS = 2;
+const MOST_ROUTING_MS = 6;
 
 const EMPTY: DrawList = { layers: [], wanted: [], soon: [], unfinished: false };
 
@@ -72,6 +74,8 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   let size: Size = { width: place.clientWidth, height: place.clientHeight };
   let list = EMPTY;
   let frame = 0;
+  /** How many ms the last frame took without finding ways. */
+  let lasted = 0;
   const listeners = new Set<() => void>();
   const ahead = new Ahead();
 
@@ -83,14 +87,17 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     frame = 0;
     if (!context || !measure || size.width === 0 || size.height === 0) return;
     const from = performance.now();
-    list = scene(inputOf(options, places(), size, measure, routingTime()));
+    const routing = routingTime(FRAME_MS - lasted);
+    list = scene(inputOf(options, places(), size, measure, routing.mayGoOn));
     const ratio = backed(canvas, size);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = colours["ground"] ?? "";
     context.fillRect(0, 0, size.width, size.height);
     paint(context, list, colours);
+    const until = performance.now();
+    lasted = until - from - routing.used();
     performance.clearMeasures("rafcon:frame");
-    performance.measure("rafcon:frame", { start: from, end: performance.now() });
+    performance.measure("rafcon:frame", { start: from, end: until });
     for (const path of list.wanted) libraries.load(path);
     if (list.unfinished) redraw();
     else ahead.look(list.soon);
@@ -251,13 +258,23 @@ function worst(problems: readonly MachineProblem[]): ReadonlyMap<string, Severit
   return found;
 }
 
-/** Whether there is time left in this frame. The first is always granted. */
-function routingTime(): () => boolean {
-  let until = 0;
-  return () => {
-    const now = performance.now();
-    if (until === 0) until = now + ROUTING_MS;
-    return now <= until;
+interface RoutingTime {
+  /** Whether there is time left in this frame. The first is always granted. */
+  readonly mayGoOn: () => boolean;
+  readonly used: () => number;
+}
+
+/** Time from when it is asked for first, as much as the rest of the frame leaves. */
+function routingTime(left: number): RoutingTime {
+  const most = Math.min(MOST_ROUTING_MS, Math.max(LEAST_ROUTING_MS, left));
+  let [begun, last] = [0, 0];
+  return {
+    mayGoOn: () => {
+      last = performance.now();
+      if (begun === 0) begun = last;
+      return last <= begun + most;
+    },
+    used: () => Math.min(most, last - begun),
   };
 }
 

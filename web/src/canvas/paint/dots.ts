@@ -37,6 +37,7 @@ function trace(context: Context, { shape, x, y, toX, toY }: DotMark, half: numbe
       context.rect(x - half * 0.9, y - half * 0.9, half * 1.8, half * 1.8);
       break;
     case "waypoint":
+    case "start":
       context.arc(x, y, half, 0, 2 * Math.PI);
   }
 }

@@ -34,6 +34,7 @@ function lineMarks(drawing: Drawing, spot: Spot, line: Line, alpha: number): voi
   if (look.loud) drawing.layer(spot.depth + 2).lines.push(mark);
   else if (line.kind === "transition" || isFocused(drawing, line)) layer.lines.push(mark);
   else layer.under.push(mark);
+  if (isStart(line) && size >= LEAST_FOR_START) startMark(drawing, spot, line, mark);
   if (line.kind === "transition") labelMark(drawing, spot, line, mark, look);
   if (drawing.isSelected(line.key)) waypointMarks(drawing, spot, line);
 }
@@ -57,8 +58,40 @@ function lookOf(drawing: Drawing, line: Line): LineLook {
   if (kind === "data_flow") return { ink: "flow", width: 1, loud: false };
   if (outcome === ABORTED) return { ink: "aborted-line", width: 1, loud: false };
   if (outcome === PREEMPTED) return { ink: "preempted-line", width: 1, loud: false };
-  const isStart = line.label === "";
-  return { ink: "line", width: isStart ? 2.2 : 1.4, loud: false };
+  return { ink: "line", width: isStart(line) ? 2.2 : 1.4, loud: false };
+}
+
+/** Whether it says where the container begins. */
+function isStart({ kind, label }: Line): boolean {
+  return kind === "transition" && label === "";
+}
+
+/** States smaller than this, in CSS pixels, show no more than a line that leads to them. */
+const LEAST_FOR_START = 24;
+
+/** A dot a little inside of the income: here it begins. */
+function startMark(
+  drawing: Drawing,
+  spot: Spot,
+  line: Line,
+  { points, alpha, ink }: LineMark,
+): void {
+  const [x, y, nextX, nextY] = points;
+  if (x === undefined || y === undefined || nextX === undefined || nextY === undefined) return;
+  const length = Math.hypot(nextX - x, nextY - y);
+  const part = length === 0 ? 0 : Math.min(14, length / 2) / length;
+  drawing.layer(spot.depth + 1).dots.push({
+    what: `${line.key} start`,
+    shape: "start",
+    x: x + (nextX - x) * part,
+    y: y + (nextY - y) * part,
+    size: 9,
+    toX: 0,
+    toY: 0,
+    fill: ink,
+    stroke: null,
+    alpha,
+  });
 }
 
 function isThat(hovered: Drawing["input"]["hovered"], key: ElementKey): boolean {

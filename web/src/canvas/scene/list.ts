@@ -36,7 +36,7 @@ export interface LineMark {
   readonly alpha: number;
 }
 
-export type DotShape = "income" | "outcome" | "data" | "scoped" | "waypoint" | "handle";
+export type DotShape = "income" | "outcome" | "data" | "scoped" | "waypoint" | "handle" | "start";
 
 export interface DotMark {
   readonly what: string;
