@@ -1,3 +1,5 @@
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { expect } from "vitest";
 import type { App } from "./house/app.ts";
 import { journey } from "./house/journey.ts";
@@ -50,4 +52,44 @@ journey("the menu of the tree is that of the canvas", HERE, async ({ app }) => {
   await app.sheet.getByRole("menuitem", { name: /^Delete/ }).click();
   await app.settled();
   expect(await app.children()).not.toContain("Drive a small square");
+});
+
+/** Another program gives the library of announcements one more input. */
+function giveInput(folder: string): void {
+  const file = join(folder, "speech", "announce", "core_data.json");
+  const state = JSON.parse(readFileSync(file, "utf8"));
+  const port = { ...state.input_data_ports["1"], data_port_id: 2, name: "loudness" };
+  state.input_data_ports["2"] = port;
+  writeFileSync(file, JSON.stringify(state, null, 4));
+}
+
+journey(
+  "a library that another program changed is taken over, and given back",
+  HERE,
+  async (hands) => {
+    const { app, server } = hands;
+    const path = await app.path("Announce the patrol");
+    const inputs = async () => (await app.state(path)).inputs?.map(({ name }) => name);
+    expect(await inputs()).toEqual(["message", "subject"]);
+    giveInput(server.place.libraries["examples"] ?? "");
+    await app.panel("Libraries");
+    const changed = app.sheet.getByRole("region", { name: "Changed libraries" });
+    const own = changed.getByRole("listitem").filter({ hasText: path });
+    await own.getByText(/the input `loudness: object` is new/).waitFor();
+    await own.getByRole("button", { name: /^Take/ }).click();
+    await app.until(({ tab }, at) => tab?.room.machine.state(at)?.inputs?.length === 3, path);
+    expect(await inputs()).toEqual(["message", "subject", "loudness"]);
+    await own.waitFor({ state: "detached" });
+    await app.press("Control+z");
+    await app.until(({ tab }, at) => tab?.room.machine.state(at)?.inputs?.length === 2, path);
+    await own.getByText(/is new/).waitFor();
+  },
+);
+
+journey("a library state shows its library in the tree of libraries", HERE, async ({ app }) => {
+  const path = await app.path("Announce the patrol");
+  await app.click(await app.ground(path), "right");
+  await app.sheet.getByRole("menuitem", { name: "Show in library tree" }).click();
+  const tree = app.sheet.getByRole("tree", { name: "Libraries", exact: true });
+  await tree.getByRole("treeitem", { name: "announce", selected: true }).waitFor();
 });

@@ -10,9 +10,10 @@ import { comparisonOf } from "../store/comparison.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import type { Link } from "../store/server.ts";
 import { RefusalError } from "../store/server.ts";
+import { wantedLibrary } from "../store/wanted_library.ts";
 import type { Command, Context } from "./command.ts";
 import { applyDrafts } from "./drafts.ts";
-import { anyOnlyState, canEdit, mayEdit, onlyState } from "./subject.ts";
+import { canEdit, libraryAround, mayEdit, onlyState } from "./subject.ts";
 
 const isOpen = (context: Context) => context.tab !== null;
 
@@ -143,8 +144,16 @@ export const FILE: readonly Command[] = [
       "Opens the machine of the selected library state in a tab of its own, if it lies in a project.",
     keys: ["Ctrl+Shift+Space"],
     menu: "File/3",
-    enabled: (context) => anyOnlyState(context)?.state.kind === "library",
+    enabled: (context) => libraryAround(context) !== null,
     run: openLibrary,
+  },
+  {
+    id: "file.show-library",
+    title: "Show in library tree",
+    detail: "Selects the library of the selected state in the panel of libraries.",
+    menu: "File/3",
+    enabled: (context) => libraryAround(context) !== null,
+    run: showLibrary,
   },
   {
     id: "file.close",
@@ -316,8 +325,25 @@ export function folderName(name: string): string {
 }
 
 async function openLibrary(context: Context): Promise<void> {
-  const library = anyOnlyState(context)?.state.library;
+  const library = libraryAround(context)?.library;
   if (library) await openLibraryMachine(context.page, library);
+}
+
+/** Shows which of all libraries a state runs; the user is told if it is not among them. */
+function showLibrary(context: Context): void {
+  const library = libraryAround(context)?.library;
+  if (!library) return;
+  const { path, name } = library;
+  const [rootName = "", ...folders] = path.split("/");
+  let nodes = context.page.libraries.peek().find((root) => root.name === rootName)?.children;
+  for (const folder of folders) nodes = nodes?.find((node) => node.name === folder)?.children;
+  if (!nodes?.some((node) => node.kind === "library" && node.name === name)) {
+    const text = `${path}/${name} is in none of the library roots: put it back, or name its root under LIBRARY_PATHS in config.yaml.`;
+    context.page.tell({ level: "warning", text });
+    return;
+  }
+  wantedLibrary.value = { path, name };
+  context.shell.showPanel("libraries");
 }
 
 /** Opens the machine of a library in a tab of its own, if it lies in a project; the user is told if it does not. */

@@ -1,11 +1,13 @@
 /** All libraries that machines can use: to drag in, to open, to put in the place of a state, to see where they are used. */
 
 import { ChevronsDownUp, Folder, FolderTree, Library as LibrarySign } from "lucide-react";
-import { type DragEvent, useMemo, useState } from "react";
+import { type DragEvent, useEffect, useMemo, useState } from "react";
 import { openLibraryMachine } from "../../commands/file.ts";
 import type { LibraryName } from "../../model/generated/protocol.ts";
 import type { Point } from "../../model/geometry.ts";
+import { lineage } from "../../model/path.ts";
 import { DRAGGED_TYPE, type Dragged, dragged } from "../../store/dragged.ts";
+import { wantedLibrary } from "../../store/wanted_library.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
@@ -37,6 +39,15 @@ export function Libraries() {
   const [menu, setMenu] = useState<Menu | null>(null);
   const [open, setOpen] = useState<ReadonlySet<string> | null>(null);
   const nodes = useMemo(() => nodesOf(roots), [roots]);
+  const wanted = useSignal(wantedLibrary);
+  useEffect(() => {
+    if (!wanted) return;
+    setQuery("");
+    setChosen(wanted);
+    setUsed(null);
+    const around = lineage(wanted.path);
+    setOpen((before) => new Set([...(before ?? nodes.map(({ key }) => key)), ...around]));
+  }, [wanted, nodes]);
   const shown = useMemo(() => matching(nodes, query), [nodes, query]);
   const expanded = useMemo(
     () => (shown === nodes ? (open ?? new Set(nodes.map(({ key }) => key))) : foldersIn(shown)),
@@ -63,6 +74,7 @@ export function Libraries() {
           hideLabel
           type="search"
           placeholder="Filter libraries"
+          key={wanted ? `${wanted.path}/${wanted.name}` : ""}
           value=""
           onInput={setQuery}
         />
@@ -86,6 +98,7 @@ export function Libraries() {
           row={(node) => <Row node={node} />}
           onExpand={({ key }, isOpen) => setOpen(changed(expanded, key, isOpen))}
           selected={new Set(chosen ? [`${chosen.path}/${chosen.name}`] : [])}
+          reveal={wanted && `${wanted.path}/${wanted.name}`}
           onSelect={({ library }) => choose(library)}
           onOpen={({ key, library }) => {
             if (library) void openLibraryMachine(page, library);
