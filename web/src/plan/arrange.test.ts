@@ -90,6 +90,23 @@ test("it goes on from the start, and errors are handled below what goes on", asy
   expect([before("A", "B"), before("B", "C"), before("B", "ERR")]).toEqual([true, true, true]);
 });
 
+test("a loop back to the start by way of an error is laid out", async () => {
+  const recovery = sketch(`
+    R "Root" hierarchy 0 0 1000 500 outcome done
+      C execution 600 40 120 72 outcome none outcome turn outcome reach
+      I execution 40 40 500 292 outcome ok
+      A execution 800 200 120 72 outcome ok
+      T execution 800 40 120 72 outcome ok
+      R > I
+      I.aborted > C
+      C.none > T
+      C.turn > A
+      T.ok > I
+      A.ok > I
+  `);
+  isTidy(await laidOut(recovery, "R", false), "R");
+});
+
 test("one level keeps its size and scales what stands in it", async () => {
   const document = await laidOut(sketch(MISSION), "R", true);
   const again = await laidOut({ ...sketch(MISSION), states: statesOf(document) }, "R/B", false);

@@ -35,9 +35,19 @@ export async function arrange(
     const state = machine.state(path);
     if (!state || machine.children(path).length === 0) continue;
     const graph = elkGraph(machine, path, deep ? levels : null);
-    levels.set(path, readLevel(state, await layout(graph)));
+    levels.set(path, readLevel(state, await laidOut(graph, layout)));
   }
   return levels;
+}
+
+/** The answer of elk. Of some graphs with loops it cannot break long rows: those stay long. */
+async function laidOut(graph: ElkNode, layout: Layouter): Promise<ElkNode> {
+  const rows = { ...graph.layoutOptions, "elk.layered.wrapping.strategy": "OFF" };
+  try {
+    return await layout(graph);
+  } catch {
+    return layout({ ...graph, layoutOptions: rows });
+  }
 }
 
 /** Paths of the container and all inside it, inner ones first. */
