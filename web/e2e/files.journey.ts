@@ -134,6 +134,38 @@ journey(
 );
 
 journey(
+  "an edit on its way to a server that dies is done once, when it is back",
+  HERE,
+  async ({ app, server }) => {
+    await app.select(FULL);
+    server.freeze();
+    await app.press("Control+d");
+    await app.until(({ tab }) => (tab?.room.pending.value.length ?? 0) > 0, null);
+    await server.end("SIGKILL");
+    await server.restart();
+    await app.connected();
+    await app.settled();
+    expect((await app.children()).length).toBe(4);
+  },
+);
+
+journey(
+  "an edit that is made while the server dies is done once, whatever it got of it",
+  HERE,
+  async ({ app, server }) => {
+    for (const count of [4, 5, 6, 7]) {
+      await app.select(FULL);
+      await app.press("Control+d");
+      await server.end("SIGKILL");
+      await server.restart();
+      await app.connected();
+      await app.settled();
+      expect((await app.children()).length).toBe(count);
+    }
+  },
+);
+
+journey(
   "an edit that the server never got and refuses is said to be undone",
   HERE,
   async ({ app, server }) => {

@@ -44,30 +44,6 @@ journey("layers of the picture are shown and hidden", HERE, async ({ app }) => {
   await app.until(({ tab }) => tab?.view.modes.value.transitions === false, null);
 });
 
-journey("boxes on the canvas stand where the file says", HERE, async ({ app }) => {
-  await app.press("t");
-  const { x, y, width, height } = await app.box("PACKER/ISFULL");
-  const clip = { x: Math.round(x) - 10, y: Math.round(y), width: width + 20, height };
-  const columns = await unlikeTheFirst(app, await app.sheet.screenshot({ clip }));
-  expect(Math.abs((columns[0] ?? 0) - 10)).toBeLessThanOrEqual(2);
-  expect(Math.abs((columns.at(-1) ?? 0) - 10 - width)).toBeLessThanOrEqual(2);
-});
-
-/** The columns of a picture whose colour in the middle of it is another than at its left edge. */
-async function unlikeTheFirst(app: App, png: Buffer): Promise<readonly number[]> {
-  return app.sheet.evaluate(async (base64) => {
-    const bytes = Uint8Array.from(atob(base64), (sign) => sign.charCodeAt(0));
-    const picture = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-    const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
-    if (!context) throw new Error("there is no canvas to look at the picture with");
-    context.drawImage(picture, 0, 0);
-    const { data } = context.getImageData(0, Math.floor(picture.height / 3), picture.width, 1);
-    const colour = (column: number) => data.slice(column * 4, column * 4 + 3).join(" ");
-    const all = Array.from({ length: picture.width }, (_, column) => column);
-    return all.filter((column) => colour(column) !== colour(0));
-  }, png.toString("base64"));
-}
-
 journey("the theme changes, and stays after the page is loaded again", HERE, async ({ app }) => {
   await app.command("Theme: Dark");
   const ground = () => app.sheet.evaluate(() => getComputedStyle(document.body).colorScheme);

@@ -5,12 +5,14 @@ import { join } from "node:path";
 import { type Browser, type BrowserContextOptions, chromium } from "playwright-core";
 import { afterAll, test } from "vitest";
 import { App } from "./app.ts";
-import { CHROMIUM, examples, newPlace, RESULTS } from "./places.ts";
+import { CHROMIUM, examples, newPlace, type Place, RESULTS } from "./places.ts";
 import { Server } from "./server.ts";
 
 export interface Setting {
   /** The machines of the project, by name: folders to copy. */
   readonly machines?: Readonly<Record<string, string>>;
+  /** Library roots by name: folders to copy. Those of the examples, if none are named. */
+  readonly libraries?: Readonly<Record<string, string>>;
   /** The machine that is open when the journey begins. */
   readonly open?: string;
   readonly browser?: BrowserContextOptions;
@@ -42,8 +44,7 @@ afterAll(async () => (await browser)?.close());
 /** Goes the journey from a fresh server and a fresh browser profile. */
 export function journey(name: string, setting: Setting, go: (hands: Hands) => Promise<void>): void {
   test(name, async () => {
-    const opened = setting.open ? [setting.open] : [];
-    const server = await Server.start(newPlace({ ...examples(...opened), ...setting.machines }));
+    const server = await Server.start(placeOf(setting));
     const people: App[] = [];
     try {
       await go(await hands(server, people, setting));
@@ -55,6 +56,11 @@ export function journey(name: string, setting: Setting, go: (hands: Hands) => Pr
       await server.dispose();
     }
   });
+}
+
+function placeOf({ open, machines, libraries }: Setting): Place {
+  const example = open && !machines?.[open] ? [open] : [];
+  return newPlace({ ...examples(...example), ...machines }, libraries);
 }
 
 const PASSWORD = "correct horse";
