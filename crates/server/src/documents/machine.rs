@@ -34,6 +34,8 @@ pub(super) enum Deed {
         /// Also if that takes steps of others away.
         over_others: bool,
     },
+    /// A jump that a server made that ended: also if it changes nothing now, for libraries are not what they were.
+    JumpAgain(u64),
 }
 
 /// Who does it, and under which id.
@@ -134,7 +136,11 @@ impl OpenMachine {
             Deed::Replace(machine) => {
                 Ok(self.replace(author, "Reload".to_owned(), RevisionKind::Reload, *machine))
             }
-            Deed::Jump { revision, over_others } => self.jump(author, revision, over_others),
+            Deed::Jump { revision, over_others } => {
+                self.may_jump(author, revision, over_others)?;
+                self.jump(author, revision)
+            }
+            Deed::JumpAgain(revision) => self.jump(author, revision),
         }
     }
 
@@ -180,16 +186,18 @@ impl OpenMachine {
         self.prepared(machine, name, kind, Mark::New(step))
     }
 
-    fn jump(&self, author: &str, to: u64, over_others: bool) -> Result<Prepared, Failure> {
-        let (node, machine) = self.past.machine(to).ok_or_else(|| not_kept(to))?;
+    fn may_jump(&self, author: &str, to: u64, over_others: bool) -> Result<(), Failure> {
+        let node = self.past.node(to).ok_or_else(|| not_kept(to))?;
         if self.past.node(self.revision) == Some(node) {
             let message = "the machine already is what it was then";
             return Err(Failure::conflict("nothing_to_do", message));
         }
         let taken = self.past.taken_away(author, self.revision, node);
-        if !over_others && !taken.is_empty() {
-            return Err(others_edits(&taken));
-        }
+        if over_others || taken.is_empty() { Ok(()) } else { Err(others_edits(&taken)) }
+    }
+
+    fn jump(&self, author: &str, to: u64) -> Result<Prepared, Failure> {
+        let (node, machine) = self.past.machine(to).ok_or_else(|| not_kept(to))?;
         let name = match self.past.name(node) {
             Some(name) => format!("Jump to \"{name}\""),
             None => "Jump to the start".to_owned(),

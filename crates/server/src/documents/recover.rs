@@ -184,7 +184,7 @@ fn deed(what: &What, place: &Path, libraries: &Libraries) -> Result<Deed, Failur
         What::Edit { name, edit } => Deed::Edit(name.clone(), read_edit(edit, libraries)?),
         What::Undo => Deed::Along(Along::Back),
         What::Redo => Deed::Along(Along::Again),
-        What::Jump { revision } => Deed::Jump { revision: *revision, over_others: true },
+        What::Jump { revision } => Deed::JumpAgain(*revision),
         What::Replace { document: hash } => {
             Deed::Replace(Box::new(document(place, hash, libraries)?))
         }

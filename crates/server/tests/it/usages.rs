@@ -3,6 +3,7 @@
 use crate::harness::House;
 use crate::machines::{get, open, post, write};
 use rafcon_protocol::api::Role;
+use rafcon_server::Settings;
 use rafcon_storage::config::Naming;
 use rafcon_storage::{Libraries, load, save};
 use serde_json::{Value, json};
@@ -17,13 +18,15 @@ const LIBRARY: &str = "
 
 /// A server with the library root `skills` outside of its project, and the library `skills/arm/grip` in it.
 pub(crate) fn with_library(library: &str) -> House {
-    let house = House::with(|settings| {
-        let skills = settings.projects[0].with_file_name("skills");
-        std::fs::create_dir_all(&skills).unwrap();
-        settings.libraries = vec![("skills".into(), skills)];
-    });
+    let house = House::with(use_skills);
     write_library(&house, "arm/grip", library);
     house
+}
+
+fn use_skills(settings: &mut Settings) {
+    let skills = settings.projects[0].with_file_name("skills");
+    std::fs::create_dir_all(&skills).unwrap();
+    settings.libraries = vec![("skills".into(), skills)];
 }
 
 pub(crate) fn skills(house: &House) -> PathBuf {
@@ -194,4 +197,37 @@ fn a_library_that_changed_is_told_and_taken_over() {
     assert_eq!(root["transitions"][0]["from_outcome"], 1);
     assert_eq!(root["data_flows"].as_array().unwrap().len(), 1);
     assert_eq!(root["data_flows"][0]["from_port"], 8);
+}
+
+/// After the library was taken over, that was taken back, and the server was started again, neither step changes anything.
+#[test]
+fn a_library_that_changed_keeps_no_edit_from_being_made_again() {
+    let house = with_library(LIBRARY);
+    write(&house, "one", "hierarchy ROOT");
+    let id = open(&house, "one");
+    add(&house, &id, "ROOT", "GRIPAA");
+    let ask = |house: &House, what: &str, wish: &Value| {
+        let answer = post(house, Role::Engineer, &format!("/{id}/{what}"), wish);
+        assert_eq!(answer.status, 200, "{answer:?}");
+    };
+    ask(&house, "save", &json!({}));
+    ask(&house, "close", &json!({}));
+    assert_eq!(open(&house, "one"), id);
+    write_library(&house, "arm/grip", CHANGED);
+    let problems = || get(&house, &format!("/{id}/problems")).as_array().unwrap().clone();
+    let told = std::iter::from_fn(|| Some(problems())).flatten();
+    let told = told.into_iter().find(|problem| problem["rule"] == "library_changed").unwrap();
+    let edit = &told["repairs"][0]["edit"];
+    ask(&house, "edits", &json!({ "id": "1", "name": "Take over", "edit": edit }));
+    let start = get(&house, &format!("/{id}/steps"))["start"].clone();
+    ask(&house, "jump", &json!({ "id": "2", "revision": start }));
+    let edit = json!({ "edit": "set_name", "path": "ROOT", "name": "Renamed" });
+    ask(&house, "edits", &json!({ "id": "3", "name": "Rename", "edit": edit }));
+    let house = House::at(house.end(), use_skills);
+    assert_eq!(open(&house, "one"), id);
+    let document = get(&house, &format!("/{id}/document"))["document"].clone();
+    assert_eq!(document["states"][0]["name"], "Renamed");
+    let kinds = get(&house, &format!("/{id}/steps"))["steps"].clone();
+    let kinds: Vec<_> = kinds.as_array().unwrap().iter().map(|step| step["kind"].clone()).collect();
+    assert_eq!(kinds, ["edit", "jump", "edit"]);
 }
