@@ -5,11 +5,13 @@
 //! documents, named after their content: the one that was read, and those that took its place.
 
 use crate::access::{PrivateError, private};
+use parking_lot::Mutex;
 use rafcon_protocol::edit::Edit;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const OPERATIONS: &str = "operations.jsonl";
 /// The form of the lines.
@@ -87,7 +89,12 @@ pub(super) struct Draft {
     head: Head,
     /// The file and its length.
     file: Option<(File, u64)>,
+    shelf: Shelf,
 }
+
+/// Where a document of a draft belongs for whoever writes it beside what goes on: nowhere, once the draft was given up.
+#[derive(Debug, Clone)]
+pub(super) struct Shelf(Arc<Mutex<Option<PathBuf>>>);
 
 /// A draft that a server left behind.
 #[derive(Debug)]
@@ -128,7 +135,7 @@ pub(super) fn find(place: &Path) -> Result<Option<Found>, PrivateError> {
 impl Draft {
     /// A draft that has nothing to keep yet.
     pub(super) fn new(place: PathBuf, head: Head) -> Self {
-        Self { place, head, file: None }
+        Self { shelf: Shelf::at(&place), place, head, file: None }
     }
 
     /// A draft in the place of one of which everything lies on disk, but what was answered is to stay known.
@@ -139,7 +146,7 @@ impl Draft {
         let text = as_line(&head).map_err(failed)?;
         private::write(&path, text.as_bytes())?;
         let file = private::open(&path)?;
-        Ok(Self { place, head, file: Some((file, text.len() as u64)) })
+        Ok(Self { shelf: Shelf::at(&place), place, head, file: Some((file, text.len() as u64)) })
     }
 
     /// Goes on with what a server left behind.
@@ -148,7 +155,8 @@ impl Draft {
         let file = private::open(&path)?;
         let failed = |source| PrivateError::new("write", &path, source);
         file.set_len(found.length).map_err(failed)?;
-        Ok(Self { place, head: found.head.clone(), file: Some((file, found.length)) })
+        let (shelf, head) = (Shelf::at(&place), found.head.clone());
+        Ok(Self { place, head, file: Some((file, found.length)), shelf })
     }
 
     /// Whether there is something on disk.
@@ -164,6 +172,11 @@ impl Draft {
     /// Where it lies.
     pub(super) fn place(&self) -> &Path {
         &self.place
+    }
+
+    /// Where documents belong that are written later, wherever it lies then.
+    pub(super) fn shelf(&self) -> Shelf {
+        self.shelf.clone()
     }
 
     /// Writes a line. If that fails, nothing of it stays.
@@ -195,10 +208,13 @@ impl Draft {
 
     /// Moves to the folder of a machine that lies elsewhere from now on.
     pub(super) fn move_to(&mut self, place: PathBuf) -> Result<(), PrivateError> {
+        let mut shelf = self.shelf.0.lock();
         if self.is_begun() {
             let failed = |source| PrivateError::new("move the draft to", &place, source);
             fs::rename(&self.place, &place).map_err(failed)?;
         }
+        *shelf = Some(place.clone());
+        drop(shelf);
         self.place = place;
         Ok(())
     }
@@ -206,7 +222,22 @@ impl Draft {
     /// Gives everything up.
     pub(super) fn discard(&mut self) -> Result<(), PrivateError> {
         self.file = None;
-        discard(&self.place)
+        let mut shelf = self.shelf.0.lock();
+        discard(&self.place)?;
+        *shelf = None;
+        Ok(())
+    }
+}
+
+impl Shelf {
+    fn at(place: &Path) -> Self {
+        Self(Arc::new(Mutex::new(Some(place.to_owned()))))
+    }
+
+    /// Keeps a document under the name of its content, unless it was given up.
+    pub(super) fn keep(&self, hash: &str, document: &[u8]) -> Result<(), PrivateError> {
+        let place = self.0.lock();
+        place.as_ref().map_or(Ok(()), |place| keep(place, hash, document))
     }
 }
 
@@ -237,7 +268,7 @@ fn as_line<T: Serialize>(value: &T) -> io::Result<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Draft, Found, Head, Line, OPERATIONS, Operation, What, find};
+    use super::{Draft, Found, Head, Line, OPERATIONS, Operation, What, find, kept};
     use std::fs;
     use std::io::Write as _;
     use std::path::Path;
@@ -268,6 +299,22 @@ mod tests {
         assert_eq!((found.head, found.lines), (draft.head.clone(), vec![undo("1"), saved]));
         draft.discard().unwrap();
         assert!(find(&place.path().join("draft")).unwrap().is_none());
+    }
+
+    /// What a draft begins with is written while people go on: save elsewhere, or close.
+    #[test]
+    fn a_document_that_comes_late_comes_to_where_the_draft_is() {
+        let place = tempfile::tempdir().unwrap();
+        let path = |name: &str| place.path().join(name);
+        let mut draft = draft(place.path());
+        let shelf = draft.shelf();
+        draft.append(&undo("1")).unwrap();
+        draft.move_to(path("moved")).unwrap();
+        shelf.keep("abc", b"{}").unwrap();
+        assert_eq!(kept(&path("moved"), "abc").unwrap().as_deref(), Some("{}"));
+        draft.discard().unwrap();
+        shelf.keep("abc", b"{}").unwrap();
+        assert_eq!((path("draft").exists(), path("moved").exists()), (false, false));
     }
 
     /// A line that was cut off was never answered: it goes.

@@ -10,7 +10,7 @@ mod files;
 pub(super) use files::{Saving, vanished};
 
 use super::disk::{self, OnDisk};
-use super::draft::{self, Draft, Line, Operation, What};
+use super::draft::{Draft, Line, Operation, What};
 use super::kept::Kept;
 use super::log::Page;
 use super::machine::{Deed, OpenMachine, Request};
@@ -270,11 +270,11 @@ impl Room {
     }
 
     fn keep_base(&self, draft: &Draft) {
-        let (place, base) = (draft.place().to_owned(), draft.base().to_owned());
+        let (shelf, base) = (draft.shelf(), draft.base().to_owned());
         let machine = self.open.read().files.machine.clone();
         let keep = move || {
             let kept = disk::content(&machine).map(|(_, document)| {
-                draft::keep(&place, &base, &document).map_err(|error| log::say(&error.to_string()))
+                shelf.keep(&base, &document).map_err(|error| log::say(&error.to_string()))
             });
             if let Err(failure) = kept {
                 log::say(&failure.to_string());
