@@ -25,7 +25,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tls::Identity;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
@@ -115,7 +115,7 @@ impl Server {
     /// Prepares everything and listens; nobody is answered yet.
     pub async fn bind(settings: Settings) -> Result<Self, ServeError> {
         private::folder(&settings.state)?;
-        let lock = only_one(&settings.state)?;
+        let lock = only_one(&settings.state).await?;
         let house = House::new(settings)?;
         let wanted = house.settings().listen.address;
         if !wanted.ip().is_loopback() && house.people().users().roster().users().is_empty() {
@@ -203,13 +203,26 @@ fn cannot(address: SocketAddr, source: io::Error) -> ServeError {
     }
 }
 
+/// A program that a server was just starting when it was killed holds its lock until that program runs.
+const LEFT_BEHIND: Duration = Duration::from_secs(2);
+
 /// Makes this process the folder's only server.
-fn only_one(folder: &Path) -> Result<File, ServeError> {
+async fn only_one(folder: &Path) -> Result<File, ServeError> {
     let path = folder.join(card::LOCK);
     let file = private::open(&path)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(ServeError::Taken { folder: folder.to_owned() }),
-        Err(TryLockError::Error(source)) => Err(PrivateError::new("lock", &path, source).into()),
+    let until = Instant::now() + LEFT_BEHIND;
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            Err(TryLockError::WouldBlock) if Instant::now() < until => {
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+            Err(TryLockError::WouldBlock) => {
+                return Err(ServeError::Taken { folder: folder.to_owned() });
+            }
+            Err(TryLockError::Error(source)) => {
+                return Err(PrivateError::new("lock", &path, source).into());
+            }
+        }
     }
 }
