@@ -220,11 +220,13 @@ async function layOutFrom(context: Context, container: string | null, deep: bool
   if (!machine || container === null) return;
   const version = machine.version;
   const levels = await arrange(machine, container, deep, layOut);
-  await perform(context, (now) =>
+  const isMade = await perform(context, (now) =>
     now.version === version
       ? arranged(now, container, levels)
       : refused("The machine was changed while its layout was sought: try it again."),
   );
+  // Only the root takes another size.
+  if (isMade && container === machine.root) context.canvas?.fit([]);
 }
 
 /** The container that is laid out: the one that is selected, else the one that one works in. */
