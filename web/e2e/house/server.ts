@@ -7,6 +7,12 @@ import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { binary, type Place } from "./places.ts";
 
+/** What runs now. A journey that takes too long is given up with its worker, and its server ends with that. */
+const running = new Set<ChildProcess>();
+process.once("exit", () => {
+  for (const child of running) child.kill("SIGKILL");
+});
+
 export class Server {
   readonly place: Place;
   #process: ChildProcess | null = null;
@@ -90,6 +96,8 @@ export class Server {
     };
     const child = spawn(binary(), words, { env, stdio: ["ignore", "pipe", "inherit"] });
     this.#process = child;
+    running.add(child);
+    child.once("exit", () => running.delete(child));
     this.#link = await firstLine(child);
   }
 }
