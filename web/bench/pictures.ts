@@ -1,4 +1,5 @@
-/** Takes the pictures of the page that stand in the documents: `cargo xtask pictures`. The mission at five depths, in both themes. */
+/** Takes the pictures of the page that stand in the documents: `cargo xtask pictures`. The mission at five depths, and one state
+ * of it at work, in both themes. */
 
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
@@ -28,40 +29,65 @@ async function taken(house: House, theme: "light" | "dark"): Promise<void> {
     await lookInto(sheet, depth);
     await sheet.screenshot({ path: join(FOLDER, `mission-${depth}-${theme}.png`) });
   }
+  await lookAtWork(sheet);
+  await sheet.screenshot({ path: join(FOLDER, `editor-${theme}.png`) });
   await sheet.context().close();
+}
+
+/** Looks at a part of the mission with one of its states selected. */
+async function lookAtWork(sheet: Sheet): Promise<void> {
+  await sheet.evaluate(() => {
+    const { tab, canvas } = window.__rafcon.context();
+    if (!tab || !canvas) return;
+    const { machine } = tab.room;
+    const part = [...machine.paths()].find(
+      (path) => machine.state(path)?.name === "Fetch the battery",
+    );
+    if (part === undefined) return;
+    const scripted = machine
+      .children(part)
+      .find((path) => machine.state(path)?.kind === "execution");
+    tab.view.selection.value = new Set(scripted ? [`state:${scripted}`] : []);
+    canvas.fit([part]);
+  });
+  await settled(sheet);
 }
 
 /** Looks at one of the states on the way to the deepest one: the first time at the root, the last time at its container. */
 async function lookInto(sheet: Sheet, depth: number): Promise<void> {
   await sheet.evaluate(
-    ([number, count]) =>
-      new Promise<void>((done) => {
-        const { tab, canvas } = window.__rafcon.context();
-        const paths = [...(tab?.room.machine.paths() ?? [])].map((path) => path.split("/"));
-        const deepest = paths.reduce((one, other) => (other.length > one.length ? other : one), []);
-        const levels = Math.max(1, deepest.length - 1);
-        const level = 1 + Math.round(((levels - 1) * (number - 1)) / (count - 1));
-        canvas?.fit([deepest.slice(0, level).join("/")]);
-        settle(done);
-
-        /** When nothing was drawn for a while, nothing moves any more, and all ways of lines are found. */
-        function settle(then: () => void) {
-          let last = performance.now();
-          const seen = new PerformanceObserver(() => {
-            last = performance.now();
-          });
-          seen.observe({ type: "measure" });
-          const look = () => {
-            if (performance.now() - last < 400) requestAnimationFrame(look);
-            else {
-              seen.disconnect();
-              then();
-            }
-          };
-          requestAnimationFrame(look);
-        }
-      }),
+    ([number, count]) => {
+      const { tab, canvas } = window.__rafcon.context();
+      const paths = [...(tab?.room.machine.paths() ?? [])].map((path) => path.split("/"));
+      const deepest = paths.reduce((one, other) => (other.length > one.length ? other : one), []);
+      const levels = Math.max(1, deepest.length - 1);
+      const level = 1 + Math.round(((levels - 1) * (number - 1)) / (count - 1));
+      canvas?.fit([deepest.slice(0, level).join("/")]);
+    },
     [depth, DEPTHS] as const,
+  );
+  await settled(sheet);
+}
+
+/** Waits until nothing was drawn for a while: nothing moves any more, and all ways of lines are found. */
+async function settled(sheet: Sheet): Promise<void> {
+  await sheet.evaluate(
+    () =>
+      new Promise<void>((done) => {
+        let last = performance.now();
+        const seen = new PerformanceObserver(() => {
+          last = performance.now();
+        });
+        seen.observe({ type: "measure" });
+        const look = () => {
+          if (performance.now() - last < 400) requestAnimationFrame(look);
+          else {
+            seen.disconnect();
+            done();
+          }
+        };
+        requestAnimationFrame(look);
+      }),
   );
 }
 

@@ -11,7 +11,7 @@ pub(super) type Pair = (f64, f64);
 
 /// Size of a state without children.
 pub(super) const LEAF: Pair = (120.0, 72.0);
-/// Free space between columns, and between the children of a column.
+/// Free space between columns, and between the children of a column, if none of them has children.
 const GAP: Pair = (80.0, 56.0);
 /// Free space between the border of a container and its children.
 const MARGIN: f64 = 50.0;
@@ -62,25 +62,33 @@ fn misshapen(size: Pair) -> f64 {
     (size.0 / size.1 / SHAPE).ln().abs()
 }
 
+/// So many times the space of leaves is left around children of these sizes: names are to be read from afar as well.
+fn roominess(sizes: &[Pair]) -> f64 {
+    let widest = sizes.iter().map(|size| size.0).fold(LEAF.0, f64::max);
+    (widest / LEAF.0).powf(0.7)
+}
+
 /// Places if a new line begins after so many columns.
 fn in_lines(length: usize, columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pair) {
-    let mut places = vec![(MARGIN, HEADING); sizes.len()];
-    let (mut right, mut top) = (0.0f64, HEADING);
+    let room = roominess(sizes);
+    let (gap, margin, heading) = ((GAP.0 * room, GAP.1 * room), MARGIN * room, HEADING * room);
+    let mut places = vec![(margin, heading); sizes.len()];
+    let (mut right, mut top) = (0.0f64, heading);
     for line in columns.chunks(length) {
-        let (mut x, mut bottom) = (MARGIN, top);
+        let (mut x, mut bottom) = (margin, top);
         for column in line {
             let mut y = top;
             for &child in column {
                 places[child] = (x, y);
-                y += sizes[child].1 + GAP.1;
+                y += sizes[child].1 + gap.1;
             }
             bottom = bottom.max(y);
-            x += column.iter().map(|&child| sizes[child].0).fold(0.0, f64::max) + GAP.0;
+            x += column.iter().map(|&child| sizes[child].0).fold(0.0, f64::max) + gap.0;
         }
         right = right.max(x);
         top = bottom;
     }
-    (places, (right - GAP.0 + MARGIN, top - GAP.1 + MARGIN))
+    (places, (right - gap.0 + margin, top - gap.1 + margin))
 }
 
 /// The layout of a state: its place in its parent, its size, and the place of its name if children stand below it.
