@@ -3,6 +3,7 @@ import { layoutOf } from "../model/drawing.ts";
 import type { Edit } from "../model/generated/protocol.ts";
 import { changed } from "../model/layout.ts";
 import { machineOf } from "../model/plain.ts";
+import { boxIn } from "./boxes.ts";
 import { clipOf, copySelection, duplicate, paste, pasteClip } from "./clipboard.ts";
 import { group, substitute, ungroup } from "./group.ts";
 import { align, distribute, move, moveInto, movePort, resize, setBackground } from "./move.ts";
@@ -228,4 +229,28 @@ test("copies keep the waypoints of what connects them, where they come to stand"
     element: { transition: 1 },
     waypoints: [[100, expect.closeTo(99.6, 1)]],
   });
+});
+
+test("copies keep the places of ports and names inside them, in proportion", () => {
+  const [root, child] = [machine.state("R"), machine.state("R/A")];
+  if (!root || !child) throw new Error("no states");
+  const layout = changed(child.layout, {
+    ports: new Map([["outcome0", { x: 80, y: 30 }]]),
+    nameBox: { x: 10, y: 10, width: 40, height: 20 },
+  });
+  const states = [...machine.paths()].flatMap((path) => machine.state(path) ?? []);
+  const placed = machineOf({
+    header: machine.header,
+    states: states.map((state) => (state === child ? { ...child, layout } : state)),
+  });
+  const clip = clipOf(placed, [{ kind: "state", path: "R/A" }]);
+  if (isRefused(clip)) throw new Error(clip.refused);
+  const goal = { container: { path: "R/C", at: { x: 50, y: 40 } }, owner: null };
+  const edit = editsOf(pasteClip(placed, clip, goal)).find((each) => each.edit === "paste");
+  const copy = edit?.edit === "paste" ? edit.selection.states?.[0] : undefined;
+  if (!copy) throw new Error("nothing is pasted");
+  const { size, ports, nameBox } = layoutOf(copy);
+  const factor = (size?.width ?? 0) / boxIn(placed, "R/A").width;
+  expect(ports.get("outcome0")?.y).toBeCloseTo(30 * factor);
+  expect(nameBox?.width).toBeCloseTo(40 * factor);
 });
