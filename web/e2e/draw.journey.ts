@@ -202,3 +202,20 @@ journey("Escape gives up a gesture before it does anything", HERE, async ({ app 
   await app.settled();
   expect(await app.box(FULL)).toEqual(before);
 });
+
+journey("a state is put into the selected transition by the menu", HERE, async ({ app }) => {
+  const root = await app.state("PACKER");
+  const line = root.transitions?.find(({ from_state }) => from_state === "ISFULL");
+  await app.sheet.evaluate((id) => {
+    const tab = window.__rafcon.context().tab;
+    if (tab) tab.view.selection.value = new Set([`transition:PACKER:${id}`]);
+  }, line?.id ?? -1);
+  await app.sheet.getByRole("menubar").getByRole("menuitem", { name: "Insert" }).click();
+  await app.sheet.getByRole("menuitem", { name: "Insert into transition" }).click();
+  await app.sheet.getByRole("menuitem", { name: "Hierarchy" }).last().click();
+  await app.until(
+    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 4,
+    null,
+  );
+  expect(await app.lastStep()).toBe("Insert state into transition");
+});
