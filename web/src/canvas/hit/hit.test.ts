@@ -27,8 +27,8 @@ test("ports are hit from both sides of the border, corners only of what is selec
 
 test("what is too small to be drawn is not hit", () => {
   const canvas = driver();
-  canvas.view.camera.value = { x: 0, y: 0, scale: 0.12 };
-  expect(at(canvas, 14, 26)).toBe("state R/A");
+  canvas.view.camera.value = { x: 0, y: 0, scale: 0.155 };
+  expect(at(canvas, 18, 33)).toBe("name R/A");
   canvas.view.camera.value = { x: 0, y: 0, scale: 0.03 };
   expect(at(canvas, 4, 5)).toBe("state R");
 });

@@ -156,7 +156,8 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
   const alpha = look.loud ? 1 : labelAlpha(spot, line);
   if (alpha === 0) return;
   const width = drawing.input.measure(line.label, TEXT.small, false);
-  const at = labelPlace(mark.points, line.longest, width);
+  const fits = (at: Point) => look.loud || isClear(spot, at, width);
+  const at = labelPlace(mark.points, line.longest, width, fits);
   if (!at) return;
   drawing.labels.push({
     what: `${line.key} label`,
@@ -172,15 +173,39 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
   });
 }
 
-/** The middle of the piece that is best, or else of the first lying one that is long enough. */
-function labelPlace(points: readonly number[], best: number, width: number): Point | null {
+/** Half the height of a label, in CSS pixels. */
+const HALF = 7;
+
+/** Whether a label lies beside all states. */
+function isClear({ at: state, x, y, scale }: Spot, at: Point, width: number): boolean {
+  const area = {
+    x: (at.x - width / 2 - x) / scale,
+    y: (at.y - HALF - y) / scale,
+    width: width / scale,
+    height: (2 * HALF) / scale,
+  };
+  let clear = true;
+  state.eachChild(area, () => {
+    clear = false;
+  });
+  return clear;
+}
+
+/** The middle of the piece that is best, or else of the first lying one that is long enough and has room. */
+function labelPlace(
+  points: readonly number[],
+  best: number,
+  width: number,
+  fits: (at: Point) => boolean,
+): Point | null {
   const found = middleOf(points, best, width);
-  if (found?.lying) return found.at;
+  const isRoomy = found !== null && fits(found.at);
+  if (found?.lying && isRoomy) return found.at;
   for (let index = 0; index < points.length / 2 - 1; index++) {
     const other = middleOf(points, index, width);
-    if (other?.lying) return other.at;
+    if (other?.lying && fits(other.at)) return other.at;
   }
-  return found?.at ?? null;
+  return isRoomy ? found.at : null;
 }
 
 function middleOf(points: readonly number[], index: number, width: number) {

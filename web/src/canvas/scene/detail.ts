@@ -11,7 +11,7 @@ export const DETAIL = {
   /** Ports as dots. */
   ports: 72,
   /** What stands inside, as far as that is large enough itself, with transitions between. Before, that is a texture. */
-  content: 80,
+  content: 120,
   /** Lines between smaller states would be a tangle. */
   tangle: 11,
   /** Labels of connections, by the size of the state that they come from. */

@@ -40,7 +40,8 @@ const KIND_ICONS: Readonly<Record<string, Icon>> = {
   decider: "decider",
 };
 
-/** Where a container's name stands: at its own place, inside the view, and clear of the names around it. */
+/** Where a container's name stands: at its own place, inside the view, and clear of the names around it. Where there is little room
+ * it gives way to them: it comes when one looks closer. */
 function plateMarks(
   drawing: Drawing,
   spot: Spot,
@@ -92,6 +93,7 @@ function free(
   for (const plate of drawing.plates) {
     if (!meets(plate, left, y, width, height)) continue;
     if (plate.x + plate.width + 6 <= right) left = plate.x + plate.width + 6;
+    else if (spot.extent < DETAIL.labels) return null;
     else y = plate.y + plate.height + 2;
   }
   return y > bottom || left > right + 1 ? null : { x: left, y };
