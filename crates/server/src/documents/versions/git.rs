@@ -178,7 +178,13 @@ fn no_version(commit: &str, why: &str) -> Failure {
 }
 
 fn refused(why: &str) -> Failure {
-    let message = format!("git does not tell what it knows: {why}");
+    // The way out that git tells is one by the user's configuration, which does not count here.
+    let message = if why.contains("dubious ownership") {
+        "the repository belongs to another user than the server: start the server as that user"
+            .to_owned()
+    } else {
+        format!("git does not tell what it knows: {why}")
+    };
     Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "git_refused", message)
 }
 
@@ -189,7 +195,7 @@ fn failed(error: &ChildError) -> Failure {
 
 #[cfg(test)]
 mod tests {
-    use super::{check_hash, file};
+    use super::{check_hash, file, refused};
 
     #[test]
     fn only_regular_files_below_the_folder_count() {
@@ -208,6 +214,17 @@ mod tests {
         ] {
             assert_eq!(path(line), None, "{line}");
         }
+    }
+
+    #[test]
+    fn a_way_out_that_leads_nowhere_is_not_told() {
+        let git = "fatal: detected dubious ownership in repository at '/p'\nTo add an exception for this directory, \
+                   call:\n\n\tgit config --global --add safe.directory /p";
+        let message = refused(git).refusal().message;
+        assert!(
+            message.contains("start the server as that user")
+                && !message.contains("safe.directory")
+        );
     }
 
     #[test]
