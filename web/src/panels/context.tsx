@@ -1,6 +1,6 @@
 /** What every panel is given: the page, the machine in front, the commands. */
 
-import { createContext, useContext } from "react";
+import { createContext, useContext, useDeferredValue } from "react";
 import type { Commands, Context } from "../commands/command.ts";
 import type { OpenTab } from "../store/page.ts";
 import { useSignal } from "../ui/signals.ts";
@@ -21,9 +21,9 @@ export function useHost(): PanelHost {
   return host;
 }
 
-/** The machine in front; null if none is open. */
+/** The machine in front; null if none is open. The canvas shows another one first, and panels follow without holding it up. */
 export function useActiveTab(): OpenTab | null {
-  return useSignal(useHost().context().page.active);
+  return useDeferredValue(useSignal(useHost().context().page.active));
 }
 
 /** Runs a command by its name. */

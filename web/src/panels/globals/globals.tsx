@@ -11,7 +11,6 @@ import { select } from "../../store/view.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
-import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import type { TreeSource } from "../../ui/tree_rows.ts";
 import { useActiveTab, useHost } from "../context.tsx";
@@ -90,13 +89,18 @@ function OfTab({ tab }: { tab: OpenTab }) {
 
 /** The variables once edits have settled; null before the scripts were read for the first time. */
 function useGlobals({ room }: OpenTab): readonly GlobalVariable[] | null {
-  const version = useSignal(room.version);
   const [all, setAll] = useState<readonly GlobalVariable[] | null>(null);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
   useEffect(() => {
-    const timer = setTimeout(() => setAll(globalsOf(room.machine)), PATIENCE_MS);
-    return () => clearTimeout(timer);
-  }, [room, version]);
+    let timer = 0;
+    const stop = room.version.subscribe(() => {
+      window.clearTimeout(timer);
+      timer = window.setTimeout(() => setAll(globalsOf(room.machine)), PATIENCE_MS);
+    });
+    return () => {
+      stop();
+      window.clearTimeout(timer);
+    };
+  }, [room]);
   return all;
 }
 
