@@ -17,6 +17,10 @@ const GAP: Pair = (80.0, 56.0);
 const MARGIN: f64 = 50.0;
 /// The same above them, where the name stands.
 const HEADING: f64 = 60.0;
+/// A column is broken after so many children, or after each, where that gives a better shape.
+const HIGH: usize = 3;
+/// A line has at most so many columns, unless all fit in one.
+const LONG: usize = 8;
 /// A container is to be so many times as wide as it is high.
 const SHAPE: f64 = 1.6;
 
@@ -41,14 +45,14 @@ pub(super) fn by_steps(children: usize, lines: &[(usize, usize)]) -> Vec<Vec<usi
 /// Places for children of these sizes, and the size of the container around them: with columns as high and lines as long as
 /// give it the best shape.
 pub(super) fn arrange(columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pair) {
-    let highest = columns.iter().map(Vec::len).max().unwrap_or(1);
-    let mut best = in_lines(columns.len().max(1), columns, sizes);
-    for height in (1..=highest).rev() {
+    let room = roominess(sizes);
+    let mut best = in_lines(columns.len().max(1), columns, sizes, room);
+    for height in [usize::MAX, HIGH, 1] {
         let columns =
             columns.iter().flat_map(|column| column.chunks(height)).map(<[usize]>::to_vec);
         let columns: Vec<_> = columns.collect();
-        for length in (1..=columns.len()).rev() {
-            let next = in_lines(length, &columns, sizes);
+        for length in 1..=columns.len().min(LONG) {
+            let next = in_lines(length, &columns, sizes, room);
             if misshapen(next.1) < misshapen(best.1) {
                 best = next;
             }
@@ -65,12 +69,11 @@ fn misshapen(size: Pair) -> f64 {
 /// So many times the space of leaves is left around children of these sizes: names are to be read from afar as well.
 fn roominess(sizes: &[Pair]) -> f64 {
     let widest = sizes.iter().map(|size| size.0).fold(LEAF.0, f64::max);
-    (widest / LEAF.0).powf(0.7)
+    (widest / LEAF.0).powf(0.45)
 }
 
 /// Places if a new line begins after so many columns.
-fn in_lines(length: usize, columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pair) {
-    let room = roominess(sizes);
+fn in_lines(length: usize, columns: &[Vec<usize>], sizes: &[Pair], room: f64) -> (Vec<Pair>, Pair) {
     let (gap, margin, heading) = ((GAP.0 * room, GAP.1 * room), MARGIN * room, HEADING * room);
     let mut places = vec![(margin, heading); sizes.len()];
     let (mut right, mut top) = (0.0f64, heading);
