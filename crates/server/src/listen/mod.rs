@@ -25,7 +25,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tls::Identity;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
@@ -203,26 +203,23 @@ fn cannot(address: SocketAddr, source: io::Error) -> ServeError {
     }
 }
 
-/// A program that a server was just starting when it was killed holds its lock until that program runs.
-const LEFT_BEHIND: Duration = Duration::from_secs(2);
+/// A program that a server was just starting when it was killed holds its lock until that program runs: so often it is asked
+/// for, with a pause.
+const TRIES: u32 = 100;
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// Makes this process the folder's only server.
 async fn only_one(folder: &Path) -> Result<File, ServeError> {
     let path = folder.join(card::LOCK);
     let file = private::open(&path)?;
-    let until = Instant::now() + LEFT_BEHIND;
-    loop {
+    for _ in 0..TRIES {
         match file.try_lock() {
             Ok(()) => return Ok(file),
-            Err(TryLockError::WouldBlock) if Instant::now() < until => {
-                tokio::time::sleep(Duration::from_millis(20)).await;
-            }
-            Err(TryLockError::WouldBlock) => {
-                return Err(ServeError::Taken { folder: folder.to_owned() });
-            }
+            Err(TryLockError::WouldBlock) => tokio::time::sleep(PAUSE).await,
             Err(TryLockError::Error(source)) => {
                 return Err(PrivateError::new("lock", &path, source).into());
             }
         }
     }
+    Err(ServeError::Taken { folder: folder.to_owned() })
 }
