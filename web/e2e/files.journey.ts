@@ -154,8 +154,9 @@ journey(
   HERE,
   async ({ app, server }) => {
     for (const count of [4, 5, 6, 7]) {
-      await app.select(FULL);
-      await app.press("Control+d");
+      const { x, y } = await app.spot("PACKER", 40 * (count - 3), 330);
+      await app.sheet.mouse.move(x, y);
+      await app.press("e");
       await server.end("SIGKILL");
       await server.restart();
       await app.connected();
