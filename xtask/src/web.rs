@@ -22,21 +22,18 @@ pub(crate) fn run(options: Options) -> Result<()> {
 
 /// Builds what the server hands out and a release build carries.
 pub(crate) fn build() -> Result<()> {
-    install()?;
     process::run(program("tsc")?.arg("--noEmit"))?;
     process::run(program("vite")?.arg("build"))
 }
 
 /// Format, lints, layers, types.
 pub(crate) fn check() -> Result<()> {
-    install()?;
     process::run(program("biome")?.args(["ci", "--error-on-warnings", "."]))?;
     process::run(program("tsc")?.arg("--noEmit"))
 }
 
 /// The tests that need no browser.
 pub(crate) fn test() -> Result<()> {
-    install()?;
     process::run(program("vitest")?.arg("run"))
 }
 
