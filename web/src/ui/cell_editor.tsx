@@ -2,7 +2,7 @@
 
 import { useId, useRef, useState } from "react";
 import { createPortal } from "react-dom";
-import type { Committed } from "./field.tsx";
+import { type Commit, committed } from "./field.tsx";
 
 export type CellStep = -1 | 0 | 1;
 
@@ -12,9 +12,7 @@ export interface CellEditorProps {
   readonly mono?: boolean | undefined;
   readonly suggestions?: readonly string[] | undefined;
   readonly check: (text: string) => string | null;
-  readonly onCommit: (
-    text: string,
-  ) => Committed | Promise<Committed> | void | Promise<void> | undefined;
+  readonly onCommit: (text: string) => Commit;
   /** It is over; after Tab the next cell is to be edited, after Shift+Tab the one before. */
   readonly onStop: (step: CellStep) => void;
 }
@@ -32,16 +30,12 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
   const commit = async (step: CellStep = 0) => {
     if (over.current) return;
     if (text === value) return stop(step);
-    const fault = check(text) ?? (await answered(step)) ?? null;
-    if (fault === null) stop(step);
+    const answer = check(text) ?? onCommit(text);
+    // Who goes on to another cell types there already: only what is refused at once, or asked about, keeps them here.
+    if (step !== 0 && answer instanceof Promise) return stop(step);
+    const fault = typeof answer === "string" ? answer : await committed(answer);
+    if (fault == null) stop(step);
     else setRefusal(fault);
-  };
-  // Who goes on to another cell types there already: only what is refused at once, or asked about, keeps them here.
-  const answered = async (step: CellStep) => {
-    const answer = onCommit(text);
-    if (step === 0) return answer;
-    const first = await Promise.race([answer, soon()]);
-    return first === LATER ? (isAsked(input.current) ? answer : null) : first;
   };
   return (
     <>
@@ -84,19 +78,6 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
       )}
     </>
   );
-}
-
-const LATER = Symbol("later");
-
-/** After everything that is decided at once. */
-function soon(): Promise<typeof LATER> {
-  return new Promise((resolve) => setTimeout(() => resolve(LATER), 0));
-}
-
-/** Whether a dialog over the cell asks for something. */
-function isAsked(cell: HTMLElement | null): boolean {
-  const dialogs = [...(cell?.ownerDocument.querySelectorAll("dialog[open]") ?? [])];
-  return dialogs.some((dialog) => !dialog.contains(cell));
 }
 
 interface SaidProps {

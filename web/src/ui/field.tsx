@@ -6,15 +6,32 @@ import "./field.css";
 /** What becomes of a text that was committed: nothing said is well, a text says why it was refused. */
 export type Committed = string | null | undefined;
 
+/** The user is asked something first: whoever waits stays where they are. */
+export interface Asked {
+  readonly asked: Promise<Committed>;
+}
+
+/** What a place where text is edited is told: at once, later, or after a question. */
+export type Commit = Committed | void | Promise<Committed> | Promise<void> | Asked;
+
+/** What becomes of it in the end. */
+export async function committed(commit: Commit): Promise<Committed> {
+  const said = await (isAsked(commit) ? commit.asked : commit);
+  return said ?? null;
+}
+
+/** Whether a question comes first. */
+export function isAsked(commit: Commit): commit is Asked {
+  return typeof commit === "object" && commit !== null && "asked" in commit;
+}
+
 export interface TextFieldProps {
   readonly label: string;
   /** Only for screen readers, where the place says enough. */
   readonly hideLabel?: boolean | undefined;
   readonly value: string;
   /** Called on Enter (of several lines Ctrl+Enter) and blur, if the text is another one. */
-  readonly onCommit?:
-    | ((text: string) => Committed | Promise<Committed> | void | Promise<void>)
-    | undefined;
+  readonly onCommit?: ((text: string) => Commit) | undefined;
   /** Called at each key: for searches. */
   readonly onInput?: ((text: string) => void) | undefined;
   /** Why the text as it stands would be refused; null if it would not. */
@@ -112,7 +129,7 @@ function useDraft({
     if (typedText === value) return put(null);
     const fault = check?.(typedText) ?? null;
     if (fault !== null) return setRefused(fault);
-    const answer = (await onCommit(typedText)) ?? null;
+    const answer = (await committed(onCommit(typedText))) ?? null;
     setRefused(answer);
     if (answer === null && latest.current === typedText) put(null);
   };

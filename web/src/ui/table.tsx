@@ -4,7 +4,7 @@ import { useVirtualizer } from "@tanstack/react-virtual";
 import { ArrowDown, ArrowUp } from "lucide-react";
 import { type KeyboardEvent, type ReactNode, useEffect, useRef, useState } from "react";
 import { CellEditor, type CellStep } from "./cell_editor.tsx";
-import type { Committed } from "./field.tsx";
+import type { Commit } from "./field.tsx";
 import "./table.css";
 
 export interface Column<T> {
@@ -22,10 +22,7 @@ export interface Column<T> {
         /** The text that is edited; null where this row cannot be. */
         readonly value: (row: T) => string | null;
         /** Says nothing if it is done, or why it was refused. */
-        readonly commit: (
-          row: T,
-          text: string,
-        ) => Committed | Promise<Committed> | void | Promise<void>;
+        readonly commit: (row: T, text: string) => Commit;
         readonly check?: ((row: T, text: string) => string | null) | undefined;
         readonly suggestions?: ((row: T) => readonly string[]) | undefined;
         readonly mono?: boolean | undefined;

@@ -1,5 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
+import type { Commit } from "./field.tsx";
 import { TextField } from "./field.tsx";
 import { ContextMenu } from "./menu.tsx";
 import { byRole, click, mount, press, settled, type, unmount } from "./mounted.tsx";
@@ -148,4 +149,39 @@ test("a cell is edited in place, and what is refused stays in it", async () => {
     ["one", "bad"],
     ["one", "good"],
   ]);
+});
+
+test("Tab goes on to the next cell while the key is still down, but not from what is refused or asked", async () => {
+  const answers: Record<string, Commit> = {
+    later: new Promise<null>(() => {}),
+    bad: "No.",
+    rename: { asked: new Promise<null>(() => {}) },
+  };
+  const place = mount(
+    <Table
+      label="Ports"
+      rows={["one"]}
+      id={(row) => row}
+      columns={["name", "type"].map((key) => ({
+        key,
+        title: key,
+        cell: () => key,
+        edit: { value: () => key, commit: (_: string, text: string) => answers[text] },
+      }))}
+    />,
+  );
+  const [grid = null] = byRole(place, "grid");
+  const input = () => place.querySelector("input");
+  const tabbed = async (text: string) => {
+    await type(input(), text);
+    press(input(), "Tab");
+    return input()?.value;
+  };
+  press(grid, "ArrowDown");
+  press(grid, "Enter");
+  expect(await tabbed("bad")).toBe("bad");
+  await settled();
+  expect(await tabbed("rename")).toBe("rename");
+  await settled();
+  expect(await tabbed("later")).toBe("type");
 });

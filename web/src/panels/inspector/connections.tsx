@@ -20,7 +20,7 @@ import { EndSelect } from "./end_select.tsx";
 import { Fold } from "./fold.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { RowButtons } from "./row_buttons.tsx";
-import type { SeenState } from "./seen.ts";
+import type { Made, SeenState } from "./seen.ts";
 
 const WORDS = {
   transition: { many: "Transitions", one: "transition" },
@@ -118,7 +118,7 @@ function Group({ seen, kind, container, rows, title }: GroupProps) {
   );
 }
 
-type Run = (made: Promise<string | null>) => void;
+type Run = (made: Made) => void;
 
 function columnsOf(
   { path, machine, readOnly, edit, show }: SeenState,

@@ -14,7 +14,7 @@ import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { SeenState } from "./seen.ts";
+import type { Made, SeenState } from "./seen.ts";
 
 export function General({ seen }: { seen: SeenState }) {
   const { path, state, readOnly, edit } = seen;
@@ -58,7 +58,7 @@ async function changeId({ path, tab, edit }: SeenState, text: string): Promise<s
 
 interface PartProps {
   readonly seen: SeenState;
-  readonly run: (made: Promise<string | null>) => void;
+  readonly run: (made: Made) => void;
 }
 
 const KINDS: readonly StateKind[] = ["execution", "hierarchy", "barrier", "preemptive"];

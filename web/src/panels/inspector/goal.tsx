@@ -6,7 +6,7 @@ import type { OutcomeDocument } from "../../model/generated/protocol.ts";
 import { connect, reconnect } from "../../plan/connect.ts";
 import { removeElements } from "../../plan/states.ts";
 import { EndSelect } from "./end_select.tsx";
-import type { SeenState } from "./seen.ts";
+import type { Made, SeenState } from "./seen.ts";
 
 export interface GoalProps {
   readonly seen: SeenState;
@@ -14,7 +14,7 @@ export interface GoalProps {
   readonly outcome: OutcomeDocument;
   readonly label: string;
   readonly hideLabel?: boolean | undefined;
-  readonly run: (made: Promise<string | null>) => void;
+  readonly run: (made: Made) => void;
 }
 
 export function Goal({ seen, container, outcome: { id }, label, hideLabel, run }: GoalProps) {

@@ -12,12 +12,12 @@ import { IconButton } from "../../ui/button.tsx";
 import { useChosenRows } from "../../ui/chosen_rows.ts";
 import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
 import { type Column, Table } from "../../ui/table.tsx";
-import type { SeenState } from "./seen.ts";
+import type { Made, SeenState } from "./seen.ts";
 
 interface PartsOf {
   readonly seen: SeenState;
   readonly kind: PartKind;
-  readonly run: (made: Promise<string | null>) => void;
+  readonly run: (made: Made) => void;
 }
 
 export interface PartTableProps<T> extends PartsOf {

@@ -16,14 +16,14 @@ import {
 } from "../../plan/ports.ts";
 import { removeElements } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
-import { Checkbox } from "../../ui/field.tsx";
+import { Checkbox, type Commit } from "../../ui/field.tsx";
 import type { Column } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import { PartTable, PasteButton } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { RowButtons } from "./row_buttons.tsx";
-import type { SeenState } from "./seen.ts";
+import type { Made, SeenState } from "./seen.ts";
 
 export const PORT_TITLES = {
   input: { many: "Inputs", single: "Input", one: "input", value: "Default" },
@@ -103,7 +103,7 @@ function ownColumns(
   { path, machine, edit }: SeenState,
   kind: PortKind,
   canChange: boolean,
-  rename: (element: PortRef, name: string) => Promise<string | null>,
+  rename: (element: PortRef, name: string) => Commit,
 ): readonly Column<PortDocument>[] {
   const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
   const value = (text: (port: PortDocument) => string) => (port: PortDocument) =>
@@ -163,7 +163,7 @@ export function read(
 function libraryColumns(
   { path, state, readOnly, edit }: SeenState,
   kind: PortKind,
-  run: (made: Promise<string | null>) => void,
+  run: (made: Made) => void,
 ): readonly Column<PortDocument>[] {
   const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
   const list = kind === "input" ? state.library?.inputs : state.library?.outputs;

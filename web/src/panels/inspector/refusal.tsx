@@ -1,13 +1,14 @@
 /** Why what was just asked for was refused, at its place. */
 
 import { useCallback, useState } from "react";
+import type { Made } from "./seen.ts";
 
 /** The last refusal, and the way to wait for what may be refused. */
-export function useRefusal(): readonly [string | null, (made: Promise<string | null>) => void] {
+export function useRefusal(): readonly [string | null, (made: Made) => void] {
   const [refusal, setRefusal] = useState<string | null>(null);
-  const run = useCallback((made: Promise<string | null>) => {
+  const run = useCallback((made: Made) => {
     setRefusal(null);
-    made.then(setRefusal, (error) => setRefusal(String(error)));
+    Promise.resolve(made).then(setRefusal, (error) => setRefusal(String(error)));
   }, []);
   return [refusal, run];
 }

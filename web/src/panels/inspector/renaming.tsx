@@ -8,7 +8,8 @@ import { renameElement } from "../../plan/rename_in_script.ts";
 import { type Draft, drafts } from "../../store/drafts.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
-import type { SeenState } from "./seen.ts";
+import type { Asked } from "../../ui/field.tsx";
+import type { Made, SeenState } from "./seen.ts";
 
 type Choice = "script" | "name" | "nothing";
 
@@ -23,9 +24,9 @@ interface Question {
 /** The way to rename a port or outcome, and the dialog that asks, to be put somewhere. */
 export function useRenaming(
   seen: SeenState,
-): readonly [(element: ElementRef, name: string) => Promise<string | null>, ReactNode] {
+): readonly [(element: ElementRef, name: string) => Made | Asked, ReactNode] {
   const [question, setQuestion] = useState<Question | null>(null);
-  const asked = useRef<Promise<string | null> | null>(null);
+  const asked = useRef<Asked | null>(null);
   const ask = (from: string, to: string, script: string, uses: readonly ScriptUse[]) =>
     new Promise<Choice>((resolve) => {
       const answer = (choice: Choice) => {
@@ -34,25 +35,29 @@ export function useRenaming(
       };
       setQuestion({ from, to, script, uses, answer });
     });
-  const rename = async (element: ElementRef, text: string) => {
-    const name = text.trim();
-    const from = nameOf(seen.machine, element);
+  const afterAsking = async (element: ElementRef, name: string, from: string) => {
     const { script, uses } = calls(seen, element, from);
-    const choice = uses.length === 0 || name === "" ? "name" : await ask(from, name, script, uses);
+    const choice = await ask(from, name, script, uses);
     if (choice === "nothing") return null;
     const inScript = choice === "script";
     const refusal = await seen.edit((now) => renameElement(now, element, name, inScript));
     if (refusal === null && inScript) renameInDraft(seen, element, from, name);
     return refusal;
   };
-  // Leaving the cell for the dialog commits once more: that is the same question.
-  const once = (element: ElementRef, name: string) => {
-    asked.current ??= rename(element, name).finally(() => {
-      asked.current = null;
-    });
+  const rename = (element: ElementRef, text: string) => {
+    const name = text.trim();
+    const from = nameOf(seen.machine, element);
+    const isPlain = name === "" || calls(seen, element, from).uses.length === 0;
+    if (isPlain) return seen.edit((now) => renameElement(now, element, name, false));
+    // Leaving the cell for the dialog commits once more: that is the same question.
+    asked.current ??= {
+      asked: afterAsking(element, name, from).finally(() => {
+        asked.current = null;
+      }),
+    };
     return asked.current;
   };
-  return [once, question && <Asking {...question} />];
+  return [rename, question && <Asking {...question} />];
 }
 
 function draftOf({ tab, path }: SeenState): Draft | undefined {

@@ -8,13 +8,16 @@ import { isRefused, type Planned } from "../../plan/plan.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
 import { wasRefused } from "../../store/room.ts";
 
+/** What becomes of an edit: refused at once, or what the server answers. Null is well. */
+export type Made = string | Promise<string | null>;
+
 /** A machine in the inspector. */
 export interface Seen {
   readonly page: Page;
   readonly tab: OpenTab;
   readonly machine: Machine;
   /** Makes an edit: null, or why it was refused, which is shown where it was asked for. */
-  readonly edit: (plan: (machine: Machine) => Planned) => Promise<string | null>;
+  readonly edit: (plan: (machine: Machine) => Planned) => Made;
   /** Selects an element and brings it into sight. */
   readonly show: (element: ElementRef) => void;
   readonly hover: (element: ElementRef | null) => void;
@@ -30,18 +33,15 @@ export interface SeenState extends Seen {
 }
 
 /** Makes an edit: null, or why it was refused. */
-export async function makeEdit(
-  page: Page,
-  tab: OpenTab,
-  plan: (machine: Machine) => Planned,
-): Promise<string | null> {
+export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => Planned): Made {
   if (!mayEdit(page)) {
     return "You may look at this machine but not edit it: ask an admin for the role engineer.";
   }
   const planned = plan(tab.room.machine);
   if (isRefused(planned)) return planned.refused;
-  const answer = await tab.room.edit(planned.name, planned.edit);
-  return wasRefused(answer) ? answer.refused : null;
+  return tab.room
+    .edit(planned.name, planned.edit)
+    .then((answer) => (wasRefused(answer) ? answer.refused : null));
 }
 
 export function seenState(seen: Seen, path: string): SeenState | null {

@@ -20,7 +20,7 @@ import { TextField } from "../../ui/field.tsx";
 import { type Column, Table } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { SeenState } from "./seen.ts";
+import type { Made, SeenState } from "./seen.ts";
 
 const ROWS_MAX = 16;
 
@@ -79,7 +79,7 @@ export function Semantic({ seen }: { seen: SeenState }) {
   );
 }
 
-function putData({ path, edit }: SeenState, data: JsonValue): Promise<string | null> {
+function putData({ path, edit }: SeenState, data: JsonValue): Made {
   return edit((now) => setSemanticData(now, path, data));
 }
 
@@ -93,7 +93,7 @@ function columnsOf(
   seen: SeenState,
   folded: ReadonlySet<string>,
   setFolded: (folded: ReadonlySet<string>) => void,
-  run: (made: Promise<string | null>) => void,
+  run: (made: Made) => void,
 ): readonly Column<SemanticRow>[] {
   const { path, state, readOnly, edit } = seen;
   const data = state.semantic_data;
