@@ -22,7 +22,7 @@ function mount() {
     tell: ({ text }: { readonly text: string }) => told.push(text),
   } as unknown as Page;
   const mounted = mountCanvas(place, {
-    tab: { room, view },
+    tab: { room, view, run: signal(null) },
     page,
     run: () => {},
     menuAt: (at, elements) => menus.push(`${at.x} ${at.y} ${elements.map(({ path }) => path)}`),

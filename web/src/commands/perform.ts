@@ -23,8 +23,9 @@ export async function performIn(page: Page, tab: OpenTab, planned: Planned): Pro
     });
     return false;
   }
-  if (isRefused(planned)) {
-    page.tell({ level: "warning", text: planned.refused });
+  const why = tab.room.fixed ?? (isRefused(planned) ? planned.refused : null);
+  if (why !== null || isRefused(planned)) {
+    page.tell({ level: "warning", text: why ?? "" });
     return false;
   }
   const { room, view } = tab;

@@ -37,6 +37,7 @@ export function stand(text: string, options: StandOptions = {}): Stand {
   );
   const room = {
     id: "m1",
+    fixed: null,
     machine,
     version: signal(0),
     status: signal(statusOf(options.changed ?? false)),
@@ -47,7 +48,7 @@ export function stand(text: string, options: StandOptions = {}): Stand {
       return Promise.resolve({ revision: 2 });
     },
   } as unknown as Room;
-  const tab: OpenTab = { room, view };
+  const tab: OpenTab = { room, view, run: signal(null) };
   const page = pageOf(tab, record, options);
   return { page, tab, canvas: null, shell: shellOf(record, options.answers ?? []), record };
 }

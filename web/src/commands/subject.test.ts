@@ -1,3 +1,4 @@
+import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import { PlainRoom } from "../canvas/testing/driver.ts";
 import { elementOf } from "../model/element.ts";
@@ -20,7 +21,10 @@ function chosen(key: string): Context {
   const view = newView();
   const element = elementOf(key);
   select(view, element ? [element] : []);
-  return { ...stand(MACHINE), tab: { room: new PlainRoom(MACHINE, CONTENT), view } };
+  return {
+    ...stand(MACHINE),
+    tab: { room: new PlainRoom(MACHINE, CONTENT), view, run: signal(null) },
+  };
 }
 
 test("what lies in a library leads to that library", () => {

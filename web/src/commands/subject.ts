@@ -19,7 +19,7 @@ export function mayEdit(page: Page): boolean {
 
 /** Whether the machine in front can be edited. */
 export function canEdit(context: Context): boolean {
-  return context.tab !== null && mayEdit(context.page);
+  return context.tab !== null && context.tab.room.fixed === null && mayEdit(context.page);
 }
 
 export function machineOf(context: Context): Machine | null {

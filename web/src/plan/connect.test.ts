@@ -127,6 +127,10 @@ test("an end is put elsewhere, also on another level", () => {
   expect(lines(reconnect(machine, second, "from", outcome("R/C/D", 0)))[0]).toBe(
     "remove_transition R transition=1",
   );
+  expect(lines(reconnect(machine, second, "from", income("R")))).toEqual([
+    "remove_transition R transition=1",
+    'set_start R to={"state":"B"}',
+  ]);
 });
 
 test("a state is put into a transition", () => {

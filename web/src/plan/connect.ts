@@ -4,7 +4,7 @@ import type { ElementRef } from "../model/element.ts";
 import { type Ends, endsOf, isConnection, isPort, type PortRef } from "../model/ends.ts";
 import type { DataFlowDocument, Edit, StateDocument } from "../model/generated/protocol.ts";
 import { centre, distance } from "../model/geometry.ts";
-import { dataFlowsOf, type Machine, outcomesOf, transitionsOf } from "../model/machine.ts";
+import { dataFlowsOf, type Machine, outcomesOf, startOf, transitionsOf } from "../model/machine.ts";
 import { freshName, freshNumber } from "../model/names.ts";
 import { idOf, isWithin, parentOf } from "../model/path.ts";
 import { childBoxes } from "./boxes.ts";
@@ -186,6 +186,11 @@ function transitionAnew(
     const bad = lineRefused(machine, line, id);
     if (bad) return bad;
     if (end === "to") return [{ edit: "set_transition_target", ...place, to: line.to }];
+    const container = machine.state(path);
+    const start = line.from || !container ? undefined : startOf(container);
+    // A start that is there already leads here from now on.
+    if (start && start.id !== id)
+      return [{ edit: "remove_transition", ...place }, lineEdit(machine, line)];
     return [{ edit: "set_transition_origin", ...place, from: line.from }];
   }
   const edits = transition(machine, ends.from, ends.to, connected);

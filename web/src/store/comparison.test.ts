@@ -20,7 +20,7 @@ function setUp(answers: Readonly<Record<string, Document>>) {
     return () => void listeners.delete(listener);
   };
   const room = { id: "m", machine, onChange, status: signal(null) } as unknown as OpenTab["room"];
-  const tab: OpenTab = { room, view: newView() };
+  const tab: OpenTab = { room, view: newView(), run: signal(null) };
   const request = async (_: string, path: string) => {
     const found = answers[path];
     if (found) return found;

@@ -10,6 +10,7 @@ import type {
   Revision,
 } from "../model/generated/protocol.ts";
 import type { Room } from "./room.ts";
+import type { Runs, Watch } from "./run.ts";
 import type { Server } from "./server.ts";
 import type { RoomView } from "./view.ts";
 
@@ -17,6 +18,13 @@ import type { RoomView } from "./view.ts";
 export interface OpenTab {
   readonly room: Room;
   readonly view: RoomView;
+  /** The run that is shown on it; null if none is. */
+  readonly run: Signal<Watch | null>;
+}
+
+/** The run in front: that of the machine in front. */
+export function runOf(page: Page): Watch | null {
+  return page.active.value?.run.value ?? null;
 }
 
 /** Something worth a glance. */
@@ -55,6 +63,7 @@ export interface Page {
   readonly house: ReadonlySignal<HouseStatus | null>;
   readonly projects: ReadonlySignal<readonly Project[]>;
   readonly libraries: ReadonlySignal<readonly LibraryRoot[]>;
+  readonly runs: Runs;
   readonly tabs: Signal<readonly OpenTab[]>;
   /** The machine in front. */
   readonly active: Signal<OpenTab | null>;
@@ -66,6 +75,10 @@ export interface Page {
   readonly open: (file: MachineFile) => Promise<OpenTab>;
   /** Joins a machine that is open on the server. */
   readonly join: (machine: string) => Promise<OpenTab>;
+  /** Shows a run: on the tab of its machine if that is open, else on one of its own with the machine as it ran. */
+  readonly showRun: (run: string) => Promise<OpenTab>;
+  /** Opens a tab with the machine as the run in it went by, beside the edited one. */
+  readonly showAsRan: (run: string) => Promise<OpenTab>;
   /** Takes a tab away; the machine stays open on the server. */
   readonly leave: (tab: OpenTab) => void;
   /** Tells the user something. */

@@ -33,6 +33,8 @@ export type JumpAnswer =
 export interface Room {
   /** The server's id of the open machine; another one if it had to be opened anew in another folder. */
   readonly id: string;
+  /** Why nothing of it can be edited; null if it can be, as far as rights go. */
+  readonly fixed: string | null;
   /** What is shown: the confirmed machine with pending edits upon it. The object stays; `version` tells of changes. */
   readonly machine: Machine;
   readonly version: ReadonlySignal<number>;

@@ -10,9 +10,12 @@ import type {
   MachineSummary,
   Project,
 } from "../model/generated/protocol.ts";
+import { isSame } from "../model/json.ts";
 import { drafts } from "../store/drafts.ts";
 import { followDrafts } from "../store/follow_drafts.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
+import type { Room } from "../store/room.ts";
+import type { Runs, Watch } from "../store/run.ts";
 import { forgetGone } from "../store/selection.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import { keepSettings, readSettings, withRecent } from "../store/settings.ts";
@@ -24,6 +27,8 @@ import type { Address } from "./http.ts";
 import { newIds } from "./ids.ts";
 import { tellPresence } from "./presence.ts";
 import { OpenRoom, type RoomPorts } from "./room.ts";
+import { RunRoom, runRoomId } from "./run_room.ts";
+import { followRuns } from "./runs.ts";
 import { followSession } from "./session.ts";
 import { Shelf } from "./shelf.ts";
 
@@ -64,12 +69,13 @@ export function startPage(options: PageOptions = {}): Page {
   const settings = signal(readSettings(sheds.shared));
   effect(() => keepSettings(sheds.shared, settings.value));
   const ports = { server, shelf, clock, newId: newIds(), tell };
-  const machines = openMachines(ports, settings);
+  const runs = followRuns(ports, house);
+  const machines = openMachines(ports, settings, runs);
   const isRestoring = followSession({ ...ports, ...sheds, ...machines, leaving });
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
   const known = { house, projects, libraries, isRestoring };
-  return { server, ...known, notices, settings, tell, ...machines };
+  return { server, ...known, runs, notices, settings, tell, ...machines };
 }
 
 function browserSheds(): { readonly own: Shed; readonly shared: Shed } {
@@ -108,7 +114,7 @@ function followFiles(server: Server, house: Signal<HouseStatus | null>, shelf: S
 }
 
 /** The tabs, and how machines come into them. */
-function openMachines(ports: RoomPorts, settings: Signal<Settings>) {
+function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) {
   const { request } = ports.server;
   const tabs = signal<readonly OpenTab[]>([]);
   const active = signal<OpenTab | null>(null);
@@ -117,8 +123,12 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>) {
   const enter = async (summary: MachineSummary): Promise<OpenTab> => {
     const path = `/machines/${encodeURIComponent(summary.id)}/document`;
     const room = new OpenRoom(summary, await request<MachineDocument>("GET", path), ports);
-    const tab: OpenTab = { room, view: newView() };
     followDrafts(room, drafts);
+    return put(room);
+  };
+
+  const put = (room: Room): OpenTab => {
+    const tab: OpenTab = { room, view: newView(), run: signal<Watch | null>(null) };
     room.onChange(() => forgetGone(tab.view, room.machine));
     batch(() => {
       tabs.value = [...tabs.peek(), tab];
@@ -162,7 +172,34 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>) {
     });
   };
 
-  return { tabs, active, open, join, leave };
+  const front = (tab: OpenTab) => {
+    active.value = tab;
+    return tab;
+  };
+
+  const showAsRan = async (id: string) => {
+    const room = runRoomId(id);
+    const there = tabs.peek().find((tab) => tab.room.id === room);
+    if (there) return front(there);
+    const watch = runs.watch(id);
+    const tab = put(await RunRoom.enter(watch, runs, ports));
+    tab.run.value = watch;
+    return tab;
+  };
+
+  const showRun = async (id: string) => {
+    const file = runs.all.peek().find((run) => run.id === id)?.machine;
+    const isOf = ({ room }: OpenTab) => {
+      const own = room.status.peek()?.summary.file;
+      return room.fixed === null && file != null && own != null && isSame(own, file);
+    };
+    const there = tabs.peek().find(isOf);
+    if (!there) return showAsRan(id);
+    there.run.value = runs.watch(id);
+    return front(there);
+  };
+
+  return { tabs, active, open, join, showRun, showAsRan, leave };
 }
 
 /** A break that people may have noticed is told. */

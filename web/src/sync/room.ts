@@ -41,6 +41,7 @@ const STEPS_MAX = 10_000;
 const SETTLED_MS = 300;
 
 export class OpenRoom implements Room {
+  readonly fixed = null;
   readonly machine: Mirror;
   readonly version: Signal<number>;
   readonly revision: Signal<number>;

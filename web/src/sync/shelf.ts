@@ -17,13 +17,16 @@ export type Arrived = (key: LibraryKey) => void;
 
 export class Shelf {
   readonly #request: Server["request"];
+  readonly #route: (key: LibraryKey) => string;
   readonly #held = new Map<LibraryKey, Held>();
   readonly #loading = new Map<LibraryKey, Promise<void>>();
   readonly #listeners = new Set<Arrived>();
   readonly #lookers = new Set<() => void>();
 
-  constructor(request: Server["request"]) {
+  /** `route` says where the content of a library is asked for. */
+  constructor(request: Server["request"], route: (key: LibraryKey) => string = libraryRoute) {
     this.#request = request;
+    this.#route = route;
   }
 
   get(key: LibraryKey): Machine | undefined {
@@ -59,11 +62,14 @@ export class Shelf {
   }
 
   async #fetch(key: LibraryKey): Promise<void> {
-    const path = key.split("/").map(encodeURIComponent).join("/");
-    const document = await this.#request<Document>("GET", `/libraries/${path}`);
+    const document = await this.#request<Document>("GET", this.#route(key));
     const before = this.#held.get(key);
     if (before && isSame(before.document, document)) return;
     this.#held.set(key, { document, machine: machineOf(document) });
     for (const listener of this.#listeners) listener(key);
   }
+}
+
+function libraryRoute(key: LibraryKey): string {
+  return `/libraries/${key.split("/").map(encodeURIComponent).join("/")}`;
 }

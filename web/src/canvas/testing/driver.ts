@@ -29,6 +29,7 @@ interface Keys {
 /** A room without a server: what can be foretold is done at once, the rest is only kept. */
 export class PlainRoom implements Room {
   readonly id = "test";
+  readonly fixed = null;
   readonly machine: Mirror;
   readonly version = signal(0);
   readonly status = signal(null);
@@ -79,7 +80,7 @@ export class Driver {
   constructor(text: string, library: string | null) {
     this.room = new PlainRoom(text, library);
     this.hand = new Hand({
-      tab: { room: this.room, view: this.view },
+      tab: { room: this.room, view: this.view, run: signal(null) },
       size: () => ({ width: 1000, height: 800 }),
       wheel: () => this.wheel,
       fly: (to) => {

@@ -37,6 +37,7 @@ export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => P
   if (!mayEdit(page)) {
     return "You may look at this machine but not edit it: ask an admin for the role engineer.";
   }
+  if (tab.room.fixed !== null) return tab.room.fixed;
   const planned = plan(tab.room.machine);
   if (isRefused(planned)) return planned.refused;
   return tab.room
@@ -47,5 +48,6 @@ export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => P
 export function seenState(seen: Seen, path: string): SeenState | null {
   const state = seen.machine.state(path);
   if (!state) return null;
-  return { ...seen, path, state, readOnly: seen.machine.isInLibrary(path) || !mayEdit(seen.page) };
+  const isFixed = seen.tab.room.fixed !== null || !mayEdit(seen.page);
+  return { ...seen, path, state, readOnly: isFixed || seen.machine.isInLibrary(path) };
 }

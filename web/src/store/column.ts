@@ -1,0 +1,50 @@
+/** Numbers in a row that grows: a typed array with room to spare. */
+
+type Numbers = Float64Array | Int32Array | Uint8Array;
+
+const FIRST_ROOM = 1_024;
+
+export class Column<A extends Numbers> {
+  readonly #make: new (
+    length: number,
+  ) => A;
+  #values: A;
+  #length = 0;
+
+  constructor(make: new (length: number) => A) {
+    this.#make = make;
+    this.#values = new make(FIRST_ROOM);
+  }
+
+  get length(): number {
+    return this.#length;
+  }
+
+  push(value: number): void {
+    if (this.#length === this.#values.length) this.#grow();
+    this.#values[this.#length] = value;
+    this.#length += 1;
+  }
+
+  /** 0 beyond the end. */
+  at(index: number): number {
+    return index < this.#length ? (this.#values[index] ?? 0) : 0;
+  }
+
+  /** Of rising numbers, the index of the first that is no less; the length if all are. */
+  firstFrom(value: number): number {
+    let [low, high] = [0, this.#length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.at(middle) < value) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  #grow(): void {
+    const wider = new this.#make(this.#values.length * 2);
+    wider.set(this.#values);
+    this.#values = wider;
+  }
+}

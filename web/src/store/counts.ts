@@ -1,0 +1,72 @@
+/** How often and how long states ran, counted while a run is told. */
+
+import type { Outcome } from "../model/generated/protocol.ts";
+
+export interface Count {
+  readonly path: string;
+  /** How often it was entered; steps back are not counted. */
+  readonly entries: number;
+  /** How often it ran to its end, and how long altogether, at least and at most. */
+  readonly ends: number;
+  readonly total_ns: number;
+  readonly min_ns: number;
+  readonly max_ns: number;
+  /** When it was entered last. */
+  readonly entered_ns: number;
+  /** When it was left last; null if it never was. */
+  readonly left_ns: number | null;
+  readonly last: Outcome | null;
+}
+
+type Draft = { -readonly [K in keyof Count]: Count[K] };
+
+export class Counts {
+  readonly #all = new Map<number, Draft>();
+  readonly #byPath = new Map<string, Draft>();
+
+  get(path: string): Count | undefined {
+    return this.#byPath.get(path);
+  }
+
+  all(): Iterable<Count> {
+    return this.#all.values();
+  }
+
+  entered(number: number, path: string, t_ns: number, isBack: boolean): void {
+    const count = this.#of(number, path);
+    if (!isBack) count.entries += 1;
+    count.entered_ns = t_ns;
+  }
+
+  left(number: number, path: string, t_ns: number, outcome: Outcome, isBack: boolean): void {
+    const count = this.#of(number, path);
+    count.left_ns = t_ns;
+    if (isBack) return;
+    const length = t_ns - count.entered_ns;
+    count.last = outcome;
+    count.ends += 1;
+    count.total_ns += length;
+    count.min_ns = Math.min(count.min_ns, length);
+    count.max_ns = Math.max(count.max_ns, length);
+  }
+
+  #of(number: number, path: string): Draft {
+    let count = this.#all.get(number);
+    if (!count) {
+      count = {
+        path,
+        entries: 0,
+        ends: 0,
+        total_ns: 0,
+        min_ns: Number.POSITIVE_INFINITY,
+        max_ns: 0,
+        entered_ns: 0,
+        left_ns: null,
+        last: null,
+      };
+      this.#all.set(number, count);
+      this.#byPath.set(path, count);
+    }
+    return count;
+  }
+}

@@ -1,0 +1,83 @@
+/** A run as the page watches it: its latest truth, all that happened, the moment that is looked at, and what it was told. Belongs
+ * to every tab that shows it. */
+
+import type { ReadonlySignal, Signal } from "@preact/signals-core";
+import type {
+  Answer,
+  Command,
+  Control,
+  ControlMove,
+  OnCrash,
+  Picture,
+  RunNow,
+  RunSummary,
+  StartRun,
+} from "../model/generated/protocol.ts";
+import type { Journal } from "./journal.ts";
+
+/** A command that this page gave. Nothing is drawn as done before it was answered. */
+export interface Sent {
+  readonly id: string;
+  readonly command: Command;
+  /** When it was given, and when it is no longer wanted: ms since 1970 by this browser's clock. */
+  readonly sent_ms: number;
+  readonly expiry_ms: number;
+  /** What became of it; null while nobody knows. `lost` says that it cannot be asked for any more. */
+  readonly answer: Answer | { readonly answer: "lost"; readonly reason: string } | null;
+}
+
+/** How the run stood after an event, with values; of a run that goes on also the newest one that was asked for. */
+export interface Seen {
+  readonly picture: Picture;
+  /** When it came: ms since 1970 by this browser's clock. */
+  readonly at_ms: number;
+}
+
+export interface Watch {
+  /** The run's id. */
+  readonly id: string;
+  /** The latest truth; null before it came. */
+  readonly now: ReadonlySignal<RunNow | null>;
+  /** When `now` came: ms since 1970 by this browser's clock. */
+  readonly heard_ms: ReadonlySignal<number | null>;
+  /** All that happened, as far as it was told. The object stays. */
+  readonly journal: Journal;
+  /** Another number whenever the journal has grown: ten times a second at most. */
+  readonly grown: ReadonlySignal<number>;
+  /** Whether all that there was when the page came has been told. */
+  readonly isCaughtUp: ReadonlySignal<boolean>;
+  /** The event whose moment the page shows; null: live, at the end. */
+  readonly moment: Signal<number | null>;
+  /** The moment with its values; null while it is on its way. While live it is a second old at most, if anybody wants it. */
+  readonly seen: ReadonlySignal<Seen | null>;
+  /** Says that values are wanted while live; returns the way to stop. */
+  readonly wantValues: () => () => void;
+  /** Commands of this page: those under way and the last ones that were answered, the oldest first. */
+  readonly sent: ReadonlySignal<readonly Sent[]>;
+  /** Gives a command. It is said again until it is answered; not carried out after `patience_ms`. Never throws. */
+  readonly command: (command: Command, patience_ms?: number) => Promise<Sent>;
+  /** Asks for control, gives it away, takes it over. Throws a `RefusalError`. */
+  readonly control: (move: ControlMove) => Promise<Control>;
+  /** Takes a run up again whose runner died. Throws a `RefusalError`. */
+  readonly resume: (policy: OnCrash, from?: number | null) => Promise<void>;
+  readonly close: () => void;
+}
+
+/** What a start needs to be told; the rest has its default. */
+export type Start = Pick<StartRun, "machine"> & Partial<Omit<StartRun, "id" | "machine">>;
+
+/** All runs of the house. */
+export interface Runs {
+  /** The newest first. */
+  readonly all: ReadonlySignal<readonly RunSummary[]>;
+  /** The run, watched from now on for as long as the page stands. */
+  readonly watch: (run: string) => Watch;
+  /** Starts a run and gives its id. Throws a `RefusalError`. */
+  readonly start: (start: Start) => Promise<string>;
+  /** Asks below `/runs/{run}`: `events?…`, `statistics`, `compare/…`. Throws a `RefusalError`. */
+  readonly get: <T>(run: string, what: string) => Promise<T>;
+  /** Gives up a run that is over. Throws a `RefusalError`. */
+  readonly remove: (run: string) => Promise<void>;
+  /** Asks for the list again: what was started without the server may be new. */
+  readonly refresh: () => Promise<void>;
+}

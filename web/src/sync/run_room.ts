@@ -1,0 +1,114 @@
+/** The machine as a run went by it, kept by the run: looked at and never edited. When the run goes by another one, so does this. */
+
+import { batch, effect, signal } from "@preact/signals-core";
+import type {
+  Document,
+  MachineProblem,
+  MachineStatus,
+  MachineSteps,
+} from "../model/generated/protocol.ts";
+import { type LibraryKey, libraryKey } from "../store/graft.ts";
+import { Mirror, type Touched } from "../store/mirror.ts";
+import type { PendingEdit, Room } from "../store/room.ts";
+import type { Runs, Watch } from "../store/run.ts";
+import { RefusalError, type Server } from "../store/server.ts";
+import { Shelf } from "./shelf.ts";
+
+/** The id of the room of a run's machine. */
+export function runRoomId(run: string): string {
+  return `run ${run}`;
+}
+
+const FIXED =
+  "This is the machine as the run went by it: edit the machine itself, it lies in its project.";
+const REFUSED = { refused: FIXED };
+
+export class RunRoom implements Room {
+  readonly id: string;
+  readonly fixed = FIXED;
+  readonly machine: Mirror;
+  readonly version = signal(0);
+  readonly revision = signal(0);
+  readonly status = signal<MachineStatus | null>(null);
+  readonly people = signal([]);
+  readonly pending = signal<readonly PendingEdit[]>([]);
+  readonly steps = signal<MachineSteps>({ start: 0, steps: [] });
+  readonly problems = signal<readonly MachineProblem[]>([]);
+  readonly #shelf: Shelf;
+  readonly #listeners = new Set<(touched: Touched) => void>();
+  readonly #stops: (() => void)[];
+  #root: string | null = null;
+
+  /** Gets the machine that the run began with. Throws a `RefusalError`. */
+  static async enter(watch: Watch, runs: Runs, { server }: { readonly server: Server }) {
+    const document = await runs.get<Document>(watch.id, "machine");
+    return new RunRoom(watch, runs, server, document);
+  }
+
+  private constructor(watch: Watch, runs: Runs, server: Server, document: Document) {
+    this.id = runRoomId(watch.id);
+    const run = encodeURIComponent(watch.id);
+    this.#shelf = new Shelf(server.request, (key: LibraryKey) => {
+      const root = this.#root === null ? "" : `&root=${encodeURIComponent(this.#root)}`;
+      return `/runs/${run}/machine?library=${encodeURIComponent(key)}${root}`;
+    });
+    this.machine = new Mirror(document, (key) => this.#shelf.get(key));
+    const follow = effect(() => {
+      const root = watch.seen.value?.picture.root ?? null;
+      if (root !== null && root !== this.#root) void this.#goBy(root, runs, watch.id);
+    });
+    this.#stops = [this.#shelf.onArrival(() => this.#libraryChanged()), follow];
+  }
+
+  onChange(listener: (touched: Touched) => void): () => void {
+    this.#listeners.add(listener);
+    return () => void this.#listeners.delete(listener);
+  }
+
+  readonly edit = () => Promise.resolve(REFUSED);
+  readonly undo = () => Promise.resolve(REFUSED);
+  readonly redo = () => Promise.resolve(REFUSED);
+  readonly jump = () => Promise.resolve({ ...REFUSED, code: "fixed" });
+  readonly trace = () => undefined;
+
+  async loadLibrary(path: string): Promise<void> {
+    const library = this.machine.state(path)?.library;
+    if (!library) return;
+    try {
+      await this.#shelf.load(libraryKey(library));
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+    }
+  }
+
+  close(): void {
+    for (const stop of this.#stops) stop();
+    this.#listeners.clear();
+  }
+
+  async #goBy(root: string, runs: Runs, run: string): Promise<void> {
+    const isFirst = this.#root === null;
+    this.#root = root;
+    try {
+      const document = await runs.get<Document>(run, `machine?root=${encodeURIComponent(root)}`);
+      if (this.#root !== root) return;
+      if (!isFirst) await this.#shelf.refresh();
+      this.machine.reset(document);
+      this.#told();
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+    }
+  }
+
+  #libraryChanged(): void {
+    this.machine.libraryChanged();
+    this.#told();
+  }
+
+  #told(): void {
+    batch(() => {
+      for (const listener of this.#listeners) listener(null);
+      this.version.value = this.machine.version;
+    });
+  }
+}
