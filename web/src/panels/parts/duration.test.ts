@@ -1,0 +1,35 @@
+import { expect, test } from "vitest";
+import { clockTime, duration, sinceStart } from "./duration.ts";
+
+test("lengths are short, and told apart where it matters", () => {
+  const lengths = [0, 0.004, 1.5, 42, 400, 999, 12_300, 59_400, 59_600, 185_000, 3_723_000, -1_500];
+  expect(lengths.map(duration)).toEqual([
+    "0 s",
+    "4 µs",
+    "1.5 ms",
+    "42 ms",
+    "0.4 s",
+    "1.0 s",
+    "12 s",
+    "59 s",
+    "1:00",
+    "3:05",
+    "1:02:03",
+    "−1.5 s",
+  ]);
+});
+
+test("times since the start have as many digits as their step needs", () => {
+  expect([
+    sinceStart(12_345, 1_000),
+    sinceStart(12_345, 100),
+    sinceStart(12_345, 1),
+    sinceStart(72_500, 100),
+    sinceStart(72_500, 5_000),
+    sinceStart(3_723_400, 100),
+  ]).toEqual(["12 s", "12.3 s", "12.345 s", "1:12.5", "1:12", "1:02:03.4"]);
+});
+
+test("times of day have hours, minutes and seconds", () => {
+  expect(clockTime(new Date(2026, 10, 22, 4, 3, 9).getTime())).toBe("04:03:09");
+});

@@ -1,0 +1,42 @@
+/** Lengths of time and times of day for people: short, and as wide whatever the figures are. */
+
+const SECOND = 1_000;
+const MINUTE = 60 * SECOND;
+const HOUR = 60 * MINUTE;
+
+/** `4 µs`, `0.12 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`. */
+export function duration(ms: number): string {
+  if (ms < 0) return `−${duration(-ms)}`;
+  if (ms === 0) return "0 s";
+  if (ms < 0.9995) return `${Math.round(ms * 1_000)} µs`;
+  if (ms < 99.95) return `${ms < 9.95 ? ms.toFixed(1) : Math.round(ms)} ms`;
+  if (ms < 9_950) return `${(ms / SECOND).toFixed(1)} s`;
+  if (ms < MINUTE - 500) return `${Math.round(ms / SECOND)} s`;
+  const seconds = Math.round(ms / SECOND);
+  const [hours, minutes] = [Math.floor(seconds / 3_600), Math.floor(seconds / 60) % 60];
+  const rest = two(seconds % 60);
+  return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
+}
+
+/** `14:03:27` by this browser's clock and zone. */
+export function clockTime(ms: number): string {
+  const at = new Date(ms);
+  return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
+}
+
+/** A length as a time since the start, to the step that is told apart: `12.345 s`, `1:02:03.5`. */
+export function sinceStart(ms: number, step_ms: number): string {
+  const digits = step_ms >= SECOND ? 0 : Math.min(6, Math.ceil(-Math.log10(step_ms / SECOND)));
+  if (ms < MINUTE) return `${(ms / SECOND).toFixed(digits)} s`;
+  const rest = (ms % MINUTE) / SECOND;
+  const seconds = (digits === 0 ? Math.floor(rest).toString() : rest.toFixed(digits)).padStart(
+    digits === 0 ? 2 : digits + 3,
+    "0",
+  );
+  const [hours, minutes] = [Math.floor(ms / HOUR), Math.floor(ms / MINUTE) % 60];
+  return hours > 0 ? `${hours}:${two(minutes)}:${seconds}` : `${minutes}:${seconds}`;
+}
+
+function two(number: number): string {
+  return String(number).padStart(2, "0");
+}
