@@ -30,8 +30,8 @@ export interface SocketPorts {
   readonly random: () => number;
 }
 
-/** The server is asked so often whether it is there. */
-const PING_MS = 5_000;
+/** The server is asked so often whether it is there: what is shown counts as old soon after (`store/age.ts`). */
+const PING_MS = 2_000;
 /** A connection on which a question stays without any news for so long is taken for dead. */
 const SILENCE_MS = 12_000;
 /** A connection that does not say welcome for so long is given up. */

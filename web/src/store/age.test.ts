@@ -1,0 +1,73 @@
+import { signal } from "@preact/signals-core";
+import { describe, expect, it } from "vitest";
+import type { RunNow } from "../model/generated/protocol.ts";
+import { runAge } from "./age.ts";
+import { Journal } from "./journal.ts";
+import type { Watch } from "./run.ts";
+import type { Link, Pulse } from "./server.ts";
+
+const NOW_MS = 1_000_000;
+const DOWN: Link = { state: "down", since_ms: NOW_MS - 2_000, retry_ms: null, reason: "cut" };
+const UP = { state: "up" } as Link;
+
+interface Given {
+  readonly link?: Link;
+  readonly phase?: "live" | "finished";
+  readonly runner?: RunNow["link"];
+  readonly heard_ms?: number;
+  readonly ahead_ms?: number;
+  readonly moment?: number;
+}
+
+function age(given: Given) {
+  const { link = UP, phase = "live", runner = "up", heard_ms = NOW_MS - 500 } = given;
+  const run = { phase, started_ms: 0 };
+  const now = { run, link: runner, snapshot_ms: NOW_MS - 3_000, now_ms: NOW_MS } as RunNow;
+  const journal = new Journal();
+  journal.add(
+    [1, 2, 3].map((sequence) => ({
+      sequence,
+      t_ns: sequence * 1e9,
+      event: { type: "entered", path: "R" },
+    })),
+    4,
+  );
+  const watch = {
+    now: signal(now),
+    heard_ms: signal(heard_ms),
+    moment: signal(given.moment ?? null),
+    grown: signal(3),
+    journal,
+  } as unknown as Watch;
+  const pulse: Pulse = { heard_ms, delay_ms: 3, ahead_ms: given.ahead_ms ?? 0 };
+  const server = { link: signal(link), pulse: signal(pulse) };
+  return runAge({ server } as unknown as Parameters<typeof runAge>[0], watch, NOW_MS);
+}
+
+describe("what is shown of a run", () => {
+  it("is fresh while server and runner are heard, however long nothing happens", () => {
+    expect(age({})).toEqual({ age_ms: 0, isOld: false, why: null });
+  });
+
+  it("is as old as the server was heard last", () => {
+    expect(age({ link: DOWN })).toEqual({ age_ms: 500, isOld: true, why: "link" });
+    const silent = { heard_ms: NOW_MS - 9_000 };
+    expect(age(silent)).toEqual({ age_ms: 9_000, isOld: true, why: "link" });
+  });
+
+  it("is as old as the runner was heard last by the server, by the server's clock", () => {
+    const runner = "down" as const;
+    expect(age({ runner })).toEqual({ age_ms: 3_000, isOld: true, why: "runner" });
+    expect(age({ runner, ahead_ms: 60_000 }).age_ms).toBe(63_000);
+    expect(age({ runner, ahead_ms: -60_000 }).age_ms).toBe(0);
+  });
+
+  it("is never old once the run is over", () => {
+    const phase = "finished" as const;
+    expect(age({ phase, link: DOWN, runner: "over" }).isOld).toBe(false);
+  });
+
+  it("is a moment of the past if that was asked for, and not greyed", () => {
+    expect(age({ moment: 1, link: DOWN })).toEqual({ age_ms: 2_000, isOld: false, why: "moment" });
+  });
+});

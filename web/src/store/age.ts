@@ -1,0 +1,58 @@
+/** How old what is shown of a run may be, and why. Times of the server count by its own clock, however wrong this browser's is. */
+
+import type { RunNow } from "../model/generated/protocol.ts";
+import type { Page } from "./page.ts";
+import type { Watch } from "./run.ts";
+import type { Link, Pulse } from "./server.ts";
+
+export interface RunAge {
+  /** So long ago it was true for sure. */
+  readonly age_ms: number;
+  /** Whether something else may be true by now; what is shown of the run is greyed then. */
+  readonly isOld: boolean;
+  /** `link`: the server is not heard. `runner`: the server does not hear the run's program. `moment`: a past moment is shown, which
+   * is what the user wants, and never old. */
+  readonly why: "link" | "runner" | "moment" | null;
+}
+
+/** A server that is there is heard more often than this. */
+export const SILENCE_MS = 4_000;
+
+const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };
+
+/** Reads signals: an effect or computed value is told when it may be another. */
+export function runAge(page: Pick<Page, "server">, watch: Watch, now_ms: number): RunAge {
+  const now = watch.now.value;
+  if (watch.moment.value !== null) return momentAge(watch);
+  if (!now || !isGoingOn(now)) return FRESH;
+  const [link, pulse] = [page.server.link.value, page.server.pulse.value];
+  const heard_ms = Math.max(pulse?.heard_ms ?? 0, watch.heard_ms.value ?? 0);
+  const silent_ms = Math.max(0, now_ms - heard_ms);
+  if (isLost(link, silent_ms)) return { age_ms: silent_ms, isOld: true, why: "link" };
+  if (now.link === "up") return FRESH;
+  return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why: "runner" };
+}
+
+/** Whether the run goes on, as far as it is known; else nothing about it will be another. */
+export function isGoingOn(now: RunNow): boolean {
+  return now.run.phase === "live" || now.run.phase === "starting";
+}
+
+function isLost(link: Link, silent_ms: number): boolean {
+  return link.state !== "up" || silent_ms >= SILENCE_MS;
+}
+
+/** Since the runner said something, by the server's clock. */
+function runnerAge(now: RunNow, pulse: Pulse | null, now_ms: number): number {
+  const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
+  return Math.max(0, there_ms - (now.snapshot_ms ?? now.run.started_ms));
+}
+
+/** From the moment to the end of what was told. */
+function momentAge(watch: Watch): RunAge {
+  const { journal } = watch;
+  watch.grown.value;
+  const end_ns = journal.length === 0 ? 0 : journal.t_ns(journal.length - 1);
+  const t_ns = journal.t_ns(journal.indexOf(watch.moment.value ?? 0));
+  return { age_ms: Math.max(0, (end_ns - t_ns) / 1e6), isOld: false, why: "moment" };
+}

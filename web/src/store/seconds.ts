@@ -1,0 +1,22 @@
+/** The time by this browser's clock, about once a second, for whoever shows how old something is. Nobody looks: no timer runs. */
+
+import { type ReadonlySignal, signal } from "@preact/signals-core";
+
+const EVERY_MS = 1_000;
+
+let timer: ReturnType<typeof setInterval> | undefined;
+
+const time = signal(Date.now(), {
+  watched: () => {
+    timer = setInterval(tick, EVERY_MS);
+    queueMicrotask(tick);
+  },
+  unwatched: () => clearInterval(timer),
+});
+
+function tick(): void {
+  time.value = Date.now();
+}
+
+/** ms since 1970. */
+export const seconds: ReadonlySignal<number> = time;
