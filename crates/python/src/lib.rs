@@ -3,6 +3,7 @@
 //! Knows Python objects, script states and the Python package `rafcon`. Must never know servers, nor what a run decides:
 //! that is the engine's.
 
+mod array;
 mod build;
 mod build_files;
 mod build_run;

@@ -2,6 +2,7 @@
 //!
 //! Knows Python's own types. Must never know where a view is kept.
 
+use super::array;
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::{
@@ -12,6 +13,8 @@ use serde_json::{Map, Number, Value, json};
 
 /// Values in one view, at most.
 const ITEMS_MAX: usize = 256;
+/// Numbers of an array inside of another value, at most.
+const NESTED_MAX: usize = 64;
 /// How deep values are shown.
 const DEPTH_MAX: usize = 16;
 /// Bytes of one text, at most.
@@ -99,7 +102,44 @@ impl Looking {
             self.meet(object);
             self.dict(dict, depth)
         } else {
-            self.part(|| other(object))
+            let shown = self.part(|| other(object));
+            self.with_shape(object, shown, depth)
+        }
+    }
+
+    /// Adds what tells arrays apart, and some of their numbers.
+    fn with_shape(&mut self, object: &Bound<'_, PyAny>, mut shown: Value, depth: usize) -> Value {
+        let text = |name: &str| object.getattr(name).ok()?.str().ok()?.extract::<String>().ok();
+        let shape = || object.getattr("shape").ok()?.extract::<Vec<u64>>().ok();
+        let is_array =
+            !object.is_instance_of::<PyType>() && object.hasattr("dtype").unwrap_or(false);
+        if let (true, Some(shape), Value::Object(members)) = (is_array, shape(), &mut shown) {
+            members.insert("__dtype__".to_owned(), text("dtype").unwrap_or_default().into());
+            if let Some(sample) = array::sample(object, &shape, self.room(depth)) {
+                self.numbers(sample, members);
+            }
+            members.insert("__shape__".to_owned(), shape.into());
+        }
+        shown
+    }
+
+    /// How many numbers may be shown of an array. Inside of other values it leaves room for what comes after it.
+    fn room(&self, depth: usize) -> usize {
+        if depth == 0 { ITEMS_MAX } else { (self.left / 2).min(NESTED_MAX) }
+    }
+
+    /// The numbers taken of an array, if they are Python's own.
+    fn numbers(&mut self, sample: array::Sample<'_>, members: &mut Map<String, Value>) {
+        let is_number = |item: &Bound<'_, PyAny>| {
+            item.is_exact_instance_of::<PyFloat>()
+                || item.is_exact_instance_of::<PyInt>()
+                || item.is_exact_instance_of::<PyBool>()
+        };
+        if sample.items.iter().all(is_number) {
+            let items = sample.items.iter().map(|item| self.at(item, DEPTH_MAX)).collect();
+            members.insert("__items__".to_owned(), Value::Array(items));
+            members.insert("__sampled__".to_owned(), sample.sampled.into());
+            members.insert("__steps__".to_owned(), sample.steps.into());
         }
     }
 
@@ -168,7 +208,7 @@ fn other(object: &Bound<'_, PyAny>) -> Value {
     } else if is_large_set(object) {
         named(object, &format!("{} of many", class_name(object)))
     } else {
-        with_shape(object, represented(object))
+        represented(object)
     }
 }
 
@@ -184,18 +224,6 @@ fn is_large_set(object: &Bound<'_, PyAny>) -> bool {
     let is_set =
         object.is_exact_instance_of::<PySet>() || object.is_exact_instance_of::<PyFrozenSet>();
     is_set && object.len().is_ok_and(|count| count > ITEMS_MAX)
-}
-
-/// Adds what tells arrays apart.
-fn with_shape(object: &Bound<'_, PyAny>, mut shown: Value) -> Value {
-    let text = |name: &str| object.getattr(name).ok()?.str().ok()?.extract::<String>().ok();
-    let shape = || object.getattr("shape").ok()?.extract::<Vec<u64>>().ok();
-    let is_array = !object.is_instance_of::<PyType>() && object.hasattr("dtype").unwrap_or(false);
-    if let (true, Some(shape), Value::Object(members)) = (is_array, shape(), &mut shown) {
-        members.insert("__shape__".to_owned(), shape.into());
-        members.insert("__dtype__".to_owned(), text("dtype").unwrap_or_default().into());
-    }
-    shown
 }
 
 fn cut(object: &Bound<'_, PyAny>, count: usize, key: &str, some: Value) -> Value {

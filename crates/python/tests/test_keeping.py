@@ -1,5 +1,6 @@
 """What a run keeps of values: a runner dies in the middle of its run, and another one takes it up."""
 
+import importlib.util
 import json
 import pathlib
 import tempfile
@@ -244,6 +245,11 @@ class Variables(Lives):
 
 class Views(unittest.TestCase):
     def check(self, value, *views, head=""):
+        shown = self.shown(value, head)
+        for view in views:
+            self.assertEqual(view, {key: shown[key] for key in view} if isinstance(view, dict) else shown)
+
+    def shown(self, value, head=""):
         """What people see of a value: a script looks back at another's outputs, which are on disk by then."""
         make = execute("outputs['v'] = %s\nreturn 0" % value, head, id="A", outputs=[("v", "object", None)])
         look = """
@@ -256,10 +262,8 @@ class Views(unittest.TestCase):
             root = sequence(make, execute(look, id="B"))
             result = run(save(pathlib.Path(folder) / "machine", root), strict=True)
         (line,) = result.logged("stdout") or [None]
-        shown = json.loads(line)
-        for view in views:
-            self.assertEqual(view, {key: shown[key] for key in view} if isinstance(view, dict) else shown)
-        self.assertLess(len(line), 10_000)
+        self.assertLess(len(line), 20_000)
+        return json.loads(line)
 
     def test_plain_values(self):
         self.check("{'a': [1, (2, None)], 'b': 0.5}", {"a": [1, {"__tuple__": [2, None]}], "b": 0.5})
@@ -283,6 +287,82 @@ class Views(unittest.TestCase):
         self.check("Bad()", {"__repr__": "<Bad that cannot be shown>", "__class__": "Bad"}, head=bad)
         array = "class Array:\n    shape, dtype = (2, 3), 'float32'\n"
         self.check("Array()", {"__class__": "Array", "__shape__": [2, 3], "__dtype__": "float32"}, head=array)
+
+
+#: What arrays of libraries have in common, so that tests need none of these.
+ARRAY = """
+class Type:
+    def __init__(self, kind):
+        self.kind = kind
+
+    def __str__(self):
+        return {"f": "float64", "b": "bool", "i": "int64", "O": "object"}[self.kind]
+
+
+class Array:
+    def __init__(self, shape, at, kind="f", axes=None):
+        self.shape, self.at, self.dtype = shape, at, Type(kind)
+        self.axes = [range(count) for count in shape] if axes is None else axes
+
+    def __getitem__(self, slices):
+        axes = [axis[each] for axis, each in zip(self.axes, slices)]
+        return Array(tuple(map(len, axes)), self.at, self.dtype.kind, axes)
+
+    def tolist(self, where=()):
+        if len(where) == len(self.axes):
+            return self.at(*where)
+        assert len(self.axes[len(where)]) <= 256, "all of it would be copied"
+        return [self.tolist(where + (index,)) for index in self.axes[len(where)]]
+
+    def __reduce__(self):
+        raise TypeError("it is not kept")
+"""
+
+
+class Arrays(unittest.TestCase):
+    check, shown = Views.check, Views.shown
+
+    def test_small_ones_are_kept_whole(self):
+        whole = {"__shape__": [2, 3], "__dtype__": "float64", "__items__": [0.0, 0.5, 1.0, 1.0, 1.5, 2.0]}
+        sampled = {"__sampled__": [2, 3], "__steps__": [1, 1]}
+        self.check("Array((2, 3), lambda row, column: row + column / 2)", dict(whole, **sampled), head=ARRAY)
+        self.check("Array((), lambda: 7, 'i')", {"__shape__": [], "__items__": [7], "__sampled__": []}, head=ARRAY)
+        self.check("Array((2,), lambda at: at == 1, 'b')", {"__items__": [False, True]}, head=ARRAY)
+        self.check("Array((16, 16), lambda *at: 1.0)", {"__items__": [1.0] * 256}, head=ARRAY)
+        self.check("Array((0,), lambda at: 1.0)", {"__shape__": [0], "__items__": []}, head=ARRAY)
+
+    def test_of_large_ones_some_numbers_are_kept_evenly_spaced(self):
+        sampled = {"__shape__": [1000, 10**12], "__sampled__": [16, 16], "__steps__": [63, 62500000000]}
+        items = {"__items__": [float(row) for row in range(0, 1000, 63) for _ in range(16)]}
+        self.check("Array((1000, 10**12), lambda row, column: float(row))", dict(sampled, **items), head=ARRAY)
+
+    def test_numbers_that_json_does_not_have(self):
+        special = [{"__repr__": text, "__class__": "float"} for text in ("nan", "inf", "-inf")]
+        values = "(float('nan'), float('inf'), float('-inf'))"
+        self.check(f"Array((3,), lambda at: {values}[at])", {"__items__": special}, head=ARRAY)
+
+    def test_inside_of_other_values_they_leave_room(self):
+        head = ARRAY + "\nbig = Array((1000,), float)\n"
+        view = {"__shape__": [1000], "__dtype__": "float64", "__sampled__": [63], "__steps__": [16]}
+        shown = self.shown("{'big': big, 'pose': {'x': 1, 'y': [2, 3]}}", head)
+        self.assertEqual(view, {key: shown["big"][key] for key in view})
+        self.assertEqual({"x": 1, "y": [2, 3]}, shown["pose"])
+
+    def test_objects_in_arrays_and_arrays_that_refuse(self):
+        for value in ("Array((2,), lambda at: 'text', 'O')", "Array((2,), lambda at: 'text')", "Array((2,), None)"):
+            shown = self.shown(value, ARRAY)
+            self.assertNotIn("__items__", shown)
+            self.assertEqual([2], shown["__shape__"])
+
+    @unittest.skipUnless(importlib.util.find_spec("numpy"), "numpy is not there")
+    def test_arrays_of_numpy(self):
+        head = "import numpy"
+        self.check("numpy.arange(6.0).reshape(2, 3)", {"__items__": [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]}, head=head)
+        self.check("numpy.zeros((1000, 1000, 3), 'uint8')", {"__sampled__": [9, 9, 3], "__items__": [0] * 243}, head=head)
+        self.check("numpy.float32(0.5)", {"__shape__": [], "__items__": [0.5]}, head=head)
+        self.check("numpy.array([True, False])", {"__dtype__": "bool", "__items__": [True, False]}, head=head)
+        self.assertNotIn("__items__", self.shown("numpy.array([1j])", head))
+        self.assertNotIn("__items__", self.shown("numpy.zeros(2, 'i4,f8')", head))
 
 
 class Journal(unittest.TestCase):

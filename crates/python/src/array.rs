@@ -1,0 +1,115 @@
+//! Some numbers of an array, evenly spaced, so that people see what is in it.
+//!
+//! Knows what arrays of any library have in common: `shape`, `dtype.kind`, slices and `tolist`. Must never import one of these
+//! libraries, nor copy all of an array.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyList, PySlice, PyTuple};
+
+/// Kinds of numbers and truths, as `dtype.kind` names them.
+const KINDS: &str = "biuf";
+
+/// What was taken of an array.
+#[derive(Debug)]
+pub(crate) struct Sample<'py> {
+    /// Row by row.
+    pub(crate) items: Vec<Bound<'py, PyAny>>,
+    /// How many along each axis.
+    pub(crate) sampled: Vec<u64>,
+    /// How far apart along each axis.
+    pub(crate) steps: Vec<u64>,
+}
+
+/// At most so many numbers of an array of this shape; none if it has no numbers or does not give them away.
+pub(crate) fn sample<'py>(
+    object: &Bound<'py, PyAny>,
+    shape: &[u64],
+    count_max: usize,
+) -> Option<Sample<'py>> {
+    let kind = object.getattr("dtype").ok()?.getattr("kind").ok()?;
+    let kind = kind.extract::<String>().ok()?;
+    if kind.len() != 1 || !KINDS.contains(&kind) || count_max == 0 {
+        return None;
+    }
+    let steps = steps(shape, count_max as u64);
+    let sampled: Vec<u64> =
+        shape.iter().zip(&steps).map(|(size, step)| size.div_ceil(*step)).collect();
+    let count = usize::try_from(sampled.iter().product::<u64>()).ok()?;
+    let mut items = Vec::with_capacity(count);
+    if count > 0 {
+        let part = object.get_item(slices(object.py(), &steps)?).ok()?;
+        flatten(part.call_method0("tolist").ok()?, &sampled, &mut items)?;
+    }
+    (items.len() == count).then_some(Sample { items, sampled, steps })
+}
+
+/// How far apart numbers are taken along each axis: as close as the longest axes leave room for, and all of the short ones.
+fn steps(shape: &[u64], count_max: u64) -> Vec<u64> {
+    let fits = |cap: u64| {
+        let counts = shape.iter().map(|size| (*size).min(cap));
+        counts.into_iter().try_fold(1_u64, u64::checked_mul).is_some_and(|all| all <= count_max)
+    };
+    let cap = (1..=count_max).rev().find(|cap| fits(*cap)).unwrap_or(1);
+    shape.iter().map(|size| size.div_ceil((*size).min(cap).max(1)).max(1)).collect()
+}
+
+fn slices<'py>(py: Python<'py>, steps: &[u64]) -> Option<Bound<'py, PyTuple>> {
+    let slices = steps.iter().map(|step| {
+        let step = isize::try_from(*step).ok()?;
+        Some(PySlice::new(py, 0, isize::MAX, step))
+    });
+    PyTuple::new(py, slices.collect::<Option<Vec<_>>>()?).ok()
+}
+
+/// The numbers of nested lists, which must be as long as was asked for.
+fn flatten<'py>(
+    nested: Bound<'py, PyAny>,
+    sampled: &[u64],
+    items: &mut Vec<Bound<'py, PyAny>>,
+) -> Option<()> {
+    let Some((count, inner)) = sampled.split_first() else {
+        items.push(nested);
+        return Some(());
+    };
+    let list = nested.cast_into::<PyList>().ok()?;
+    if list.len() as u64 != *count {
+        return None;
+    }
+    list.iter().try_for_each(|item| flatten(item, inner, items))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::steps;
+
+    #[track_caller]
+    fn check(shape: &[u64], expected: &[u64]) {
+        let steps = steps(shape, 256);
+        assert_eq!(steps, expected);
+        let count: u64 =
+            shape.iter().zip(&steps).map(|(size, step)| size.div_ceil(*step)).product();
+        assert!(count <= 256, "{count} numbers of {shape:?}");
+    }
+
+    #[test]
+    fn small_arrays_are_taken_whole() {
+        check(&[], &[]);
+        check(&[0], &[1]);
+        check(&[256], &[1]);
+        check(&[16, 16], &[1, 1]);
+        check(&[5, 0, 7], &[1, 1, 1]);
+    }
+
+    #[test]
+    fn of_large_ones_numbers_are_taken_evenly_along_each_axis() {
+        check(&[257], &[2]);
+        check(&[480, 640, 3], &[54, 72, 1]);
+        check(&[3, 1_000_000], &[1, 11_765]);
+        check(&[u64::MAX / 2, u64::MAX / 2], &[u64::MAX / 32 + 1, u64::MAX / 32 + 1]);
+    }
+
+    #[test]
+    fn however_many_axes_there_are() {
+        check(&[2; 40], &[2; 40]);
+    }
+}
