@@ -1,0 +1,88 @@
+import { signal } from "@preact/signals-core";
+import { expect, test } from "vitest";
+import type { Event } from "../model/generated/protocol.ts";
+import { acknowledge, failures, openFailures } from "./acknowledged.ts";
+import { Journal } from "./journal.ts";
+import { memoryShed } from "./shed.ts";
+
+/** A run whose journal grows by what is told. */
+function run(id: string) {
+  const journal = new Journal();
+  const grown = signal(0);
+  const tell = (...events: readonly Event[]) => {
+    const from = journal.next;
+    const entries = events.map((event, at) => ({ sequence: from + at, t_ns: from + at, event }));
+    journal.add(entries, from + events.length);
+    grown.value = journal.length;
+  };
+  return { watch: { id, journal, grown }, tell };
+}
+
+function left(path: string, id = -1): Event {
+  return { type: "left", path, outcome: { id, name: id < 0 ? "aborted" : "success" } };
+}
+
+function log(level: "info" | "warning" | "error", message: string): Event {
+  return { type: "log", path: "R/A", level, stream: "logger", message };
+}
+
+function words(watch: ReturnType<typeof run>["watch"]): readonly string[] {
+  return openFailures(watch).value.map(
+    ({ sequence, kind, path, reach, count, text }) =>
+      `${sequence} ${kind} ${path}${reach === path ? "" : ` up to ${reach}`}${count > 1 ? ` ×${count}` : ""} ${text}`,
+  );
+}
+
+test("an error that climbs is one failure, and one elsewhere is another", () => {
+  const { watch, tell } = run("climbs");
+  tell(left("R/A/B"), left("R/A"));
+  expect(words(watch)).toEqual(["1 aborted R/A/B up to R/A "]);
+  tell(left("R"), left("R/C/D", 0), left("R/C"));
+  expect(words(watch)).toEqual(["1 aborted R/A/B up to R ", "5 aborted R/C "]);
+});
+
+test("an error that was handled does not climb", () => {
+  const { watch, tell } = run("handled");
+  tell(left("R/A"), { type: "entered", path: "R/B" }, left("R/B", 0), left("R"));
+  expect(words(watch)).toEqual(["1 aborted R/A ", "4 aborted R "]);
+});
+
+test("the same warning in a row is told once, and wants another look each time", () => {
+  const { watch, tell } = run("warns");
+  tell(log("info", "fine"), log("warning", "slips"), log("warning", "slips"));
+  expect(words(watch)).toEqual(["3 log R/A ×2 slips"]);
+  acknowledge(watch, [3]);
+  expect(words(watch)).toEqual([]);
+  tell(log("warning", "slips"));
+  expect(words(watch)).toEqual(["4 log R/A ×3 slips"]);
+});
+
+test("deadlines, scripts that were cut off and crashes are told in words", () => {
+  const { watch, tell } = run("others");
+  tell(
+    { type: "deadline_passed", path: "R/A", deadline_ms: 1500 },
+    { type: "cut_off", path: "R/A", grace_ms: 5000 },
+    { type: "resumed", life: 2, crash: { reason: "signal 9", active: [] }, policy: "abort" },
+  );
+  expect(words(watch)).toEqual([
+    "1 deadline R/A has run for longer than its 1.5 s",
+    "2 cut-off R/A did not heed that it was preempted, and was cut off after 5 s",
+    "3 crash  The program of the run died (signal 9). It was taken up; this is life 2.",
+  ]);
+});
+
+test("nothing new is the same list, so that nobody is drawn again", () => {
+  const { watch, tell } = run("same");
+  tell(left("R/A"));
+  const before = failures(watch).value;
+  tell({ type: "entered", path: "R/B" });
+  expect(failures(watch).value).toBe(before);
+});
+
+test("what was acknowledged is kept by run, and old runs make room", () => {
+  const shed = memoryShed();
+  for (let at = 0; at < 60; at += 1) acknowledge(run(`kept ${at}`).watch, [at], shed);
+  const all = shed.get("rafcon.acknowledged") as Record<string, readonly number[]>;
+  expect(Object.keys(all)).toHaveLength(50);
+  expect(all["kept 59"]).toEqual([59]);
+});
