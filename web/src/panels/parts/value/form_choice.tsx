@@ -1,0 +1,43 @@
+/** The forms that a value can be shown in, as a row of switches. */
+
+import { useSignal } from "../../../ui/signals.ts";
+import { chooseForm, type Form, forms } from "./kept_choice.ts";
+
+const TITLES: Readonly<Record<Form, string>> = {
+  list: "List",
+  table: "Table",
+  image: "Image",
+  plot: "Plot",
+};
+
+/** The form that was chosen for values of this kind, or the first; null if there is none. */
+export function useForm(kind: string, options: readonly Form[]): Form | null {
+  const chosen = useSignal(forms)[kind];
+  return options.find((option) => option === chosen) ?? options[0] ?? null;
+}
+
+export interface FormChoiceProps {
+  readonly kind: string;
+  readonly options: readonly Form[];
+  readonly form: Form | null;
+  readonly name: string;
+}
+
+export function FormChoice({ kind, options, form, name }: FormChoiceProps) {
+  if (options.length < 2) return null;
+  return (
+    <fieldset className="value-forms" aria-label={`Show ${name} as`}>
+      {options.map((option) => (
+        <button
+          key={option}
+          type="button"
+          className="value-form"
+          aria-pressed={option === form}
+          onClick={() => chooseForm(kind, option)}
+        >
+          {TITLES[option]}
+        </button>
+      ))}
+    </fieldset>
+  );
+}

@@ -1,0 +1,226 @@
+/** One value in a line, and what is in it below, if it is open. */
+
+import { ChevronRight, Copy } from "lucide-react";
+import { useState } from "react";
+import { numbersOf, recordsOf } from "../../../model/numbers.ts";
+import { pythonOf } from "../../../model/python_of.ts";
+import { shortValue } from "../../../model/short_value.ts";
+import { type Read, read, typeWords } from "../../../model/wire.ts";
+import { Button, IconButton } from "../../../ui/button.tsx";
+import { FormChoice, useForm } from "./form_choice.tsx";
+import type { Form } from "./kept_choice.ts";
+import { LongText } from "./long_text.tsx";
+import { NumbersImage, NumbersPlot, NumbersTable } from "./numbers_view.tsx";
+import { RecordsTable } from "./records_table.tsx";
+
+/** What of a value is open. */
+export interface ValueTree {
+  readonly isOpen: (way: string) => boolean;
+  readonly toggle: (way: string) => void;
+}
+
+export interface ValueRowProps {
+  readonly name: string | undefined;
+  readonly value: unknown;
+  readonly way: string;
+  readonly tree: ValueTree;
+}
+
+/** A line has room for so much. */
+const LINE_MAX = 60;
+
+export function ValueRow({ name, value, way, tree }: ValueRowProps) {
+  const found = read(value);
+  const isOpen = tree.isOpen(way) && hasInside(found);
+  const short = shortValue(value, LINE_MAX);
+  const words = (
+    <>
+      {name !== undefined && <span className="value-name">{name}</span>}
+      <code className={`value-short value-${found.kind}`} title={short}>
+        {short}
+      </code>
+    </>
+  );
+  return (
+    <div className="value-part">
+      <div className="value-row">
+        {hasInside(found) ? (
+          <button
+            type="button"
+            className="value-fold"
+            aria-expanded={isOpen}
+            aria-label={`${name ?? "Value"}: ${short}`}
+            onClick={() => tree.toggle(way)}
+          >
+            <ChevronRight size={13} aria-hidden />
+            {words}
+          </button>
+        ) : (
+          <span className="value-leaf">{words}</span>
+        )}
+        <TypeOf found={found} short={short} />
+        <CopyButton name={name} value={value} />
+      </div>
+      {isOpen && (
+        <div className="value-inside">
+          <Inside found={found} name={name} way={way} tree={tree} />
+        </div>
+      )}
+    </div>
+  );
+}
+
+/** The type, unless the line itself says it. */
+function TypeOf({ found, short }: { found: Read; short: string }) {
+  const words = typeWords(found);
+  const isSaid = found.kind === "none" || found.kind === "error" || short.startsWith(words);
+  return isSaid ? null : (
+    <span className="value-type" title={words}>
+      {words}
+    </span>
+  );
+}
+
+function CopyButton({ name, value }: { name: string | undefined; value: unknown }) {
+  return (
+    <IconButton
+      className="value-copy"
+      label={`Copy ${name ?? "the value"} as Python`}
+      icon={<Copy size={12} />}
+      onClick={() => void navigator.clipboard.writeText(pythonOf(value))}
+    />
+  );
+}
+
+function hasInside(found: Read): boolean {
+  switch (found.kind) {
+    case "list":
+      return found.items.length > 0;
+    case "dict":
+      return found.entries.length > 0;
+    case "text":
+      return found.text.length > LINE_MAX - 2 || found.text.includes("\n");
+    case "array":
+      return true;
+    case "error":
+      return found.message.length > LINE_MAX - found.of.length - 2;
+    case "object":
+      return found.shown.length > LINE_MAX;
+    default:
+      return false;
+  }
+}
+
+interface InsideProps {
+  readonly found: Read;
+  readonly name: string | undefined;
+  readonly way: string;
+  readonly tree: ValueTree;
+}
+
+function Inside({ found, name = "value", way, tree }: InsideProps) {
+  switch (found.kind) {
+    case "text":
+      return <LongText text={found.text} count={found.count} />;
+    case "error":
+      return <LongText text={found.message} />;
+    case "object":
+      return <LongText text={found.shown} />;
+    case "dict":
+      return <Parts entries={found.entries} count={found.count} way={way} tree={tree} />;
+    case "list":
+    case "array":
+      return <Rows found={found} name={name} way={way} tree={tree} />;
+    default:
+      return null;
+  }
+}
+
+interface RowsProps extends InsideProps {
+  readonly found: Extract<Read, { kind: "list" | "array" }>;
+  readonly name: string;
+}
+
+/** A list or array, in the form that was chosen for its kind. */
+function Rows({ found, name, way, tree }: RowsProps) {
+  const numbers = numbersOf(found);
+  const records = recordsOf(found);
+  const options = formsOf(found, numbers?.shape.length ?? 0, records !== null);
+  const kind = records ? "records" : `${found.kind}${numbers?.shape.length ?? ""}`;
+  const form = useForm(kind, options);
+  return (
+    <>
+      {found.kind === "array" && <ArrayFacts found={found} />}
+      <FormChoice kind={kind} options={options} form={form} name={name} />
+      {form === "table" && records && <RecordsTable records={records} name={name} />}
+      {form === "table" && numbers && <NumbersTable numbers={numbers} name={name} />}
+      {form === "plot" && numbers && <NumbersPlot numbers={numbers} name={name} />}
+      {form === "image" && numbers && <NumbersImage numbers={numbers} name={name} />}
+      {form === "list" && found.kind === "list" && (
+        <Parts
+          entries={found.items.map((item, index) => [String(index), item] as const)}
+          count={found.count}
+          way={way}
+          tree={tree}
+        />
+      )}
+    </>
+  );
+}
+
+/** The forms that there are, the usual one first. */
+function formsOf(found: RowsProps["found"], axes: number, isRecords: boolean): readonly Form[] {
+  if (isRecords) return ["table", "list"];
+  if (found.kind === "list") {
+    if (axes === 1) return ["list", "plot"];
+    return axes === 2 ? ["list", "table", "image"] : ["list"];
+  }
+  if (axes === 0) return [];
+  if (axes === 1) return ["plot", "table"];
+  return axes <= 3 ? ["table", "image"] : ["table"];
+}
+
+function ArrayFacts({ found }: { found: Extract<Read, { kind: "array" }> }) {
+  const isWhole = found.steps.every((step) => step === 1);
+  const size = found.shape.join(" × ");
+  if (!found.items) return <LongText text={found.shown} />;
+  return (
+    <p className="value-fact">
+      {found.of} of {found.dtype}
+      {size !== "" && `, ${size}`}
+      {!isWhole && `; shown is every ${found.steps.join(", ")}. along the axes`}
+    </p>
+  );
+}
+
+interface PartsProps {
+  readonly entries: readonly (readonly [string, unknown])[];
+  readonly count: number;
+  readonly way: string;
+  readonly tree: ValueTree;
+}
+
+/** So many parts are made at a time. */
+const PARTS_STEP = 50;
+
+function Parts({ entries, count, way, tree }: PartsProps) {
+  const [shown, setShown] = useState(PARTS_STEP);
+  const rest = entries.length - shown;
+  return (
+    <>
+      {entries.slice(0, shown).map(([name, value]) => (
+        <ValueRow key={name} name={name} value={value} way={`${way}\n${name}`} tree={tree} />
+      ))}
+      {rest > 0 && (
+        <Button kind="quiet" onClick={() => setShown(shown + PARTS_STEP)}>
+          Show {Math.min(rest, PARTS_STEP)} more of {entries.length}
+        </Button>
+      )}
+      {rest <= 0 && count > entries.length && (
+        <p className="value-fact">
+          {count - entries.length} more were not kept: a run keeps 256 values of one.
+        </p>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,42 @@
+/** Any value of a run, structured: a tree that folds, with types and sizes. What is folded is not made. */
+
+import { useState } from "react";
+import { keepOpen, openParts } from "./kept_choice.ts";
+import { ValueRow } from "./value_row.tsx";
+import "./value.css";
+
+export interface ValueViewProps {
+  /** As it came: what docs/protocol.md says of values. */
+  readonly value: unknown;
+  /** What it is called; left out: it stands under its name already. */
+  readonly name?: string | undefined;
+  /** Names it among all values, so that it comes back with the same parts open. */
+  readonly keep?: string | undefined;
+  /** Whether it is open if nobody has folded it. */
+  readonly openAtFirst?: boolean | undefined;
+}
+
+/** The parts of a value by their ways from it; the value itself has the empty way. */
+const ROOT = "";
+
+export function ValueView({ value, name, keep, openAtFirst = false }: ValueViewProps) {
+  const [parts, setParts] = useState<ReadonlySet<string>>(
+    () => openParts(keep ?? ROOT) ?? new Set(openAtFirst ? [ROOT] : []),
+  );
+  const toggle = (way: string) => {
+    const next = new Set(parts);
+    if (!next.delete(way)) next.add(way);
+    setParts(next);
+    if (keep) keepOpen(keep, next);
+  };
+  return (
+    <div className="value">
+      <ValueRow
+        name={name}
+        value={value}
+        way={ROOT}
+        tree={{ isOpen: (way) => parts.has(way), toggle }}
+      />
+    </div>
+  );
+}
