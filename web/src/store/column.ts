@@ -26,6 +26,11 @@ export class Column<A extends Numbers> {
     this.#length += 1;
   }
 
+  /** Another number where one is. */
+  set(index: number, value: number): void {
+    if (index < this.#length) this.#values[index] = value;
+  }
+
   /** 0 beyond the end. */
   at(index: number): number {
     return index < this.#length ? (this.#values[index] ?? 0) : 0;
