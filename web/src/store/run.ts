@@ -44,11 +44,14 @@ export interface Watch {
   readonly journal: Journal;
   /** Another number whenever the journal has grown: ten times a second at most. */
   readonly grown: ReadonlySignal<number>;
-  /** Whether all that there was when the page came has been told. */
+  /** Whether all that there was when the page came, or came back after a break, has been told. */
   readonly isCaughtUp: ReadonlySignal<boolean>;
+  /** Why the history cannot be told, while it cannot. */
+  readonly lack: ReadonlySignal<string | null>;
   /** The event whose moment the page shows; null: live, at the end. */
   readonly moment: Signal<number | null>;
-  /** The moment with its values; null while it is on its way. While live it is a second old at most, if anybody wants it. */
+  /** The moment with its values; null while it is on its way, but for a wink the moment before. While live it is a second old at
+   * most, if anybody wants it, and null if nobody does. */
   readonly seen: ReadonlySignal<Seen | null>;
   /** Says that values are wanted while live; returns the way to stop. */
   readonly wantValues: () => () => void;

@@ -1,0 +1,151 @@
+/** A server with one run, of a few lines, for tests: it tells the history from the cursor that is asked for, in frames as large as a
+ * test wants and cut off where it wants, and answers requests as the test says. */
+
+import { signal } from "@preact/signals-core";
+import type {
+  Event,
+  HistoryEntry,
+  Refusal,
+  RunNow,
+  ToClient,
+} from "../model/generated/protocol.ts";
+import {
+  type Follower,
+  type Link,
+  type Pulse,
+  RefusalError,
+  type Server,
+} from "../store/server.ts";
+
+/** A request that waits for its answer. */
+export interface Asked {
+  readonly method: string;
+  readonly path: string;
+  readonly body: unknown;
+  readonly answer: (value: unknown) => void;
+  readonly refuse: (status: number, message?: string) => void;
+}
+
+interface Following {
+  readonly follower: Follower;
+  topic: string;
+  next: number;
+  isCaughtUp: boolean;
+}
+
+export class FakeRun implements Server {
+  readonly link = signal<Link>({ state: "connecting" });
+  readonly pulse = signal<Pulse | null>(null);
+  readonly events: HistoryEntry[] = [];
+  /** All that was ever asked, and those without an answer. */
+  readonly asked: string[] = [];
+  waiting: Asked[] = [];
+  #followings: Following[] = [];
+
+  request: Server["request"] = <T>(method: string, path: string, body?: unknown) =>
+    new Promise<T>((answered, failed) => {
+      this.asked.push(`${method} ${path}`);
+      const over = (act: () => void) => {
+        this.waiting = this.waiting.filter((each) => each !== asked);
+        act();
+      };
+      const asked: Asked = {
+        method,
+        path,
+        body,
+        answer: (value) => over(() => answered(value as T)),
+        refuse: (status, message = "no") =>
+          over(() => failed(new RefusalError({ code: "no", message }, status))),
+      };
+      this.waiting.push(asked);
+    });
+
+  follow: Server["follow"] = (follower) => {
+    const following = { follower, topic: "", next: 0, isCaughtUp: false };
+    this.#followings.push(following);
+    this.#subscribe(following);
+    return () => {
+      this.#followings = this.#followings.filter((each) => each !== following);
+    };
+  };
+
+  edit = () => Promise.reject(new Error("nobody edits a run"));
+  undo = this.edit;
+  redo = this.edit;
+  say(): void {}
+  retry(): void {}
+
+  /** Something happens in the run. */
+  happen(event: Event): void {
+    const sequence = this.events.length + 1;
+    this.events.push({ sequence, t_ns: sequence * 1e6, event });
+  }
+
+  /** Tells at most so many events, or once that there are no more. */
+  tell(count: number): void {
+    for (const following of this.#of("run_history")) {
+      const { next } = following;
+      const events = this.events.slice(next - 1, next - 1 + count);
+      following.next += events.length;
+      if (events.length === 0 && following.isCaughtUp) continue;
+      if (events.length === 0) following.isCaughtUp = true;
+      this.#frame(following, { frame: "events", subscription: 1, events, next: following.next });
+    }
+  }
+
+  /** The connection breaks and comes back: whoever follows is asked where to go on. */
+  breakUp(): void {
+    for (const following of this.#followings) this.#subscribe(following);
+  }
+
+  /** A frame that was told before comes once more. */
+  repeat(from: number, count: number): void {
+    for (const following of this.#of("run_history")) {
+      const events = this.events.slice(from - 1, Math.min(from - 1 + count, following.next - 1));
+      const next = from + events.length;
+      if (events.length > 0) {
+        this.#frame(following, { frame: "events", subscription: 1, events, next });
+      }
+    }
+  }
+
+  stand(now: RunNow): void {
+    for (const following of this.#of("run_status")) {
+      this.#frame(following, { frame: "run_status", subscription: 2, status: now });
+    }
+  }
+
+  end(topic: "run_history" | "run_status", refusal: Refusal | null = null): void {
+    for (const following of this.#of(topic)) {
+      this.#followings = this.#followings.filter((each) => each !== following);
+      this.#frame(following, { frame: "ended", subscription: 1, refusal });
+    }
+  }
+
+  /** How many follow. */
+  count(topic: "run_history" | "run_status"): number {
+    return this.#of(topic).length;
+  }
+
+  /** The oldest request that waits. */
+  first(): Asked {
+    const [first] = this.waiting;
+    if (!first) throw new Error("nothing was asked");
+    return first;
+  }
+
+  #subscribe(following: Following): void {
+    const topic = following.follower.topic();
+    following.topic = topic.topic;
+    following.isCaughtUp = false;
+    if (topic.topic === "run_history") following.next = topic.from;
+  }
+
+  #of(wanted: string): readonly Following[] {
+    return this.#followings.filter(({ topic }) => topic === wanted);
+  }
+
+  #frame({ follower }: Following, frame: ToClient): void {
+    follower.frame(frame);
+  }
+}

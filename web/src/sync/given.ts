@@ -1,0 +1,107 @@
+/** The commands that this page gives to a run: each is said again under its id until its fate is known, by the server's answer or
+ * by the run's own history. Knows nothing of what they do. */
+
+import { signal } from "@preact/signals-core";
+import type { Answer, Command, CommandAnswer, Event } from "../model/generated/protocol.ts";
+import type { Sent } from "../store/run.ts";
+import { RefusalError, type Server } from "../store/server.ts";
+import type { Clock } from "./clock.ts";
+
+export interface GivenPorts {
+  readonly server: Server;
+  readonly clock: Clock;
+  readonly newId: () => string;
+  /** Where they go. */
+  readonly path: string;
+  /** The last event that was told. */
+  readonly decidedOn: () => number;
+}
+
+type Fate = NonNullable<Sent["answer"]>;
+
+/** A command is no longer wanted after so long, if nobody says otherwise. */
+const PATIENCE_MS = 10_000;
+/** A command without an answer is asked for again after so long. */
+const AGAIN_MS = 500;
+/** So long after its expiry its fate is asked for. Then it is lost. */
+const FATE_MS = 600_000;
+/** So many answered commands are kept. */
+const SENT_MAX = 50;
+
+export class Given {
+  readonly sent = signal<readonly Sent[]>([]);
+  readonly #ports: GivenPorts;
+  /** Those whose fate is not known yet. */
+  readonly #open = new Map<string, (fate: Fate) => void>();
+  #isOver = false;
+
+  constructor(ports: GivenPorts) {
+    this.#ports = ports;
+  }
+
+  async give(command: Command, patience_ms = PATIENCE_MS): Promise<Sent> {
+    const { clock, newId, server, decidedOn } = this.#ports;
+    const [id, sent_ms] = [newId(), clock.now()];
+    const expiry_ms = sent_ms + patience_ms;
+    const expiry = Math.round(expiry_ms + (server.pulse.peek()?.ahead_ms ?? 0));
+    const begun: Sent = { id, command, sent_ms, expiry_ms, answer: null };
+    this.#put(begun);
+    const recorded = new Promise<Fate>((known) => this.#open.set(id, known));
+    const body = { id, author: "", decided_on: decidedOn(), expiry, command };
+    const answer = await Promise.race([recorded, this.#answered(body, expiry_ms)]);
+    this.#open.delete(id);
+    const sent = { ...begun, answer };
+    this.#put(sent);
+    return sent;
+  }
+
+  /** The history tells what became of commands, whoever gave them. */
+  heard(event: Event): void {
+    if (event.type !== "commanded") return;
+    // There ids are their author's: `anna/17`.
+    const id = event.envelope.id.slice(event.envelope.id.indexOf("/") + 1);
+    this.#open.get(id)?.(event.answer);
+    const before = this.sent.peek().find((each) => each.id === id);
+    if (before?.answer?.answer === "lost") this.#put({ ...before, answer: event.answer });
+  }
+
+  close(): void {
+    this.#isOver = true;
+  }
+
+  async #answered(body: { readonly id: string }, expiry_ms: number): Promise<Fate> {
+    let isUncertain = false;
+    for (;;) {
+      try {
+        return await this.#ask(body);
+      } catch (error) {
+        if (!(error instanceof RefusalError)) throw error;
+        const { status, message } = error;
+        const isForNow = status === 0 || status === 429 || status >= 500;
+        if (!isForNow) return isUncertain ? lost(message) : { answer: "refused", reason: message };
+        isUncertain ||= status !== 429;
+        const isLate = this.#ports.clock.now() > expiry_ms + FATE_MS;
+        if (isLate || this.#isOver || !this.#open.has(body.id)) return lost(message);
+        await new Promise<void>((over) => this.#ports.clock.after(AGAIN_MS, over));
+      }
+    }
+  }
+
+  async #ask(body: { readonly id: string }): Promise<Answer> {
+    const { server, path } = this.#ports;
+    const { id: _, ...answer } = await server.request<CommandAnswer>("POST", path, body);
+    return answer;
+  }
+
+  #put(sent: Sent): void {
+    const before = this.sent.peek();
+    const at = before.findIndex(({ id }) => id === sent.id);
+    const all = at < 0 ? [...before, sent] : before.with(at, sent);
+    const surplus = all.length - SENT_MAX;
+    this.sent.value = all.filter(({ answer }, index) => answer === null || index >= surplus);
+  }
+}
+
+function lost(reason: string): Fate {
+  return { answer: "lost", reason };
+}

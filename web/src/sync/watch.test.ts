@@ -1,0 +1,343 @@
+import fc from "fast-check";
+import { describe, expect, it } from "vitest";
+import type { Answer, Picture, RunNow, RunSummary } from "../model/generated/protocol.ts";
+import { FakeClock } from "./fake_clock.ts";
+import { FakeRun } from "./fake_run.ts";
+import { RunWatch } from "./watch.ts";
+
+function setUp() {
+  const [server, clock] = [new FakeRun(), new FakeClock()];
+  let ids = 0;
+  const newId = () => {
+    ids += 1;
+    return `id${ids}`;
+  };
+  const watch = new RunWatch("r", { server, clock, newId });
+  return { server, clock, watch };
+}
+
+async function settle(): Promise<void> {
+  for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();
+}
+
+function happen(server: FakeRun, count: number): void {
+  for (let each = 0; each < count; each += 1) server.happen({ type: "entered", path: `R/${each}` });
+}
+
+function now(phase: "live" | "crashed" | "finished", disk_safe: number): RunNow {
+  const run = { phase, id: "r" } as RunSummary;
+  return { run, snapshot: { disk_safe } } as RunNow;
+}
+
+function sequences({ journal }: RunWatch): readonly number[] {
+  return Array.from({ length: journal.length }, (_, index) => journal.sequence(index));
+}
+
+describe("the history of a run", () => {
+  const deeds = fc.array(
+    fc.oneof(
+      fc.record({ deed: fc.constant("happen" as const), count: fc.nat(9) }),
+      fc.record({ deed: fc.constant("tell" as const), count: fc.integer({ min: 1, max: 7 }) }),
+      fc.record({ deed: fc.constant("break" as const), count: fc.nat(1) }),
+      fc.record({ deed: fc.constant("repeat" as const), count: fc.integer({ min: 1, max: 20 }) }),
+      fc.record({ deed: fc.constant("end" as const), count: fc.nat(1) }),
+    ),
+    { maxLength: 60 },
+  );
+
+  it("is there once and whole, however it is cut and whatever comes twice", () => {
+    fc.assert(
+      fc.property(deeds, (all) => {
+        const { server, watch } = setUp();
+        for (const { deed, count } of all) {
+          if (deed === "happen") happen(server, count);
+          else if (deed === "tell") server.tell(count);
+          else if (deed === "break") server.breakUp();
+          else if (deed === "repeat") server.repeat(count, 5);
+          else {
+            server.end("run_history");
+            server.stand(now("live", server.events.length));
+          }
+        }
+        server.tell(Number.POSITIVE_INFINITY);
+        expect(sequences(watch)).toEqual(server.events.map(({ sequence }) => sequence));
+        expect(server.count("run_history")).toBe(1);
+      }),
+    );
+  });
+
+  it("is caught up once the end was told, and again after each break", () => {
+    const { server, clock, watch } = setUp();
+    happen(server, 5);
+    server.tell(3);
+    expect(watch.isCaughtUp.value).toBe(false);
+    server.tell(3);
+    server.tell(3);
+    expect(watch.isCaughtUp.value).toBe(true);
+    expect(watch.grown.value).toBe(0);
+    clock.pass(100);
+    expect(watch.grown.value).toBe(5);
+    server.breakUp();
+    expect(watch.isCaughtUp.value).toBe(false);
+    server.tell(3);
+    expect(watch.isCaughtUp.value).toBe(true);
+  });
+
+  it("goes on when a run that was over is taken up again", () => {
+    const { server, watch } = setUp();
+    happen(server, 2);
+    server.tell(2);
+    server.end("run_history");
+    server.stand(now("finished", 2));
+    expect(server.count("run_history")).toBe(0);
+    happen(server, 1);
+    server.stand(now("live", 2));
+    server.tell(9);
+    expect(sequences(watch)).toEqual([1, 2, 3]);
+  });
+
+  it("is fetched to its end if there is more than was told", () => {
+    const { server, watch } = setUp();
+    happen(server, 2);
+    server.tell(1);
+    server.end("run_history");
+    server.stand(now("finished", 2));
+    server.tell(1);
+    expect(sequences(watch)).toEqual([1, 2]);
+  });
+
+  it("says why it cannot be had, and is tried again where that may help", () => {
+    const { server, clock, watch } = setUp();
+    server.end("run_history", { code: "busy", message: "the disk is busy" });
+    expect(watch.lack.value).toBe("the disk is busy");
+    clock.pass(1_000);
+    happen(server, 1);
+    server.tell(1);
+    expect([watch.lack.value, sequences(watch)]).toEqual([null, [1]]);
+    server.end("run_history", { code: "journal_too_short", message: "it ends before event 7" });
+    clock.pass(60_000);
+    expect(server.count("run_history")).toBe(0);
+    expect(watch.lack.value).toBe("it ends before event 7");
+  });
+
+  it("is not asked for any more once nobody watches", () => {
+    const { server, clock, watch } = setUp();
+    server.end("run_status", { code: "busy", message: "busy" });
+    watch.close();
+    clock.pass(10_000);
+    expect([server.count("run_history"), server.count("run_status")]).toEqual([0, 0]);
+  });
+
+  it("the truth is followed again after a refusal that may pass", () => {
+    const { server, clock, watch } = setUp();
+    server.end("run_status", { code: "busy", message: "busy" });
+    clock.pass(1_000);
+    server.stand(now("live", 0));
+    expect([watch.now.value?.run.phase, watch.heard_ms.value]).toEqual(["live", clock.now()]);
+  });
+});
+
+describe("a command", () => {
+  const PAUSE = { type: "pause" } as const;
+  const APPLIED = { id: "id1", answer: "applied" };
+
+  it("is under way until it is answered, and expires by the server's clock", async () => {
+    const { server, clock, watch } = setUp();
+    server.pulse.value = { heard_ms: clock.now(), delay_ms: 2, ahead_ms: 5_000 };
+    const sent_ms = clock.now();
+    const given = watch.command(PAUSE, 3_000);
+    const expiry_ms = sent_ms + 3_000;
+    const begun = { id: "id1", command: PAUSE, sent_ms, expiry_ms, answer: null };
+    expect(watch.sent.value).toEqual([begun]);
+    expect(server.first().path).toBe("/runs/r/commands");
+    const expiry = expiry_ms + 5_000;
+    const body = { id: "id1", author: "", decided_on: 0, expiry, command: PAUSE };
+    expect(server.first().body).toEqual(body);
+    server.first().answer(APPLIED);
+    expect((await given).answer).toEqual({ answer: "applied" });
+    expect(watch.sent.value).toEqual([{ ...begun, answer: { answer: "applied" } }]);
+  });
+
+  it("is said again with the same id until it is answered", async () => {
+    const { server, clock, watch } = setUp();
+    const given = watch.command(PAUSE);
+    for (const status of [0, 503, 502, 429, 0]) {
+      server.first().refuse(status);
+      await settle();
+      expect(watch.sent.value[0]?.answer).toBe(null);
+      clock.pass(500);
+      await settle();
+      expect(server.first().body).toMatchObject({ id: "id1", command: PAUSE });
+    }
+    server.first().answer({ id: "id1", answer: "expired" });
+    expect((await given).answer).toEqual({ answer: "expired" });
+    expect(server.asked).toHaveLength(6);
+  });
+
+  it("that was refused at once was never carried out", async () => {
+    const { server, watch } = setUp();
+    const given = watch.command(PAUSE);
+    server.first().refuse(409, "anna is in control");
+    expect((await given).answer).toEqual({ answer: "refused", reason: "anna is in control" });
+  });
+
+  it("that is refused after an answer was lost has a fate that nobody knows", async () => {
+    const { server, clock, watch } = setUp();
+    const given = watch.command(PAUSE);
+    server.first().refuse(0);
+    await settle();
+    clock.pass(500);
+    await settle();
+    server.first().refuse(409, "anna is in control");
+    expect((await given).answer).toEqual({ answer: "lost", reason: "anna is in control" });
+  });
+
+  it("is lost long after nobody could say what became of it", async () => {
+    const { server, clock, watch } = setUp();
+    const given = watch.command(PAUSE, 0);
+    clock.pass(600_001);
+    server.first().refuse(0, "no answer");
+    expect((await given).answer).toEqual({ answer: "lost", reason: "no answer" });
+  });
+
+  it("has the answer that stands in the run's history, also after it was lost", async () => {
+    const { server, clock, watch } = setUp();
+    const recorded = (id: string, answer: Answer) => {
+      const envelope = { id: `anna/${id}`, author: "anna", decided_on: 0, expiry: 0 };
+      server.happen({ type: "commanded", envelope: { ...envelope, command: PAUSE }, answer });
+      server.tell(1);
+    };
+    const given = watch.command(PAUSE);
+    recorded("id1", { answer: "applied" });
+    expect((await given).answer).toEqual({ answer: "applied" });
+    const lost = watch.command(PAUSE, 0);
+    clock.pass(600_001);
+    server.waiting.at(-1)?.refuse(0);
+    expect((await lost).answer?.answer).toBe("lost");
+    recorded("id2", { answer: "expired" });
+    expect(watch.sent.value.at(-1)?.answer).toEqual({ answer: "expired" });
+  });
+
+  it("is remembered with the last ones that were answered", async () => {
+    const { server, watch } = setUp();
+    const never = watch.command(PAUSE);
+    for (let each = 0; each < 60; each += 1) {
+      const given = watch.command(PAUSE);
+      server.waiting.at(-1)?.answer(APPLIED);
+      await given;
+    }
+    expect(watch.sent.value).toHaveLength(51);
+    expect(watch.sent.value[0]).toMatchObject({ id: "id1", answer: null });
+    server.first().answer(APPLIED);
+    await never;
+    expect(watch.sent.value).toHaveLength(50);
+  });
+});
+
+describe("a moment", () => {
+  const picture = (sequence: number) => ({ sequence }) as Picture;
+  const seen = (watch: RunWatch) => watch.seen.value?.picture.sequence ?? null;
+
+  it("that is wanted last is shown, whatever answers come late", async () => {
+    const { server, watch } = setUp();
+    watch.moment.value = 5;
+    watch.moment.value = 6;
+    watch.moment.value = 7;
+    expect(server.asked).toEqual(["GET /runs/r/moments/5"]);
+    server.first().answer(picture(5));
+    await settle();
+    expect(seen(watch)).toBe(null);
+  });
+
+  it("is asked for when the one before has come", async () => {
+    const { server, clock, watch } = setUp();
+    watch.moment.value = 5;
+    watch.moment.value = 7;
+    server.first().answer(picture(5));
+    await settle();
+    clock.pass(0);
+    expect(server.first().path).toBe("/runs/r/moments/7");
+    server.first().answer(picture(7));
+    await settle();
+    expect(seen(watch)).toBe(7);
+    clock.pass(60_000);
+    expect(server.asked).toHaveLength(2);
+  });
+
+  it("stays for a wink while the next one comes, and no longer", async () => {
+    const { server, clock, watch } = setUp();
+    watch.moment.value = 5;
+    server.first().answer(picture(5));
+    await settle();
+    watch.moment.value = 7;
+    expect(seen(watch)).toBe(5);
+    clock.pass(300);
+    expect(seen(watch)).toBe(null);
+    watch.moment.value = null;
+    expect(seen(watch)).toBe(null);
+  });
+
+  it("is asked for again while the server is not there, and given up if there is none", async () => {
+    const { server, clock, watch } = setUp();
+    watch.moment.value = 5;
+    server.first().refuse(503);
+    await settle();
+    expect(watch.moment.value).toBe(5);
+    clock.pass(500);
+    server.first().refuse(404);
+    await settle();
+    expect(watch.moment.value).toBe(null);
+  });
+
+  it("is gone when the page goes live, however late its picture comes", async () => {
+    const { server, watch } = setUp();
+    watch.moment.value = 5;
+    watch.moment.value = null;
+    server.first().answer(picture(5));
+    await settle();
+    expect(seen(watch)).toBe(null);
+  });
+
+  it("with live values is asked for once a second, only while somebody wants it and something happens", async () => {
+    const { server, clock, watch } = setUp();
+    happen(server, 3);
+    server.tell(3);
+    const stops = [watch.wantValues(), watch.wantValues(), watch.wantValues()];
+    expect(server.asked).toEqual(["GET /runs/r/moments"]);
+    server.first().answer(picture(3));
+    await settle();
+    clock.pass(10_000);
+    expect(server.asked).toHaveLength(1);
+    server.stand(now("live", 4));
+    clock.pass(1_000);
+    expect(server.asked).toHaveLength(2);
+    server.first().answer(picture(4));
+    await settle();
+    happen(server, 3);
+    server.tell(3);
+    clock.pass(10_000);
+    expect(server.asked).toHaveLength(3);
+    server.first().answer(picture(6));
+    await settle();
+    expect(seen(watch)).toBe(6);
+    for (const stop of stops) stop();
+    for (const stop of stops) stop();
+    expect(seen(watch)).toBe(null);
+    happen(server, 3);
+    server.tell(3);
+    clock.pass(10_000);
+    expect(server.asked).toHaveLength(3);
+  });
+
+  it("asks for nothing once the watch is closed", async () => {
+    const { server, clock, watch } = setUp();
+    watch.wantValues();
+    server.first().answer(picture(0));
+    await settle();
+    watch.close();
+    happen(server, 1);
+    server.tell(1);
+    clock.pass(60_000);
+    expect([seen(watch), server.asked.length]).toEqual([0, 1]);
+  });
+});
