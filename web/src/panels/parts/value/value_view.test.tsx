@@ -12,7 +12,7 @@ afterEach(unmount);
 const POSE = {
   frame: "map",
   position: [0.1, 0.2, 0.30000000000000004],
-  deep: { er: { still: 1 } },
+  deep: { er: { still: "here, and too long a text for a line", folded: 1 } },
 };
 
 function fold(place: HTMLElement, name: string): HTMLElement | null {
