@@ -1,0 +1,84 @@
+/** What of a row shows in a part of a run's time: a bar for each call that is wide enough; of those that are not, how many lie
+ * together and how many of them failed. So a row costs as much as it is wide, however much happened. */
+
+import { type Calls, NONE } from "../../store/calls.ts";
+import { type Look, lookOf, type Row } from "../../store/lanes.ts";
+import type { Span } from "./span.ts";
+
+export type Bar =
+  | { readonly x: number; readonly width: number; readonly call: number; readonly look: Look }
+  | {
+      readonly x: number;
+      readonly width: number;
+      /** How many calls. */
+      readonly many: number;
+      readonly failed: number;
+      /** The first of them. */
+      readonly first: number;
+    };
+
+/** Below this width in CSS pixels calls are drawn together. */
+const NARROW_PX = 2;
+
+export interface Scale {
+  readonly span: Span;
+  readonly width: number;
+  /** Until when what goes on has come. */
+  readonly end_ns: number;
+}
+
+export function xOf({ span, width }: Scale, t_ns: number): number {
+  return ((t_ns - span.from_ns) / (span.to_ns - span.from_ns)) * width;
+}
+
+export function timeAt({ span, width }: Scale, x: number): number {
+  return span.from_ns + (x / width) * (span.to_ns - span.from_ns);
+}
+
+/** From left to right. */
+export function barsOf(calls: Calls, row: Row, scale: Scale): readonly Bar[] {
+  const { journal } = calls;
+  const bars: Bar[] = [];
+  const first = journal.indexAt(scale.span.from_ns);
+  const until = row.firstFrom(journal.indexAt(scale.span.to_ns + 1));
+  let at = row.firstOpenAfter(first - 1);
+  while (at < until) {
+    const call = row.calls[at] ?? NONE;
+    const x = xOf(scale, calls.began_ns(call));
+    const end = xOf(scale, calls.ended_ns(call, scale.end_ns));
+    if (end - x >= NARROW_PX) {
+      bars.push({ x, width: end - x, call, look: lookOf(calls, call) });
+      at += 1;
+      continue;
+    }
+    const next = Math.max(at + 1, Math.min(until, together(calls, row, scale, x)));
+    bars.push({
+      x: Math.floor(x),
+      width: NARROW_PX,
+      many: next - at,
+      failed: row.failed(at, next),
+      first: call,
+    });
+    at = next;
+  }
+  return bars;
+}
+
+/** The place in the row behind the narrow calls that begin in the same pixels; a wide one at their end stands for itself. */
+function together(calls: Calls, row: Row, scale: Scale, x: number): number {
+  const edge = Math.floor(x) + NARROW_PX;
+  const behind = row.firstFrom(calls.journal.indexAt(timeAt(scale, edge)));
+  const last = row.calls[behind - 1] ?? NONE;
+  const isWide =
+    last !== NONE &&
+    xOf(scale, calls.ended_ns(last, scale.end_ns)) - xOf(scale, calls.began_ns(last)) >= NARROW_PX;
+  return isWide ? behind - 1 : behind;
+}
+
+/** The call of a row at a time; NONE if nothing ran there. */
+export function callAt(calls: Calls, row: Row, t_ns: number, end_ns: number): number {
+  const { journal } = calls;
+  const place = row.firstFrom(journal.indexAt(t_ns + 1)) - 1;
+  const call = row.calls[place] ?? NONE;
+  return call !== NONE && calls.ended_ns(call, end_ns) >= t_ns ? call : NONE;
+}

@@ -1,0 +1,44 @@
+/** Where lanes and their rows stand on the time line: a folded lane shows one row, what worked in it. */
+
+import type { Lane, Row } from "../../store/lanes.ts";
+
+export const ROW_PX = 18;
+const GAP_PX = 6;
+
+export interface LaneRow {
+  readonly row: Row;
+  readonly y: number;
+}
+
+export interface LaneBox {
+  readonly lane: Lane;
+  readonly y: number;
+  readonly height: number;
+  readonly isFolded: boolean;
+  readonly rows: readonly LaneRow[];
+}
+
+export interface TimelineLayout {
+  readonly lanes: readonly LaneBox[];
+  readonly height: number;
+}
+
+/** Lanes from the top; those inside a folded lane stay. */
+export function layoutOf(lanes: readonly Lane[], folded: ReadonlySet<string>): TimelineLayout {
+  let y = GAP_PX / 2;
+  const boxes = lanes.map((lane) => {
+    const isFolded = folded.has(lane.path);
+    const shown = isFolded ? [lane.leaves] : lane.rows;
+    const rows = shown.map((row, index) => ({ row, y: y + index * ROW_PX }));
+    const box = { lane, y, height: shown.length * ROW_PX, isFolded, rows };
+    y += box.height + GAP_PX;
+    return box;
+  });
+  return { lanes: boxes, height: y };
+}
+
+/** The row at a height; undefined between lanes. */
+export function rowAt(layout: TimelineLayout, y: number): LaneRow | undefined {
+  const box = layout.lanes.find((lane) => y >= lane.y && y < lane.y + lane.height);
+  return box?.rows[Math.floor((y - box.y) / ROW_PX)];
+}

@@ -1,0 +1,279 @@
+/** Paints the time line: rows of bars, and the ruler above with what is worth a mark. */
+
+import type { Calls } from "../../store/calls.ts";
+import type { Found } from "../../store/found.ts";
+import type { Look } from "../../store/lanes.ts";
+import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/notes.ts";
+import type { Inks } from "../../ui/inks.ts";
+import { sinceStart } from "../parts/duration.ts";
+import type { NameOf } from "../parts/happened.ts";
+import { type Bar, barsOf, type Scale, xOf } from "./bars.ts";
+import { ROW_PX, type TimelineLayout } from "./layout.ts";
+import { ticks } from "./span.ts";
+
+export interface Scene {
+  readonly calls: Calls;
+  readonly notes: Notes;
+  readonly found: Found | null;
+  readonly layout: TimelineLayout;
+  readonly scale: Scale;
+  /** How far the rows are scrolled. */
+  readonly top: number;
+  readonly height: number;
+  /** The index of the event that is shown; null: live. */
+  readonly moment: number | null;
+  /** The hit that one stands at. */
+  readonly hit: number | null;
+  readonly selected: ReadonlySet<string>;
+  readonly hovered: number | null;
+  /** When what is shown parts from another run. */
+  readonly parted_ns: number | null;
+  readonly nameOf: NameOf;
+  readonly inks: Inks;
+  readonly font: string;
+}
+
+export const RULER_PX = 40;
+const NOTES_Y = 30;
+
+const LOOKS: Readonly<Record<Look, { readonly ink: string; readonly sign: string }>> = {
+  open: { ink: "--running", sign: "" },
+  ended: { ink: "--canvas-trail", sign: "" },
+  aborted: { ink: "--aborted", sign: "✕ " },
+  preempted: { ink: "--preempted", sign: "⊘ " },
+  back: { ink: "--text-faint", sign: "↶ " },
+  dropped: { ink: "--waiting", sign: "⇥ " },
+};
+
+export function paintRows(context: CanvasRenderingContext2D, scene: Scene): void {
+  const { layout, scale, top, height, inks } = scene;
+  context.fillStyle = inks("--sunken");
+  context.fillRect(0, 0, scale.width, height);
+  context.font = `11px ${scene.font}`;
+  context.textBaseline = "middle";
+  paintTicks(context, scene);
+  for (const { rows, y: laneY, height: laneHeight } of layout.lanes) {
+    if (laneY + laneHeight < top || laneY > top + height) continue;
+    for (const { row, y } of rows) {
+      if (y + ROW_PX < top || y > top + height) continue;
+      for (const bar of barsOf(scene.calls, row, scale)) paintBar(context, scene, bar, y - top);
+    }
+    context.fillStyle = inks("--border");
+    context.fillRect(0, laneY + laneHeight - top + 2.5, scale.width, 1);
+  }
+  paintMoment(context, scene, height);
+}
+
+function paintTicks(context: CanvasRenderingContext2D, { scale, height, inks }: Scene): void {
+  context.fillStyle = inks("--border");
+  context.globalAlpha = 0.45;
+  for (const at of ticks(scale.span, scale.width / 90).at_ns) {
+    context.fillRect(Math.round(xOf(scale, at)), 0, 1, height);
+  }
+  context.globalAlpha = 1;
+}
+
+function paintBar(context: CanvasRenderingContext2D, scene: Scene, bar: Bar, y: number): void {
+  const { inks } = scene;
+  const top = y + 1;
+  const height = ROW_PX - 3;
+  if ("many" in bar) {
+    context.fillStyle = inks(bar.failed > 0 ? "--aborted" : "--canvas-trail");
+    context.globalAlpha = bar.many > 1 ? 0.85 : 0.65;
+    context.fillRect(
+      bar.x,
+      bar.failed > 0 ? top : top + 3,
+      bar.width,
+      height - (bar.failed > 0 ? 0 : 3),
+    );
+    context.globalAlpha = 1;
+    return;
+  }
+  const left = Math.max(-4, bar.x);
+  const right = Math.min(scene.scale.width + 4, bar.x + bar.width);
+  const width = Math.max(1, right - left - (bar.width > 4 ? 1 : 0));
+  const { ink, sign } = LOOKS[bar.look];
+  context.fillStyle = inks(ink);
+  context.globalAlpha = bar.look === "open" ? 0.38 : 0.24;
+  context.fillRect(left, top, width, height);
+  context.globalAlpha = 1;
+  paintEdge(context, bar.look, { left, top, width, height });
+  if (scene.selected.has(scene.calls.path(bar.call)) || scene.hovered === bar.call) {
+    context.strokeStyle = inks(scene.hovered === bar.call ? "--text-soft" : "--canvas-selection");
+    context.lineWidth = 1.5;
+    context.strokeRect(left + 0.75, top + 0.75, Math.max(1, width - 1.5), height - 1.5);
+  }
+  paintName(context, scene, `${sign}${scene.nameOf(scene.calls.path(bar.call))}`, {
+    left: Math.max(0, left),
+    width: right - Math.max(0, left),
+    y: top + height / 2 - 0.5,
+  });
+}
+
+interface Rect {
+  readonly left: number;
+  readonly top: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** The lower edge says how a call ended, by colour and by shape: whole, broken, or double. */
+function paintEdge(context: CanvasRenderingContext2D, look: Look, rect: Rect): void {
+  const { left, top, width, height } = rect;
+  const y = top + height - 2;
+  if (look === "back" || look === "dropped") {
+    for (let x = left; x < left + width; x += 6) {
+      context.fillRect(x, y, Math.min(3, left + width - x), 2);
+    }
+    return;
+  }
+  context.fillRect(left, y, width, 2);
+  if (look === "aborted")
+    context.fillRect(left + width - Math.min(3, width), top, Math.min(3, width), height);
+  if (look === "preempted") context.fillRect(left, top, width, 1);
+}
+
+const NARROWEST_TEXT = 28;
+const PADDING = 4;
+
+function paintName(
+  context: CanvasRenderingContext2D,
+  { inks }: Scene,
+  text: string,
+  { left, width, y }: { readonly left: number; readonly width: number; readonly y: number },
+): void {
+  const room = width - 2 * PADDING;
+  if (room < NARROWEST_TEXT) return;
+  context.fillStyle = inks("--text");
+  context.fillText(cut(context, text, room), left + PADDING, y);
+}
+
+/** As much of a text as there is room for. */
+function cut(context: CanvasRenderingContext2D, text: string, room: number): string {
+  const wide = context.measureText(text).width;
+  if (wide <= room) return text;
+  const kept = Math.max(1, Math.floor((text.length * room) / wide) - 1);
+  return `${text.slice(0, kept)}…`;
+}
+
+/** What is later than the moment that is shown is drawn back; a line stands at the moment. */
+function paintMoment(context: CanvasRenderingContext2D, scene: Scene, height: number): void {
+  const { calls, scale, moment, inks, parted_ns } = scene;
+  if (parted_ns !== null) {
+    context.fillStyle = inks("--changed");
+    for (let y = 0; y < height; y += 7) {
+      context.fillRect(Math.round(xOf(scale, parted_ns)) - 1, y, 2, 4);
+    }
+  }
+  if (moment === null) {
+    context.fillStyle = inks("--running");
+    context.fillRect(Math.round(xOf(scale, scale.end_ns)), 0, 1, height);
+    return;
+  }
+  const x = Math.round(xOf(scale, calls.journal.t_ns(moment)));
+  context.fillStyle = inks("--sunken");
+  context.globalAlpha = 0.55;
+  context.fillRect(x, 0, Math.max(0, scale.width - x), height);
+  context.globalAlpha = 1;
+  context.fillStyle = inks("--accent");
+  context.fillRect(x - 1, 0, 2, height);
+}
+
+export function paintRuler(context: CanvasRenderingContext2D, scene: Scene): void {
+  const { scale, inks } = scene;
+  context.fillStyle = inks("--surface");
+  context.fillRect(0, 0, scale.width, RULER_PX);
+  context.font = `11px ${scene.font}`;
+  context.textBaseline = "middle";
+  const { step_ms, at_ns } = ticks(scale.span, scale.width / 90);
+  for (const at of at_ns) {
+    const x = Math.round(xOf(scale, at));
+    context.fillStyle = inks("--border-strong");
+    context.fillRect(x, 14, 1, 6);
+    context.fillStyle = inks("--text-soft");
+    context.fillText(sinceStart(at / 1e6, step_ms), x + 4, 9);
+  }
+  context.fillStyle = inks("--border");
+  context.fillRect(0, RULER_PX - 1, scale.width, 1);
+  paintHits(context, scene);
+  paintNotes(context, scene);
+  paintFlag(context, scene);
+}
+
+function paintHits(
+  context: CanvasRenderingContext2D,
+  { calls, found, scale, hit, inks }: Scene,
+): void {
+  if (!found) return;
+  context.fillStyle = inks("--canvas-hit");
+  let last = Number.NEGATIVE_INFINITY;
+  for (const index of found.hits) {
+    const x = xOf(scale, calls.journal.t_ns(index));
+    if (x < 0 || x > scale.width || x - last < 2) continue;
+    last = x;
+    context.fillRect(Math.round(x) - 1, 20, 2, 4);
+  }
+  if (hit === null) return;
+  const x = xOf(scale, calls.journal.t_ns(hit));
+  triangle(context, x, 16, 6);
+}
+
+const NOTE_INKS: Readonly<Record<NoteKind, string>> = {
+  command: "--accent",
+  edit: "--changed",
+  question: "--waiting",
+  breakpoint: "--held",
+  back: "--text-faint",
+  warning: "--warning",
+  error: "--danger",
+  crash: "--danger",
+};
+
+/** The letter of each kind, for those who cannot tell colours apart. */
+export const NOTE_SIGNS: Readonly<Record<NoteKind, string>> = {
+  command: "›",
+  edit: "±",
+  question: "?",
+  breakpoint: "●",
+  back: "↶",
+  warning: "▲",
+  error: "✕",
+  crash: "☇",
+};
+
+const NOTE_PX = 10;
+
+function paintNotes(context: CanvasRenderingContext2D, { calls, notes, scale, inks }: Scene): void {
+  const { journal } = calls;
+  const shown = new Map<number, NoteKind>();
+  const until = notes.firstFrom(journal.indexAt(scale.span.to_ns + 1));
+  for (let at = notes.firstFrom(journal.indexAt(scale.span.from_ns)); at < until; at++) {
+    const note = notes.all[at];
+    if (!note) continue;
+    const slot = Math.floor(xOf(scale, journal.t_ns(note.index)) / NOTE_PX);
+    const before = shown.get(slot);
+    if (!before || NOTE_KINDS.indexOf(before) < NOTE_KINDS.indexOf(note.kind))
+      shown.set(slot, note.kind);
+  }
+  context.textAlign = "center";
+  for (const [slot, kind] of shown) {
+    context.fillStyle = inks(NOTE_INKS[kind]);
+    context.fillText(NOTE_SIGNS[kind], slot * NOTE_PX + NOTE_PX / 2, NOTES_Y);
+  }
+  context.textAlign = "start";
+}
+
+function paintFlag(context: CanvasRenderingContext2D, { calls, scale, moment, inks }: Scene): void {
+  const t_ns = moment === null ? scale.end_ns : calls.journal.t_ns(moment);
+  context.fillStyle = inks(moment === null ? "--running" : "--accent");
+  triangle(context, xOf(scale, t_ns), RULER_PX - 2, 7);
+}
+
+/** A triangle that points down, its point at `y`. */
+function triangle(context: CanvasRenderingContext2D, x: number, y: number, size: number): void {
+  context.beginPath();
+  context.moveTo(x - size * 0.8, y - size);
+  context.lineTo(x + size * 0.8, y - size);
+  context.lineTo(x, y);
+  context.fill();
+}

@@ -1,0 +1,85 @@
+/** Which part of a run's time shows, and how it is moved: zoomed, panned, fitted, glued to now. */
+
+export interface Span {
+  readonly from_ns: number;
+  readonly to_ns: number;
+}
+
+/** What is wanted: all; or a part, which may go along with now. */
+export type Wanted = null | (Span & { readonly isFollowing: boolean });
+
+/** No part is shorter. */
+const SHORTEST_NS = 2_000;
+/** Beside all of it, so much room is left at the end. */
+const ROOM = 0.02;
+
+/** What shows of a run that has come so far. */
+export function spanOf(wanted: Wanted, end_ns: number): Span {
+  const whole = { from_ns: 0, to_ns: Math.max(SHORTEST_NS, end_ns * (1 + ROOM)) };
+  if (wanted === null) return whole;
+  if (!wanted.isFollowing) return wanted;
+  const length = wanted.to_ns - wanted.from_ns;
+  return { from_ns: Math.max(0, whole.to_ns - length), to_ns: whole.to_ns };
+}
+
+/** Shows `factor` times as much, with what is at a time staying where it is. */
+export function zoomed(span: Span, factor: number, at_ns: number, end_ns: number): Wanted {
+  const whole = spanOf(null, end_ns);
+  const length = Math.max(SHORTEST_NS, (span.to_ns - span.from_ns) * factor);
+  if (length >= whole.to_ns) return null;
+  const part = (at_ns - span.from_ns) / (span.to_ns - span.from_ns);
+  return held({ from_ns: at_ns - part * length, to_ns: at_ns + (1 - part) * length }, end_ns);
+}
+
+export function panned(span: Span, by_ns: number, end_ns: number): Wanted {
+  return held({ from_ns: span.from_ns + by_ns, to_ns: span.to_ns + by_ns }, end_ns);
+}
+
+/** Shows this part with some room around. */
+export function fitted(part: Span, end_ns: number): Wanted {
+  const room = Math.max(SHORTEST_NS, part.to_ns - part.from_ns) * 0.1;
+  return held({ from_ns: part.from_ns - room, to_ns: part.to_ns + room }, end_ns);
+}
+
+/** Moves the part so that a time shows; the same if it does. */
+export function withTime(wanted: Wanted, at_ns: number, end_ns: number): Wanted {
+  const span = spanOf(wanted, end_ns);
+  if (at_ns >= span.from_ns && at_ns <= span.to_ns) return wanted;
+  return panned(span, at_ns - (span.from_ns + span.to_ns) / 2, end_ns);
+}
+
+/** Inside of the run; at its end it goes along with it. */
+function held(span: Span, end_ns: number): Wanted {
+  const whole = spanOf(null, end_ns);
+  const length = span.to_ns - span.from_ns;
+  if (length >= whole.to_ns) return null;
+  const from_ns = Math.min(Math.max(0, span.from_ns), whole.to_ns - length);
+  const isFollowing = from_ns + length >= end_ns && from_ns + length >= whole.to_ns * (1 - 1e-9);
+  return { from_ns, to_ns: from_ns + length, isFollowing };
+}
+
+const STEPS = [1, 2, 5];
+
+/** Times at which the ruler has a mark, and how far they are from one another, in ms: so many at most. */
+export function ticks(
+  span: Span,
+  most: number,
+): { readonly step_ms: number; readonly at_ns: readonly number[] } {
+  const step_ns = stepFor((span.to_ns - span.from_ns) / Math.max(1, most));
+  const first = Math.ceil(span.from_ns / step_ns);
+  const count = Math.max(0, Math.floor(span.to_ns / step_ns) - first + 1);
+  const at_ns = Array.from({ length: count }, (_, index) => (first + index) * step_ns);
+  return { step_ms: step_ns / 1e6, at_ns };
+}
+
+const MINUTES_NS = [15, 30, 60, 120, 300, 600, 900, 1_800, 3_600].map((seconds) => seconds * 1e9);
+
+/** The smallest round length that is no less. */
+function stepFor(least_ns: number): number {
+  if (least_ns > 10e9) {
+    const found = MINUTES_NS.find((step) => step >= least_ns);
+    return found ?? Math.ceil(least_ns / 3_600e9) * 3_600e9;
+  }
+  const power = 10 ** Math.floor(Math.log10(Math.max(1, least_ns)));
+  return (STEPS.find((step) => step * power >= least_ns) ?? 10) * power;
+}

@@ -1,0 +1,75 @@
+/** What a search finds in a run: entries of states by their names, ends by their outcomes, log lines by their text. Goes on from where
+ * it was when the journal grows. */
+
+import { ENTERED, type Journal, LEFT } from "./journal.ts";
+
+/** So many are found at most. */
+const HITS_MAX = 20_000;
+
+export class Found {
+  /** Indices in the journal. */
+  readonly hits: number[] = [];
+  readonly #journal: Journal;
+  readonly #wanted: string;
+  readonly #name: (path: string) => string;
+  /** Whether a state's name is wanted, by the number of its path. */
+  readonly #named: boolean[] = [];
+  #read = 0;
+
+  constructor(journal: Journal, wanted: string, name: (path: string) => string) {
+    this.#journal = journal;
+    this.#wanted = wanted.trim().toLowerCase();
+    this.#name = name;
+  }
+
+  /** Whether more might be found than may be kept. */
+  get isFull(): boolean {
+    return this.hits.length >= HITS_MAX;
+  }
+
+  follow(): void {
+    if (this.#wanted === "") return;
+    for (; this.#read < this.#journal.length && !this.isFull; this.#read++) {
+      if (this.#is(this.#read)) this.hits.push(this.#read);
+    }
+  }
+
+  /** The place of the first hit after this event of the journal; the first of all if there is none. */
+  after(index: number): number {
+    const at = this.hits.findIndex((hit) => hit > index);
+    return Math.max(0, at);
+  }
+
+  /** The place of the last hit before this event; the last of all if there is none. */
+  before(index: number): number {
+    const at = this.hits.findLastIndex((hit) => hit < index);
+    return at < 0 ? this.hits.length - 1 : at;
+  }
+
+  #is(index: number): boolean {
+    const journal = this.#journal;
+    switch (journal.kind(index)) {
+      case ENTERED:
+        return this.#isNamed(journal.pathNumber(index));
+      case LEFT:
+        return this.#has(journal.outcome(index)?.name ?? "");
+      default: {
+        const event = journal.other(index);
+        return event?.type === "log" && this.#has(event.message);
+      }
+    }
+  }
+
+  #isNamed(path: number): boolean {
+    let is = this.#named[path];
+    if (is === undefined) {
+      is = this.#has(this.#name(this.#journal.pathOf(path)));
+      this.#named[path] = is;
+    }
+    return is;
+  }
+
+  #has(text: string): boolean {
+    return text.toLowerCase().includes(this.#wanted);
+  }
+}

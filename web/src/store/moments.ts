@@ -1,0 +1,55 @@
+/** Ways from one moment of a run to another: event by event, from entry to entry of a state, to the ends. */
+
+import { callsOf } from "./calls.ts";
+import type { Watch } from "./run.ts";
+
+/** The index in the journal of the event after which everything is shown; -1 before the first. */
+export function shownIndex({ moment, journal }: Watch): number {
+  const sequence = moment.value;
+  return sequence === null ? journal.length - 1 : journal.indexOf(sequence + 1) - 1;
+}
+
+/** Shows the moment after an event of the journal; beyond the last one what is now. */
+export function showIndex(watch: Watch, index: number): void {
+  const { journal, moment } = watch;
+  if (index >= journal.length) moment.value = null;
+  else if (journal.length > 0) moment.value = journal.sequence(Math.max(0, index));
+}
+
+/** Goes so many events forward, or back. Forward from the last one is live. */
+export function stepMoment(watch: Watch, by: number): void {
+  if (watch.moment.peek() === null && by > 0) return;
+  showIndex(watch, shownIndex(watch) + by);
+}
+
+/** The first or last event that one can go to. */
+export function toEnd(watch: Watch, end: "first" | "last"): void {
+  if (end === "first") showIndex(watch, 0);
+  else watch.moment.value = null;
+}
+
+/** The event by which a state was entered before the moment that is shown, or after it; null if it was not. */
+export function entryOf(watch: Watch, path: string, way: "before" | "after"): number | null {
+  const calls = callsOf(watch.journal);
+  const begins = calls.of(path).map((call) => calls.begin(call));
+  const now = shownIndex(watch);
+  const found =
+    way === "before"
+      ? begins.findLast((begin) => begin < now)
+      : watch.moment.value === null
+        ? undefined
+        : begins.find((begin) => begin > now);
+  return found ?? null;
+}
+
+/** Goes to the entry of a state before the moment that is shown, or after it; false if there is none. */
+export function toEntry(watch: Watch, path: string, way: "before" | "after"): boolean {
+  const index = entryOf(watch, path, way);
+  if (index !== null) showIndex(watch, index);
+  return index !== null;
+}
+
+/** The last event up to a time of the run. */
+export function showTime(watch: Watch, t_ns: number): void {
+  showIndex(watch, Math.max(0, watch.journal.indexAt(t_ns + 1) - 1));
+}
