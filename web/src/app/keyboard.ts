@@ -1,6 +1,7 @@
 /** From keys to commands: letters count on the canvas only, what texts need stays with texts. */
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
+import { refusalOf } from "../commands/command.ts";
 import { isCanvasKey, isTextKey, keymap, keyName } from "../commands/keys.ts";
 import { whyNot } from "../commands/subject.ts";
 import type { AppSession } from "./session.ts";
@@ -68,7 +69,8 @@ export function listenToKeys(session: AppSession, view: Window): () => void {
       return;
     }
     if (ids.some(changes)) explain(session);
-    if (isOurs(key)) event.preventDefault();
+    const isTold = ids.some((id) => tellRefusal(session, id));
+    if (isTold || isOurs(key)) event.preventDefault();
   };
   view.addEventListener("keydown", press);
   return () => view.removeEventListener("keydown", press);
@@ -83,6 +85,15 @@ function changes(id: string): boolean {
 function explain({ page, context }: AppSession): void {
   const text = whyNot(context());
   if (text !== null) page.tell({ level: "warning", text });
+}
+
+/** Says why the command of a key cannot be done; false if it has no reasons to tell. */
+function tellRefusal({ page, commands, context }: AppSession, id: string): boolean {
+  const command = commands.get(id);
+  const text = command && refusalOf(command, context());
+  if (!text) return false;
+  page.tell({ level: "info", text: `${command.title}: ${text}` });
+  return true;
 }
 
 /** A text that is being written counts before the command does. */

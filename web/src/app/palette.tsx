@@ -2,6 +2,7 @@
 
 import { Command as CommandSign, Library, Search, Workflow } from "lucide-react";
 import { type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
+import { refusalOf } from "../commands/command.ts";
 import { shownKey } from "../commands/keys.ts";
 import type { LibraryNode } from "../model/generated/protocol.ts";
 import { namesTo } from "../model/machine.ts";
@@ -196,7 +197,7 @@ function commandItems(
   const now = context();
   return commands.all().flatMap((command): PaletteItem[] => {
     if (command.id === "help.palette" || command.id === "help.commands") return [];
-    const disabled = command.enabled?.(now) === false;
+    const disabled = refusalOf(command, now) !== null;
     const [key] = keys(command.id);
     const menu = command.menu?.split("/")[0] ?? "";
     const item = (title: string, argument?: unknown): PaletteItem => ({

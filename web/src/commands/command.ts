@@ -1,8 +1,9 @@
 /** Commands: every action of the user as a named value. Menus, palette, shortcuts, buttons and tests call them by name. */
 
 import type { CanvasControl } from "../canvas/control.ts";
-import type { MachineFile } from "../model/generated/protocol.ts";
+import type { Breakpoint, MachineFile, OnCrash } from "../model/generated/protocol.ts";
 import type { OpenTab, Page } from "../store/page.ts";
+import type { Start, Watch } from "../store/run.ts";
 
 /** The menus of the bar, in order. */
 export const MENUS = ["File", "Edit", "Insert", "Arrange", "View", "Run", "Help"] as const;
@@ -41,6 +42,11 @@ export interface Dialogs {
     readonly answer: { readonly path: string; readonly name: string };
   };
   readonly colour: { readonly asks: Rgb | null; readonly answer: { readonly rgb: Rgb | null } };
+  /** What a run of the machine of a tab starts with. */
+  readonly "start-run": { readonly asks: OpenTab; readonly answer: Partial<Start> };
+  /** What becomes of the scripts that a crash has interrupted. */
+  readonly "take-up": { readonly asks: Watch; readonly answer: OnCrash };
+  readonly breakpoint: { readonly asks: Breakpoint; readonly answer: Breakpoint };
   readonly keys: { readonly asks: undefined; readonly answer: undefined };
   readonly settings: { readonly asks: undefined; readonly answer: undefined };
   readonly about: { readonly asks: undefined; readonly answer: undefined };
@@ -122,11 +128,19 @@ export interface Command {
   readonly menu?: MenuPlace;
   /** Whether it can be done now. Left out: always. */
   readonly enabled?: (context: Context) => boolean;
+  /** Why it cannot be done now, and the way out; null: it can. For commands whose reasons are not plain to see. */
+  readonly refusal?: (context: Context) => string | null;
   /** For switches: whether it is on. */
   readonly checked?: (context: Context) => boolean;
   /** What it can be done with: a menu of its own, each entry of which runs it with its argument. */
   readonly choices?: (context: Context) => readonly Choice[];
   readonly run: (context: Context, argument?: unknown) => unknown;
+}
+
+/** Why the command cannot be done now, empty where that is plain to see; null: it can. */
+export function refusalOf(command: Command, context: Context): string | null {
+  if (command.enabled?.(context) === false) return "";
+  return command.refusal?.(context) ?? null;
 }
 
 /** All commands by id, in the order in which menus show them. */
@@ -152,7 +166,7 @@ export class Commands {
   /** Runs the command if it can be done now; false if there is none or it cannot. What it throws is told to the user. */
   run(id: string, context: Context, argument?: unknown): boolean {
     const command = this.#all.get(id);
-    if (!command || command.enabled?.(context) === false) return false;
+    if (!command || refusalOf(command, context) !== null) return false;
     const failed = (error: unknown) => {
       const text = error instanceof Error ? error.message : String(error);
       context.page.tell({ level: "error", text: `${command.title}: ${text}` });

@@ -226,7 +226,11 @@ export function requestId(): string {
 }
 
 /** Saves where the machine lies. What another program changed meanwhile is never lost without a word. */
-async function saveTab(context: Context, tab: OpenTab | null, overwrite = false): Promise<boolean> {
+export async function saveTab(
+  context: Context,
+  tab: OpenTab | null,
+  overwrite = false,
+): Promise<boolean> {
   if (!tab) return false;
   if (tab.room.status.peek()?.summary.file === null) return saveElsewhere(context, false);
   const { page, shell } = context;

@@ -35,7 +35,15 @@ function menuOf(key: string, options: StandOptions = {}): string[] {
 }
 
 test("the bar has the menus that have entries, with keys, in blocks", () => {
-  expect(menuTitles(COMMANDS)).toEqual(["File", "Edit", "Insert", "Arrange", "View", "Help"]);
+  expect(menuTitles(COMMANDS)).toEqual([
+    "File",
+    "Edit",
+    "Insert",
+    "Arrange",
+    "View",
+    "Run",
+    "Help",
+  ]);
   const edit = barMenu(source(stand(MACHINE)), "Edit");
   expect(shown(edit).slice(0, 4)).toEqual(["Undo", "Redo", "—", "[Cut]"]);
   expect(edit[0]).toMatchObject({ id: "edit.undo", keys: "Ctrl+Z" });

@@ -2,7 +2,7 @@
 
 import type { ElementRef } from "../model/element.ts";
 import type { Command, Commands, Context } from "./command.ts";
-import { MENUS } from "./command.ts";
+import { MENUS, refusalOf } from "./command.ts";
 import { shownKey } from "./keys.ts";
 
 /** One entry, ready to be shown. */
@@ -68,13 +68,15 @@ function joined(blocks: readonly (readonly Entry[])[]): readonly Entry[] {
 export function entryOf(source: MenuSource, command: Command): Entry {
   const { commands, context } = source;
   const [key] = source.keys(command.id);
-  const disabled = command.enabled?.(context) === false;
+  const refusal = refusalOf(command, context);
+  const disabled = refusal !== null;
+  const detail = refusal || command.detail;
   const entry = {
     id: command.id,
     title: command.title,
     disabled,
     ...(key === undefined ? {} : { keys: shownKey(key) }),
-    ...(command.detail === undefined ? {} : { detail: command.detail }),
+    ...(detail === undefined ? {} : { detail }),
     ...(command.checked ? { checked: command.checked(context) } : {}),
   };
   if (!command.choices) return { ...entry, run: () => void commands.run(command.id, context) };
@@ -141,13 +143,16 @@ const RUN = {
   of: ["run.start-here", "run.stop-here", "run.selected", "run.only-selected"],
 };
 
+const BREAK = ["run.breakpoint", "run.edit-breakpoint", "run.force-outcome", "run.preempt"];
+
 const STATE: Recipe = [
   ["arrange.start-state", RUN],
   [ADD, CONNECT],
   CLIPBOARD,
   ["edit.rename", "arrange.group", "arrange.ungroup", "arrange.substitute", "arrange.change-kind"],
   [ARRANGE, "arrange.layout-level", "arrange.layout-all", "arrange.fit-content"],
-  ["file.save-state", "run.breakpoint", "arrange.background"],
+  BREAK,
+  ["file.save-state", "arrange.background"],
   ["view.zoom-selection"],
 ];
 
@@ -157,12 +162,15 @@ const LIBRARY: Recipe = [
   [CONNECT, ARRANGE],
   CLIPBOARD,
   ["edit.rename", "arrange.group", "arrange.substitute", "arrange.substitute-template"],
-  ["run.breakpoint", "arrange.background"],
+  BREAK,
+  ["arrange.background"],
   ["view.zoom-selection"],
 ];
 
 const IN_LIBRARY: Recipe = [
   ["edit.copy", "view.library-content", "file.open-library"],
+  [RUN],
+  BREAK,
   ["view.zoom-selection"],
 ];
 

@@ -6,6 +6,7 @@ import { useSession } from "../provided.tsx";
 import type { OpenDialog } from "../session.ts";
 import { About } from "./about.tsx";
 import { Ask } from "./ask.tsx";
+import { BreakpointDialog } from "./breakpoint.tsx";
 import { Colour } from "./colour.tsx";
 import { Keys } from "./keys.tsx";
 import { LibraryChooser } from "./library_chooser.tsx";
@@ -13,6 +14,8 @@ import { NewMachine } from "./new_machine.tsx";
 import { OpenMachine } from "./open_machine.tsx";
 import { SaveAs } from "./save_as.tsx";
 import { SettingsDialog } from "./settings.tsx";
+import { StartRunDialog } from "./start_run.tsx";
+import { TakeUp } from "./take_up.tsx";
 import "./dialogs.css";
 
 /** What a dialog is given: what it is asked, and where its answer goes. Null closes it without one. */
@@ -28,6 +31,9 @@ const DIALOGS: Readonly<Record<OpenDialog["name"], FunctionComponent<DialogProps
   new: NewMachine,
   library: LibraryChooser,
   colour: Colour,
+  "start-run": StartRunDialog,
+  "take-up": TakeUp,
+  breakpoint: BreakpointDialog,
   keys: Keys,
   settings: SettingsDialog,
   about: About,

@@ -1,0 +1,110 @@
+/** A breakpoint in all its parts. */
+
+import { useState } from "react";
+import { cannotSetConditions } from "../../commands/run_points.ts";
+import type { Breakpoint } from "../../model/generated/protocol.ts";
+import { namesTo } from "../../model/machine.ts";
+import { Button } from "../../ui/button.tsx";
+import { Dialog } from "../../ui/dialog.tsx";
+import { Checkbox, Select, TextField } from "../../ui/field.tsx";
+import { useSession } from "../provided.tsx";
+import type { DialogProps } from "./dialogs.tsx";
+
+export function BreakpointDialog({ asks, answer }: DialogProps<Breakpoint>) {
+  const { context } = useSession();
+  const now = context();
+  const [wanted, setWanted] = useState(asks);
+  const [count, setCount] = useState(String(Math.max(1, asks.hit_count)));
+  const put = (change: Partial<Breakpoint>) => setWanted({ ...wanted, ...change });
+  const machine = now.tab?.room.machine;
+  const isCount = /^[1-9]\d*$/.test(count.trim());
+  const unfit = cannotSetConditions(now);
+  const done = () => {
+    if (isCount) answer({ ...wanted, hit_count: Number(count) });
+  };
+  return (
+    <Dialog
+      title={`Breakpoint ${asks.id}`}
+      width={520}
+      onClose={() => answer(null)}
+      footer={
+        <>
+          <Button onClick={() => answer(null)}>Cancel</Button>
+          <Button kind="primary" disabled={!isCount} onClick={done}>
+            Set
+          </Button>
+        </>
+      }
+    >
+      <form
+        className="form"
+        onSubmit={(event) => {
+          event.preventDefault();
+          done();
+        }}
+      >
+        <p className="form-note">{machine ? namesTo(machine, asks.path).join(" › ") : asks.path}</p>
+        <Select
+          label="Holds"
+          value={wanted.when}
+          options={WHEN}
+          onChange={(when) => put({ when })}
+        />
+        <TextField
+          label="Condition, in Python"
+          mono
+          value={wanted.condition ?? ""}
+          placeholder={wanted.when === "after" ? 'outputs["count"] == 3' : 'inputs["count"] == 3'}
+          disabled={unfit !== null}
+          hint={
+            unfit ??
+            "Knows inputs, scoped, gvm, and after the state outputs and outcome. Empty: always."
+          }
+          onInput={(text) => put({ condition: text.trim() === "" ? null : text })}
+        />
+        <TextField
+          label="From which time on"
+          type="number"
+          value={count}
+          refusal={isCount ? null : "a whole number from 1 on"}
+          hint="1: each time; 3: from the third time on that its condition is true"
+          onInput={setCount}
+        />
+        <Select
+          label="What is held"
+          value={wanted.scope}
+          options={SCOPE}
+          onChange={(scope) => put({ scope })}
+        />
+        <Select
+          label="While nobody is connected"
+          value={wanted.unattended}
+          options={UNATTENDED}
+          onChange={(unattended) => put({ unattended })}
+        />
+        <Checkbox
+          label="Enabled"
+          checked={wanted.enabled}
+          onChange={(enabled) => put({ enabled })}
+        />
+        <button type="submit" hidden aria-hidden />
+      </form>
+    </Dialog>
+  );
+}
+
+const WHEN = [
+  { value: "before", title: "before the state" },
+  { value: "after", title: "after the state" },
+] as const;
+
+const SCOPE = [
+  { value: "branch", title: "its branch" },
+  { value: "run", title: "the whole run" },
+] as const;
+
+const UNATTENDED = [
+  { value: "hold", title: "it holds all the same" },
+  { value: "continue", title: "the run goes on" },
+  { value: "stop", title: "the run is stopped" },
+] as const;

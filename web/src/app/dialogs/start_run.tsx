@@ -1,0 +1,147 @@
+/** What a run starts with: values of the root's inputs, whether it is held, what a crash means, how much is kept. What was given last is
+ * remembered for each machine. */
+
+import { useState } from "react";
+import { textOfDefault } from "../../model/default_text.ts";
+import type { JsonValue, Keeping, OnCrash, PortDocument } from "../../model/generated/protocol.ts";
+import { portsOf } from "../../model/machine.ts";
+import { readInput } from "../../model/run_input.ts";
+import { shortType } from "../../model/types.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Start } from "../../store/run.ts";
+import { fileOfTab } from "../../store/running.ts";
+import { kept, shedOf } from "../../store/shed.ts";
+import { Button } from "../../ui/button.tsx";
+import { Dialog } from "../../ui/dialog.tsx";
+import { Checkbox, Select, TextField } from "../../ui/field.tsx";
+import type { DialogProps } from "./dialogs.tsx";
+
+/** What was given: of inputs the texts, by name. */
+interface Given {
+  readonly inputs: Readonly<Record<string, string>>;
+  readonly hold: boolean;
+  readonly onCrash: OnCrash | "machine";
+  readonly keeping: Keeping;
+}
+
+const FIRST: Given = { inputs: {}, hold: false, onCrash: "machine", keeping: "full" };
+const SHED = shedOf(() => window.localStorage);
+
+function keyOf(tab: OpenTab): string {
+  const file = fileOfTab(tab);
+  return `rafcon.start ${file ? `${file.project}/${file.path}` : tab.room.id}`;
+}
+
+export function StartRunDialog({ asks: tab, answer }: DialogProps<OpenTab>) {
+  const key = keyOf(tab);
+  const [given, setGiven] = useState<Given>(() => ({ ...FIRST, ...kept<Given>(SHED, key) }));
+  const { machine } = tab.room;
+  const root = machine.state(machine.root);
+  const ports = root ? portsOf(root, "input") : [];
+  const put = (change: Partial<Given>) => setGiven({ ...given, ...change });
+  const isRefused = ports.some((port) => refusalOf(port, given) !== null);
+  const done = () => {
+    if (isRefused) return;
+    SHED.put(key, given);
+    answer(startOf(ports, given));
+  };
+  return (
+    <Dialog
+      title={`Start “${root?.name ?? "run"}”`}
+      width={560}
+      onClose={() => answer(null)}
+      footer={
+        <>
+          <Button onClick={() => answer(null)}>Cancel</Button>
+          <Button kind="primary" disabled={isRefused} onClick={done}>
+            {given.hold ? "Start held" : "Start"}
+          </Button>
+        </>
+      }
+    >
+      <form
+        className="form"
+        onSubmit={(event) => {
+          event.preventDefault();
+          done();
+        }}
+      >
+        <Inputs ports={ports} given={given} put={put} />
+        <Checkbox
+          label="Hold before the first state, to step from there"
+          checked={given.hold}
+          onChange={(hold) => put({ hold })}
+        />
+        <Select
+          label="If the runner's program dies, scripts that it interrupted"
+          value={given.onCrash}
+          options={ON_CRASH}
+          onChange={(onCrash) => put({ onCrash })}
+        />
+        <Select
+          label="Of the run is kept"
+          value={given.keeping}
+          options={KEEPING}
+          onChange={(keeping) => put({ keeping })}
+        />
+        <button type="submit" hidden aria-hidden />
+      </form>
+    </Dialog>
+  );
+}
+
+const ON_CRASH = [
+  { value: "machine", title: "as the machine says, else wait for somebody to decide" },
+  { value: "ask", title: "wait until somebody decides" },
+  { value: "abort", title: "end by aborted, so that the machine recovers by itself" },
+  { value: "restart", title: "run again" },
+] as const;
+
+const KEEPING = [
+  { value: "full", title: "everything, with all values" },
+  { value: "status", title: "what happened, without values" },
+] as const;
+
+interface InputsProps {
+  readonly ports: readonly PortDocument[];
+  readonly given: Given;
+  readonly put: (change: Partial<Given>) => void;
+}
+
+function Inputs({ ports, given, put }: InputsProps) {
+  if (ports.length === 0) return <p className="form-note">The machine has no inputs.</p>;
+  return (
+    <fieldset className="form-group">
+      <legend>Inputs, as Python writes values; left empty, the default counts</legend>
+      {ports.map((port) => (
+        <TextField
+          key={port.id}
+          label={`${port.name}: ${shortType(port.data_type)}`}
+          mono
+          value={given.inputs[port.name] ?? ""}
+          placeholder={textOfDefault(port.default)}
+          refusal={refusalOf(port, given)}
+          onInput={(text) => put({ inputs: { ...given.inputs, [port.name]: text } })}
+        />
+      ))}
+    </fieldset>
+  );
+}
+
+function refusalOf(port: PortDocument, given: Given): string | null {
+  const text = given.inputs[port.name] ?? "";
+  if (text.trim() === "") return null;
+  const read = readInput(text, port.data_type);
+  return "refused" in read ? read.refused : null;
+}
+
+function startOf(ports: readonly PortDocument[], given: Given): Partial<Start> {
+  const inputs: Record<string, JsonValue> = {};
+  for (const { name, data_type } of ports) {
+    const text = given.inputs[name] ?? "";
+    const read = text.trim() === "" ? null : readInput(text, data_type);
+    if (read && "value" in read) inputs[name] = read.value;
+  }
+  const on_crash = given.onCrash === "machine" ? null : given.onCrash;
+  return { inputs, hold: given.hold, keeping: given.keeping, on_crash };
+}

@@ -1,0 +1,36 @@
+/** The way of a command from the user to the run in front. What became of it is told if it is not what was wanted. */
+
+import type { Command as Order } from "../model/generated/protocol.ts";
+import type { Sent, Watch } from "../store/run.ts";
+import type { Context } from "./command.ts";
+
+/** Gives the run in front a command; true once it was carried out. */
+export async function give(context: Context, title: string, order: Order): Promise<boolean> {
+  const watch = context.tab?.run.peek();
+  return watch ? giveTo(context, watch, title, order) : false;
+}
+
+export async function giveTo(
+  { page }: Context,
+  watch: Watch,
+  title: string,
+  order: Order,
+): Promise<boolean> {
+  const why = failureOf(await watch.command(order));
+  if (why !== null) page.tell({ level: "warning", text: `${title}: ${why}` });
+  return why === null;
+}
+
+/** Why a command was not carried out; null if it was. */
+export function failureOf({ answer }: Sent): string | null {
+  switch (answer?.answer) {
+    case "applied":
+      return null;
+    case "refused":
+      return answer.reason;
+    case "expired":
+      return "it came too late and was not carried out: the runner was not reached in time";
+    default:
+      return `nobody knows what became of it: ${answer?.reason ?? "there was no answer"}`;
+  }
+}

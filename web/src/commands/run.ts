@@ -1,0 +1,132 @@
+/** What the Run menu does first: runs begin, pause, go on and end. */
+
+import type { Start } from "../store/run.ts";
+import type { Command, Context } from "./command.ts";
+import { give } from "./give.ts";
+import { cannotCommand, cannotStart, cannotWhile } from "./run_rules.ts";
+import { startRun } from "./run_start.ts";
+
+export const RUN: readonly Command[] = [
+  {
+    id: "run.start",
+    title: "Start",
+    detail: "Starts a run of the machine as it lies on disk.",
+    keys: ["Shift+F7"],
+    classic: ["F5", "Shift+F7"],
+    menu: "Run/1",
+    refusal: cannotStart,
+    run: (context, argument) => startRun(context, (argument as Partial<Start> | undefined) ?? {}),
+  },
+  {
+    id: "run.start-with",
+    title: "Start with…",
+    detail:
+      "With values for the inputs, held before the first state, with another rule for crashes.",
+    menu: "Run/1",
+    refusal: cannotStart,
+    run: async (context) => {
+      const { tab, shell } = context;
+      const wanted = tab && (await shell.dialog("start-run", tab));
+      if (wanted) await startRun(context, wanted);
+    },
+  },
+  {
+    id: "run.start-held",
+    title: "Start held",
+    detail: "The run is held before its first state, to be stepped or resumed.",
+    menu: "Run/1",
+    refusal: cannotStart,
+    run: (context) => startRun(context, { hold: true }),
+  },
+  {
+    id: "run.toggle-pause",
+    title: "Pause or resume",
+    keys: ["F7"],
+    menu: "Run/2",
+    refusal: (context) => (canResume(context) ? cannotResume(context) : cannotPause(context)),
+    run: (context) =>
+      canResume(context) ? give(context, "Resume", RESUME) : give(context, "Pause", PAUSE),
+  },
+  {
+    id: "run.pause",
+    title: "Pause",
+    detail: "Holds every branch before its next state; scripts that run go on to their end.",
+    refusal: cannotPause,
+    run: (context) => give(context, "Pause", PAUSE),
+  },
+  {
+    id: "run.resume",
+    title: "Resume",
+    detail: "Lets what is held go on, and ends all steps.",
+    refusal: cannotResume,
+    run: (context, branch) =>
+      give(context, "Resume", {
+        type: "resume",
+        branch: typeof branch === "string" ? branch : null,
+      }),
+  },
+  {
+    id: "run.stop",
+    title: "Stop",
+    detail: "Ends the run as if it were preempted; handlers run.",
+    keys: ["F8"],
+    menu: "Run/2",
+    refusal: (context) => cannotCommand(context, { rest: true }),
+    run: async (context, argument) => {
+      if (argument === SURE || (await confirmStop(context))) {
+        await give(context, "Stop", { type: "stop" });
+      }
+    },
+  },
+  {
+    id: "run.kill",
+    title: "Kill the runner…",
+    detail: "Ends the run's program at once; no handler runs. For what a stop cannot end.",
+    menu: "Run/2",
+    refusal: (context) => cannotCommand(context),
+    run: async (context) => {
+      const isSure = await context.shell.confirm({
+        title: "Kill the runner?",
+        text: "Its program ends at once: no handler runs, and devices stay as they are. The run can be taken up again.",
+        yes: "Kill",
+        danger: true,
+      });
+      if (isSure) await give(context, "Kill", { type: "kill" });
+    },
+  },
+];
+
+/** The argument of `run.stop` where the user was asked already. */
+export const SURE = "sure";
+
+const PAUSE = { type: "pause" } as const;
+const RESUME = { type: "resume", branch: null } as const;
+
+function canResume({ tab }: Context): boolean {
+  const status = tab?.run.value?.now.value?.snapshot?.status;
+  return status === "paused" || status === "stepping";
+}
+
+function cannotPause(context: Context): string | null {
+  return cannotWhile(context, ["running", "stepping"], { rest: true });
+}
+
+function cannotResume(context: Context): string | null {
+  const why = cannotCommand(context);
+  if (why !== null || canResume(context)) return why;
+  const status = context.tab?.run.value?.now.value?.snapshot?.status;
+  return status === "stopping" ? "the run is being stopped" : "the run goes on already";
+}
+
+function confirmStop({ tab, shell }: Context): Promise<boolean> {
+  const isAgain = tab?.run.value?.now.value?.snapshot?.status === "stopping";
+  return shell.confirm({
+    title: isAgain ? "Stop once more?" : "Stop the run?",
+    text: isAgain
+      ? "The run is being stopped already. A second stop preempts handlers too and starts no other."
+      : "All active states are preempted, then handlers run. A run that was stopped does not go on.",
+    yes: isAgain ? "Stop handlers too" : "Stop",
+    no: "Go on",
+    danger: true,
+  });
+}

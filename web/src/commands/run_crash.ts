@@ -1,0 +1,102 @@
+/** What becomes of a run whose runner died, and of one whose machine was edited. */
+
+import type { OnCrash } from "../model/generated/protocol.ts";
+import { activeStates } from "../store/active.ts";
+import { fileOfTab, liveRun } from "../store/running.ts";
+import type { Command, Context } from "./command.ts";
+import { isChanged, saveTab } from "./file.ts";
+import { failureOf, give } from "./give.ts";
+import { cannotCommand, lacks } from "./run_rules.ts";
+import { anyOnlyState, canEdit } from "./subject.ts";
+
+/** The argument of `run.recover`. */
+export interface Recovered {
+  /** The state; null: all. */
+  readonly path: string | null;
+  readonly policy: "abort" | "restart";
+}
+
+export const RUN_CRASH: readonly Command[] = [
+  {
+    id: "run.take-up",
+    title: "Take the crashed run up…",
+    detail: "Another runner goes on where the run was when its runner died.",
+    menu: "Run/2",
+    refusal: ({ page, tab }) => {
+      const phase = tab?.run.value?.now.value?.run.phase;
+      return phase === "crashed" ? lacks(page, "start") : "for runs whose runner died";
+    },
+    run: takeUp,
+  },
+  {
+    id: "run.recover",
+    title: "Interrupted scripts",
+    detail:
+      "Decides what becomes of scripts that a crash interrupted: of the selected state, or of all.",
+    menu: "Run/6",
+    refusal: (context) => {
+      const isWaiting = interrupted(context).length > 0;
+      return cannotCommand(context) ?? (isWaiting ? null : "no script waits for a decision");
+    },
+    choices: (context) => {
+      const selected = anyOnlyState(context)?.path ?? null;
+      const path = interrupted(context).includes(selected ?? "") ? selected : null;
+      const what = path === null ? "all" : "the selected";
+      return [
+        { title: `Run ${what} again`, argument: { path, policy: "restart" } },
+        { title: `End ${what} by aborted`, argument: { path, policy: "abort" } },
+      ];
+    },
+    run: (context, argument) => {
+      const { path, policy } = argument as Recovered;
+      return give(context, "Interrupted scripts", { type: "recover", path, policy });
+    },
+  },
+  {
+    id: "run.reload",
+    title: "Take edits into the run",
+    detail: "Saves the machine, and the run goes by it from now on.",
+    menu: "Run/6",
+    refusal: (context) => {
+      const why = cannotCommand(context, { right: "edit" });
+      return why ?? (canEdit(context) ? null : "this tab shows the machine as it ran");
+    },
+    run: reload,
+  },
+];
+
+/** Paths of the states whose scripts were interrupted. */
+function interrupted({ tab }: Context): readonly string[] {
+  const watch = liveRun(tab);
+  const all = watch ? activeStates(watch) : [];
+  return all.filter(({ phase }) => phase === "interrupted").map(({ path }) => path);
+}
+
+async function takeUp({ tab, shell }: Context, argument: unknown): Promise<void> {
+  const watch = tab?.run.peek();
+  if (!watch) return;
+  const given = typeof argument === "string" ? (argument as OnCrash) : null;
+  const policy = given ?? (await shell.dialog("take-up", watch));
+  if (policy) await watch.resume(policy);
+}
+
+async function reload(context: Context): Promise<void> {
+  const { page, tab, shell } = context;
+  const watch = liveRun(tab);
+  if (!tab || !watch || fileOfTab(tab) === null) return;
+  if (isChanged(tab) && !(await saveTab(context, tab))) return;
+  const sent = await watch.command({ type: "reload", wait: false });
+  const why = failureOf(sent);
+  if (why === null)
+    return page.tell({ level: "info", text: "The run goes by the edited machine." });
+  if (sent.answer?.answer !== "refused") {
+    return page.tell({ level: "warning", text: `Take edits into the run: ${why}` });
+  }
+  const waits = await shell.confirm({
+    title: "The run cannot take the edits now",
+    text: `${why} The run can take them as soon as nothing of it is in the way.`,
+    yes: "Take them then",
+    no: "Not at all",
+  });
+  if (waits) await give(context, "Take edits into the run", { type: "reload", wait: true });
+}

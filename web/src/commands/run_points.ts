@@ -1,0 +1,174 @@
+/** Where a run is held, and what becomes of a state by hand: breakpoints, outcomes that somebody chooses, preemption. */
+
+import type { Breakpoint } from "../model/generated/protocol.ts";
+import { outcomesOf } from "../model/machine.ts";
+import { type Active, activeStates } from "../store/active.ts";
+import {
+  breakpointsOf,
+  freshId,
+  keptBreakpoints,
+  newBreakpoint,
+  withBreakpoint,
+} from "../store/breakpoints.ts";
+import { liveRun } from "../store/running.ts";
+import type { Choice, Command, Context } from "./command.ts";
+import { give } from "./give.ts";
+import { cannotCommand, lacks, pathFor } from "./run_rules.ts";
+import { anyOnlyState } from "./subject.ts";
+
+/** The argument of `run.force-outcome`. */
+export interface Forced {
+  readonly path: string;
+  readonly outcome: number;
+}
+
+export const RUN_POINTS: readonly Command[] = [
+  {
+    id: "run.breakpoint",
+    title: "Breakpoint",
+    detail: "Sets a breakpoint before the selected state, or takes its breakpoints away.",
+    keys: ["Ctrl+F9"],
+    menu: "Run/5",
+    checked: (context) => pointsAt(context, anyOnlyState(context)?.path ?? null).length > 0,
+    refusal: (context) =>
+      anyOnlyState(context) === null ? "select one state first" : cannotSetBreakpoints(context),
+    run: toggle,
+  },
+  {
+    id: "run.edit-breakpoint",
+    title: "Edit breakpoint…",
+    detail: "With a condition, from the n-th time on, for its branch or the whole run.",
+    menu: "Run/5",
+    refusal: (context) =>
+      anyOnlyState(context) === null ? "select one state first" : cannotSetBreakpoints(context),
+    run: editBreakpoint,
+  },
+  {
+    id: "run.clear-breakpoints",
+    title: "Remove all breakpoints",
+    menu: "Run/5",
+    refusal: (context) => {
+      const hasSome = context.tab !== null && breakpointsOf(context.tab).length > 0;
+      return hasSome ? cannotSetBreakpoints(context) : "there are no breakpoints";
+    },
+    run: async (context) => {
+      for (const { id } of context.tab ? breakpointsOf(context.tab) : []) {
+        await removeBreakpoint(context, id);
+      }
+    },
+  },
+  {
+    id: "run.force-outcome",
+    title: "Choose the outcome",
+    detail:
+      "Ends a state that is held or waits with an outcome, or skips the state before which the run is held.",
+    menu: "Run/6",
+    refusal: (context) =>
+      cannotCommand(context) ??
+      (forcible(context) === null ? "select a state that is held, waits, or comes next" : null),
+    choices: outcomeChoices,
+    run: (context, argument) => {
+      const { path, outcome } = argument as Forced;
+      return give(context, "Choose the outcome", { type: "force_outcome", path, outcome });
+    },
+  },
+  {
+    id: "run.preempt",
+    title: "Preempt state",
+    detail: "Asks the selected active state, and all in it, to end.",
+    menu: "Run/6",
+    refusal: (context) => {
+      const isActive = active(context).some(({ path }) => path === anyOnlyState(context)?.path);
+      return cannotCommand(context) ?? (isActive ? null : "select a state that is active");
+    },
+    run: async (context, argument) => {
+      const path = pathFor(context, argument);
+      if (path !== null) await give(context, "Preempt state", { type: "preempt", path });
+    },
+  },
+];
+
+/** Why breakpoints cannot be set; those for the next start belong to this browser. */
+export function cannotSetBreakpoints(context: Context): string | null {
+  if (!context.tab) return "open a machine first";
+  return liveRun(context.tab) ? cannotCommand(context) : null;
+}
+
+/** Why conditions cannot be set. */
+export function cannotSetConditions({ page }: Context): string | null {
+  return lacks(page, "edit") === null
+    ? null
+    : "a condition is Python, which only engineers and admins bring into a run";
+}
+
+/** Sets it in the run that goes on, and for the next start. */
+export async function setBreakpoint(context: Context, breakpoint: Breakpoint): Promise<boolean> {
+  const { tab } = context;
+  if (!tab) return false;
+  const order = { type: "set_breakpoint", breakpoint } as const;
+  if (liveRun(tab) && !(await give(context, "Breakpoint", order))) return false;
+  const kept = keptBreakpoints(tab);
+  kept.value = withBreakpoint(kept.peek(), breakpoint);
+  return true;
+}
+
+export async function removeBreakpoint(context: Context, id: number): Promise<boolean> {
+  const { tab } = context;
+  if (!tab) return false;
+  if (liveRun(tab) && !(await give(context, "Breakpoint", { type: "remove_breakpoint", id }))) {
+    return false;
+  }
+  const kept = keptBreakpoints(tab);
+  kept.value = kept.peek().filter((each) => each.id !== id);
+  return true;
+}
+
+function pointsAt({ tab }: Context, path: string | null): readonly Breakpoint[] {
+  return tab ? breakpointsOf(tab).filter((each) => each.path === path) : [];
+}
+
+async function toggle(context: Context, argument: unknown): Promise<void> {
+  const path = pathFor(context, argument);
+  if (path === null || !context.tab) return;
+  const there = pointsAt(context, path);
+  for (const { id } of there) await removeBreakpoint(context, id);
+  if (there.length === 0) await setBreakpoint(context, newBreakpoint(freshId(context.tab), path));
+}
+
+/** The argument is a breakpoint that is there, or the path of a state for a new one. */
+async function editBreakpoint(context: Context, argument: unknown): Promise<void> {
+  const { tab, shell } = context;
+  if (!tab) return;
+  const given = typeof argument === "object" && argument !== null ? (argument as Breakpoint) : null;
+  const path = given?.path ?? pathFor(context, argument) ?? tab.room.machine.root;
+  const [there] = pointsAt(context, path);
+  const asks = given ?? there ?? newBreakpoint(freshId(tab), path);
+  const wanted = await shell.dialog("breakpoint", asks);
+  if (wanted) await setBreakpoint(context, wanted);
+}
+
+function active({ tab }: Context): readonly Active[] {
+  const watch = tab?.run.value;
+  return watch && watch.moment.value === null ? activeStates(watch) : [];
+}
+
+/** The selected state, if somebody may choose its outcome. */
+function forcible(context: Context): string | null {
+  const path = anyOnlyState(context)?.path ?? null;
+  const isStill = active(context).some(
+    (state) =>
+      (state.path === path && state.phase !== "running" && state.phase !== "preempted") ||
+      state.held.some(({ next }) => next === path),
+  );
+  return isStill ? path : null;
+}
+
+function outcomeChoices(context: Context): readonly Choice[] {
+  const path = forcible(context);
+  const state = path === null ? undefined : context.tab?.room.machine.state(path);
+  if (path === null || !state) return [];
+  return outcomesOf(state).map(({ id, name }) => ({
+    title: name,
+    argument: { path, outcome: id } satisfies Forced,
+  }));
+}

@@ -1,0 +1,103 @@
+/** What may be done with a run now, or why not: by the role, by who holds control, and by how the run stands. */
+
+import type { Right, RunStatus, Snapshot } from "../model/generated/protocol.ts";
+import { runStand } from "../model/run_words.ts";
+import type { Page } from "../store/page.ts";
+import type { Watch } from "../store/run.ts";
+import { liveRun, snapshotOf } from "../store/running.ts";
+import type { Context } from "./command.ts";
+import { anyOnlyState } from "./subject.ts";
+
+const NEEDED: Readonly<Partial<Record<Right, string>>> = {
+  command: "only operators, engineers and admins command runs: ask an admin for the role operator",
+  start: "only operators, engineers and admins start runs: ask an admin for the role operator",
+  edit: "only engineers and admins may do this: ask an admin for the role engineer",
+  administer: "only admins may do this",
+};
+
+/** Why the right is missing; null if it is there. While the server cannot be asked, commands wait for it. */
+export function lacks({ server }: Page, right: Right): string | null {
+  const link = server.link.value;
+  if (link.state !== "up" || link.session.rights.includes(right)) return null;
+  return NEEDED[right] ?? `this needs the right to ${right}`;
+}
+
+/** Why nothing can be started. */
+export function cannotStart({ page, tab }: Context): string | null {
+  if (!tab) return "open a machine first";
+  if (page.server.link.value.state !== "up") return "there is no connection to the server";
+  return lacks(page, "start");
+}
+
+/** Who else holds control of the run, if anybody does. */
+export function otherHolder(page: Page, watch: Watch): string | null {
+  const holder = watch.now.value?.control.holder ?? null;
+  const link = page.server.link.value;
+  const isOther = holder !== null && link.state === "up" && holder !== link.session.user;
+  return isOther ? holder : null;
+}
+
+/** Why the run in front cannot be commanded; `rest`: to bring it to rest needs no control. */
+export function cannotCommand(
+  { page, tab }: Context,
+  { right = "command", rest = false }: { readonly right?: Right; readonly rest?: boolean } = {},
+): string | null {
+  const watch = tab?.run.value;
+  if (!watch) return "no run is shown here: start one, or choose one";
+  if (!liveRun(tab)) return overInWords(watch);
+  const missing = lacks(page, "command") ?? lacks(page, right);
+  if (missing !== null) return missing;
+  const other = otherHolder(page, watch);
+  return other === null || rest ? null : `${other} is in control: ask for it in Mission control`;
+}
+
+function overInWords(watch: Watch): string {
+  const now = watch.now.value;
+  if (!now) return "how the run stands is not known yet";
+  const { word } = runStand(now);
+  if (word === "crashed") return "the run crashed: take it up first, or start another";
+  return word === "finished" ? "the run is over: start another" : "the run did not begin";
+}
+
+/** Why a command that needs one of these can do nothing now. */
+export function cannotWhile(
+  context: Context,
+  fits: readonly RunStatus[],
+  rules?: Parameters<typeof cannotCommand>[1],
+): string | null {
+  const why = cannotCommand(context, rules);
+  const snapshot = snapshotOf(context.tab?.run.value ?? null);
+  if (why !== null) return why;
+  if (!snapshot) return "the run is starting";
+  return fits.includes(snapshot.status) ? null : notWhile(snapshot.status);
+}
+
+function notWhile(status: RunStatus): string {
+  switch (status) {
+    case "running":
+      return "the run goes on: pause it, or begin to step";
+    case "paused":
+      return "the run is paused already";
+    case "stepping":
+      return "the run goes step by step: resume lets it go on";
+    case "stopping":
+      return "the run is being stopped";
+    case "finished":
+      return "the run is over";
+  }
+}
+
+/** Whether something of the run stands still, so that it can be stepped. */
+export function isHeld({ active }: Snapshot): boolean {
+  return active.some(({ held }) => held.length > 0);
+}
+
+/** The path that a command is meant for: the one given, else the selected state. */
+export function pathFor(context: Context, argument: unknown): string | null {
+  return typeof argument === "string" ? argument : (anyOnlyState(context)?.path ?? null);
+}
+
+/** Why no one state is meant. */
+export function noState(context: Context): string | null {
+  return anyOnlyState(context) === null ? "select one state first" : null;
+}

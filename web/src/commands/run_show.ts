@@ -1,0 +1,190 @@
+/** Which run is shown, at which moment, beside which other; and what becomes of runs that are over. */
+
+import type { RunSummary } from "../model/generated/protocol.ts";
+import { standInWords, startedInWords, summaryStand } from "../model/run_words.ts";
+import { comparedRun } from "../store/compared_run.ts";
+import { isFollowed } from "../store/following.ts";
+import { type OpenTab, type Page, runOf } from "../store/page.ts";
+import { liveRun, runsOfTab } from "../store/running.ts";
+import type { Choice, Command, Context } from "./command.ts";
+import { give } from "./give.ts";
+import { cannotWhile, lacks } from "./run_rules.ts";
+
+const NONE = "no run is shown here: start one, or choose one";
+
+export const RUN_SHOW: readonly Command[] = [
+  {
+    id: "run.show",
+    title: "Show run",
+    menu: "Run/7",
+    choices: ({ page, tab }) => (tab ? choicesOf(page, runsOfTab(page, tab), tab) : []),
+    run: ({ page }, argument) =>
+      typeof argument === "string" ? page.showRun(argument) : undefined,
+  },
+  {
+    id: "run.show-as-ran",
+    title: "Show the machine as it ran",
+    detail: "Opens the machine as the run goes by it in a tab of its own, beside the edited one.",
+    menu: "Run/7",
+    refusal: ({ page }) => (runOf(page) ? null : NONE),
+    run: ({ page }, argument) => {
+      const id = typeof argument === "string" ? argument : runOf(page)?.id;
+      return id === undefined ? undefined : page.showAsRan(id);
+    },
+  },
+  {
+    id: "run.leave",
+    title: "Show no run",
+    detail: "Takes the run off this tab; it goes on.",
+    menu: "Run/7",
+    refusal: ({ page, tab }) => {
+      if (tab?.room.fixed != null) return "this tab is the run's own: close it";
+      return runOf(page) ? null : NONE;
+    },
+    run: ({ tab }) => {
+      if (tab) tab.run.value = null;
+    },
+  },
+  {
+    id: "run.follow",
+    title: "Follow what runs",
+    detail: "The canvas goes along with the active states.",
+    menu: "Run/7",
+    checked: ({ tab }) => tab !== null && isFollowed(tab.view).value,
+    refusal: ({ page }) => (runOf(page) ? null : NONE),
+    run: ({ tab }) => {
+      if (tab) isFollowed(tab.view).value = !isFollowed(tab.view).peek();
+    },
+  },
+  {
+    id: "run.live",
+    title: "Back to now",
+    detail: "Shows how the run stands now, instead of an earlier moment.",
+    menu: "Run/7",
+    refusal: ({ page }) => {
+      const watch = runOf(page);
+      if (!watch) return NONE;
+      return watch.moment.value === null ? "now is what is shown" : null;
+    },
+    run: ({ page }) => {
+      const watch = runOf(page);
+      if (watch) watch.moment.value = null;
+    },
+  },
+  {
+    id: "run.start-from-history",
+    title: "Start from this moment",
+    detail:
+      "The run begins again at an entry of its history, with the data it had then, and is held there.",
+    refusal: (context) => {
+      if (liveRun(context.tab) || !context.tab?.run.value) {
+        return cannotWhile(context, ["running", "paused", "stepping"]);
+      }
+      return runOf(context.page)?.now.value?.run.phase === "crashed"
+        ? lacks(context.page, "start")
+        : "the run is over: nothing of it can begin again";
+    },
+    run: startFromHistory,
+  },
+  {
+    id: "run.compare",
+    title: "Compare with another run",
+    menu: "Run/8",
+    refusal: ({ page }) => (runOf(page) ? null : NONE),
+    choices: ({ page, tab }) => {
+      const shown = tab?.run.value?.id;
+      return tab
+        ? choicesOf(
+            page,
+            runsOfTab(page, tab).filter(({ id }) => id !== shown),
+          )
+        : [];
+    },
+    run: compare,
+  },
+  {
+    id: "run.export",
+    title: "Export run",
+    menu: "Run/8",
+    refusal: ({ page }) => (runOf(page) ? null : NONE),
+    choices: ({ page }) =>
+      EXPORTS.map(([format, title]) => ({ title, argument: [runOf(page)?.id, format] })),
+    run: (_, argument) => {
+      const [id, format] = argument as readonly [string, string];
+      download(`/api/v1/runs/${encodeURIComponent(id)}/export?format=${format}`);
+    },
+  },
+  {
+    id: "run.delete",
+    title: "Delete run…",
+    detail: "Gives up what was kept of the run.",
+    menu: "Run/8",
+    refusal: ({ page }) => {
+      if (!runOf(page)) return NONE;
+      const phase = runOf(page)?.now.value?.run.phase;
+      if (phase === "live" || phase === "starting") return "the run goes on: stop it first";
+      return lacks(page, "administer");
+    },
+    run: remove,
+  },
+];
+
+const EXPORTS = [
+  ["jsonl", "Events, one a line (JSONL)"],
+  ["csv", "Table (CSV)"],
+  ["mcap", "MCAP, for Foxglove"],
+] as const;
+
+function choicesOf(page: Page, runs: readonly RunSummary[], tab?: OpenTab): readonly Choice[] {
+  return runs.map((run) => ({
+    title: `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStand(run))}`,
+    detail: run.id,
+    argument: run.id,
+    ...(tab ? { checked: runOf(page)?.id === run.id } : {}),
+  }));
+}
+
+/** The argument is the number of an entry; left out, it is that of the moment which is shown. */
+async function startFromHistory(context: Context, argument: unknown): Promise<void> {
+  const watch = context.tab?.run.peek();
+  const sequence = typeof argument === "number" ? argument : watch?.moment.peek();
+  if (!watch || typeof sequence !== "number") return;
+  if (liveRun(context.tab)) {
+    const order = { type: "start_from_history", sequence } as const;
+    if (!(await give(context, "Start from this moment", order))) return;
+  } else await watch.resume("restart", sequence);
+  watch.moment.value = null;
+}
+
+function compare({ page, shell }: Context, argument: unknown): void {
+  const watch = runOf(page);
+  if (!watch) return;
+  if (typeof argument === "string") comparedRun(watch).value = argument;
+  shell.showPanel("timeline");
+}
+
+/** Saves what an address gives, as browsers do. */
+function download(address: string): void {
+  const link = document.createElement("a");
+  link.href = address;
+  link.download = "";
+  link.click();
+}
+
+async function remove({ page, shell }: Context, argument: unknown): Promise<void> {
+  const id = typeof argument === "string" ? argument : runOf(page)?.id;
+  if (id === undefined) return;
+  const isSure = await shell.confirm({
+    title: "Delete this run?",
+    text: `All that was kept of ${id} is deleted: events, values, the machine as it ran. It cannot be had back.`,
+    yes: "Delete",
+    danger: true,
+  });
+  if (!isSure) return;
+  await page.runs.remove(id);
+  for (const tab of page.tabs.peek()) {
+    if (tab.run.peek()?.id !== id) continue;
+    if (tab.room.fixed === null) tab.run.value = null;
+    else page.leave(tab);
+  }
+}

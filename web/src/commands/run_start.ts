@@ -1,0 +1,100 @@
+/** How a run begins: what is not saved is asked about, then the machine starts as it lies on disk, with the breakpoints kept for it. */
+
+import { effect } from "@preact/signals-core";
+import type { Breakpoint, MachineFile } from "../model/generated/protocol.ts";
+import { keptBreakpoints } from "../store/breakpoints.ts";
+import { drafts } from "../store/drafts.ts";
+import type { OpenTab } from "../store/page.ts";
+import type { Start, Watch } from "../store/run.ts";
+import { fileOfTab, liveRun, summaryOf } from "../store/running.ts";
+import type { Context } from "./command.ts";
+import { isChanged, saveTab } from "./file.ts";
+import { lacks } from "./run_rules.ts";
+import { canEdit } from "./subject.ts";
+
+/** Starts a run of the machine in front and shows it; null if the user wanted none. */
+export async function startRun(context: Context, more: Partial<Start> = {}): Promise<Watch | null> {
+  const { page, tab } = context;
+  if (!tab || !(await mayBeAnother(context, tab))) return null;
+  const machine = await asOnDisk(context, tab);
+  if (!machine) return null;
+  const breakpoints = allowed(context, keptBreakpoints(tab).peek());
+  const id = await page.runs.start({ breakpoints, ...more, machine });
+  await page.showRun(id);
+  return page.runs.watch(id);
+}
+
+/** A second run beside one that goes on is seldom meant: robots have one body. */
+async function mayBeAnother({ page, shell }: Context, tab: OpenTab): Promise<boolean> {
+  const live = liveRun(tab);
+  if (!live) return true;
+  const name = summaryOf(page, live)?.name ?? "this machine";
+  return shell.confirm({
+    title: "Start another run?",
+    text: `A run of “${name}” goes on. Both would run at the same time.`,
+    yes: "Start another",
+    danger: true,
+  });
+}
+
+/** The folder of the machine, saved if the user wants; null if nothing is to be started. */
+async function asOnDisk(context: Context, tab: OpenTab): Promise<MachineFile | null> {
+  if (tab.room.fixed !== null) {
+    const file = fileOfTab(tab);
+    if (!file) throw new Error("the machine of this run lies in none of the projects");
+    return file;
+  }
+  if (fileOfTab(tab) === null) return savedFirst(context, tab);
+  if (!hasUnsaved(tab)) return fileOfTab(tab);
+  const choice = await context.shell.choose({
+    title: "Save before the start?",
+    text: "The machine has edits that do not lie on disk. A run goes by what lies there.",
+    choices: canEdit(context) ? [SAVE, AS_IS] : [AS_IS],
+  });
+  if (choice === "save") return (await saveTab(context, tab)) ? fileOfTab(tab) : null;
+  return choice === "as-is" ? fileOfTab(tab) : null;
+}
+
+const SAVE = { value: "save", title: "Save and start" } as const;
+const AS_IS = {
+  value: "as-is",
+  title: "Start what lies on disk",
+  detail: "The edits stay here, and the run does not know them.",
+} as const;
+
+function hasUnsaved(tab: OpenTab): boolean {
+  const hasDrafts = [...drafts.all.peek().values()].some(({ machine }) => machine === tab.room.id);
+  return isChanged(tab) || hasDrafts || tab.room.pending.peek().length > 0;
+}
+
+async function savedFirst(context: Context, tab: OpenTab): Promise<MachineFile | null> {
+  const isSaved = await saveTab(context, tab);
+  return isSaved ? until(() => tab.room.status.value?.summary.file ?? null) : null;
+}
+
+/** Waits until a function of signals gives something. */
+function until<T>(read: () => T | null): Promise<T> {
+  return new Promise((found) => {
+    let stop: () => void = () => {};
+    let isFound = false;
+    stop = effect(() => {
+      const value = read();
+      if (value === null || isFound) return;
+      isFound = true;
+      found(value);
+      queueMicrotask(() => stop());
+    });
+  });
+}
+
+/** Conditions are Python: whoever may not edit starts without the breakpoints that have some, and is told. */
+function allowed({ page }: Context, all: readonly Breakpoint[]): Breakpoint[] {
+  if (lacks(page, "edit") === null) return [...all];
+  const plain = all.filter(({ condition }) => condition === null);
+  if (plain.length < all.length) {
+    const text =
+      "Breakpoints with conditions are left out: a condition is Python, which only engineers bring into a run.";
+    page.tell({ level: "warning", text });
+  }
+  return plain;
+}

@@ -1,0 +1,73 @@
+/** Steps: into, over, out and back, of all branches that are held or of one. */
+
+import type { Command as Order } from "../model/generated/protocol.ts";
+import { snapshotOf } from "../store/running.ts";
+import type { Command, Context } from "./command.ts";
+import { give } from "./give.ts";
+import { cannotCommand, cannotWhile, isHeld } from "./run_rules.ts";
+
+type StepType = "step_into" | "step_over" | "step_out" | "step_back";
+
+export const RUN_STEP: readonly Command[] = [
+  {
+    id: "run.step-mode",
+    title: "Step mode",
+    detail: "Holds before the next state, and goes step by step from there.",
+    keys: ["F6"],
+    menu: "Run/3",
+    checked: ({ tab }) => snapshotOf(tab?.run.value ?? null)?.status === "stepping",
+    refusal: (context) => cannotWhile(context, ["running", "paused"]),
+    run: (context) => give(context, "Step mode", { type: "step_mode" }),
+  },
+  step("run.into", "Step into", "step_into", ["F4"], "To the next state, wherever that is."),
+  step(
+    "run.over",
+    "Step over",
+    "step_over",
+    ["Shift+F4"],
+    "To the next state of the same container, or of one around it.",
+  ),
+  step("run.out", "Step out", "step_out", ["F3"], "To the next state of a container around."),
+  step(
+    "run.back",
+    "Step back",
+    "step_back",
+    ["F9"],
+    "Undoes the last state: its script runs backward, its data are what they were.",
+  ),
+];
+
+function step(
+  id: string,
+  title: string,
+  type: StepType,
+  keys: readonly string[],
+  detail: string,
+): Command {
+  return {
+    id,
+    title,
+    detail,
+    keys,
+    menu: "Run/3",
+    refusal: (context) => cannotStep(context, type),
+    run: (context, argument) => give(context, title, orderOf(type, argument)),
+  };
+}
+
+function orderOf(type: StepType, argument: unknown): Order {
+  return { type, branch: typeof argument === "string" ? argument : null };
+}
+
+function cannotStep(context: Context, type: StepType): string | null {
+  const why = cannotCommand(context);
+  const snapshot = snapshotOf(context.tab?.run.value ?? null);
+  if (why !== null || !snapshot) return why ?? "the run is starting";
+  if (snapshot.status !== "paused" && snapshot.status !== "stepping") {
+    return "nothing is held: pause the run, or turn step mode on";
+  }
+  const waits = type === "step_back" && snapshot.active.some(({ phase }) => phase === "waiting");
+  return isHeld(snapshot) || waits
+    ? null
+    : "a script is at work: it can be stepped when it is held";
+}

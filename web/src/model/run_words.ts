@@ -1,0 +1,119 @@
+/** How a run stands, in words that people read: one word, and what belongs to it. */
+
+import type { ActiveState, HeldBy, RunNow, RunSummary } from "./generated/protocol.ts";
+import { ABORTED, PREEMPTED } from "./machine.ts";
+
+export type RunWord =
+  | "starting"
+  | "running"
+  | "waiting"
+  | "paused"
+  | "stepping"
+  | "stopping"
+  | "finished"
+  | "crashed"
+  | "not started"
+  | "unreadable";
+
+/** How it is coloured; the word says the same. */
+export type RunTone = "running" | "waiting" | "held" | "aborted" | "preempted" | "plain";
+
+export interface RunStand {
+  readonly word: RunWord;
+  readonly tone: RunTone;
+  /** The outcome, or why; empty if there is nothing to say. */
+  readonly detail: string;
+}
+
+/** How the run stands, as far as one line about it says. */
+export function summaryStand(run: RunSummary): RunStand {
+  switch (run.phase) {
+    case "starting":
+      return { word: "starting", tone: "plain", detail: "" };
+    case "live":
+      return { word: "running", tone: "running", detail: "" };
+    case "finished":
+      return { word: "finished", tone: outcomeTone(run.outcome.id), detail: run.outcome.name };
+    case "crashed":
+      return { word: "crashed", tone: "aborted", detail: "" };
+    case "not_started":
+      return { word: "not started", tone: "aborted", detail: run.reason };
+    case "unreadable":
+      return { word: "unreadable", tone: "aborted", detail: run.reason };
+  }
+}
+
+/** How the run stands by all that is known about it. */
+export function runStand(now: RunNow): RunStand {
+  const { run, snapshot } = now;
+  if (run.phase !== "live" || !snapshot) return summaryStand(run);
+  const held = heldInWords(snapshot.active);
+  switch (snapshot.status) {
+    case "running":
+      return runningStand(snapshot.active);
+    case "paused":
+      return { word: "paused", tone: "held", detail: snapshot.journal_problem ?? held };
+    case "stepping":
+      return { word: "stepping", tone: "held", detail: held };
+    case "stopping":
+      return { word: "stopping", tone: "preempted", detail: "" };
+    case "finished":
+      return { word: "finished", tone: "plain", detail: "" };
+  }
+}
+
+function runningStand(active: readonly ActiveState[]): RunStand {
+  const waits = active.filter(({ phase }) => phase === "waiting" || phase === "interrupted");
+  const isAtWork = leaves(active).some(({ phase }) => phase === "running" || phase === "preempted");
+  const [first] = waits;
+  if (!first || isAtWork) return { word: "running", tone: "running", detail: "" };
+  const detail = first.phase === "interrupted" ? "for a decision after the crash" : first.detail;
+  return { word: "waiting", tone: "waiting", detail: detail ?? "" };
+}
+
+function leaves(active: readonly ActiveState[]): readonly ActiveState[] {
+  return active.filter(({ path }) => !active.some((other) => other.path.startsWith(`${path}/`)));
+}
+
+function outcomeTone(id: number): RunTone {
+  if (id === ABORTED) return "aborted";
+  return id === PREEMPTED ? "preempted" : "plain";
+}
+
+/** By what the run is held, in words: each reason once; empty if it is not held, or by the steps that it goes by alone. */
+function heldInWords(active: readonly ActiveState[]): string {
+  const all = active.flatMap(({ held }) => held.map(({ by }) => by));
+  const found = all.filter(({ type }) => type !== "step" && type !== "pause");
+  return [...new Set(found.map(holdInWords))].join(", ");
+}
+
+/** What something is held by: `held by breakpoint 3`. */
+export function holdInWords(by: HeldBy): string {
+  switch (by.type) {
+    case "pause":
+      return "held by the pause";
+    case "step":
+      return "held by the step";
+    case "run_to":
+      return "held at the state to run to";
+    case "breakpoint":
+      return `held by breakpoint ${by.id}`;
+    case "start":
+      return "held at the start";
+  }
+}
+
+/** `finished: success`. */
+export function standInWords({ word, detail }: RunStand): string {
+  return detail === "" ? word : `${word}: ${detail}`;
+}
+
+const TIME = { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" } as const;
+
+/** When a run began: `14:03:27` of today, with the date if it was another day. */
+export function startedInWords(started_ms: number, now_ms: number): string {
+  const at = new Date(started_ms);
+  const time = at.toLocaleTimeString([], TIME);
+  if (new Date(now_ms).toDateString() === at.toDateString()) return time;
+  return `${at.toLocaleDateString([], { day: "numeric", month: "short" })} ${time}`;
+}

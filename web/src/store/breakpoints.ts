@@ -1,0 +1,71 @@
+/** Breakpoints of a machine: those of the run that goes on, else those that this browser keeps for the next start. */
+
+import { type Signal, signal } from "@preact/signals-core";
+import type { Breakpoint } from "../model/generated/protocol.ts";
+import type { OpenTab } from "./page.ts";
+import { fileOfTab, liveRun, snapshotOf } from "./running.ts";
+import { memoryShed, type Shed, shedOf } from "./shed.ts";
+
+type Kept = Signal<readonly Breakpoint[]>;
+
+const BROWSER = typeof window === "undefined" ? memoryShed() : shedOf(() => window.localStorage);
+const KNOWN = new WeakMap<Shed, Map<string, Kept>>();
+
+/** What is kept for the next start of the machine of a tab. */
+export function keptBreakpoints(tab: OpenTab, shed: Shed = BROWSER): Kept {
+  const known = KNOWN.get(shed) ?? new Map<string, Kept>();
+  KNOWN.set(shed, known);
+  const key = keyOf(tab);
+  let kept = known.get(key);
+  if (!kept) {
+    const before = shed.get(key);
+    kept = signal<readonly Breakpoint[]>(Array.isArray(before) ? before : []);
+    kept.subscribe((all) => shed.put(key, all.length === 0 ? undefined : all));
+    known.set(key, kept);
+  }
+  return kept;
+}
+
+function keyOf(tab: OpenTab): string {
+  const file = fileOfTab(tab);
+  return `rafcon.breakpoints ${file ? `${file.project}/${file.path}` : tab.room.id}`;
+}
+
+const NONE: readonly Breakpoint[] = [];
+
+/** All breakpoints that count on a tab now. A signal's reader. */
+export function breakpointsOf(tab: OpenTab, shed: Shed = BROWSER): readonly Breakpoint[] {
+  const live = liveRun(tab);
+  if (live) return snapshotOf(live)?.breakpoints ?? NONE;
+  return keptBreakpoints(tab, shed).value;
+}
+
+/** The list with the breakpoint in it, instead of the one with the same id. */
+export function withBreakpoint(
+  all: readonly Breakpoint[],
+  breakpoint: Breakpoint,
+): readonly Breakpoint[] {
+  const others = all.filter(({ id }) => id !== breakpoint.id);
+  return [...others, breakpoint].sort((one, other) => one.id - other.id);
+}
+
+/** A number that no breakpoint has, of the run or for the next start. */
+export function freshId(tab: OpenTab, shed: Shed = BROWSER): number {
+  const live = liveRun(tab);
+  const all = [...(snapshotOf(live)?.breakpoints ?? []), ...keptBreakpoints(tab, shed).peek()];
+  return 1 + all.reduce((most, { id }) => Math.max(most, id), 0);
+}
+
+/** A plain breakpoint before a state. */
+export function newBreakpoint(id: number, path: string): Breakpoint {
+  return {
+    id,
+    path,
+    when: "before",
+    condition: null,
+    hit_count: 0,
+    scope: "branch",
+    unattended: "hold",
+    enabled: true,
+  };
+}

@@ -1,0 +1,44 @@
+/** Which run a tab shows, and whether that goes on. */
+
+import type { MachineFile, RunSummary, Session, Snapshot } from "../model/generated/protocol.ts";
+import { isSame } from "../model/json.ts";
+import type { OpenTab, Page } from "./page.ts";
+import type { Watch } from "./run.ts";
+
+/** The folder of the machine of a tab; of a machine as it ran that which the run was started from. */
+export function fileOfTab(tab: OpenTab): MachineFile | null {
+  const own = tab.room.status.value?.summary.file;
+  return own ?? tab.run.value?.now.value?.run.machine ?? null;
+}
+
+/** The line about the run; from the list until its own truth is here. */
+export function summaryOf(page: Page, watch: Watch): RunSummary | null {
+  return watch.now.value?.run ?? page.runs.all.value.find(({ id }) => id === watch.id) ?? null;
+}
+
+/** The run on the tab if it goes on. */
+export function liveRun(tab: OpenTab | null): Watch | null {
+  const watch = tab?.run.value ?? null;
+  const phase = watch?.now.value?.run.phase;
+  return phase === "live" || phase === "starting" ? watch : null;
+}
+
+export function snapshotOf(watch: Watch | null): Snapshot | null {
+  return watch?.now.value?.snapshot ?? null;
+}
+
+/** Runs of the machine of a tab, the newest first. */
+export function runsOfTab(page: Page, tab: OpenTab): readonly RunSummary[] {
+  const file = fileOfTab(tab);
+  const shown = tab.run.value?.id;
+  return page.runs.all.value.filter(
+    ({ id, machine }) =>
+      id === shown || (file !== null && machine !== null && isSame(machine, file)),
+  );
+}
+
+/** Who works at this page; null while that is not known. */
+export function sessionOfPage(page: Page): Session | null {
+  const link = page.server.link.value;
+  return link.state === "up" ? link.session : null;
+}
