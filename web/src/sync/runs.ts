@@ -4,6 +4,7 @@ import { effect, type Signal, signal } from "@preact/signals-core";
 import type { HouseStatus, RunSummary, StartRun } from "../model/generated/protocol.ts";
 import type { Runs, Start, Watch } from "../store/run.ts";
 import { RefusalError } from "../store/server.ts";
+import { saidAgain } from "./said_again.ts";
 import { RunWatch, type WatchPorts } from "./watch.ts";
 
 const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
@@ -50,7 +51,7 @@ export function followRuns(ports: WatchPorts, house: Signal<HouseStatus | null>)
     },
     start: async (start: Start) => {
       const body: StartRun = { ...DEFAULTS, ...start, id: ports.newId() };
-      const run = await server.request<RunSummary>("POST", "/runs", body);
+      const run = await saidAgain<RunSummary>(ports, "/runs", body);
       take([run]);
       return run.id;
     },

@@ -16,6 +16,7 @@ import type { Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 import { Given } from "./given.ts";
 import { Looking } from "./looking.ts";
+import { saidAgain } from "./said_again.ts";
 
 export interface WatchPorts {
   readonly server: Server;
@@ -86,7 +87,7 @@ export class RunWatch implements Watch {
 
   async resume(policy: OnCrash, from: number | null = null): Promise<void> {
     const body = { id: this.#ports.newId(), policy, from };
-    await this.#ports.server.request("POST", this.#path("resume"), body);
+    await saidAgain(this.#ports, this.#path("resume"), body);
   }
 
   close(): void {

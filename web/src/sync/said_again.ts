@@ -1,0 +1,36 @@
+/** A request with an id of its own, which is carried out once: said again for as long as its answer may have been lost. */
+
+import { RefusalError, type Server } from "../store/server.ts";
+import type { Clock } from "./clock.ts";
+
+/** So long after it was lost it is said again, and for so long at all. */
+const AGAIN_MS = 500;
+const PATIENCE_MS = 60_000;
+
+/** Asks until there is an answer. Throws a `RefusalError`: that of the server, or, after a minute, that nobody knows. */
+export async function saidAgain<T>(
+  { server, clock }: { readonly server: Pick<Server, "request">; readonly clock: Clock },
+  path: string,
+  body: { readonly id: string },
+): Promise<T> {
+  const end_ms = clock.now() + PATIENCE_MS;
+  for (;;) {
+    try {
+      return await server.request<T>("POST", path, body);
+    } catch (error) {
+      if (!(error instanceof RefusalError) || !isLost(error)) throw error;
+      if (clock.now() >= end_ms) throw unknown(error);
+      await new Promise<void>((over) => clock.after(AGAIN_MS, over));
+    }
+  }
+}
+
+/** Whether it may have been carried out all the same. */
+function isLost({ status, code }: RefusalError): boolean {
+  return status === 0 || status === 429 || code === "not_finished";
+}
+
+function unknown({ message, code }: RefusalError): RefusalError {
+  const text = `nobody knows whether it was carried out: ${message}. Look at the list of runs before you try it again.`;
+  return new RefusalError({ code, message: text }, 0);
+}
