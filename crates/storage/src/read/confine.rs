@@ -1,17 +1,15 @@
-//! Whether a machine's files lie where they may be read: for those who load for others. Knows links and kinds of files, not
-//! what is in them.
+//! Whether everything of a machine lies where it may be read, before an interrupted save of it is finished: that moves files.
+//! Knows links and kinds of files, not what is in them. What is only read is looked at when it is opened.
 //!
-//! A link that is put there between the look and the load is not seen: whoever can do that writes where the machine lies.
+//! A link that is put there between the look and the save is not seen: whoever can do that writes where the machine lies.
 
+use super::bounds::{BYTES_MAX, Bounds};
 use super::load::LoadError;
 use crate::files::{HEADER, MACHINE_LAYOUT, Part, STAGING, YAML_HEADER};
 use std::collections::BTreeSet;
 use std::fs::{self, DirEntry, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// Larger files are not read.
-const BYTES_MAX: u64 = 64 << 20;
 
 /// A look at every folder that a load would read.
 struct Look<'h> {
@@ -21,7 +19,8 @@ struct Look<'h> {
 }
 
 /// Refuses a machine of which a part lies in none of these folders, or is no file that can be read.
-pub(super) fn check(dir: &Path, homes: &[PathBuf]) -> Result<(), LoadError> {
+pub(super) fn check(dir: &Path, bounds: Bounds<'_>) -> Result<(), LoadError> {
+    let Some(homes) = bounds.0 else { return Ok(()) };
     let mut look = Look { homes, waiting: Vec::new(), seen: BTreeSet::new() };
     look.follow(dir)?;
     let start = look.waiting.clone();
@@ -136,7 +135,9 @@ fn is_ours(entry: &DirEntry) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{BYTES_MAX, check};
+    use super::BYTES_MAX;
+    use crate::files::STAGING;
+    use crate::{Libraries, load};
     use std::fs;
     use std::os::unix::fs::symlink;
     use std::path::Path;
@@ -153,25 +154,58 @@ mod tests {
         }
         fs::write(state.join("core_data.json"), "{}").unwrap();
         change(&state);
-        let said = check(&place.join("home/machine"), &[place.join("home")]);
-        let said = said.map_or_else(|error| error.to_string(), |()| "fine".to_owned());
+        let libraries = Libraries::default().within(vec![place.join("home")]);
+        let said = load(&place.join("home/machine"), &libraries);
+        let said = said.map_or_else(|error| error.to_string(), |_loaded| "fine".to_owned());
         let said = said.replace(&*place.to_string_lossy(), "");
         said.split(';').next().unwrap_or_default().to_owned()
     }
 
+    /// The same where a link of this name leads there.
+    fn linked(to: &str, name: &str) -> String {
+        said(|state| symlink(to, state.join(name)).unwrap())
+    }
+
+    fn refused(name: &str) -> String {
+        format!("/home/machine/{name} leads out of the folders that may be read")
+    }
+
     #[test]
     fn no_link_leads_out_of_where_machines_lie() {
-        let link = |to: &'static str, name: &'static str| {
-            said(move |state| symlink(to, state.join(name)).unwrap())
+        assert_eq!(linked("../../../outside/file", "script.py"), refused("STATE/script.py"));
+        assert_eq!(linked("../../../outside", "inner"), refused("STATE/inner"));
+        assert_eq!(linked("../../../outside/inner", "inner"), refused("STATE/inner"));
+        assert_eq!(linked("/dev/zero", "script.py"), refused("STATE/script.py"));
+        assert_eq!(linked("../../../outside/file", "notes.txt"), "fine");
+        assert_eq!(linked("..", "round"), "fine");
+        assert_eq!(linked("nowhere", "script.py"), "fine");
+        assert_eq!(linked("script.py", "script.py"), "fine");
+        assert_eq!(linked("core_data.json", "semantic_data.json"), "fine");
+    }
+
+    #[test]
+    fn no_link_stands_for_the_machine_its_root_or_its_header() {
+        let replaced = |name: &'static str, to: &'static str| {
+            said(move |state| {
+                let place = state.parent().unwrap().join(name);
+                if place.is_dir() {
+                    fs::remove_dir_all(&place).unwrap();
+                } else if place.exists() {
+                    fs::remove_file(&place).unwrap();
+                }
+                symlink(to, place).unwrap();
+            })
         };
-        let refused = |name: &str| {
-            format!("/home/machine/STATE/{name} leads out of the folders that may be read")
-        };
-        assert_eq!(link("../../../outside/file", "script.py"), refused("script.py"));
-        assert_eq!(link("../../../outside", "inner"), refused("inner"));
-        assert_eq!(link("../../../outside/file", "notes.txt"), "fine");
-        assert_eq!(link("..", "round"), "fine");
-        assert_eq!(link("nowhere", "script.py"), "fine");
+        let header = replaced("statemachine.json", "../../outside/file");
+        assert_eq!(header, refused("statemachine.json"));
+        assert_eq!(replaced("STATE", "../../outside"), refused("STATE/core_data.json"));
+        let machine = said(|state| {
+            let machine = state.parent().unwrap();
+            let outside = machine.join("../../outside/machine");
+            fs::rename(machine, &outside).unwrap();
+            symlink("../outside/machine", machine).unwrap();
+        });
+        assert_eq!(machine, "/home/machine leads out of the folders that may be read");
     }
 
     #[test]
@@ -183,19 +217,48 @@ mod tests {
             symlink("../../outside/file", other.join("script.py")).unwrap();
             symlink("../../other", state.join("inner")).unwrap();
         });
-        assert_eq!(behind, "/home/other/script.py leads out of the folders that may be read");
+        assert_eq!(behind, refused("STATE/inner/script.py"));
     }
 
     #[test]
     fn only_files_of_a_size_are_read() {
-        let large = said(|state| {
-            let file = fs::File::create(state.join("script.py")).unwrap();
-            file.set_len(BYTES_MAX + 1).unwrap();
-        });
-        assert_eq!(large, "/home/machine/STATE/script.py is not a regular file of at most 64 MiB");
+        let large = |name: &'static str| {
+            said(move |state| {
+                let file = fs::File::create(state.join(name)).unwrap();
+                file.set_len(BYTES_MAX + 1).unwrap();
+            })
+        };
+        let unfit = "/home/machine/STATE/script.py is not a regular file of at most 64 MiB";
+        assert_eq!(large("script.py"), unfit);
         let socket = said(|state| {
             drop(std::os::unix::net::UnixListener::bind(state.join("script.py")).unwrap());
         });
-        assert_eq!(socket, large);
+        assert_eq!(socket, unfit);
+        let linked = said(|state| {
+            drop(std::os::unix::net::UnixListener::bind(state.join("socket")).unwrap());
+            symlink("socket", state.join("script.py")).unwrap();
+        });
+        assert_eq!(linked, unfit);
+    }
+
+    #[test]
+    fn no_interrupted_save_is_finished_with_what_lies_outside() {
+        let staged =
+            said(|state| symlink("../../outside", state.join("..").join(STAGING)).unwrap());
+        assert_eq!(staged, refused(STAGING));
+        let moved = said(|state| {
+            let staging = state.join("..").join(STAGING);
+            fs::create_dir(&staging).unwrap();
+            symlink("../../../outside/file", staging.join("a")).unwrap();
+        });
+        assert_eq!(moved, refused(&format!("{STAGING}/a")));
+        let large = said(|state| {
+            let staging = state.join("..").join(STAGING);
+            fs::create_dir(&staging).unwrap();
+            let file = fs::File::create(staging.join("a")).unwrap();
+            file.set_len(BYTES_MAX + 1).unwrap();
+        });
+        let unfit = format!("/home/machine/{STAGING}/a is not a regular file of at most 64 MiB");
+        assert_eq!(large, unfit);
     }
 }

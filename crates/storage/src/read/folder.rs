@@ -1,6 +1,7 @@
 //! Folders and files by few system calls: paths relative to an open folder, kinds of entries from the listing, no `stat`.
 //! Knows bytes, not what they mean.
 
+use super::bounds::{Bounds, Unread};
 use rustix::fd::{AsFd, OwnedFd};
 use rustix::fs::{Access, AtFlags, CWD, FileType, Mode, OFlags, RawDir, accessat, fstat, openat};
 use rustix::io::{Errno, read};
@@ -19,13 +20,8 @@ pub(crate) struct Entry {
 
 /// Opens the folder at `path` of the file system.
 pub(crate) fn open(path: &Path) -> Result<OwnedFd, Errno> {
-    open_in(CWD, path.as_os_str())
-}
-
-/// Opens the folder `name` in `dir`.
-pub(crate) fn open_in(dir: impl AsFd, name: &OsStr) -> Result<OwnedFd, Errno> {
     let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
-    openat(dir, name, flags, Mode::empty())
+    openat(CWD, path, flags, Mode::empty())
 }
 
 /// The number that tells folders of one file system apart.
@@ -56,14 +52,20 @@ pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<Entry>, Errno> {
 
 /// Reads files into one buffer that is used again and again.
 #[derive(Debug)]
-pub(crate) struct FileReader {
+pub(crate) struct FileReader<'h> {
+    bounds: Bounds<'h>,
     path: Vec<u8>,
     bytes: Vec<u8>,
 }
 
-impl FileReader {
-    pub(crate) fn new() -> Self {
-        Self { path: Vec::with_capacity(256), bytes: vec![0; 64 * 1024] }
+impl<'h> FileReader<'h> {
+    pub(crate) fn new(bounds: Bounds<'h>) -> Self {
+        Self { bounds, path: Vec::with_capacity(256), bytes: vec![0; 64 * 1024] }
+    }
+
+    /// Where it reads.
+    pub(crate) fn bounds(&self) -> Bounds<'h> {
+        self.bounds
     }
 
     /// The bytes of `folder/file` in `dir` (`folder` may be empty); `None` if there is no such file.
@@ -72,17 +74,24 @@ impl FileReader {
         dir: impl AsFd,
         folder: &OsStr,
         file: &str,
-    ) -> Result<Option<&[u8]>, Errno> {
+    ) -> Result<Option<&[u8]>, Unread> {
         self.set_path(folder, file);
-        // A pipe in the place of a file has nothing to read, and nobody waits for it.
-        let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NONBLOCK;
-        match openat(dir, self.path.as_slice(), flags, Mode::empty())
-            .and_then(|file| self.fill(&file))
-        {
+        match self.fetch(dir) {
             Ok(length) => Ok(Some(&self.bytes[..length])),
-            Err(Errno::NOENT | Errno::NOTDIR | Errno::ISDIR | Errno::LOOP) => Ok(None),
+            Err(Unread::System(Errno::NOENT | Errno::NOTDIR | Errno::ISDIR | Errno::LOOP)) => {
+                Ok(None)
+            }
             Err(error) => Err(error),
         }
+    }
+
+    /// Reads the file at the path; how many bytes it has.
+    fn fetch(&mut self, dir: impl AsFd) -> Result<usize, Unread> {
+        let path = Path::new(OsStr::from_bytes(&self.path));
+        // A pipe in the place of a file has nothing to read, and nobody waits for it.
+        let file = self.bounds.open(dir, path, OFlags::NONBLOCK)?;
+        self.bounds.admit(&file, path)?;
+        Ok(self.fill(&file)?)
     }
 
     /// Whether there is `folder/file` in `dir`.

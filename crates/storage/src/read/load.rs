@@ -2,6 +2,7 @@
 //! thing itself is done elsewhere.
 
 use super::assemble::{Assembled, assemble};
+use super::bounds::{Bounds, Unread};
 use super::confine;
 use super::folder::{self, FileReader};
 use super::header;
@@ -97,6 +98,15 @@ impl LoadError {
     pub(crate) fn io(path: &Path, error: Errno) -> Self {
         Self::Io { path: path.to_owned(), source: error.into() }
     }
+
+    /// Something at `path` was not read; what lies elsewhere is named by its path in `folder`.
+    pub(crate) fn unread(folder: &Path, path: &Path, why: Unread) -> Self {
+        match why {
+            Unread::System(error) => Self::io(&folder.join(path), error),
+            Unread::Outside(link) => Self::Outside { link: folder.join(link) },
+            Unread::Unfit(file) => Self::Unfit { file: folder.join(file) },
+        }
+    }
 }
 
 /// Reads the machine in the folder `path`, or in the folder of the file `path`, with the libraries that it uses.
@@ -114,12 +124,12 @@ pub(crate) fn load_folder(
     libraries: &Libraries,
     loading: &Loading<'_>,
 ) -> Result<Loaded, LoadError> {
-    if let Some(homes) = libraries.homes() {
-        confine::check(dir, homes)?;
-    }
+    let bounds = Bounds(libraries.homes());
     let fd = folder::open(dir).map_err(|error| LoadError::io(dir, error))?;
-    let settled = settle_before_reading(&fd, dir);
-    settled.map_err(|source| LoadError::Recovery { path: dir.to_owned(), source })?;
+    if !bounds.holds(&fd) {
+        return Err(LoadError::Outside { link: dir.to_owned() });
+    }
+    settle_before_reading(&fd, dir, || confine::check(dir, bounds))?;
     load_open(fd, dir, libraries, loading)
 }
 
@@ -135,9 +145,10 @@ fn load_open(
     libraries: &Libraries,
     loading: &Loading<'_>,
 ) -> Result<Loaded, LoadError> {
-    let head = read_header(&fd, dir)?;
+    let bounds = Bounds(libraries.homes());
+    let head = read_header(&fd, dir, bounds)?;
     let mut problems = head.problems;
-    let (nodes, elsewhere) = find_root(&fd, dir, &head.root_folder)?;
+    let (nodes, elsewhere) = find_root(&fd, dir, &head.root_folder, bounds)?;
     drop(fd);
     if elsewhere {
         problems
@@ -178,12 +189,14 @@ struct Head {
     problems: Vec<LoadProblem>,
 }
 
-fn read_header(fd: &OwnedFd, dir: &Path) -> Result<Head, LoadError> {
-    let mut files = FileReader::new();
+fn read_header(fd: &OwnedFd, dir: &Path, bounds: Bounds<'_>) -> Result<Head, LoadError> {
+    let mut files = FileReader::new(bounds);
     let mut faults = Vec::new();
     let mut read = |file| -> Result<Option<Vec<u8>>, LoadError> {
         let bytes = files.read(fd, OsStr::new(""), file);
-        bytes.map(|b| b.map(<[u8]>::to_vec)).map_err(|error| LoadError::io(&dir.join(file), error))
+        bytes
+            .map(|b| b.map(<[u8]>::to_vec))
+            .map_err(|why| LoadError::unread(dir, Path::new(file), why))
     };
     let Some(bytes) = read(HEADER)? else {
         let path = dir.to_owned();
@@ -226,8 +239,13 @@ fn about_machine(fault: Fault) -> LoadProblem {
 }
 
 /// The states below the root, and whether the root was not where the header says.
-fn find_root(fd: &OwnedFd, dir: &Path, folder: &OsStr) -> Result<(Vec<Node>, bool), LoadError> {
-    let nodes = walk(duplicate(fd, dir)?, dir, folder)?;
+fn find_root(
+    fd: &OwnedFd,
+    dir: &Path,
+    folder: &OsStr,
+    bounds: Bounds<'_>,
+) -> Result<(Vec<Node>, bool), LoadError> {
+    let nodes = walk(duplicate(fd, dir)?, dir, folder, bounds)?;
     if !nodes.is_empty() {
         return Ok((nodes, false));
     }
@@ -236,7 +254,7 @@ fn find_root(fd: &OwnedFd, dir: &Path, folder: &OsStr) -> Result<(Vec<Node>, boo
     folders.push(OsString::new());
     folders.sort();
     for folder in folders {
-        let nodes = walk(duplicate(fd, dir)?, dir, &folder)?;
+        let nodes = walk(duplicate(fd, dir)?, dir, &folder, bounds)?;
         if !nodes.is_empty() {
             return Ok((nodes, true));
         }

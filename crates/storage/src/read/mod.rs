@@ -2,6 +2,7 @@
 //! Knows the way from files to the model; must never write, except to finish an interrupted save.
 
 mod assemble;
+mod bounds;
 mod compact;
 mod confine;
 mod decode;

@@ -1,6 +1,7 @@
 //! All folders of a machine, read by several threads. Knows which files a state has and where its children lie; makes no
 //! tree of them.
 
+use super::bounds::{Bounds, Unread};
 use super::compact::compact;
 use super::decode::{Decoder, stand_in};
 use super::folder::{self, Entry, FileReader};
@@ -11,7 +12,7 @@ use crate::place::Oddities;
 use crate::problem::Fault;
 use rafcon_model::{Json, Kind, Layout, State, json};
 use rustix::fd::OwnedFd;
-use rustix::io::Errno;
+use rustix::fs::OFlags;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -73,11 +74,16 @@ impl Dir {
 
 /// Every state below `dir`, the root being in `root_folder` (empty for `dir` itself), in any order.
 /// Nothing if the root's folder has no `core_data.json`.
-pub(crate) fn walk(fd: OwnedFd, path: &Path, root_folder: &OsStr) -> Result<Vec<Node>, LoadError> {
+pub(crate) fn walk(
+    fd: OwnedFd,
+    path: &Path,
+    root_folder: &OsStr,
+    bounds: Bounds<'_>,
+) -> Result<Vec<Node>, LoadError> {
     let inode = folder::inode(&fd).map_err(|error| LoadError::io(path, error))?;
     let dir = Arc::new(Dir { fd, inode, depth: 0, name: OsString::new(), parent: None });
     let root = Item { dir, folder: root_folder.to_owned(), parent: None, linked: false };
-    let walk = Walk { queue: Queue::new(root), next: AtomicUsize::new(0), path };
+    let walk = Walk { queue: Queue::new(root), next: AtomicUsize::new(0), path, bounds };
     let threads = thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
     thread::scope(|scope| {
         let mut helpers = Vec::new();
@@ -101,13 +107,14 @@ struct Walk<'p> {
     queue: Queue<Item>,
     next: AtomicUsize,
     path: &'p Path,
+    bounds: Bounds<'p>,
 }
 
 impl Walk<'_> {
     /// Reads waiting folders until none is left, calling `between` before each.
     fn work(&self, mut between: impl FnMut()) -> Result<Vec<Node>, LoadError> {
-        let mut reader =
-            Reader { files: FileReader::new(), decoder: Decoder::default(), text: String::new() };
+        let files = FileReader::new(self.bounds);
+        let mut reader = Reader { files, decoder: Decoder::default(), text: String::new() };
         let mut nodes = Vec::new();
         while let Some(item) = self.queue.next() {
             between();
@@ -115,10 +122,10 @@ impl Walk<'_> {
             let read = reader.node(&item, &self.next, &mut children);
             match read {
                 Ok(node) => nodes.extend(node),
-                Err(error) => {
+                Err(why) => {
                     self.queue.abandon();
-                    let path = self.path.join(item.dir.path(&item.folder));
-                    return Err(LoadError::io(&path, error));
+                    let around = self.path.join(item.dir.path(OsStr::new("")));
+                    return Err(LoadError::unread(&around, Path::new(&item.folder), why));
                 }
             }
             self.queue.done(children);
@@ -128,20 +135,20 @@ impl Walk<'_> {
 }
 
 /// What one thread reads with.
-struct Reader {
-    files: FileReader,
+struct Reader<'h> {
+    files: FileReader<'h>,
     decoder: Decoder,
     text: String,
 }
 
-impl Reader {
+impl Reader<'_> {
     /// The state in the folder of `item`, if there is one; the folders in it are added to `children`.
     fn node(
         &mut self,
         item: &Item,
         next: &AtomicUsize,
         children: &mut Vec<Item>,
-    ) -> Result<Option<Node>, Errno> {
+    ) -> Result<Option<Node>, Unread> {
         let mut faults = Vec::new();
         let mut oddities = Oddities::default();
         if item.parent.is_some() && self.files.exists(&item.dir.fd, &item.folder, HEADER) {
@@ -156,7 +163,7 @@ impl Reader {
         state.layout = self.layout(item, &mut faults, &mut oddities)?;
         state.semantic_data = self.semantic(item, &mut faults, &mut oddities)?;
         if state.container().is_some() {
-            self::children(item, number, children, &mut faults)?;
+            self::children(item, number, children, &mut faults, self.files.bounds())?;
         }
         let folder = item.folder.clone();
         let (parent, linked) = (item.parent, item.linked);
@@ -168,7 +175,7 @@ impl Reader {
         item: &Item,
         faults: &mut Vec<(Part, Fault)>,
         oddities: &mut Oddities,
-    ) -> Result<Option<State>, Errno> {
+    ) -> Result<Option<State>, Unread> {
         let Some(bytes) = self.files.read(&item.dir.fd, &item.folder, Part::Core.file_name())?
         else {
             return Ok(None);
@@ -191,7 +198,7 @@ impl Reader {
         item: &Item,
         faults: &mut Vec<(Part, Fault)>,
         oddities: &mut Oddities,
-    ) -> Result<Option<Arc<str>>, Errno> {
+    ) -> Result<Option<Arc<str>>, Unread> {
         let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Script.file_name())?;
         let Some(bytes) = bytes else { return Ok(None) };
         if let Ok(text) = std::str::from_utf8(bytes) {
@@ -207,7 +214,7 @@ impl Reader {
         item: &Item,
         faults: &mut Vec<(Part, Fault)>,
         oddities: &mut Oddities,
-    ) -> Result<Layout, Errno> {
+    ) -> Result<Layout, Unread> {
         let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Layout.file_name())?;
         let Some(bytes) = bytes else { return Ok(Layout::default()) };
         match compact_layout(bytes, &mut self.text) {
@@ -225,7 +232,7 @@ impl Reader {
         item: &Item,
         faults: &mut Vec<(Part, Fault)>,
         oddities: &mut Oddities,
-    ) -> Result<Option<Arc<Json>>, Errno> {
+    ) -> Result<Option<Arc<Json>>, Unread> {
         let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Semantic.file_name())?;
         let Some(bytes) = bytes else { return Ok(None) };
         match parse(bytes) {
@@ -247,9 +254,10 @@ fn children(
     number: usize,
     children: &mut Vec<Item>,
     faults: &mut Vec<(Part, Fault)>,
-) -> Result<(), Errno> {
+    bounds: Bounds<'_>,
+) -> Result<(), Unread> {
     let at: &OsStr = if item.folder.is_empty() { OsStr::new(".") } else { &item.folder };
-    let fd = folder::open_in(&item.dir.fd, at)?;
+    let fd = bounds.open(&item.dir.fd, Path::new(at), OFlags::DIRECTORY)?;
     let found: Vec<Entry> = folder::folders(&fd)?;
     let depth = item.dir.depth + 1;
     if depth >= MAX_DEPTH && !found.is_empty() {
@@ -260,7 +268,7 @@ fn children(
     let parent = Some(Arc::clone(&item.dir));
     let dir = Arc::new(Dir { fd, inode, depth, name: item.folder.clone(), parent });
     for entry in found.into_iter().filter(|entry| entry.name != STAGING) {
-        if entry.unclear && leads_back(&dir, &entry.name) {
+        if entry.unclear && leads_back(&dir, &entry.name, bounds)? {
             faults.push((Part::Core, Fault::Loop(entry.name.to_string_lossy().as_ref().into())));
             continue;
         }
@@ -271,9 +279,13 @@ fn children(
 }
 
 /// Whether the entry is a folder that contains it.
-fn leads_back(dir: &Dir, name: &OsStr) -> bool {
-    let inode = folder::open_in(&dir.fd, name).and_then(folder::inode);
-    inode.is_ok_and(|inode| dir.is_in(inode))
+fn leads_back(dir: &Dir, name: &OsStr, bounds: Bounds<'_>) -> Result<bool, Unread> {
+    match bounds.open(&dir.fd, Path::new(name), OFlags::DIRECTORY) {
+        Ok(found) => Ok(folder::inode(found).is_ok_and(|inode| dir.is_in(inode))),
+        Err(Unread::System(_)) => Ok(false),
+        Err(Unread::Outside(link)) => Err(Unread::Outside(Path::new(&dir.name).join(link))),
+        Err(Unread::Unfit(file)) => Err(Unread::Unfit(Path::new(&dir.name).join(file))),
+    }
 }
 
 /// The document that a file holds.

@@ -3,6 +3,7 @@
 
 use super::commit::{is_interrupted, recover};
 use super::disk::RealDisk;
+use crate::read::LoadError;
 use rustix::fd::OwnedFd;
 use rustix::fs::{CWD, FlockOperation, Mode, OFlags, flock, openat};
 use std::io;
@@ -24,17 +25,23 @@ pub(crate) fn exclusive(dir: &Path) -> io::Result<Lock> {
 }
 
 /// Makes the open machine folder ready to be read: waits for a save that runs, finishes or drops an interrupted one. Saves
-/// wait until `folder` (and every duplicate) is closed.
-pub(crate) fn settle_before_reading(folder: &OwnedFd, dir: &Path) -> io::Result<()> {
-    take(folder, FlockOperation::LockShared)?;
+/// wait until `folder` (and every duplicate) is closed. Nothing is finished or dropped that `check` refuses.
+pub(crate) fn settle_before_reading(
+    folder: &OwnedFd,
+    dir: &Path,
+    check: impl FnOnce() -> Result<(), LoadError>,
+) -> Result<(), LoadError> {
+    let failed = |source| LoadError::Recovery { path: dir.to_owned(), source };
+    take(folder, FlockOperation::LockShared).map_err(failed)?;
     if !is_interrupted(&RealDisk, dir) {
         return Ok(());
     }
-    take(folder, FlockOperation::LockExclusive)?;
+    take(folder, FlockOperation::LockExclusive).map_err(failed)?;
     if is_interrupted(&RealDisk, dir) {
-        recover(&RealDisk, dir)?;
+        check()?;
+        recover(&RealDisk, dir).map_err(failed)?;
     }
-    take(folder, FlockOperation::LockShared)
+    take(folder, FlockOperation::LockShared).map_err(failed)
 }
 
 fn take(folder: &OwnedFd, operation: FlockOperation) -> io::Result<()> {
