@@ -1,0 +1,43 @@
+/** A traceback of Python, read: its frames and what was raised. */
+
+export interface Frame {
+  readonly file: string;
+  readonly line: number;
+  readonly function: string;
+  /** The line itself, if it was told. */
+  readonly code: string;
+}
+
+export interface Traceback {
+  readonly frames: readonly Frame[];
+  /** The frame of the script that is nearest to the error; null without frames. */
+  readonly own: Frame | null;
+  /** `ValueError: no`. */
+  readonly message: string;
+}
+
+const FRAME = /^ {2}File "(.*)", line (\d+), in (.*)$/;
+
+/** What a text says that is a traceback; null if it is none. Of a chain of errors, the last. */
+export function readTraceback(text: string): Traceback | null {
+  const lines = text.split("\n");
+  const begin = lines.findLastIndex((line) => line.startsWith("Traceback (most recent call last)"));
+  if (begin < 0) return null;
+  const frames: Frame[] = [];
+  let at = begin + 1;
+  for (; at < lines.length; at += 1) {
+    const line = lines[at] ?? "";
+    const found = FRAME.exec(line);
+    if (found) frames.push(frameOf(found, lines[at + 1] ?? ""));
+    else if (line !== "" && !line.startsWith(" ")) break;
+  }
+  const script = frames[0]?.file;
+  const own = frames.findLast(({ file }) => file === script) ?? null;
+  return { frames, own, message: lines.slice(at).join("\n") };
+}
+
+function frameOf(found: RegExpExecArray, next: string): Frame {
+  const [, file = "", line = "0", name = ""] = found;
+  const isCode = next.startsWith("    ") && !/^ +[~^]+$/.test(next);
+  return { file, line: Number(line), function: name, code: isCode ? next.trim() : "" };
+}

@@ -1,0 +1,73 @@
+/** When each state was entered and left, by state: found without walking the journal again. Steps back are left out. */
+
+import { ENTERED, type Journal, LEFT } from "./journal.ts";
+import type { Watch } from "./run.ts";
+
+/** Indices of the journal, rising. */
+interface OfState {
+  readonly entered: number[];
+  readonly left: number[];
+}
+
+const KNOWN = new WeakMap<Journal, Visits>();
+
+export function visitsOf({ journal }: Pick<Watch, "journal">): Visits {
+  const known = KNOWN.get(journal) ?? new Visits(journal);
+  KNOWN.set(journal, known);
+  return known;
+}
+
+export class Visits {
+  readonly #journal: Journal;
+  readonly #states = new Map<string, OfState>();
+  #next = 0;
+
+  constructor(journal: Journal) {
+    this.#journal = journal;
+  }
+
+  /** The number of the last event up to `until` by which the state was entered or left; null if there is none. */
+  last(kind: "entered" | "left", path: string, until: number | null): number | null {
+    const index = this.lastIndex(kind, path, until);
+    return index === null ? null : this.#journal.sequence(index);
+  }
+
+  /** The same as an index of the journal. */
+  lastIndex(kind: "entered" | "left", path: string, until: number | null): number | null {
+    const all = this.#of(path)?.[kind] ?? [];
+    return all[this.#countTo(all, until) - 1] ?? null;
+  }
+
+  /** How often it was entered up to a moment. */
+  count(path: string, until: number | null): number {
+    return this.#countTo(this.#of(path)?.entered ?? [], until);
+  }
+
+  #of(path: string): OfState | undefined {
+    this.#catchUp();
+    return this.#states.get(path);
+  }
+
+  #countTo(all: readonly number[], until: number | null): number {
+    if (until === null) return all.length;
+    let [low, high] = [0, all.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.#journal.sequence(all[middle] ?? 0) <= until) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  #catchUp(): void {
+    const journal = this.#journal;
+    for (; this.#next < journal.length; this.#next += 1) {
+      const kind = journal.kind(this.#next);
+      if ((kind !== ENTERED && kind !== LEFT) || journal.isBack(this.#next)) continue;
+      const path = journal.pathOf(journal.pathNumber(this.#next));
+      const state = this.#states.get(path) ?? { entered: [], left: [] };
+      this.#states.set(path, state);
+      (kind === ENTERED ? state.entered : state.left).push(this.#next);
+    }
+  }
+}
