@@ -1,39 +1,25 @@
 /** What somebody who works on the machine has to know now: each a bar above the canvas, with the ways out. */
 
 import { Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
-import { type ReactNode, useEffect, useState } from "react";
+import { useEffect, useState } from "react";
 import { mayEdit } from "../commands/subject.ts";
 import type { OpenTab } from "../store/page.ts";
 import { Button } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
+import { Bar } from "./bar.tsx";
 import { useDerived, useSession } from "./provided.tsx";
+import { RunBars } from "./run_bars.tsx";
 
 export function Bars({ tab }: { tab: OpenTab }) {
   return (
     <>
       <LinkBar tab={tab} />
+      <RunBars tab={tab} />
       <ReadOnlyBar />
       <DiskBar tab={tab} />
       <RecoveredBar tab={tab} />
     </>
-  );
-}
-
-interface BarProps {
-  readonly kind?: "plain" | "warning" | "danger";
-  readonly icon: ReactNode;
-  readonly children: ReactNode;
-  readonly actions?: ReactNode;
-}
-
-function Bar({ kind = "plain", icon, children, actions }: BarProps) {
-  return (
-    <div className={`bar bar-${kind}`} role="status">
-      {icon}
-      <span className="bar-text">{children}</span>
-      {actions}
-    </div>
   );
 }
 

@@ -7,10 +7,13 @@ import type { Context } from "../commands/command.ts";
 import { contextMenu } from "../commands/menus.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Point } from "../model/geometry.ts";
+import { useIsOld } from "../panels/run_age.ts";
 import type { OpenTab } from "../store/page.ts";
 import { ContextMenu } from "../ui/menu.tsx";
+import { useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
+import { SentCommands } from "./sent_commands.tsx";
 
 const NO_MARKS = new Map<never, never>();
 
@@ -32,6 +35,8 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
   const { page, commands, context, canvas } = useSession();
   const keys = useKeys();
   const place = useRef<HTMLDivElement>(null);
+  const isOld = useIsOld(page);
+  const watch = useSignal(tab.run);
   const [menu, setMenu] = useState<OpenMenu | null>(null);
   useEffect(() => {
     if (!place.current) return;
@@ -50,7 +55,8 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
   }, [tab, page, commands, context, canvas]);
   return (
     <div className="canvas-place">
-      <div ref={place} className="canvas-mount" />
+      <div ref={place} className={isOld ? "canvas-mount is-old" : "canvas-mount"} />
+      {watch && <SentCommands watch={watch} />}
       {menu && (
         <ContextMenu
           label="What can be done here"

@@ -1,6 +1,7 @@
 /** The panels around the canvas: they dock, tab, float, fold, and go into windows of their own. */
 
 import "dockview-react/dist/styles/dockview.css";
+import "../ui/old.css";
 import "./dock.css";
 import {
   type DockviewApi,
@@ -19,6 +20,7 @@ import {
   SquareArrowOutUpRight,
 } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
+import { useIsOld } from "../panels/run_age.ts";
 import { shedOf } from "../store/shed.ts";
 import { IconButton } from "../ui/button.tsx";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
@@ -89,10 +91,11 @@ export function Dock() {
 
 function PanelPlace({ api }: IDockviewPanelProps) {
   const panel = panelOf(api.id);
+  const isOld = useIsOld(useSession().page);
   if (!panel) return null;
   const Component = panel.component;
   return (
-    <div className="panel">
+    <div className={isOld ? "panel is-old" : "panel"}>
       <PanelGuard name={panel.title}>
         <Component />
       </PanelGuard>

@@ -1,0 +1,68 @@
+/** What has to be known about the truth of what is shown of a run: how old it may be and what is done about it, whether the page
+ * still catches up, whether the history cannot be told. */
+
+import { History, RefreshCw, Unplug } from "lucide-react";
+import { useRunAge } from "../panels/run_age.ts";
+import { behind } from "../store/behind.ts";
+import type { OpenTab } from "../store/page.ts";
+import type { Watch } from "../store/run.ts";
+import { useSignal } from "../ui/signals.ts";
+import { agePhrase } from "./age.ts";
+import { Bar } from "./bar.tsx";
+import { useDerived, useSession } from "./provided.tsx";
+
+/** Fewer are told before anybody could read that they are. */
+const WORTH_SAYING = 100;
+
+export function RunBars({ tab }: { tab: OpenTab }) {
+  const watch = useSignal(tab.run);
+  if (!watch) return null;
+  return (
+    <>
+      <OldBar watch={watch} />
+      <CatchingUpBar watch={watch} />
+      <LackBar watch={watch} />
+    </>
+  );
+}
+
+function OldBar({ watch }: { watch: Watch }) {
+  const { page } = useSession();
+  const link = useSignal(page.server.link);
+  const { age_ms, isOld, why } = useRunAge(page, watch);
+  // Of a broken connection there is a bar already.
+  if (!isOld || (why === "link" && link.state === "down")) return null;
+  const text =
+    why === "runner"
+      ? `The server has lost the program that runs the machine, and looks for it. What is shown of the run is ${agePhrase(age_ms)} old; the robot may be elsewhere.`
+      : `The server was not heard for ${agePhrase(age_ms)}, and is asked whether it is there. What is shown of the run is as old.`;
+  return (
+    <Bar kind="warning" icon={<Unplug size={16} aria-hidden />}>
+      {text}
+    </Bar>
+  );
+}
+
+function CatchingUpBar({ watch }: { watch: Watch }) {
+  const { page } = useSession();
+  const missing = useDerived(() => {
+    const isUp = page.server.link.value.state === "up";
+    return isUp && !watch.isCaughtUp.value ? behind(watch) : 0;
+  }, [page, watch]);
+  if (missing < WORTH_SAYING) return null;
+  return (
+    <Bar icon={<RefreshCw size={16} aria-hidden />}>
+      Catching up: {missing.toLocaleString("en")} events
+    </Bar>
+  );
+}
+
+function LackBar({ watch }: { watch: Watch }) {
+  const lack = useSignal(watch.lack);
+  if (lack === null) return null;
+  return (
+    <Bar kind="warning" icon={<History size={16} aria-hidden />}>
+      The history of this run cannot be shown: {lack}
+    </Bar>
+  );
+}

@@ -1,0 +1,62 @@
+/** Commands that this page gave: those under way, and for a while what became of them. Nothing is said to be done before the robot
+ * said so. */
+
+import { Check, CircleHelp, Hourglass, Send, TriangleAlert, X } from "lucide-react";
+import { type ReactNode, useEffect, useState } from "react";
+import { commandInWords } from "../model/command_words.ts";
+import { sentLines } from "../panels/parts/sent.ts";
+import { dismiss, dismissed } from "../store/dismissed.ts";
+import type { Sent, Watch } from "../store/run.ts";
+import { IconButton } from "../ui/button.tsx";
+import { useSignal } from "../ui/signals.ts";
+import "./sent_commands.css";
+
+const EVERY_MS = 100;
+
+const SIGNS: Readonly<Record<string, ReactNode>> = {
+  sent: <Send size={14} aria-hidden />,
+  applied: <Check size={14} aria-hidden />,
+  refused: <TriangleAlert size={14} aria-hidden />,
+  expired: <Hourglass size={14} aria-hidden />,
+  lost: <CircleHelp size={14} aria-hidden />,
+};
+
+export function SentCommands({ watch }: { watch: Watch }) {
+  const sent = useSignal(watch.sent);
+  const seen = useSignal(dismissed(watch));
+  const now_ms = useTicks(sent);
+  const lines = sentLines(sent, seen, now_ms);
+  return (
+    <ul className="sent" aria-label="Commands under way" aria-live="polite">
+      {lines.map(({ id, command, kind, words }) => (
+        <li key={id} className={`sent-line sent-${kind}`}>
+          {SIGNS[kind]}
+          <span>
+            <strong>{commandInWords(command)}</strong> {words}
+          </span>
+          {kind !== "sent" && kind !== "applied" && (
+            <IconButton label="Close" icon={<X size={14} />} onClick={() => dismiss(watch, id)} />
+          )}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** The time, ten times a second from when something was sent until nothing more will be different by itself. */
+function useTicks(sent: readonly Sent[]): number {
+  const [now_ms, setNow] = useState(() => Date.now());
+  useEffect(() => {
+    if (sent.length === 0) return;
+    setNow(Date.now());
+    let rounds = 0;
+    const timer = setInterval(() => {
+      rounds += 1;
+      setNow(Date.now());
+      const isWaiting = sent.some(({ answer }) => answer === null);
+      if (!isWaiting && rounds * EVERY_MS > 3_000) clearInterval(timer);
+    }, EVERY_MS);
+    return () => clearInterval(timer);
+  }, [sent]);
+  return now_ms;
+}

@@ -1,0 +1,33 @@
+/** Commands of runs in words, as buttons and menus call them. */
+
+import type { Command } from "./generated/protocol.ts";
+
+const WORDS: Readonly<Record<Command["type"], string>> = {
+  start: "Start",
+  pause: "Pause",
+  resume: "Resume",
+  stop: "Stop",
+  kill: "Kill",
+  step_mode: "Step mode",
+  step_into: "Step into",
+  step_over: "Step over",
+  step_out: "Step out",
+  step_back: "Step back",
+  run_to: "Run to here",
+  run_selected: "Run the selected state",
+  run_only_selected: "Run only the selected state",
+  start_from_history: "Start from an event",
+  force_outcome: "Force an outcome",
+  preempt: "Preempt",
+  set_breakpoint: "Set a breakpoint",
+  remove_breakpoint: "Remove a breakpoint",
+  answer_question: "Answer a question",
+  recover: "Recover",
+  reload: "Take edits into the run",
+  edit_script: "Change a script",
+  control: "Control",
+};
+
+export function commandInWords(command: Command): string {
+  return WORDS[command.type];
+}

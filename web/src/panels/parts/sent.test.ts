@@ -1,0 +1,31 @@
+import { expect, test } from "vitest";
+import type { Sent } from "../../store/run.ts";
+import { sentLines } from "./sent.ts";
+
+const NOW_MS = 100_000;
+
+function line(answer: Sent["answer"], ago_ms = 800, dismissed: readonly string[] = []) {
+  const sent_ms = NOW_MS - ago_ms;
+  const sent = { id: "1", command: { type: "stop" }, sent_ms, expiry_ms: sent_ms + 10_000, answer };
+  const [found] = sentLines([sent as Sent], new Set(dismissed), NOW_MS);
+  return found && `${found.kind}: ${found.words}`;
+}
+
+test("a command under way says since when, and never that it is done", () => {
+  expect(line(null)).toBe("sent: sent 0.8 s ago, not answered yet");
+  expect(line(null, 12_000)).toBe(
+    "sent: sent 12.0 s ago, no answer, and too late now: whether it was carried out is asked for",
+  );
+});
+
+test("what was carried out is shown for a glance", () => {
+  expect(line({ answer: "applied" })).toBe("applied: was carried out");
+  expect(line({ answer: "applied" }, 2_500)).toBe(undefined);
+});
+
+test("what was not carried out stays until it was seen", () => {
+  expect(line({ answer: "expired" }, 60_000)).toBe("expired: expired: it was never carried out");
+  expect(line({ answer: "refused", reason: "no" }, 60_000)).toBe("refused: was refused: no");
+  expect(line({ answer: "lost", reason: "cut" }, 60_000)).toContain("nobody knows");
+  expect(line({ answer: "expired" }, 60_000, ["1"])).toBe(undefined);
+});

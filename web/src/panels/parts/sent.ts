@@ -1,0 +1,51 @@
+/** What is said of the commands that this page gave. Those under way stand there from the beginning; of those that were carried out
+ * a glance is enough; all others stay until somebody has seen them. */
+
+import type { Command } from "../../model/generated/protocol.ts";
+import type { Sent } from "../../store/run.ts";
+
+export interface SentLine {
+  readonly id: string;
+  readonly command: Command;
+  readonly kind: "sent" | "applied" | "refused" | "expired" | "lost";
+  readonly words: string;
+}
+
+/** Carried out: shown for so long after it was given. */
+const APPLIED_MS = 2_500;
+/** So many stand there at most, the newest. */
+const LINES_MAX = 5;
+
+export function sentLines(
+  sent: readonly Sent[],
+  dismissed: ReadonlySet<string>,
+  now_ms: number,
+): readonly SentLine[] {
+  const wanted = sent.filter(({ id, answer, sent_ms }) =>
+    answer?.answer === "applied" ? now_ms - sent_ms < APPLIED_MS : !dismissed.has(id),
+  );
+  return wanted.slice(-LINES_MAX).map((each) => ({
+    id: each.id,
+    command: each.command,
+    kind: each.answer?.answer ?? "sent",
+    words: words(each, now_ms),
+  }));
+}
+
+function words({ answer, sent_ms, expiry_ms }: Sent, now_ms: number): string {
+  switch (answer?.answer) {
+    case "applied":
+      return "was carried out";
+    case "refused":
+      return `was refused: ${answer.reason}`;
+    case "expired":
+      return "expired: it was never carried out";
+    case "lost":
+      return `got no answer, and nobody knows whether it was carried out: ${answer.reason}`;
+    default: {
+      const ago = `sent ${(Math.max(0, now_ms - sent_ms) / 1_000).toFixed(1)} s ago`;
+      if (now_ms <= expiry_ms) return `${ago}, not answered yet`;
+      return `${ago}, no answer, and too late now: whether it was carried out is asked for`;
+    }
+  }
+}
