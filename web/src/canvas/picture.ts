@@ -13,13 +13,7 @@ import { type Colours, coloursOf } from "./paint/colours.ts";
 import { measureWith } from "./paint/measure.ts";
 import { paint } from "./paint/paint.ts";
 import { type Placed, placesOf } from "./placed.ts";
-import {
-  type Difference,
-  type Onlooker,
-  PLAIN,
-  type RunMark,
-  type SceneInput,
-} from "./scene/input.ts";
+import { type Difference, type Onlooker, PLAIN, type SceneInput } from "./scene/input.ts";
 import type { DrawList } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
 
@@ -27,7 +21,11 @@ import { scene } from "./scene/scene.ts";
 export interface Extras {
   readonly differences?: ReadonlyMap<ElementKey, Difference>;
   readonly hits?: ReadonlySet<ElementKey>;
-  readonly runs?: ReadonlyMap<string, RunMark>;
+  readonly runs?: SceneInput["runs"];
+  readonly taken?: SceneInput["taken"];
+  readonly visits?: SceneInput["visits"];
+  readonly values?: SceneInput["values"];
+  readonly heat?: SceneInput["heat"];
 }
 
 export interface PictureOptions {
@@ -179,7 +177,7 @@ function watch(place: HTMLElement, options: PictureOptions, tell: Watched): () =
     tell.changed();
   });
   const stopHearing = options.tab.room.onChange(tell.changed);
-  const stopTheme = onTheme(tell.themed);
+  const stopTheme = onTheme(place, tell.themed);
   const resized = new ResizeObserver(tell.sized);
   resized.observe(place);
   document.fonts?.addEventListener("loadingdone", tell.lettered);
@@ -287,12 +285,14 @@ function backed(canvas: HTMLCanvasElement, size: Size): number {
   return ratio;
 }
 
-/** Tells when the colours of the page may be others. */
-function onTheme(changed: () => void): () => void {
+/** Tells when the colours of a place in the page may be others: by the theme, or by the class of what is around it. */
+function onTheme(place: HTMLElement, changed: () => void): () => void {
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", changed);
   const watcher = new MutationObserver(changed);
   watcher.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
+  const around = place.parentElement;
+  if (around) watcher.observe(around, { attributes: true, attributeFilter: ["class"] });
   return () => {
     dark.removeEventListener("change", changed);
     watcher.disconnect();

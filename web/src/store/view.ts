@@ -23,6 +23,9 @@ export interface ViewModes {
   readonly grid: boolean;
 }
 
+/** What colours states by how they ran: nothing, how often, or how long altogether. */
+export type HeatMode = "off" | "count" | "time";
+
 /** How an element differs from its counterpart in another machine. */
 export type Mark = "added" | "removed" | "changed";
 
@@ -36,6 +39,10 @@ export interface RoomView {
   readonly modes: Signal<ViewModes>;
   /** How elements differ from what the machine is compared with; null if it is compared with nothing. */
   readonly marks: Signal<ReadonlyMap<ElementKey, Mark> | null>;
+  /** What of the run colours states. */
+  readonly heat: Signal<HeatMode>;
+  /** Whether the camera follows what runs. */
+  readonly follows: Signal<boolean>;
   /** Library states whose content is shown or hidden here, other than the file says. */
   readonly contents: Signal<ReadonlyMap<string, boolean>>;
 }
@@ -56,6 +63,8 @@ export function newView(): RoomView {
     hovered: signal<ElementRef | null>(null),
     modes: signal(MODES),
     marks: signal<ReadonlyMap<ElementKey, Mark> | null>(null),
+    heat: signal<HeatMode>("off"),
+    follows: signal(false),
     contents: signal<ReadonlyMap<string, boolean>>(new Map()),
   };
 }

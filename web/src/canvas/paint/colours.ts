@@ -1,5 +1,7 @@
 /** The colours of the canvas: names of inks, as the theme has them. */
 
+import { HEAT_LEVELS } from "../scene/input.ts";
+
 /** Colours by the names of inks. */
 export type Colours = Readonly<Record<string, string>>;
 
@@ -64,20 +66,29 @@ export function coloursOf(element: Element): Colours {
   }
   const outer = style.getPropertyValue("--canvas-state");
   const inner = style.getPropertyValue("--canvas-state-deep");
+  const [cold, hot] = [
+    style.getPropertyValue("--canvas-heat-low"),
+    style.getPropertyValue("--canvas-heat-high"),
+  ];
+  for (let level = 0; level <= HEAT_LEVELS; level++) {
+    colours[`heat${level}`] = mixed(cold, hot, level / HEAT_LEVELS);
+  }
   for (const [depth, colour] of shades(outer, inner).entries()) colours[`shade${depth}`] = colour;
   return colours;
 }
 
 /** The ground of states by depth: from one `#rrggbb` towards another, in smaller and smaller steps. */
 export function shades(outer: string, inner: string): readonly string[] {
+  return Array.from({ length: DEPTHS }, (_, depth) => mixed(outer, inner, 1 - 0.72 ** depth));
+}
+
+/** So much of the way from one `#rrggbb` to another. */
+function mixed(outer: string, inner: string, part: number): string {
   const [from, to] = [rgb(outer), rgb(inner)];
-  return Array.from({ length: DEPTHS }, (_, depth) => {
-    const part = 1 - 0.72 ** depth;
-    const mixed = from.map((value, index) =>
-      Math.round(value + ((to[index] ?? value) - value) * part),
-    );
-    return `#${mixed.map((value) => value.toString(16).padStart(2, "0")).join("")}`;
-  });
+  const colour = from.map((value, index) =>
+    Math.round(value + ((to[index] ?? value) - value) * part),
+  );
+  return `#${colour.map((value) => value.toString(16).padStart(2, "0")).join("")}`;
 }
 
 /** Red, green and blue of `#rrggbb`. */

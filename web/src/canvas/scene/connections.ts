@@ -4,11 +4,13 @@
 import type { ElementKey } from "../../model/element.ts";
 import type { Point } from "../../model/geometry.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import type { LineMarkOfRun } from "../../store/marks.ts";
 import type { Line } from "../lines.ts";
 import { DETAIL, extent, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { Ink, LineMark } from "./list.ts";
-import { groundInk } from "./states.ts";
+import { groundInk } from "./ring.ts";
+import { faded } from "./runs.ts";
 
 /** The part of a line that is near the view is drawn: nothing is so many pixels beyond it. */
 const BEYOND = 30;
@@ -44,6 +46,15 @@ interface LineLook {
   readonly width: number;
   /** Whether somebody has picked it out. */
   readonly loud: boolean;
+  readonly dash?: boolean;
+  readonly alpha?: number;
+}
+
+/** How a transition looks that a run took lately, or takes next. */
+function lookOfRun({ isNext, age }: LineMarkOfRun): LineLook {
+  if (isNext) return { ink: "held", width: 2.75, loud: true, dash: true };
+  const ink = age === 0 ? "running" : "trail";
+  return { ink, width: age === 0 ? 2.75 : 2.25, loud: false, alpha: faded(age) };
 }
 
 function lookOf(drawing: Drawing, line: Line): LineLook {
@@ -55,6 +66,8 @@ function lookOf(drawing: Drawing, line: Line): LineLook {
     return { ink: kind === "transition" ? "lit" : "data", width: 2.25, loud: true };
   }
   if (difference) return { ink: difference, width: 2, loud: true };
+  const run = drawing.input.taken.get(key);
+  if (run) return lookOfRun(run);
   if (kind === "data_flow") return { ink: "flow", width: 1, loud: false };
   if (outcome === ABORTED) return { ink: "aborted-line", width: 1, loud: false };
   if (outcome === PREEMPTED) return { ink: "preempted-line", width: 1, loud: false };
@@ -126,8 +139,8 @@ function lineMark(spot: Spot, line: Line, look: LineLook, size: number, alpha: n
     radius: isTransition ? 6 : 0,
     curve: !isTransition && line.waypoints.length === 0,
     arrow: isTransition ? arrowOf(spot, line, size) : look.loud ? 7 : 0,
-    dash: false,
-    alpha: alpha * far,
+    dash: look.dash ?? false,
+    alpha: alpha * far * (look.alpha ?? 1),
   };
 }
 

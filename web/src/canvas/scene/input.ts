@@ -3,6 +3,7 @@
 import type { ElementKey, ElementRef } from "../../model/element.ts";
 import type { Severity } from "../../model/generated/protocol.ts";
 import type { Size } from "../../model/geometry.ts";
+import type { LineMarkOfRun, RunMark } from "../../store/marks.ts";
 import type { Camera, ViewModes } from "../../store/view.ts";
 import type { Overlay } from "../overlay.ts";
 import type { Placed } from "../placed.ts";
@@ -10,10 +11,19 @@ import type { Placed } from "../placed.ts";
 /** How a part differs from the machine that it is compared with. */
 export type Difference = "added" | "removed" | "changed";
 
-/** What a state does in a run. */
-export interface RunMark {
-  readonly phase: "running" | "waiting" | "held" | "failed" | "preempted" | "trail";
+/** A value at a port. */
+export interface ValueChip {
+  /** In a few letters. */
+  readonly short: string;
+  /** As much of it as can be shown at all. */
+  readonly full: string;
 }
+
+/** How hot states are, from 0 to `HEAT_LEVELS`, by path. */
+export type Heat = ReadonlyMap<string, number>;
+
+/** So many shades of heat there are. */
+export const HEAT_LEVELS = 5;
 
 /** Somebody else who looks at the machine. */
 export interface Onlooker {
@@ -42,7 +52,16 @@ export interface SceneInput {
   readonly differences: ReadonlyMap<ElementKey, Difference>;
   /** What a search has found. */
   readonly hits: ReadonlySet<ElementKey>;
+  /** What states do in the run. */
   readonly runs: ReadonlyMap<string, RunMark>;
+  /** Transitions that were taken lately or come next. */
+  readonly taken: ReadonlyMap<ElementKey, LineMarkOfRun>;
+  /** How often a state was entered. */
+  readonly visits: (path: string) => number;
+  /** Values at ports. */
+  readonly values: ReadonlyMap<ElementKey, ValueChip>;
+  /** Null while it is not shown. */
+  readonly heat: Heat | null;
   readonly measure: Measure;
   /** Whether there is time left to find the ways of another container's lines. */
   readonly mayRoute: () => boolean;
@@ -57,5 +76,9 @@ export const PLAIN = {
   differences: new Map<ElementKey, Difference>(),
   hits: new Set<ElementKey>(),
   runs: new Map<string, RunMark>(),
+  taken: new Map<ElementKey, LineMarkOfRun>(),
+  visits: (_path: string) => 0,
+  values: new Map<ElementKey, ValueChip>(),
+  heat: null,
   mayRoute: () => true,
 } as const;

@@ -83,6 +83,7 @@ export type Icon =
   | "running"
   | "waiting"
   | "held"
+  | "next"
   | "failed"
   | "preempted"
   | "added"

@@ -4,7 +4,7 @@ import type { Box } from "../../model/geometry.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { Icon, IconMark, Layer } from "./list.ts";
-import { groundInk } from "./states.ts";
+import { groundInk } from "./ring.ts";
 import { FRAME } from "./sticky.ts";
 import { cut, wrapped } from "./words.ts";
 

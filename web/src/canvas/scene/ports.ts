@@ -8,7 +8,7 @@ import { python } from "../../model/value.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { DotShape, Ink } from "./list.ts";
-import { groundInk } from "./states.ts";
+import { groundInk } from "./ring.ts";
 import { cut } from "./words.ts";
 
 /** Ports to which a transition leads or from which one starts. */

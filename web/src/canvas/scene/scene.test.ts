@@ -133,13 +133,12 @@ describe("what is picked out", () => {
     expect(about(seen(2, { modes }), "dot outcome:R/A:-2")).toHaveLength(1);
   });
 
-  test("selection, differences, finds, others and runs are told apart", () => {
+  test("selection, differences, finds and others are told apart", () => {
     const lines = seen(1, {
       selection: new Set(["state:R/A"]),
       differences: new Map([["state:R/B", "changed"]]),
       hits: new Set(["state:R/A"]),
       people: [{ name: "Anna", colour: 1, selection: ["R/B"] }],
-      runs: new Map([["R/A", { phase: "running" }]]),
       problems: new Map([["R/A", "error"]]),
     });
     expect(about(lines, "box state:R/A selection")).toHaveLength(1);
@@ -148,15 +147,7 @@ describe("what is picked out", () => {
     expect(about(lines, "|hit|")).toHaveLength(1);
     expect(about(lines, "|person1|")).toHaveLength(1);
     expect(about(lines, '"Anna"')).toHaveLength(1);
-    expect(about(lines, "|running|")).toHaveLength(1);
     expect(about(lines, "icon state:R/A error")).toHaveLength(1);
-  });
-
-  test("states that are too small to be seen tell what runs in them", () => {
-    const runs = new Map([["R/A", { phase: "failed" }]]) as SceneInput["runs"];
-    expect(about(seen(0.15, { runs }), "speck state:R/A")).toEqual([
-      "1 speck state:R/A 6 9 15 12 aborted",
-    ]);
   });
 });
 

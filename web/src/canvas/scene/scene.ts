@@ -11,6 +11,7 @@ import type { BoxMark, DrawList } from "./list.ts";
 import { nameMarks } from "./names.ts";
 import { portMarks } from "./ports.ts";
 import { ruledMarks } from "./ruled.ts";
+import { RUN_INKS } from "./runs.ts";
 import { stateMarks } from "./states.ts";
 import { stickyMarks } from "./sticky.ts";
 
@@ -53,9 +54,9 @@ function spotOf(
 
 /** Draws a state that is in sight and large enough, and what is inside it. */
 function visit(drawing: Drawing, spot: Spot, connected: ReadonlySet<string>): void {
-  stateMarks(drawing, spot);
   const children = childrenOf(drawing, spot);
   const open = children.length > 0 && spot.extent >= DETAIL.content;
+  stateMarks(drawing, spot, open);
   const isAround = drawing.isCoveredBy(spot);
   if (!isAround || !open) nameMarks(drawing, spot, open);
   if (open) {
@@ -124,12 +125,14 @@ function speck(
   width: number,
   height: number,
 ): BoxMark {
-  const { runs, hits, differences } = drawing.input;
-  const run = runs.get(child.path)?.phase;
+  const { runs, hits, differences, heat } = drawing.input;
+  const run = runs.get(child.path)?.loudest;
   const loud = drawing.isSelected(child.key)
     ? "selection"
     : (differences.get(child.key) ?? (hits.has(child.key) ? "hit" : undefined));
-  const quiet = run === undefined ? shade(outer.depth + 1) : (RUN_INKS[run] ?? "running");
+  const hot = heat?.get(child.path);
+  const still = hot === undefined ? shade(outer.depth + 1) : `heat${hot}`;
+  const quiet = run === undefined || run === "inside" ? still : RUN_INKS[run];
   return {
     what: child.key,
     x,
@@ -144,12 +147,3 @@ function speck(
     alpha: 1,
   };
 }
-
-const RUN_INKS: Readonly<Record<string, string>> = {
-  running: "running",
-  waiting: "waiting",
-  held: "held",
-  failed: "aborted",
-  preempted: "preempted",
-  trail: "trail",
-};

@@ -1,21 +1,23 @@
 /** The box of a state with all that its border tells: its kind, what is selected, what differs, what runs. */
 
-import { layoutOf } from "../../model/drawing.ts";
 import type { Drawing, Spot } from "./drawing.ts";
-import { shade } from "./drawing.ts";
-import type { Difference, RunMark } from "./input.ts";
-import type { BoxMark, Ink, Layer } from "./list.ts";
+import type { Difference } from "./input.ts";
+import type { BoxMark, Layer } from "./list.ts";
+import { groundInk, radiusOf, ring } from "./ring.ts";
+import { runMarks, visitMarks } from "./runs.ts";
 
 /** How far beyond the view a box is still drawn exactly. */
 const BEYOND = 40;
 
-export function stateMarks(drawing: Drawing, spot: Spot): void {
+/** `isOpen` is a state whose content shows. */
+export function stateMarks(drawing: Drawing, spot: Spot, isOpen: boolean): void {
   const layer = drawing.layer(spot.depth);
   const { input } = drawing;
   const { path, key } = spot.at;
-  layer.boxes.push(ground(drawing, spot));
+  layer.boxes.push(ground(drawing, spot, isOpen));
   const run = input.runs.get(path);
-  if (run) runMarks(layer, spot, run);
+  if (run) runMarks(drawing, spot, run, isOpen);
+  else visitMarks(drawing, spot);
   const difference = input.differences.get(key);
   if (difference) layer.boxes.push(ring(spot, DIFFERENCE_INK[difference], 2, 2, key));
   if (input.hits.has(key)) layer.boxes.push(ring(spot, "hit", 2, 4, key));
@@ -72,25 +74,15 @@ export const DIFFERENCE_INK: Readonly<Record<Difference, string>> = {
   changed: "changed",
 };
 
-/** The corner radius of a state of this size. */
-export function radiusOf(spot: Spot): number {
-  return Math.min(7, spot.extent * 0.09);
-}
-
-/** What a state is filled with, and what stands behind texts upon it. */
-export function groundInk({ at, depth }: Spot): Ink {
-  if (at.state.kind === "library") return layoutOf(at.state).background ?? "library-ground";
-  return layoutOf(at.state).background ?? shade(depth);
-}
-
-function ground(drawing: Drawing, spot: Spot): BoxMark {
+function ground(drawing: Drawing, spot: Spot, isOpen: boolean): BoxMark {
   const { at } = spot;
+  const heat = isOpen ? undefined : drawing.input.heat?.get(at.path);
   const isLibrary = at.state.kind === "library";
   return {
     ...clipped(drawing, spot),
     what: at.key,
     radius: radiusOf(spot),
-    fill: groundInk(spot),
+    fill: heat === undefined ? groundInk(spot) : `heat${heat}`,
     stroke: isLibrary ? "library-outline" : "outline",
     line: spot.extent > 240 ? 1.5 : 1,
     dash: at.state.library?.missing != null,
@@ -107,22 +99,6 @@ function clipped(drawing: Drawing, spot: Spot) {
   return { x: left, y: top, width: right - left, height: bottom - top };
 }
 
-function ring(spot: Spot, ink: string, line: number, away: number, what: string): BoxMark {
-  return {
-    what: `${what} ${ink}`,
-    x: spot.x - away,
-    y: spot.y - away,
-    width: spot.width + 2 * away,
-    height: spot.height + 2 * away,
-    radius: radiusOf(spot) + away,
-    fill: null,
-    stroke: ink,
-    line,
-    dash: false,
-    alpha: 1,
-  };
-}
-
 function onlookerMarks(layer: Layer, spot: Spot, name: string, ink: string): void {
   layer.boxes.push(ring(spot, ink, 1.5, 3, spot.at.key));
   layer.texts.push({
@@ -137,30 +113,5 @@ function onlookerMarks(layer: Layer, spot: Spot, name: string, ink: string): voi
     alpha: 1,
     plate: ink,
     width: 0,
-  });
-}
-
-/** Which colour, and which shape, says how a state runs. */
-const RUN_MARKS = {
-  running: { ink: "running", line: 3, dash: false },
-  waiting: { ink: "waiting", line: 2, dash: true },
-  held: { ink: "held", line: 3, dash: false },
-  failed: { ink: "aborted", line: 3, dash: false },
-  preempted: { ink: "preempted", line: 2, dash: true },
-  trail: { ink: "trail", line: 1.5, dash: false },
-} as const;
-
-function runMarks(layer: Layer, spot: Spot, { phase }: RunMark): void {
-  const { ink, line, dash } = RUN_MARKS[phase];
-  layer.boxes.push({ ...ring(spot, ink, line, 0, `${spot.at.key} run`), dash });
-  if (phase === "trail" || spot.extent < 24) return;
-  layer.icons.push({
-    what: `${spot.at.key} run`,
-    icon: phase,
-    x: spot.x + spot.width - 9,
-    y: spot.y + 9,
-    size: 12,
-    ink,
-    alpha: 1,
   });
 }

@@ -11,7 +11,7 @@ import { TEXT } from "./detail.ts";
 import { type Drawing, shade } from "./drawing.ts";
 import type { DotMark, Ink, Layer, TextMark } from "./list.ts";
 import { portInk, SHAPES } from "./ports.ts";
-import { groundInk } from "./states.ts";
+import { groundInk } from "./ring.ts";
 import { cut } from "./words.ts";
 
 /** How wide the frame is, in CSS pixels. */

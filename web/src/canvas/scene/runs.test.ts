@@ -1,0 +1,148 @@
+import { describe, expect, test } from "vitest";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/sketch.ts";
+import type { RunMark } from "../../store/marks.ts";
+import { MODES } from "../../store/view.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import { placesOf } from "../placed.ts";
+import { PLAIN, type SceneInput } from "./input.ts";
+import { shortTime } from "./runs.ts";
+import { scene } from "./scene.ts";
+import { listText } from "./text.ts";
+
+const MACHINE = machineOf(
+  sketch(`
+    R "Pick" hierarchy 0 0 400 300 outcome done
+      A "Look" execution 40 60 100 90 outcome seen output pose:list
+      B "Grasp" hierarchy 220 60 140 120 outcome held input pose:list
+        C "Close" execution 30 40 60 50 outcome ok
+        B > C
+      R > A
+      A.seen > B
+  `),
+);
+
+const MARK: RunMark = {
+  phase: "running",
+  loudest: "running",
+  isLeaf: true,
+  lanes: 0,
+  age: 0,
+  seconds: null,
+  failed: false,
+  detail: null,
+};
+
+type Marked = Readonly<Record<string, Partial<RunMark>>>;
+
+/** What is drawn with these marks, about a state or line. */
+function about(words: string, marked: Marked, scale = 1, more: Partial<SceneInput> = {}) {
+  const placed = placesOf(MACHINE, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  const runs = new Map(
+    Object.entries(marked).map(([path, mark]) => {
+      const phase = mark.phase ?? "running";
+      return [path, { ...MARK, loudest: phase, ...mark }] as const;
+    }),
+  );
+  const list = scene({
+    ...PLAIN,
+    placed,
+    camera: { x: 0, y: 0, scale },
+    view: { width: 800, height: 600 },
+    modes: MODES,
+    overlay: NO_OVERLAY,
+    measure: (text) => text.length * 6,
+    runs,
+    ...more,
+  });
+  return listText(list)
+    .split("\n")
+    .filter((line) => line.includes(words));
+}
+
+const shown = (marked: Marked, scale?: number, more?: Partial<SceneInput>) =>
+  about("state:R/A run", marked, scale, more).join("\n");
+
+describe("phases are told apart by colour, shape and word", () => {
+  test("what runs glows, and says for how long and how often", () => {
+    const text = shown({ "R/A": { seconds: 65 } }, 1, { visits: () => 3 });
+    expect(text).toContain("run glow");
+    expect(text).toContain("|running|");
+    expect(text).toContain('"1:05 · 3×"');
+  });
+
+  test("what waits is dashed, what is held has a white ring, what comes next is dashed and white", () => {
+    const waits = shown({ "R/A": { phase: "waiting", detail: "a child" } }, 2);
+    expect(waits).toContain("dashed");
+    expect(waits).toContain("icon state:R/A run waiting");
+    expect(waits).toContain('"waits: a child"');
+    expect(shown({ "R/A": { phase: "held" } })).toContain("icon state:R/A run held");
+    const next = shown({ "R/A": { phase: "next", isLeaf: false } });
+    expect(next).toContain("dashed");
+    expect(next).toContain('"next"');
+  });
+
+  test("what is preempted is hatched, what failed has a cross", () => {
+    expect(shown({ "R/A": { phase: "preempted" } })).toContain("run hatch");
+    const failed = shown({ "R/A": { phase: "failed", isLeaf: false } });
+    expect(failed).toContain("icon state:R/A run failed");
+    expect(failed).toContain('"failed"');
+  });
+
+  test("what failed before and runs again says both", () => {
+    const text = shown({ "R/A": { failed: true, loudest: "failed", seconds: 2 } }, 2);
+    expect(text).toContain("icon state:R/A run running");
+    expect(text).toContain("icon state:R/A run failed");
+    expect(text).toContain('"failed · running · 2 s"');
+  });
+
+  test("a trail fades from step to step", () => {
+    const alpha = (age: number) => shown({ "R/A": { phase: "trail", age } }).match(/\d+%/)?.[0];
+    expect([alpha(0), alpha(6), alpha(11)]).toEqual([undefined, "60%", "27%"]);
+  });
+});
+
+describe("the same at every size", () => {
+  test("a box without room for signs is filled while it runs, and dashed while it waits", () => {
+    const small = (mark: Partial<RunMark>) => about("state:R run", { R: mark }, 0.05).join();
+    expect(small({})).toContain("running |running|");
+    expect(small({ phase: "waiting" })).toContain("dashed");
+  });
+
+  test("states that are too small to be seen have the colour of the loudest inside", () => {
+    const marks = { "R/B": { phase: "running", loudest: "failed" } } as const;
+    expect(about("speck state:R/B", marks, 0.15)).toEqual(["1 speck state:R/B 33 9 21 18 aborted"]);
+  });
+
+  test("a closed container shows the loudest inside, and how many branches", () => {
+    const marks = { "R/B": { isLeaf: false, loudest: "waiting", lanes: 3 } } as const;
+    const text = about("state:R/B run", marks, 0.7).join("\n");
+    expect(text).toContain("icon state:R/B run waiting");
+    expect(text).toContain('"3"');
+  });
+});
+
+test("the transition that comes next is dashed and above all, one that was taken fades", () => {
+  const line = MACHINE.state("R")?.transitions?.find((each) => each.from_state === "A");
+  const key = `transition:R:${line?.id}`;
+  const taken = (isNext: boolean, age: number) =>
+    about(`line ${key}`, {}, 1, {
+      taken: new Map([[key, { isNext, age, sequence: 1 }]]),
+    }).join();
+  expect(taken(true, 0)).toContain("held dashed");
+  expect(taken(false, 0)).toContain("running");
+  expect(taken(false, 5)).toContain("trail");
+});
+
+test("heat colours states whose content does not show", () => {
+  const heat = new Map([
+    ["R", 5],
+    ["R/A", 2],
+  ]);
+  expect(about("box state:R ", {}, 1, { heat }).join()).toContain("shade0");
+  expect(about("box state:R/A", {}, 1, { heat }).join()).toContain("heat2");
+});
+
+test("times are told short", () => {
+  expect([5, 65, 3_725].map(shortTime)).toEqual(["5 s", "1:05", "1:02:05"]);
+});

@@ -1,0 +1,258 @@
+/** What a run shows on a state, told by colour, shape and word: rings, a glow where it runs, a hatch, a sign, and a plate with the
+ * time and how often it ran. */
+
+import type { MarkPhase, RunMark } from "../../store/marks.ts";
+import { STEPS } from "../../store/trail.ts";
+import { DETAIL, TEXT } from "./detail.ts";
+import type { Drawing, Spot } from "./drawing.ts";
+import type { BoxMark, Icon, Ink, Layer } from "./list.ts";
+import { groundInk, ring } from "./ring.ts";
+
+export const RUN_INKS: Readonly<Record<Exclude<MarkPhase, "inside">, Ink>> = {
+  running: "running",
+  waiting: "waiting",
+  held: "held",
+  next: "held",
+  failed: "aborted",
+  preempted: "preempted",
+  trail: "trail",
+};
+
+const ICONS: Readonly<Partial<Record<MarkPhase, Icon>>> = {
+  running: "running",
+  waiting: "waiting",
+  held: "held",
+  next: "next",
+  failed: "failed",
+  preempted: "preempted",
+};
+
+const WORDS: Readonly<Partial<Record<MarkPhase, string>>> = {
+  running: "running",
+  waiting: "waits",
+  held: "held",
+  next: "next",
+  failed: "failed",
+  preempted: "preempted",
+};
+
+/** From this size on, in CSS pixels, a plate says how long and how often. */
+const PLATE = 80;
+/** Smaller boxes are filled. */
+const FILLED = DETAIL.name;
+const ICON = 12;
+
+export function runMarks(drawing: Drawing, spot: Spot, mark: RunMark, isOpen: boolean): void {
+  const layer = drawing.layer(spot.depth);
+  const phase = isOpen ? mark.phase : closedPhase(mark);
+  const hasFailed = phase !== "failed" && (isOpen ? mark.failed : mark.loudest === "failed");
+  if (phase === "inside") {
+    visitMarks(drawing, spot);
+    return;
+  }
+  if (phase === "trail") trailMarks(layer, spot, mark.age);
+  else if (spot.extent < FILLED) smallMarks(layer, spot, phase);
+  else {
+    ringMarks(layer, spot, phase, mark.isLeaf);
+    if (hasFailed) layer.boxes.push(ring(spot, "aborted", 2, 4, whatOf(spot)));
+    if (phase === "preempted") hatchMarks(drawing, layer, spot);
+  }
+  if (spot.extent < FILLED) return;
+  const side = signMarks(drawing, layer, spot, phase, { ...mark, failed: hasFailed }, isOpen);
+  plateMarks(drawing, layer, spot, wordsOf(phase, { ...mark, failed: hasFailed }), side);
+}
+
+/** Of a state whose content does not show: the loudest inside; what runs is not hidden by what failed before. */
+function closedPhase({ phase, loudest, seconds, isLeaf }: RunMark): MarkPhase {
+  return isLeaf || (loudest === "failed" && seconds !== null) ? phase : loudest;
+}
+
+/** States that neither run nor ran lately say how often they did. */
+export function visitMarks(drawing: Drawing, spot: Spot): void {
+  if (spot.extent < PLATE || drawing.input.visits(spot.at.path) === 0) return;
+  plateMarks(drawing, drawing.layer(spot.depth), spot, [], 0);
+}
+
+function whatOf(spot: Spot): string {
+  return `${spot.at.key} run`;
+}
+
+/** Fades from step to step. */
+export function faded(age: number): number {
+  return Math.max(0.25, 1 - (0.8 * age) / STEPS);
+}
+
+function trailMarks(layer: Layer, spot: Spot, age: number): void {
+  const mark = ring(spot, "trail", spot.extent < FILLED ? 1.5 : 2, 0, whatOf(spot));
+  layer.boxes.push({ ...mark, alpha: faded(age), fill: spot.extent < FILLED ? "trail" : null });
+}
+
+/** What is too small for signs is told by what is filled, dashed or hollow. */
+function smallMarks(layer: Layer, spot: Spot, phase: Exclude<MarkPhase, "inside" | "trail">): void {
+  const ink = RUN_INKS[phase];
+  const mark = ring(spot, ink, 2, 0, whatOf(spot));
+  const isFull = phase === "running" || phase === "failed";
+  layer.boxes.push({
+    ...mark,
+    fill: isFull ? ink : null,
+    dash: phase === "waiting" || phase === "next",
+  });
+  if (phase !== "failed" || spot.extent < 12) return;
+  sign(layer, spot, "failed", "ground", spot.x + spot.width / 2, spot.y + spot.height / 2);
+}
+
+const RINGS = {
+  running: { line: 3, dash: false },
+  waiting: { line: 2.5, dash: true },
+  held: { line: 3, dash: false },
+  next: { line: 2, dash: true },
+  failed: { line: 3, dash: false },
+  preempted: { line: 2, dash: true },
+} as const;
+
+/** What is around something that runs has a quiet ring; where it runs, or wants somebody, there is a glow. */
+function ringMarks(
+  layer: Layer,
+  spot: Spot,
+  phase: Exclude<MarkPhase, "inside" | "trail">,
+  isLeaf: boolean,
+): void {
+  const ink = RUN_INKS[phase];
+  const { line, dash } = RINGS[phase];
+  const isQuiet = phase === "running" && !isLeaf;
+  const glows = isLeaf && phase !== "next" && phase !== "preempted";
+  if (glows) layer.boxes.push(...GLOW.map((part) => glow(spot, ink, part)));
+  const mark = ring(spot, ink, isQuiet ? 1.75 : line, 0, whatOf(spot));
+  layer.boxes.push({ ...mark, dash, alpha: isQuiet ? 0.75 : 1 });
+}
+
+const GLOW = [
+  { line: 4, away: 3.5, alpha: 0.3 },
+  { line: 5, away: 7, alpha: 0.14 },
+] as const;
+
+function glow(spot: Spot, ink: Ink, { line, away, alpha }: (typeof GLOW)[number]): BoxMark {
+  return { ...ring(spot, ink, line, away, `${whatOf(spot)} glow`), alpha };
+}
+
+const HATCH = 9;
+const HATCH_MAX = 90;
+
+/** Lines aslant over all of the state that is in sight. */
+function hatchMarks(drawing: Drawing, layer: Layer, spot: Spot): void {
+  const left = Math.max(spot.x, 0);
+  const top = Math.max(spot.y, 0);
+  const width = Math.min(spot.x + spot.width, drawing.width) - left;
+  const height = Math.min(spot.y + spot.height, drawing.height) - top;
+  if (width <= 0 || height <= 0) return;
+  const step = Math.max(HATCH, (width + height) / HATCH_MAX);
+  for (let along = step; along < width + height; along += step) {
+    const [fromX, toX] = [Math.min(along, width), Math.max(0, along - height)];
+    layer.under.push({
+      what: `${whatOf(spot)} hatch`,
+      points: [left + fromX, top + along - fromX, left + toX, top + along - toX],
+      ink: "preempted",
+      width: 1,
+      radius: 0,
+      curve: false,
+      arrow: 0,
+      dash: false,
+      alpha: 0.45,
+    });
+  }
+}
+
+function sign(layer: Layer, spot: Spot, icon: Icon, ink: Ink, x: number, y: number): void {
+  layer.icons.push({ what: `${whatOf(spot)} ${icon}`, icon, x, y, size: ICON, ink, alpha: 1 });
+}
+
+/** The sign in the upper right corner, with how many branches run inside; gives how wide they are. */
+function signMarks(
+  drawing: Drawing,
+  layer: Layer,
+  spot: Spot,
+  phase: MarkPhase,
+  mark: RunMark,
+  isOpen: boolean,
+): number {
+  const icon = ICONS[phase];
+  if (!icon) return 0;
+  const y = spot.y + 10;
+  let x = spot.x + spot.width - 10;
+  sign(layer, spot, icon, RUN_INKS[phase as Exclude<MarkPhase, "inside">], x, y);
+  if (mark.failed) {
+    x -= ICON + 3;
+    sign(layer, spot, "failed", "aborted", x, y);
+  }
+  if (mark.lanes === 0 || (isOpen && mark.lanes < 2) || spot.width < 48) return ICON;
+  const text = `${mark.lanes}`;
+  layer.texts.push({
+    what: `${whatOf(spot)} lanes`,
+    x: x - ICON / 2 - 4,
+    y,
+    text,
+    size: TEXT.small,
+    bold: true,
+    ink: RUN_INKS[phase as Exclude<MarkPhase, "inside">],
+    align: "right",
+    alpha: 1,
+    plate: groundInk(spot),
+    width: drawing.input.measure(text, TEXT.small, true),
+  });
+  return ICON;
+}
+
+/** From all that can be said to the least. */
+function wordsOf(phase: MarkPhase, { seconds, detail, failed }: RunMark): readonly string[] {
+  const word = WORDS[phase] ?? "";
+  const time = seconds === null || seconds < 1 ? "" : shortTime(seconds);
+  const more = detail === null ? word : `${word}: ${detail}`;
+  const also = failed ? "failed" : "";
+  return [[also, more, time], [also, word, time], [word, time], [time], [word]].map((parts) =>
+    parts.filter((part) => part !== "").join(" · "),
+  );
+}
+
+/** `12 s`, `3:05`, `1:02:03`. */
+export function shortTime(seconds: number): string {
+  if (seconds < 60) return `${seconds} s`;
+  const two = (number: number) => String(number).padStart(2, "0");
+  const [hours, minutes] = [Math.floor(seconds / 3_600), Math.floor(seconds / 60) % 60];
+  const rest = two(seconds % 60);
+  return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
+}
+
+/** At the lower edge: as much as there is room for. */
+function plateMarks(
+  drawing: Drawing,
+  layer: Layer,
+  spot: Spot,
+  words: readonly string[],
+  side: number,
+): void {
+  if (spot.extent < PLATE) return;
+  const { measure, visits } = drawing.input;
+  const count = visits(spot.at.path);
+  const times = count > 0 ? `${count}×` : "";
+  const room = spot.width - 16 - (side > 0 ? 4 : 0);
+  const wanted = [...words.map((text) => joined(text, times)), times];
+  const text = wanted.find((each) => measure(each, TEXT.small, false) <= room);
+  if (!text) return;
+  layer.texts.push({
+    what: `${whatOf(spot)} plate`,
+    x: spot.x + spot.width - 8,
+    y: spot.y + spot.height - 11,
+    text,
+    size: TEXT.small,
+    bold: false,
+    ink: words.length > 0 ? "text" : "soft",
+    align: "right",
+    alpha: 1,
+    plate: groundInk(spot),
+    width: measure(text, TEXT.small, false),
+  });
+}
+
+function joined(text: string, times: string): string {
+  return text === "" || times === "" ? text + times : `${text} · ${times}`;
+}

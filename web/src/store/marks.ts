@@ -1,0 +1,244 @@
+/** What the canvas shows of a run on states and transitions, at the moment that the page shows: what each state does, what ended
+ * lately, what failed and nobody has acknowledged, and where a held branch will go. */
+
+import { computed, type ReadonlySignal } from "@preact/signals-core";
+import { type ElementKey, keyOf } from "../model/element.ts";
+import { isConcurrent, type Machine, startOf, transitionsOf } from "../model/machine.ts";
+import { idOf, parentOf } from "../model/path.ts";
+import { openFailures } from "./acknowledged.ts";
+import { type Active, activeStates, lanes } from "./active.ts";
+import { EntriesUntil } from "./entries_until.ts";
+import type { Failure } from "./failures.ts";
+import type { Room } from "./room.ts";
+import type { Watch } from "./run.ts";
+import { type Taken, Trail } from "./trail.ts";
+
+/** `next`: a held branch will enter it. `inside`: it is quiet itself. */
+export type MarkPhase =
+  | "running"
+  | "waiting"
+  | "held"
+  | "failed"
+  | "preempted"
+  | "next"
+  | "trail"
+  | "inside";
+
+/** What a state does in a run. */
+export interface RunMark {
+  readonly phase: MarkPhase;
+  /** The loudest of itself and all that is inside it. */
+  readonly loudest: MarkPhase;
+  /** Whether it is active and nothing inside it is. */
+  readonly isLeaf: boolean;
+  /** How many branches are active inside it. */
+  readonly lanes: number;
+  /** How many states of its branch have ended since it did; 0 if it did not. */
+  readonly age: number;
+  /** For how many whole seconds it has been active; null if it is not. */
+  readonly seconds: number | null;
+  /** Whether it failed and nobody has acknowledged it. */
+  readonly failed: boolean;
+  /** More than its phase says: for what it waits. */
+  readonly detail: string | null;
+}
+
+/** A transition that was taken so many steps ago, or that is the next one of a held branch. */
+export interface LineMarkOfRun {
+  readonly isNext: boolean;
+  readonly age: number;
+  /** The event that took it. */
+  readonly sequence: number;
+}
+
+export interface RunMarks {
+  readonly states: ReadonlyMap<string, RunMark>;
+  readonly lines: ReadonlyMap<ElementKey, LineMarkOfRun>;
+  /** How often a state had been entered. */
+  readonly visits: (path: string) => number;
+}
+
+/** From the quietest to the loudest. */
+const LOUDNESS: readonly MarkPhase[] = [
+  "inside",
+  "trail",
+  "preempted",
+  "next",
+  "running",
+  "waiting",
+  "held",
+  "failed",
+];
+
+const KNOWN = new WeakMap<Watch, WeakMap<Room, ReadonlySignal<RunMarks>>>();
+
+/** The marks of a run on a machine. A signal's reader. */
+export function runMarks(watch: Watch, room: Room): RunMarks {
+  const rooms = KNOWN.get(watch) ?? new WeakMap<Room, ReadonlySignal<RunMarks>>();
+  KNOWN.set(watch, rooms);
+  const known = rooms.get(room) ?? following(watch, room);
+  rooms.set(room, known);
+  return known.value;
+}
+
+function following(watch: Watch, room: Room): ReadonlySignal<RunMarks> {
+  const isConcurrentAt = (path: string) => {
+    const state = room.machine.state(path);
+    return state !== undefined && isConcurrent(state);
+  };
+  const newTrail = () => new Trail(isConcurrentAt);
+  const visits = new EntriesUntil();
+  let live = newTrail();
+  let version = room.machine.version;
+  return computed(() => {
+    watch.grown.value;
+    room.version.value;
+    if (version !== room.machine.version) live = newTrail();
+    version = room.machine.version;
+    const { journal } = watch;
+    const until = shownUntil(watch);
+    const trail = until === null ? live : newTrail();
+    const index = until === null ? journal.length : journal.indexOf(until + 1);
+    trail.follow(journal, index);
+    if (until !== null) visits.to(journal, index);
+    const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);
+    return {
+      states: stateMarks(activeStates(watch), trail, failed),
+      lines: lineMarks(activeStates(watch), trail, room.machine),
+      visits:
+        until === null
+          ? (path) => journal.counts.get(path)?.entries ?? 0
+          : (path) => visits.of(path),
+    };
+  });
+}
+
+/** The event after which everything is shown; null while live. */
+function shownUntil(watch: Watch): number | null {
+  if (watch.moment.value === null) return null;
+  return watch.seen.value?.picture.sequence ?? watch.moment.value;
+}
+
+/** The states that failed up to an event, from where it began to where it was taken care of. */
+export function failedStates(open: readonly Failure[], until: number): ReadonlySet<string> {
+  const found = new Set<string>();
+  for (const { kind, path, reach, sequence } of open) {
+    if (kind !== "aborted" || sequence > until) continue;
+    for (let at: string | null = path; at !== null; at = at === reach ? null : parentOf(at)) {
+      found.add(at);
+    }
+  }
+  return found;
+}
+
+type Draft = { -readonly [K in keyof RunMark]: RunMark[K] };
+
+/** The marks of states by path: their own, and of all around them how loud it is inside. */
+export function stateMarks(
+  active: readonly Active[],
+  trail: Trail,
+  failed: ReadonlySet<string>,
+): ReadonlyMap<string, RunMark> {
+  const marks = new Map<string, Draft>();
+  const mark = (path: string, phase: MarkPhase): Draft => {
+    const found = marks.get(path) ?? newMark();
+    marks.set(path, found);
+    if (louder(phase, found.phase)) found.phase = phase;
+    return found;
+  };
+  for (const { path, age } of trail.past()) {
+    if (path !== null) mark(path, "trail").age = age;
+  }
+  for (const path of failed) mark(path, "failed").failed = true;
+  activeMarks(active, mark);
+  for (const [path, { phase, failed: isFailed }] of [...marks]) {
+    spread(path, phase, mark);
+    if (isFailed) spread(path, "failed", mark);
+  }
+  return marks;
+}
+
+/** What is active now says what a state is, whatever it was before. */
+function activeMarks(active: readonly Active[], mark: (path: string, phase: MarkPhase) => Draft) {
+  const inner = new Set(active.map(({ path }) => parentOf(path)));
+  for (const state of active) {
+    const found = mark(state.path, "inside");
+    const phase = state.phase === "interrupted" ? "waiting" : state.phase;
+    Object.assign(found, {
+      phase,
+      isLeaf: !inner.has(state.path),
+      age: 0,
+      seconds: Math.floor(state.since_ms / 1_000),
+      detail: state.detail,
+    });
+    for (const { next } of state.held) if (next !== null) mark(next, "next");
+  }
+  for (const { path } of lanes(active)) {
+    for (let at = parentOf(path); at !== null; at = parentOf(at)) mark(at, "inside").lanes += 1;
+  }
+}
+
+function newMark(): Draft {
+  return {
+    phase: "inside",
+    loudest: "inside",
+    isLeaf: false,
+    lanes: 0,
+    age: 0,
+    seconds: null,
+    failed: false,
+    detail: null,
+  };
+}
+
+/** Trails of what is inside are of no weight around it. */
+function spread(path: string, phase: MarkPhase, mark: (path: string, phase: MarkPhase) => Draft) {
+  for (let at: string | null = path; at !== null; at = parentOf(at)) {
+    const found = mark(at, "inside");
+    const isLouder = louder(phase, found.loudest);
+    if (isLouder) found.loudest = phase;
+    else if (at !== path) return;
+    if (phase === "trail") return;
+  }
+}
+
+export function louder(one: MarkPhase, other: MarkPhase): boolean {
+  return LOUDNESS.indexOf(one) > LOUDNESS.indexOf(other);
+}
+
+function lineMarks(
+  active: readonly Active[],
+  trail: Trail,
+  machine: Machine,
+): ReadonlyMap<ElementKey, LineMarkOfRun> {
+  const marks = new Map<ElementKey, LineMarkOfRun>();
+  for (const { taken, age, sequence } of trail.past()) {
+    const key = taken && transitionOf(machine, taken);
+    if (key) marks.set(key, { isNext: false, age, sequence });
+  }
+  for (const { path, held } of active) {
+    for (const { next } of held) {
+      const key = transitionOf(machine, trail.from(path), next);
+      if (key) marks.set(key, { isNext: true, age: 0, sequence: 0 });
+    }
+  }
+  return marks;
+}
+
+/** The transition's key; null if the machine has none such, or it leads elsewhere than it must. */
+export function transitionOf(
+  machine: Machine,
+  { container, from, outcome }: Taken,
+  next?: string | null,
+): ElementKey | null {
+  const state = machine.state(container);
+  if (!state) return null;
+  const found =
+    from === null
+      ? startOf(state)
+      : transitionsOf(state).find(
+          (each) => each.from_state === idOf(from) && each.from_outcome === outcome,
+        );
+  if (!found || (next && found.to_state !== idOf(next))) return null;
+  return keyOf({ kind: "transition", path: container, id: found.id });
+}
