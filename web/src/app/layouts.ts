@@ -20,7 +20,13 @@ export const SHIPPED: Readonly<Record<string, Layout>> = {
   Debug: {
     left: { size: 264, groups: [["tree", "search", "libraries"], ["globals"]] },
     right: { size: 380, groups: [["inspector"]] },
-    bottom: { size: 280, groups: [["log"], ["problems", "edits", "differences"]] },
+    bottom: {
+      size: 280,
+      groups: [
+        ["timeline", "log"],
+        ["problems", "edits", "differences"],
+      ],
+    },
   },
   "Mission control": {
     right: { size: 380, groups: [["inspector", "globals"]] },

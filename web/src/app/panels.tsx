@@ -2,6 +2,7 @@
 
 import {
   Braces,
+  ChartGantt,
   CircleAlert,
   GitCompareArrows,
   History,
@@ -23,6 +24,7 @@ import { Libraries } from "../panels/libraries/libraries.tsx";
 import { Log } from "../panels/log/log.tsx";
 import { Problems } from "../panels/problems/problems.tsx";
 import { Search } from "../panels/search/search.tsx";
+import { Timeline } from "../panels/timeline/timeline.tsx";
 import { StateTree } from "../panels/tree/tree.tsx";
 import type { OpenTab } from "../store/page.ts";
 
@@ -49,6 +51,7 @@ export const PANELS: readonly Panel[] = [
     component: Inspector,
     side: "right",
   },
+  { id: "timeline", title: "Timeline", icon: ChartGantt, component: Timeline, side: "bottom" },
   { id: "log", title: "Log", icon: ScrollText, component: Log, side: "bottom" },
   { id: "edits", title: "Edits", icon: History, component: Edits, side: "bottom" },
   {

@@ -1,0 +1,55 @@
+/** Where the run that is shown parts from the one that it is compared with: asked for once for each pair, and again when the run has
+ * grown and the two had not parted. */
+
+import { type Signal, signal } from "@preact/signals-core";
+import type { Comparison } from "../../model/generated/protocol.ts";
+import { comparedRun } from "../../store/compared_run.ts";
+import type { Page } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { RefusalError } from "../../store/server.ts";
+
+export interface Compared {
+  readonly other: string;
+  /** Null while it is asked for. */
+  readonly comparison: Comparison | null;
+  /** Why there is none. */
+  readonly refusal: string | null;
+}
+
+const OF = new WeakMap<Watch, Signal<Compared | null>>();
+
+/** What the comparison says that was chosen for a run; null if none is. */
+export function comparedOf(watch: Watch): Signal<Compared | null> {
+  let known = OF.get(watch);
+  if (!known) {
+    known = signal<Compared | null>(null);
+    OF.set(watch, known);
+  }
+  return known;
+}
+
+/** Asks the server anew. */
+export async function compareNow(page: Page, watch: Watch): Promise<void> {
+  const other = comparedRun(watch).peek();
+  const compared = comparedOf(watch);
+  if (other === null) {
+    compared.value = null;
+    return;
+  }
+  if (compared.peek()?.other !== other) compared.value = { other, comparison: null, refusal: null };
+  const isStill = () => comparedRun(watch).peek() === other;
+  try {
+    const what = `compare/${encodeURIComponent(other)}`;
+    const comparison = await page.runs.get<Comparison>(watch.id, what);
+    if (isStill()) compared.value = { other, comparison, refusal: null };
+  } catch (error) {
+    if (!(error instanceof RefusalError)) throw error;
+    if (isStill()) compared.value = { other, comparison: null, refusal: error.message };
+  }
+}
+
+/** When the run that is shown parts from the other one; null if nothing is compared, or they do not part. */
+export function partedAt(watch: Watch): number | null {
+  const parted = comparedOf(watch).value?.comparison?.parted;
+  return parted?.one?.t_ns ?? null;
+}

@@ -1,0 +1,279 @@
+/** The two canvases of the time line: keeps them painted, a frame at most for each change, and takes the pointer. */
+
+import { effect } from "@preact/signals-core";
+import { NONE } from "../../store/calls.ts";
+import { lanesOf } from "../../store/lanes.ts";
+import { showIndex, showTime } from "../../store/moments.ts";
+import { notesOf } from "../../store/notes.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { select, selectedStates } from "../../store/view.ts";
+import { inksOf, onTheme } from "../../ui/inks.ts";
+import { namesIn } from "../parts/happened.ts";
+import { barsOf, type Scale, timeAt, xOf } from "./bars.ts";
+import { layoutOf, rowAt } from "./layout.ts";
+import type { Pointed, TimelineModel } from "./model.ts";
+import { paintRows, paintRuler, RULER_PX, type Scene } from "./paint.ts";
+import { panned, zoomed } from "./span.ts";
+
+export interface ChartPlaces {
+  readonly ruler: HTMLCanvasElement;
+  readonly rows: HTMLCanvasElement;
+  /** What scrolls the rows. */
+  readonly scroller: HTMLElement;
+}
+
+export interface ChartOptions {
+  readonly tab: OpenTab;
+  readonly model: TimelineModel;
+  /** When what is shown parts from the run that it is compared with. */
+  readonly parted_ns: () => number | null;
+}
+
+/** Paints and listens until the returned function is called. */
+export function mountChart(places: ChartPlaces, options: ChartOptions): () => void {
+  const chart = new Chart(places, options);
+  return () => chart.dispose();
+}
+
+/** A press that moves no farther is a click. */
+const CLICK_PX = 4;
+/** One step of the wheel. */
+const WHEEL = 1.0016;
+
+class Chart {
+  readonly #places: ChartPlaces;
+  readonly #options: ChartOptions;
+  readonly #stops: (() => void)[];
+  #inks: Scene["inks"];
+  #font: string;
+  #frame = 0;
+
+  constructor(places: ChartPlaces, options: ChartOptions) {
+    this.#places = places;
+    this.#options = options;
+    this.#inks = inksOf(places.rows);
+    this.#font = getComputedStyle(places.rows).fontFamily;
+    const follow = effect(() => {
+      this.#read();
+      this.#soon();
+    });
+    const theme = onTheme(() => {
+      this.#inks = inksOf(places.rows);
+      this.#soon();
+    });
+    const resized = new ResizeObserver(() => this.#soon());
+    resized.observe(places.scroller);
+    const listening = new AbortController();
+    this.#listen(listening.signal);
+    this.#stops = [follow, theme, () => resized.disconnect(), () => listening.abort()];
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.#frame);
+    for (const stop of this.#stops) stop();
+  }
+
+  /** All that the picture depends on. */
+  #read(): void {
+    const { tab, model, parted_ns } = this.#options;
+    model.watch.grown.value;
+    model.watch.now.value;
+    model.watch.moment.value;
+    model.wanted.value;
+    model.folded.value;
+    model.found.value;
+    model.hit.value;
+    model.pointed.value;
+    tab.view.selection.value;
+    tab.room.version.value;
+    parted_ns();
+  }
+
+  #soon(): void {
+    if (this.#frame === 0) this.#frame = requestAnimationFrame(() => this.#paint());
+  }
+
+  get #scale(): Scale {
+    const { model } = this.#options;
+    const width = Math.max(1, this.#places.rows.clientWidth);
+    return { span: model.span, width, end_ns: model.end_ns };
+  }
+
+  #layout() {
+    const { model } = this.#options;
+    return layoutOf(lanesOf(model.calls).all(), model.folded.peek());
+  }
+
+  #paint(): void {
+    this.#frame = 0;
+    const { ruler, rows, scroller } = this.#places;
+    const { tab, model, parted_ns } = this.#options;
+    const { calls } = model;
+    const found = model.found.peek();
+    found?.follow();
+    const scene: Scene = {
+      calls,
+      notes: notesOf(calls.journal),
+      found,
+      layout: this.#layout(),
+      scale: this.#scale,
+      top: scroller.scrollTop,
+      height: scroller.clientHeight,
+      moment: model.shown,
+      hit: model.hit.peek(),
+      selected: new Set(selectedStates(tab.view)),
+      hovered: model.pointed.peek()?.call ?? null,
+      parted_ns: parted_ns(),
+      nameOf: namesIn(tab.room.machine),
+      inks: this.#inks,
+      font: this.#font,
+    };
+    const above = sized(ruler, scene.scale.width, RULER_PX);
+    if (above) paintRuler(above, scene);
+    const below = sized(rows, scene.scale.width, scene.height);
+    if (below) paintRows(below, scene);
+  }
+
+  #listen(signal: AbortSignal): void {
+    const { ruler, rows, scroller } = this.#places;
+    const passive = { signal, passive: false };
+    for (const canvas of [ruler, rows]) {
+      canvas.addEventListener("wheel", (event) => this.#wheel(event), passive);
+    }
+    scroller.addEventListener("scroll", () => this.#soon(), { signal });
+    ruler.addEventListener("pointerdown", (event) => this.#scrub(event, true), { signal });
+    ruler.addEventListener("pointermove", (event) => this.#scrub(event, false), { signal });
+    rows.addEventListener("pointerdown", (event) => this.#press(event), { signal });
+    rows.addEventListener("pointermove", (event) => this.#point(event), { signal });
+    rows.addEventListener(
+      "pointerleave",
+      () => {
+        this.#options.model.pointed.value = null;
+      },
+      { signal },
+    );
+  }
+
+  /** Up and down zooms, sideways and with Shift pans. With Ctrl it zooms as well, as everywhere. */
+  #wheel(event: WheelEvent): void {
+    event.preventDefault();
+    const { model } = this.#options;
+    const { span, end_ns } = model;
+    const scale = this.#scale;
+    const by = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
+    const aside = event.shiftKey && event.deltaX === 0 ? event.deltaY : event.deltaX;
+    if (Math.abs(aside) > Math.abs(event.shiftKey ? 0 : event.deltaY)) {
+      const by_ns = ((aside * by) / scale.width) * (span.to_ns - span.from_ns);
+      model.wanted.value = panned(span, by_ns, end_ns);
+    } else {
+      const factor = WHEEL ** (event.deltaY * by);
+      model.wanted.value = zoomed(span, factor, timeAt(scale, event.offsetX), end_ns);
+    }
+  }
+
+  #scrub(event: PointerEvent, isBegin: boolean): void {
+    const { ruler } = this.#places;
+    const { model } = this.#options;
+    if (isBegin) ruler.setPointerCapture(event.pointerId);
+    else if (!ruler.hasPointerCapture(event.pointerId)) return;
+    const note = isBegin ? this.#noteAt(event) : null;
+    if (note === null) this.#showAt(event.offsetX);
+    else showIndex(model.watch, note);
+  }
+
+  /** The event of the mark of the ruler that is pressed. */
+  #noteAt(event: PointerEvent): number | null {
+    if (event.offsetY < RULER_PX / 2) return null;
+    const { calls } = this.#options.model;
+    const scale = this.#scale;
+    const notes = notesOf(calls.journal);
+    const t_ns = timeAt(scale, event.offsetX - CLICK_PX - 2);
+    const note = notes.all[notes.firstFrom(calls.journal.indexAt(t_ns))];
+    if (!note) return null;
+    const away = xOf(scale, calls.journal.t_ns(note.index)) - event.offsetX;
+    return Math.abs(away) <= CLICK_PX + 2 ? note.index : null;
+  }
+
+  /** The moment at this place; right of the end live. */
+  #showAt(x: number): void {
+    const { model } = this.#options;
+    const t_ns = timeAt(this.#scale, x);
+    if (t_ns >= model.end_ns) model.watch.moment.value = null;
+    else showTime(model.watch, t_ns);
+  }
+
+  #press(event: PointerEvent): void {
+    if (event.button !== 0) return;
+    const { rows } = this.#places;
+    const { model } = this.#options;
+    const [from, span] = [event.clientX, model.span];
+    let isDrag = false;
+    rows.setPointerCapture(event.pointerId);
+    const listening = new AbortController();
+    const { signal } = listening;
+    const move = ({ clientX }: PointerEvent) => {
+      isDrag ||= Math.abs(clientX - from) > CLICK_PX;
+      if (!isDrag) return;
+      const by_ns = ((from - clientX) / this.#scale.width) * (span.to_ns - span.from_ns);
+      model.wanted.value = panned(span, by_ns, model.end_ns);
+    };
+    const up = (end: PointerEvent) => {
+      listening.abort();
+      if (!isDrag) this.#click(end);
+    };
+    rows.addEventListener("pointermove", move, { signal });
+    rows.addEventListener("pointerup", up, { signal });
+    rows.addEventListener("pointercancel", () => listening.abort(), { signal });
+  }
+
+  /** Shows the moment, and selects the state that ran there. Of a bar the moment lies within it, however narrow it is. */
+  #click(event: PointerEvent): void {
+    const { tab, model } = this.#options;
+    const { calls, watch } = model;
+    const call = this.#pointedAt(event).call;
+    if (call === null) {
+      this.#showAt(event.offsetX);
+      return;
+    }
+    const at = calls.journal.indexAt(timeAt(this.#scale, event.offsetX) + 1) - 1;
+    const last = calls.end(call) === NONE ? calls.read - 1 : calls.end(call) - 1;
+    showIndex(watch, Math.min(Math.max(at, calls.begin(call)), Math.max(last, calls.begin(call))));
+    const path = calls.path(call);
+    if (tab.room.machine.state(path)) select(tab.view, [{ kind: "state", path }]);
+  }
+
+  #point(event: PointerEvent): void {
+    this.#options.model.pointed.value = event.buttons === 0 ? this.#pointedAt(event) : null;
+  }
+
+  #pointedAt({ offsetX: x, offsetY: y }: PointerEvent): Pointed {
+    const { model } = this.#options;
+    const scale = this.#scale;
+    const t_ns = timeAt(scale, x);
+    const nothing = { x, y, t_ns, call: null, many: 0, failed: 0 };
+    const found = rowAt(this.#layout(), y + this.#places.scroller.scrollTop);
+    if (!found) return nothing;
+    const bar = barsOf(model.calls, found.row, scale).find(
+      (each) => x >= each.x - 1 && x <= each.x + each.width + 1,
+    );
+    if (!bar) return nothing;
+    return "many" in bar
+      ? { ...nothing, call: bar.first, many: bar.many, failed: bar.failed }
+      : { ...nothing, call: bar.call, many: 1 };
+  }
+}
+
+/** The context of a canvas of this size, in CSS pixels. */
+function sized(
+  canvas: HTMLCanvasElement,
+  width: number,
+  height: number,
+): CanvasRenderingContext2D | null {
+  const ratio = Math.max(1, window.devicePixelRatio || 1);
+  const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== wide) canvas.width = wide;
+  if (canvas.height !== high) canvas.height = high;
+  const context = canvas.getContext("2d", { alpha: false });
+  context?.setTransform(ratio, 0, 0, ratio, 0, 0);
+  return context;
+}

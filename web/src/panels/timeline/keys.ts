@@ -1,0 +1,63 @@
+/** What keys do on the time line: arrows go event by event, with Ctrl from entry to entry of the selected state, Home and End to the
+ * ends. */
+
+import { stepMoment, toEnd, toEntry } from "../../store/moments.ts";
+import type { TimelineModel } from "./model.ts";
+
+export interface Key {
+  readonly key: string;
+  readonly ctrlKey: boolean;
+  readonly altKey: boolean;
+}
+
+/** Does what the key stands for; false if it stands for nothing. */
+export function timelineKey(key: Key, model: TimelineModel, state: string | undefined): boolean {
+  if (key.altKey) return false;
+  const isDone = key.ctrlKey ? withCtrl(key.key, model, state) : alone(key.key, model, state);
+  if (isDone) model.reveal();
+  return isDone;
+}
+
+function withCtrl(key: string, { watch }: TimelineModel, state: string | undefined): boolean {
+  if (key !== "ArrowLeft" && key !== "ArrowRight") return false;
+  if (state !== undefined) toEntry(watch, state, key === "ArrowLeft" ? "before" : "after");
+  return true;
+}
+
+const STEPS: Readonly<Record<string, number>> = {
+  ArrowLeft: -1,
+  ArrowDown: -1,
+  ArrowRight: 1,
+  ArrowUp: 1,
+  PageUp: 10,
+  PageDown: -10,
+};
+
+function alone(key: string, model: TimelineModel, state: string | undefined): boolean {
+  const step = STEPS[key];
+  if (step !== undefined) {
+    stepMoment(model.watch, step);
+    return true;
+  }
+  switch (key) {
+    case "Home":
+      toEnd(model.watch, "first");
+      return true;
+    case "End":
+      toEnd(model.watch, "last");
+      return true;
+    case "+":
+      model.zoom(0.5);
+      return true;
+    case "-":
+      model.zoom(2);
+      return true;
+    case "f":
+      model.fit();
+      return true;
+    case "z":
+      return state !== undefined && model.fitState(state);
+    default:
+      return false;
+  }
+}

@@ -1,0 +1,136 @@
+/** What the time line of a run remembers: the part that shows, folded lanes, the search and where one stands in it, what the pointer
+ * is at. Belongs to the run as this page watches it. */
+
+import { type Signal, signal } from "@preact/signals-core";
+import { type Calls, callsOf, NONE } from "../../store/calls.ts";
+import { Found } from "../../store/found.ts";
+import { showIndex, shownIndex } from "../../store/moments.ts";
+import type { Watch } from "../../store/run.ts";
+import type { NameOf } from "../parts/happened.ts";
+import { fitted, type Span, spanOf, type Wanted, withTime, zoomed } from "./span.ts";
+
+/** What the pointer is at. */
+export interface Pointed {
+  /** In the rows' canvas, in CSS pixels. */
+  readonly x: number;
+  readonly y: number;
+  readonly t_ns: number;
+  /** The call there; null between calls. */
+  readonly call: number | null;
+  /** How many calls lie together there, and how many of them failed. */
+  readonly many: number;
+  readonly failed: number;
+}
+
+export class TimelineModel {
+  readonly watch: Watch;
+  readonly wanted: Signal<Wanted> = signal<Wanted>(null);
+  readonly folded: Signal<ReadonlySet<string>> = signal<ReadonlySet<string>>(new Set());
+  readonly found: Signal<Found | null> = signal<Found | null>(null);
+  readonly query = signal("");
+  /** The event of the journal that the search stands at. */
+  readonly hit: Signal<number | null> = signal<number | null>(null);
+  readonly pointed: Signal<Pointed | null> = signal<Pointed | null>(null);
+
+  constructor(watch: Watch) {
+    this.watch = watch;
+  }
+
+  get calls(): Calls {
+    return callsOf(this.watch.journal);
+  }
+
+  /** How far the run has come. */
+  get end_ns(): number {
+    const { journal, now } = this.watch;
+    const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
+    const truth = now.value;
+    const isLive = truth?.run.phase === "live" && truth.link !== "over";
+    return Math.max(told, isLive ? (truth.snapshot?.elapsed_ms ?? 0) * 1e6 : 0);
+  }
+
+  get span(): Span {
+    return spanOf(this.wanted.value, this.end_ns);
+  }
+
+  /** The index of the event that is shown; null: live. */
+  get shown(): number | null {
+    return this.watch.moment.value === null ? null : shownIndex(this.watch);
+  }
+
+  /** Around the moment that is shown; live, at the end. */
+  zoom(factor: number): void {
+    const { span, end_ns } = this;
+    const shown = this.shown;
+    const at = shown === null ? end_ns : this.watch.journal.t_ns(shown);
+    const isInSight = at >= span.from_ns && at <= span.to_ns;
+    const middle = (span.from_ns + span.to_ns) / 2;
+    this.wanted.value = zoomed(span, factor, isInSight ? at : middle, end_ns);
+  }
+
+  fit(): void {
+    this.wanted.value = null;
+  }
+
+  /** Shows the call of a state at the moment, else its last one; false if it never ran. */
+  fitState(path: string): boolean {
+    const { calls, end_ns } = this;
+    const all = calls.of(path);
+    const shown = this.shown ?? calls.read;
+    const call = all.findLast((each) => calls.begin(each) <= shown) ?? all.at(-1) ?? NONE;
+    if (call === NONE) return false;
+    const part = { from_ns: calls.began_ns(call), to_ns: calls.ended_ns(call, end_ns) };
+    this.wanted.value = fitted(part, end_ns);
+    return true;
+  }
+
+  /** Brings the moment that is shown into sight. */
+  reveal(): void {
+    const shown = this.shown;
+    if (shown === null) return;
+    const t_ns = this.watch.journal.t_ns(shown);
+    this.wanted.value = withTime(this.wanted.value, t_ns, this.end_ns);
+  }
+
+  fold(path: string): void {
+    const folded = new Set(this.folded.value);
+    if (!folded.delete(path)) folded.add(path);
+    this.folded.value = folded;
+  }
+
+  search(query: string, nameOf: NameOf): void {
+    this.query.value = query;
+    this.hit.value = null;
+    if (query.trim() === "") {
+      this.found.value = null;
+      return;
+    }
+    const found = new Found(this.watch.journal, query, nameOf);
+    found.follow();
+    this.found.value = found;
+  }
+
+  /** Goes to the next hit after the moment that is shown, or the one before, around the ends. */
+  toHit(way: "before" | "after"): void {
+    const found = this.found.value;
+    if (!found || found.hits.length === 0) return;
+    const from = this.hit.value ?? (this.shown === null ? -1 : this.shown - 1);
+    const place = way === "after" ? found.after(from) : found.before(from);
+    const hit = found.hits[place];
+    if (hit === undefined) return;
+    this.hit.value = hit;
+    showIndex(this.watch, hit);
+    this.reveal();
+  }
+}
+
+const OF = new WeakMap<Watch, TimelineModel>();
+
+export function timelineOf(watch: Watch): TimelineModel {
+  let model = OF.get(watch);
+  if (!model) {
+    model = new TimelineModel(watch);
+    OF.set(watch, model);
+  }
+  return model;
+}

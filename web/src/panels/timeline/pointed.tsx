@@ -1,0 +1,61 @@
+/** What the pointer is at on the time line: which state, when, how long, how it ended. */
+
+import { NONE } from "../../store/calls.ts";
+import { type Look, lookOf } from "../../store/lanes.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { useSignal } from "../../ui/signals.ts";
+import { duration, sinceStart } from "../parts/duration.ts";
+import { namesIn } from "../parts/happened.ts";
+import type { TimelineModel } from "./model.ts";
+
+export interface PointedProps {
+  readonly tab: OpenTab;
+  readonly model: TimelineModel;
+}
+
+const WIDTH_PX = 240;
+
+export function Pointed({ tab, model }: PointedProps) {
+  const pointed = useSignal(model.pointed);
+  if (!pointed || pointed.call === null) return null;
+  const { calls, end_ns } = model;
+  const { call, many, failed } = pointed;
+  const isLeft = pointed.x < WIDTH_PX;
+  const side = isLeft ? { left: pointed.x + 14 } : { left: pointed.x - WIDTH_PX - 6 };
+  const began = calls.began_ns(call);
+  const length = calls.ended_ns(call, end_ns) - began;
+  return (
+    <div
+      className="timeline-pointed"
+      style={{ top: pointed.y + 14, width: WIDTH_PX, ...side }}
+      aria-hidden
+    >
+      <strong>{namesIn(tab.room.machine)(calls.path(call))}</strong>
+      {many > 1 && (
+        <span>
+          and {many - 1} more here{failed > 0 ? `, ${failed} of them failed` : ""}: zoom in
+        </span>
+      )}
+      <span>
+        from {sinceStart(began / 1e6, 1)} for {duration(length / 1e6)}
+      </span>
+      <span>{endInWords(lookOf(calls, call), calls.outcome(call)?.name ?? "")}</span>
+      {calls.end(call) !== NONE && calls.journal.hasError(calls.end(call)) && (
+        <span className="timeline-error">with an error</span>
+      )}
+    </div>
+  );
+}
+
+function endInWords(look: Look, outcome: string): string {
+  switch (look) {
+    case "open":
+      return "goes on";
+    case "back":
+      return "taken back by a step back";
+    case "dropped":
+      return "broken off: the run went back, or its runner died";
+    default:
+      return `ended by ${outcome}`;
+  }
+}

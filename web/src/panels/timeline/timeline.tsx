@@ -1,0 +1,266 @@
+/** The time line of the run in front: a lane for each branch, its states as bars, and the moment that the page shows, moved by
+ * pointer and keys. */
+
+import {
+  ChevronDown,
+  ChevronRight,
+  ChevronUp,
+  Crosshair,
+  Maximize2,
+  Radio,
+  ZoomIn,
+  ZoomOut,
+} from "lucide-react";
+import { useEffect, useRef } from "react";
+import { callsOf } from "../../store/calls.ts";
+import { lanesOf } from "../../store/lanes.ts";
+import { shownIndex, toEnd } from "../../store/moments.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { selectedStates } from "../../store/view.ts";
+import { Button, IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useActiveTab, useHost } from "../context.tsx";
+import { sinceStart } from "../parts/duration.ts";
+import { happenedInWords, namesIn } from "../parts/happened.ts";
+import { NoRun } from "../parts/no_run.tsx";
+import { partedAt } from "../parts/parted.ts";
+import { reveal } from "../reveal.ts";
+import { mountChart } from "./chart.ts";
+import { timelineKey } from "./keys.ts";
+import { layoutOf } from "./layout.ts";
+import { type TimelineModel, timelineOf } from "./model.ts";
+import { Pointed } from "./pointed.tsx";
+import "./timeline.css";
+
+export function Timeline() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty title="No machine is open" text="What its runs do, and did, stands here over time." />
+  );
+}
+
+function OfTab({ tab }: { readonly tab: OpenTab }) {
+  const watch = useSignal(tab.run);
+  if (!watch) return <NoRun what="Its states stand here over time, a lane for each branch." />;
+  return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(watch)} />;
+}
+
+interface OfRunProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+  readonly model: TimelineModel;
+}
+
+function OfRun({ tab, watch, model }: OfRunProps) {
+  return (
+    <section className="timeline" aria-label="Timeline">
+      <Bar tab={tab} watch={watch} model={model} />
+      <Chart tab={tab} watch={watch} model={model} />
+    </section>
+  );
+}
+
+function Bar({ tab, watch, model }: OfRunProps) {
+  const isLive = useSignal(watch.moment) === null;
+  const isOver = useSignal(watch.now)?.link === "over";
+  useSignal(model.wanted);
+  const [state] = useSelectedStates(tab);
+  return (
+    <div className="timeline-bar">
+      <Button
+        icon={<Radio size={14} />}
+        kind={isLive ? "quiet" : "primary"}
+        title={isLive ? "The page shows what is now" : "Shows what is now"}
+        pressed={isLive}
+        onClick={() => toEnd(watch, "last")}
+      >
+        {isOver ? "End" : "Live"}
+      </Button>
+      <Now tab={tab} watch={watch} />
+      <span className="timeline-gap" />
+      <SearchField tab={tab} model={model} />
+      <span className="timeline-group">
+        <IconButton
+          label="Zoom in on the timeline"
+          keys="+"
+          icon={<ZoomIn size={15} />}
+          onClick={() => model.zoom(0.5)}
+        />
+        <IconButton
+          label="Zoom out of the timeline"
+          keys="-"
+          icon={<ZoomOut size={15} />}
+          onClick={() => model.zoom(2)}
+        />
+        <IconButton
+          label="Fit the whole run"
+          keys="F"
+          icon={<Maximize2 size={15} />}
+          onClick={() => model.fit()}
+        />
+        <IconButton
+          label="Zoom to the selected state"
+          keys="Z"
+          icon={<Crosshair size={15} />}
+          disabled={state === undefined}
+          onClick={() => state !== undefined && model.fitState(state)}
+        />
+      </span>
+    </div>
+  );
+}
+
+function useSelectedStates(tab: OpenTab): readonly string[] {
+  useSignal(tab.view.selection);
+  return selectedStates(tab.view);
+}
+
+/** The moment that is shown, in words. */
+function useMomentWords(
+  tab: OpenTab,
+  watch: Watch,
+): { readonly when: string; readonly what: string } {
+  useSignal(watch.grown);
+  useSignal(watch.moment);
+  const index = shownIndex(watch);
+  const happening = watch.journal.at(index);
+  if (!happening) return { when: "", what: "Nothing has happened yet" };
+  const when = sinceStart(happening.t_ns / 1e6, 1);
+  return { when, what: happenedInWords(happening, namesIn(tab.room.machine)) };
+}
+
+function Now({ tab, watch }: Pick<OfRunProps, "tab" | "watch">) {
+  const { when, what } = useMomentWords(tab, watch);
+  return (
+    <span className="timeline-now" title={what}>
+      <span className="timeline-when">{when}</span>
+      <span className="timeline-what">{what}</span>
+    </span>
+  );
+}
+
+function SearchField({ tab, model }: Pick<OfRunProps, "tab" | "model">) {
+  const query = useSignal(model.query);
+  const found = useSignal(model.found);
+  const hit = useSignal(model.hit);
+  useSignal(model.watch.grown);
+  found?.follow();
+  const many = found?.hits.length ?? 0;
+  const place = hit === null || !found ? 0 : found.hits.indexOf(hit) + 1;
+  return (
+    <span className="timeline-group">
+      <TextField
+        label="Search the run: states, outcomes, log"
+        hideLabel
+        type="search"
+        placeholder="State, outcome, text"
+        value={query}
+        onInput={(text) => model.search(text, namesIn(tab.room.machine))}
+        onKeyDown={(event) => {
+          if (event.key === "Enter") model.toHit(event.shiftKey ? "before" : "after");
+        }}
+      />
+      <span className="timeline-hits" role="status">
+        {found && (many === 0 ? "Nothing" : `${place || "–"} of ${many}${found.isFull ? "+" : ""}`)}
+      </span>
+      <IconButton
+        label="Hit before"
+        keys="Shift+Enter"
+        icon={<ChevronUp size={15} />}
+        disabled={many === 0}
+        onClick={() => model.toHit("before")}
+      />
+      <IconButton
+        label="Next hit"
+        keys="Enter"
+        icon={<ChevronDown size={15} />}
+        disabled={many === 0}
+        onClick={() => model.toHit("after")}
+      />
+    </span>
+  );
+}
+
+function Chart({ tab, watch, model }: OfRunProps) {
+  const ruler = useRef<HTMLCanvasElement>(null);
+  const rows = useRef<HTMLCanvasElement>(null);
+  const scroller = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (!ruler.current || !rows.current || !scroller.current) return;
+    const places = { ruler: ruler.current, rows: rows.current, scroller: scroller.current };
+    return mountChart(places, { tab, model, parted_ns: () => partedAt(watch) });
+  }, [tab, model, watch]);
+  const { when, what } = useMomentWords(tab, watch);
+  return (
+    <>
+      <div className="timeline-head">
+        <div className="timeline-corner" aria-hidden>
+          Branches
+        </div>
+        <canvas ref={ruler} className="timeline-ruler" aria-hidden />
+      </div>
+      <div ref={scroller} className="timeline-scroll">
+        <Labels tab={tab} watch={watch} model={model} />
+        <div className="timeline-rows">
+          <canvas
+            ref={rows}
+            className="timeline-canvas"
+            role="slider"
+            tabIndex={0}
+            aria-label="Moment of the run"
+            aria-valuemin={0}
+            aria-valuemax={watch.journal.length}
+            aria-valuenow={shownIndex(watch) + 1}
+            aria-valuetext={`${when} ${what}`}
+            onKeyDown={(event) => {
+              if (!timelineKey(event, model, selectedStates(tab.view)[0])) return;
+              event.preventDefault();
+              event.stopPropagation();
+            }}
+          />
+          <Pointed tab={tab} model={model} />
+        </div>
+      </div>
+    </>
+  );
+}
+
+function Labels({ tab, watch, model }: OfRunProps) {
+  const host = useHost();
+  const folded = useSignal(model.folded);
+  useSignal(watch.grown);
+  const lanes = lanesOf(callsOf(watch.journal)).all();
+  const layout = layoutOf(lanes, folded);
+  const nameOf = namesIn(tab.room.machine);
+  return (
+    <ul className="timeline-labels" aria-label="Branches" style={{ height: layout.height }}>
+      {layout.lanes.map(({ lane, y, height, isFolded }) => (
+        <li key={lane.path} style={{ top: y, height, paddingLeft: 2 + lane.depth * 12 }}>
+          <button
+            type="button"
+            className="timeline-fold"
+            aria-expanded={!isFolded}
+            aria-label={`${isFolded ? "All levels" : "One row"} of ${nameOf(lane.path)}`}
+            title={isFolded ? "Show all levels" : "Show what works only, in one row"}
+            onClick={() => model.fold(lane.path)}
+          >
+            {isFolded ? <ChevronRight size={13} /> : <ChevronDown size={13} />}
+          </button>
+          <button
+            type="button"
+            className="timeline-name"
+            title={`${nameOf(lane.path)}: show it on the canvas`}
+            onClick={() => reveal(host, { kind: "state", path: lane.path })}
+          >
+            {nameOf(lane.path)}
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}
