@@ -10,12 +10,14 @@ import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { RunBars } from "./run_bars.tsx";
+import { RunFateBars } from "./run_fate_bars.tsx";
 
 export function Bars({ tab }: { tab: OpenTab }) {
   return (
     <>
       <LinkBar tab={tab} />
       <RunBars tab={tab} />
+      <RunFateBars tab={tab} />
       <ReadOnlyBar />
       <DiskBar tab={tab} />
       <RecoveredBar tab={tab} />

@@ -9,6 +9,7 @@ import { MachineTabs } from "./machine_tabs.tsx";
 import { MenuBar } from "./menu_bar.tsx";
 import { People } from "./people.tsx";
 import { useDerived, useSession } from "./provided.tsx";
+import { RunControls } from "./run_controls.tsx";
 import "./top_bar.css";
 
 export function TopBar() {
@@ -35,6 +36,7 @@ export function TopBar() {
       </div>
       <div className="top-row top-machines">
         <MachineTabs />
+        <RunControls />
         <People />
       </div>
     </header>

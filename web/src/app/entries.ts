@@ -1,0 +1,16 @@
+/** Commands as entries of menus. */
+
+import { type Entry, entryOf } from "../commands/menus.ts";
+import { useKeys } from "./keys_shown.ts";
+import { useSession } from "./provided.tsx";
+
+/** Commands as entries of a menu, as they are when it opens. */
+export function useEntries(ids: readonly string[]): () => readonly Entry[] {
+  const { commands, context } = useSession();
+  const keys = useKeys();
+  return () =>
+    ids.flatMap((id) => {
+      const command = commands.get(id);
+      return command ? [entryOf({ commands, context: context(), keys }, command)] : [];
+    });
+}

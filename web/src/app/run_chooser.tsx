@@ -1,0 +1,95 @@
+/** How the run in front stands, in a word, and the way to the other runs of its machine. */
+
+import { ChevronDown } from "lucide-react";
+import { useRef, useState } from "react";
+import type { Entry } from "../commands/menus.ts";
+import type { RunSummary } from "../model/generated/protocol.ts";
+import {
+  type RunStand,
+  runStand,
+  standInWords,
+  startedInWords,
+  summaryStand,
+} from "../model/run_words.ts";
+import { duration } from "../panels/parts/duration.ts";
+import { isGoingOn } from "../store/age.ts";
+import type { OpenTab } from "../store/page.ts";
+import type { Watch } from "../store/run.ts";
+import { elapsedAt } from "../store/run_clock.ts";
+import { runsOfTab } from "../store/running.ts";
+import { seconds } from "../store/seconds.ts";
+import { ContextMenu } from "../ui/menu.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { useEntries } from "./entries.ts";
+import { useDerived, useSession } from "./provided.tsx";
+
+/** So many runs stand in the menu; all are in the panel. */
+const RUNS_MAX = 12;
+
+export function RunChooser({ tab }: { tab: OpenTab }) {
+  const { page } = useSession();
+  const place = useRef<HTMLButtonElement>(null);
+  const [at, setAt] = useState<{ x: number; y: number } | null>(null);
+  const watch = useSignal(tab.run);
+  const count = useDerived(() => runsOfTab(page, tab).length, [page, tab]);
+  const items = useRuns(tab);
+  if (!watch && count === 0) return null;
+  const open = () => {
+    const box = place.current?.getBoundingClientRect();
+    if (box) setAt({ x: box.left, y: box.bottom + 2 });
+  };
+  return (
+    <>
+      <button ref={place} type="button" className="run-chooser" aria-haspopup="menu" onClick={open}>
+        {watch ? <Stand watch={watch} /> : <span>{count === 1 ? "1 run" : `${count} runs`}</span>}
+        <ChevronDown size={14} aria-hidden />
+      </button>
+      {at && <ContextMenu label="runs" at={at} items={items()} onClose={() => setAt(null)} />}
+    </>
+  );
+}
+
+/** The word, what belongs to it, and how long. */
+function Stand({ watch }: { watch: Watch }) {
+  const { page } = useSession();
+  const text = useDerived(() => {
+    const now = watch.now.value;
+    return now ? JSON.stringify(runStand(now)) : null;
+  }, [watch]);
+  const elapsed = useDerived(() => {
+    const now = watch.now.value;
+    const at_ms = now && isGoingOn(now) ? seconds.value : Date.now();
+    return duration(Math.floor(elapsedAt(page, watch, at_ms) / 1_000) * 1_000);
+  }, [page, watch]);
+  if (text === null) return <span>Run …</span>;
+  const { word, tone, detail } = JSON.parse(text) as RunStand;
+  return (
+    <span className={`run-stand run-tone-${tone}`} role="status" title={detail}>
+      <span className={`run-dot run-dot-${tone}`} aria-hidden />
+      <span className="run-word">{word}</span>
+      {detail !== "" && <span className="run-detail">{detail}</span>}
+      <span className="run-elapsed">{elapsed}</span>
+    </span>
+  );
+}
+
+function useRuns(tab: OpenTab): () => readonly Entry[] {
+  const { page, commands, context } = useSession();
+  const more = useEntries(["run.show-as-ran", "run.leave", "run.follow"]);
+  const entry = (run: RunSummary): Entry => ({
+    id: run.id,
+    title: `${startedInWords(run.started_ms, Date.now())}  ${standInWords(summaryStand(run))}`,
+    detail: run.author === null ? run.id : `${run.id}, started by ${run.author}`,
+    checked: tab.run.value?.id === run.id,
+    run: () => void commands.run("run.show", context(), run.id),
+  });
+  const all: Entry = {
+    id: "all runs",
+    title: "All runs…",
+    run: () => context().shell.showPanel("runs"),
+  };
+  return () => {
+    const runs = runsOfTab(page, tab).slice(0, RUNS_MAX).map(entry);
+    return [...runs, "separator", ...more(), "separator", all];
+  };
+}

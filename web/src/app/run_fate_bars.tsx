@@ -1,0 +1,161 @@
+/** What somebody who watches a run has to know now: that it crashed, that scripts wait for a decision, that the machine is not the
+ * one that runs. Each a bar above the canvas, with the ways out. */
+
+import { GitCompareArrows, Skull, TriangleAlert } from "lucide-react";
+import { useEffect, useState } from "react";
+import { refusalOf } from "../commands/command.ts";
+import { namesTo } from "../model/machine.ts";
+import { activeStates } from "../store/active.ts";
+import type { OpenTab } from "../store/page.ts";
+import type { Watch } from "../store/run.ts";
+import { differsFromRun } from "../store/run_difference.ts";
+import { liveRun, snapshotOf } from "../store/running.ts";
+import { Button } from "../ui/button.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { Bar } from "./bar.tsx";
+import { useDerived, useSession } from "./provided.tsx";
+
+export function RunFateBars({ tab }: { tab: OpenTab }) {
+  const watch = useSignal(tab.run);
+  if (!watch) return null;
+  return (
+    <>
+      <CrashBar tab={tab} watch={watch} />
+      <InterruptedBar tab={tab} watch={watch} />
+      <DiffersBar key={watch.id} tab={tab} watch={watch} />
+    </>
+  );
+}
+
+interface RunBarProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+}
+
+function CrashBar({ tab, watch }: RunBarProps) {
+  const { page, commands, context } = useSession();
+  const isCrashed = useDerived(() => watch.now.value?.run.phase === "crashed", [watch]);
+  const why = useLastWords(watch, isCrashed);
+  const refusal = useDerived(() => {
+    const command = commands.get("run.take-up");
+    return command ? refusalOf(command, context()) : "";
+  }, [commands, context]);
+  const where = useDerived(() => placesInWords(tab, watch), [tab, watch]);
+  if (!isCrashed) return null;
+  const run = (policy?: string) => () => void commands.run("run.take-up", context(), policy);
+  const isFront = page.active.peek() === tab;
+  const off = { disabled: !isFront || refusal !== null, title: refusal ?? undefined };
+  return (
+    <Bar
+      kind="danger"
+      icon={<Skull size={16} aria-hidden />}
+      actions={
+        <>
+          <Button {...off} onClick={run("abort")}>
+            Recover: end by aborted
+          </Button>
+          <Button {...off} onClick={run("restart")}>
+            Run again
+          </Button>
+          <Button {...off} onClick={run()}>
+            Decide…
+          </Button>
+        </>
+      }
+    >
+      The program of this run died{where === "" ? "" : ` in ${where}`}.{why}
+    </Bar>
+  );
+}
+
+/** The names of the innermost states that were active at the end. */
+function placesInWords(tab: OpenTab, watch: Watch): string {
+  const active = snapshotOf(watch)?.active ?? [];
+  const leaves = active.filter(
+    ({ path }) => !active.some((other) => other.path.startsWith(`${path}/`)),
+  );
+  const names = leaves.map(({ path }) => namesTo(tab.room.machine, path).at(-1) ?? path);
+  return names.map((name) => `“${name}”`).join(", ");
+}
+
+/** The last line that the program wrote, if it wrote any. */
+function useLastWords(watch: Watch, wanted: boolean): string {
+  const { page } = useSession();
+  const [text, setText] = useState("");
+  useEffect(() => {
+    if (!wanted) return setText("");
+    const get = page.runs.get<{ readonly text: string }>(watch.id, "output?bytes=2000");
+    get.then(
+      (output) => setText(output.text.trim().split("\n").at(-1) ?? ""),
+      () => setText(""),
+    );
+  }, [page, watch, wanted]);
+  return text === "" ? "" : ` Its last words: ${text}`;
+}
+
+/** Somebody has to say what becomes of scripts that a crash has interrupted. */
+function InterruptedBar({ tab, watch }: RunBarProps) {
+  const { commands, context } = useSession();
+  const waiting = useDerived(
+    () =>
+      (liveRun(tab) === watch ? activeStates(watch) : [])
+        .filter(({ phase }) => phase === "interrupted")
+        .map(({ path }) => path)
+        .join("\n"),
+    [tab, watch],
+  );
+  if (waiting === "") return null;
+  const paths = waiting.split("\n");
+  const decide = (path: string | null, policy: "abort" | "restart") => () =>
+    void commands.run("run.recover", context(), { path, policy });
+  return (
+    <Bar
+      kind="warning"
+      icon={<TriangleAlert size={16} aria-hidden />}
+      actions={paths.map((path) => {
+        const name = namesTo(tab.room.machine, path).at(-1) ?? path;
+        return (
+          <span key={path} className="bar-choice">
+            “{name}”<Button onClick={decide(path, "restart")}>Run again</Button>
+            <Button onClick={decide(path, "abort")}>End by aborted</Button>
+          </span>
+        );
+      })}
+    >
+      The crash interrupted {paths.length === 1 ? "a script" : `${paths.length} scripts`}: what
+      becomes of {paths.length === 1 ? "it" : "them"}?
+    </Bar>
+  );
+}
+
+/** The machine on the canvas is not the one that the run goes by. */
+function DiffersBar({ tab, watch }: RunBarProps) {
+  const { page, commands, context } = useSession();
+  const differs = useSignal(differsFromRun(tab, watch, page.runs));
+  const canReload = useDerived(() => {
+    const command = commands.get("run.reload");
+    return command !== undefined && refusalOf(command, context()) === null;
+  }, [commands, context]);
+  const [closed, setClosed] = useState(false);
+  if (!differs || closed) return null;
+  return (
+    <Bar
+      icon={<GitCompareArrows size={16} aria-hidden />}
+      actions={
+        <>
+          <Button onClick={() => commands.run("run.show-as-ran", context())}>
+            Show it as it ran
+          </Button>
+          {canReload && (
+            <Button onClick={() => commands.run("run.reload", context())}>
+              Take edits into the run
+            </Button>
+          )}
+          <Button onClick={() => setClosed(true)}>Hide</Button>
+        </>
+      }
+    >
+      This machine was edited since: the run goes by another one.
+    </Bar>
+  );
+}

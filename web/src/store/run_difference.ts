@@ -1,0 +1,85 @@
+/** Whether the machine of a tab is another one than that which its run goes by; how they are drawn does not matter. */
+
+import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
+import { differences } from "../model/difference.ts";
+import type { Document } from "../model/generated/protocol.ts";
+import type { Machine } from "../model/machine.ts";
+import { machineOf } from "../model/plain.ts";
+import type { OpenTab } from "./page.ts";
+import type { Runs, Watch } from "./run.ts";
+import { RefusalError } from "./server.ts";
+
+/** Compared when nothing has changed for so long. */
+const SETTLED_MS = 300;
+
+const KNOWN = new WeakMap<OpenTab, WeakMap<Watch, ReadonlySignal<boolean>>>();
+
+/** One signal for a tab and a run; it is kept up only while somebody looks. */
+export function differsFromRun(tab: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
+  const ofTab = KNOWN.get(tab) ?? new WeakMap<Watch, ReadonlySignal<boolean>>();
+  KNOWN.set(tab, ofTab);
+  let known = ofTab.get(watch);
+  if (!known) {
+    known = followed(tab, watch, runs);
+    ofTab.set(watch, known);
+  }
+  return known;
+}
+
+function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
+  let ran: Machine | null = null;
+  let root = "";
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let stops: readonly (() => void)[] = [];
+  const compare = () => {
+    differs.value =
+      ran !== null && differences(ran, room.machine).some(({ isLayout }) => !isLayout);
+  };
+  const soon = () => {
+    clearTimeout(timer);
+    timer = setTimeout(compare, SETTLED_MS);
+  };
+  const get = async (wanted: string) => {
+    const query = wanted === "" ? "" : `?root=${encodeURIComponent(wanted)}`;
+    try {
+      const document = await runs.get<Document>(watch.id, `machine${query}`);
+      if (root !== wanted) return;
+      ran = machineOf(document);
+      compare();
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+    }
+  };
+  const look = () => {
+    const now = rootOf(watch);
+    if (now === root && ran !== null) return;
+    root = now;
+    void get(now);
+  };
+  const differs = signal(false, {
+    watched: () => {
+      if (room.fixed !== null) return;
+      stops = [room.onChange(soon), effect(look)];
+      soon();
+    },
+    unwatched: () => {
+      clearTimeout(timer);
+      for (const stop of stops) stop();
+    },
+  });
+  return differs;
+}
+
+const ROOTS = new WeakMap<Watch, { at: number; root: string }>();
+
+/** The machine that the run goes by now, as its journal says; empty: that of the start. */
+function rootOf(watch: Watch): string {
+  watch.grown.value;
+  const found = ROOTS.get(watch) ?? { at: 0, root: "" };
+  ROOTS.set(watch, found);
+  for (; found.at < watch.journal.length; found.at += 1) {
+    const event = watch.journal.other(found.at);
+    if (event?.type === "root") found.root = event.hash;
+  }
+  return found.root;
+}
