@@ -1,6 +1,6 @@
 /** When a value came to where it is in a run, and from which state: by the data flows of the machine and what ran when. */
 
-import { type Ends, flowEnds, type PortRef } from "../model/ends.ts";
+import { type Ends, flowEnds, isPort, type PortRef } from "../model/ends.ts";
 import { dataFlowsOf, type Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import type { Visits } from "./visits.ts";
@@ -61,8 +61,7 @@ function giverOf(
   if (container === null || steps === 0) return null;
   let found: Origin | null = null;
   for (const { from } of flowsTo(machine, container, port)) {
-    if (from.kind !== "input" && from.kind !== "output" && from.kind !== "scoped_variable")
-      continue;
+    if (!isPort(from)) continue;
     const given = originOf(machine, visits, from, entered, steps - 1);
     if (given && (!found || given.sequence > found.sequence)) found = given;
   }

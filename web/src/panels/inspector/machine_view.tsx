@@ -11,6 +11,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { Description } from "./description.tsx";
 import { Drafts } from "./drafts.tsx";
 import { Fold } from "./fold.tsx";
+import { GlobalsInRun, InRun } from "./in_run.tsx";
 import { Outcomes } from "./outcomes.tsx";
 import { Ports } from "./ports.tsx";
 import type { SeenState } from "./seen.ts";
@@ -22,6 +23,8 @@ export function MachineView({ seen }: { seen: SeenState }) {
   const file = status?.summary.file;
   return (
     <>
+      <InRun seen={seen} />
+      <GlobalsInRun seen={seen} />
       <Fold title="Machine">
         <div className="inspector-fields">
           <TextField

@@ -4,6 +4,7 @@ import { isContainer } from "../../model/machine.ts";
 import { Connections } from "./connections.tsx";
 import { Description } from "./description.tsx";
 import { General } from "./general.tsx";
+import { InRun } from "./in_run.tsx";
 import { Outcomes } from "./outcomes.tsx";
 import { Place } from "./place.tsx";
 import { Ports } from "./ports.tsx";
@@ -16,6 +17,7 @@ export function StateView({ seen }: { seen: SeenState }) {
   const hasScript = state.kind === "execution" || state.kind === "decider";
   return (
     <>
+      <InRun seen={seen} />
       <General seen={seen} />
       <Description key={`description ${path}`} seen={seen} />
       {hasScript && <Script key={`script ${path}`} seen={seen} />}

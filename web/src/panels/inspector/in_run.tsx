@@ -1,0 +1,135 @@
+/** How the state stands in the run that the tab shows, live or at the moment that is looked at. */
+
+import { computed } from "@preact/signals-core";
+import { useEffect, useMemo } from "react";
+import type { Phase } from "../../model/generated/protocol.ts";
+import { isGoingOn } from "../../store/age.ts";
+import type { Watch } from "../../store/run.ts";
+import { seconds } from "../../store/seconds.ts";
+import { pictureOf, type Standing, standingOf } from "../../store/standing.ts";
+import { usePaced } from "../../ui/paced.ts";
+import { useSignal } from "../../ui/signals.ts";
+import { duration } from "../parts/duration.ts";
+import { useDetail } from "../parts/value/use_detail.ts";
+import { Fold } from "./fold.tsx";
+import { RunError } from "./in_run_error.tsx";
+import { GlobalValues, RunValues } from "./in_run_values.tsx";
+import type { SeenState } from "./seen.ts";
+import "./in_run.css";
+
+/** Numbers that run are read no faster. */
+const PACE_MS = 200;
+
+export const PHASE_WORDS: Readonly<Record<Phase, string>> = {
+  running: "runs",
+  waiting: "waits",
+  interrupted: "interrupted by a crash",
+  held: "held",
+  preempted: "is asked to end",
+};
+
+export function InRun({ seen }: { seen: SeenState }) {
+  const watch = useSignal(seen.tab.run);
+  if (!watch) return null;
+  return (
+    <Fold title="In the run">
+      <OfRun key={`${watch.id} ${seen.path}`} seen={seen} watch={watch} />
+    </Fold>
+  );
+}
+
+/** Global variables at the moment that is shown. */
+export function GlobalsInRun({ seen }: { seen: SeenState }) {
+  const watch = useSignal(seen.tab.run);
+  return watch && <Globals seen={seen} watch={watch} />;
+}
+
+function Globals({ seen, watch }: { seen: SeenState; watch: Watch }) {
+  useEffect(() => watch.wantValues(), [watch]);
+  const signal = useMemo(() => computed(() => pictureOf(watch)?.globals ?? null), [watch]);
+  const globals = usePaced(signal, PACE_MS);
+  const count = Object.keys(globals ?? {}).length;
+  if (!globals || count === 0) return null;
+  return (
+    <Fold title="Global variables in the run" count={count}>
+      <GlobalValues seen={seen} watch={watch} values={globals} />
+    </Fold>
+  );
+}
+
+function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
+  const { path } = seen;
+  useEffect(() => watch.wantValues(), [watch]);
+  const signal = useMemo(() => computed(() => standingOf(watch, path)), [watch, path]);
+  const standing = usePaced(signal, PACE_MS);
+  const { entered, left } = standing;
+  const { runs } = seen.page;
+  const entry = useDetail(runs, watch.id, wanted(entered?.sequence, standing.inputs));
+  const end = useDetail(runs, watch.id, wanted(left?.sequence, standing.outputs, left?.hasError));
+  if (!entered && !standing.active) {
+    return (
+      <p className="inspector-none">
+        {standing.until === null
+          ? "It has not run in this run so far."
+          : "At this moment it had not run yet."}
+      </p>
+    );
+  }
+  return (
+    <>
+      <Facts watch={watch} standing={standing} />
+      {left?.hasError && <RunError seen={seen} watch={watch} left={left} detail={end.detail} />}
+      <RunValues seen={seen} watch={watch} standing={standing} entry={entry} end={end} />
+    </>
+  );
+}
+
+/** The event to ask for: none, if the values are at hand. */
+function wanted(sequence: number | undefined, values: unknown, always = false): number | null {
+  return sequence === undefined || (values !== undefined && !always) ? null : sequence;
+}
+
+function Facts({ watch, standing }: { watch: Watch; standing: Standing }) {
+  const { active, visits, left, entered } = standing;
+  return (
+    <dl className="in-run-facts">
+      <dt>Phase</dt>
+      <dd className={active ? `in-run-${active.phase}` : "inspector-faint"}>
+        {active ? PHASE_WORDS[active.phase] : "not active"}
+        {active?.detail ? ` for ${active.detail}` : ""}
+      </dd>
+      {active ? <Since watch={watch} standing={standing} /> : null}
+      {!active && entered && left && left.sequence > entered.sequence ? (
+        <>
+          <dt>Took</dt>
+          <dd>{duration((left.t_ns - entered.t_ns) / 1e6)} the last time</dd>
+        </>
+      ) : null}
+      <dt>Visits</dt>
+      <dd>{visits}</dd>
+      {left?.outcome ? (
+        <>
+          <dt>Last outcome</dt>
+          <dd className={left.outcome.id === -1 ? "in-run-failed" : undefined}>
+            {left.outcome.name}
+          </dd>
+        </>
+      ) : null}
+    </dl>
+  );
+}
+
+/** How long it has been active; while live it goes on between two truths. */
+function Since({ watch, standing }: { watch: Watch; standing: Standing }) {
+  const now_ms = useSignal(seconds);
+  const now = useSignal(watch.now);
+  const heard_ms = useSignal(watch.heard_ms);
+  const isLive = standing.until === null && now !== null && isGoingOn(now) && now.link === "up";
+  const more_ms = isLive && heard_ms !== null ? Math.max(0, now_ms - heard_ms) : 0;
+  return (
+    <>
+      <dt>Since</dt>
+      <dd>{duration((standing.active?.since_ms ?? 0) + more_ms)}</dd>
+    </>
+  );
+}

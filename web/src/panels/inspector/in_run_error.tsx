@@ -1,0 +1,85 @@
+/** The error by which a state ended last: what it says, where in the script it came up, and the way to there. */
+
+import { useMemo, useState } from "react";
+import type { EventDetail } from "../../model/generated/protocol.ts";
+import { shortValue } from "../../model/short_value.ts";
+import { type Failure, failureAt } from "../../store/failure.ts";
+import type { Watch } from "../../store/run.ts";
+import { wantedLine } from "../../store/script_line.ts";
+import type { End } from "../../store/standing.ts";
+import { visitsOf } from "../../store/visits.ts";
+import { Button } from "../../ui/button.tsx";
+import type { SeenState } from "./seen.ts";
+
+export interface RunErrorProps {
+  readonly seen: SeenState;
+  readonly watch: Watch;
+  readonly left: End;
+  /** The end with its values, once it is here. */
+  readonly detail: EventDetail | null;
+}
+
+const MESSAGE_MAX = 1_000;
+
+export function RunError({ seen, watch, left, detail }: RunErrorProps) {
+  const { path } = seen;
+  const failure = useMemo(() => failureOf(watch, path, left.sequence), [watch, path, left]);
+  const event = detail?.sequence === left.sequence ? detail.event : null;
+  const error = event?.type === "left" ? event.error : null;
+  const said = error == null ? failure?.traceback.message : shortValue(error, MESSAGE_MAX);
+  return (
+    <div className="in-run-error" role="note" aria-label="Error">
+      <p>
+        <strong>Ended with an error</strong>
+        {said ? `: ${said}` : ""}
+      </p>
+      {failure && <Place seen={seen} failure={failure} />}
+    </div>
+  );
+}
+
+function failureOf(watch: Watch, path: string, left: number): Failure | null {
+  const visits = visitsOf(watch);
+  const entered = visits.lastIndex("entered", path, left) ?? 0;
+  const end = visits.lastIndex("left", path, left);
+  return end === null ? null : failureAt(watch.journal, path, entered, end);
+}
+
+/** The script's own frame first; the others when asked. */
+function Place({
+  seen,
+  failure: { traceback, text, path },
+}: {
+  seen: SeenState;
+  failure: Failure;
+}) {
+  const [isWhole, setWhole] = useState(false);
+  const { own, frames } = traceback;
+  const name = seen.machine.state(path)?.name ?? path;
+  const show = () => {
+    if (!own) return;
+    seen.show({ kind: "state", path });
+    wantedLine.value = { path, line: own.line };
+  };
+  return (
+    <>
+      {own && (
+        <div className="in-run-frame">
+          <button type="button" className="inspector-link" onClick={show}>
+            {name}, line {own.line}
+          </button>{" "}
+          <span className="inspector-faint">in {own.function}</span>
+          {own.code !== "" && <code>{own.code}</code>}
+        </div>
+      )}
+      <Button kind="quiet" pressed={isWhole} onClick={() => setWhole(!isWhole)}>
+        {isWhole ? "Hide the traceback" : `Whole traceback (${framesInWords(frames.length)})`}
+      </Button>
+      {isWhole && <pre className="in-run-traceback">{text}</pre>}
+    </>
+  );
+}
+
+function framesInWords(count: number): string {
+  return count === 1 ? "1 frame" : `${count} frames`;
+}

@@ -1,0 +1,28 @@
+/** A signal that is followed at a pace: the first change at once, then one in so many milliseconds, the last one always. */
+
+import type { ReadonlySignal } from "@preact/signals-core";
+import { useEffect, useState } from "react";
+
+export function usePaced<T>(signal: ReadonlySignal<T>, pace_ms: number): T {
+  const [value, setValue] = useState(() => signal.peek());
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let told_ms = Number.NEGATIVE_INFINITY;
+    const tell = () => {
+      timer = undefined;
+      told_ms = performance.now();
+      setValue(() => signal.peek());
+    };
+    const stop = signal.subscribe(() => {
+      if (timer !== undefined) return;
+      const wait_ms = told_ms + pace_ms - performance.now();
+      if (wait_ms <= 0) tell();
+      else timer = setTimeout(tell, wait_ms);
+    });
+    return () => {
+      stop();
+      clearTimeout(timer);
+    };
+  }, [signal, pace_ms]);
+  return value;
+}
