@@ -13,24 +13,33 @@ export type Layout = Partial<Readonly<Record<Side, LayoutSide>>>;
 
 export const SHIPPED: Readonly<Record<string, Layout>> = {
   Edit: {
-    left: { size: 264, groups: [["libraries", "tree", "search"], ["globals"]] },
+    left: {
+      size: 264,
+      groups: [
+        ["libraries", "tree", "search"],
+        ["globals", "breakpoints", "runs"],
+      ],
+    },
     right: { size: 344, groups: [["inspector"]] },
     bottom: { size: 188, groups: [["problems", "edits", "differences", "log"]] },
   },
   Debug: {
-    left: { size: 264, groups: [["tree", "search", "libraries"], ["globals"]] },
+    left: {
+      size: 264,
+      groups: [
+        ["tree", "search", "libraries"],
+        ["breakpoints", "runs", "globals"],
+      ],
+    },
     right: { size: 380, groups: [["inspector"]] },
     bottom: {
       size: 280,
-      groups: [
-        ["timeline", "log"],
-        ["problems", "edits", "differences"],
-      ],
+      groups: [["timeline", "history", "log", "statistics", "compare", "problems", "edits"]],
     },
   },
   "Mission control": {
-    right: { size: 380, groups: [["inspector", "globals"]] },
-    bottom: { size: 240, groups: [["log", "problems"]] },
+    left: { size: 600, groups: [["mission"]] },
+    bottom: { size: 190, groups: [["timeline", "log", "history"]] },
   },
 };
 

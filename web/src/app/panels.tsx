@@ -4,11 +4,14 @@ import {
   Braces,
   ChartGantt,
   CircleAlert,
+  CircleDot,
   GitCompareArrows,
   History,
   Library,
   ListTree,
+  ListVideo,
   type LucideIcon,
+  Radar,
   ScrollText,
   Search as SearchSign,
   SlidersHorizontal,
@@ -16,16 +19,21 @@ import {
 import type { FunctionComponent } from "react";
 import type { Side } from "../commands/command.ts";
 import { countProblems } from "../model/problem.ts";
+import { Breakpoints } from "../panels/breakpoints/breakpoints.tsx";
 import { Differences } from "../panels/differences/differences.tsx";
 import { Edits } from "../panels/edits/edits.tsx";
 import { Globals } from "../panels/globals/globals.tsx";
 import { Inspector } from "../panels/inspector/inspector.tsx";
 import { Libraries } from "../panels/libraries/libraries.tsx";
 import { Log } from "../panels/log/log.tsx";
+import { Mission } from "../panels/mission/mission.tsx";
 import { Problems } from "../panels/problems/problems.tsx";
+import { Runs } from "../panels/runs/runs.tsx";
 import { Search } from "../panels/search/search.tsx";
 import { Timeline } from "../panels/timeline/timeline.tsx";
 import { StateTree } from "../panels/tree/tree.tsx";
+import { countWanting } from "../store/acknowledged.ts";
+import { breakpointsOf } from "../store/breakpoints.ts";
 import type { OpenTab } from "../store/page.ts";
 
 export interface Panel {
@@ -45,6 +53,15 @@ export const PANELS: readonly Panel[] = [
   { id: "search", title: "Search", icon: SearchSign, component: Search, side: "left" },
   { id: "globals", title: "Globals", icon: Braces, component: Globals, side: "left" },
   {
+    id: "breakpoints",
+    title: "Breakpoints",
+    icon: CircleDot,
+    component: Breakpoints,
+    side: "left",
+    count: (tab) => (tab ? breakpointsOf(tab).length : 0),
+  },
+  { id: "runs", title: "Runs", icon: ListVideo, component: Runs, side: "left" },
+  {
     id: "inspector",
     title: "Inspector",
     icon: SlidersHorizontal,
@@ -52,6 +69,14 @@ export const PANELS: readonly Panel[] = [
     side: "right",
   },
   { id: "timeline", title: "Timeline", icon: ChartGantt, component: Timeline, side: "bottom" },
+  {
+    id: "mission",
+    title: "Mission",
+    icon: Radar,
+    component: Mission,
+    side: "left",
+    count: (tab) => countWanting(tab?.run.value ?? null),
+  },
   { id: "log", title: "Log", icon: ScrollText, component: Log, side: "bottom" },
   { id: "edits", title: "Edits", icon: History, component: Edits, side: "bottom" },
   {

@@ -22,7 +22,7 @@ export const MISSION: readonly Command[] = [
     id: "mission.open",
     title: "Mission control",
     detail: "How the mission stands, in large: questions, branches, events, who is in control.",
-    keys: ["Ctrl+Alt+m"],
+    keys: ["Ctrl+Alt+M"],
     menu: "View/4",
     run: ({ shell }) => {
       shell.layouts.apply(MISSION_LAYOUT);
@@ -31,7 +31,7 @@ export const MISSION: readonly Command[] = [
   },
   {
     id: "mission.show",
-    title: "Show the mission panel",
+    title: "Show what wants a human",
     run: ({ shell }) => shell.showPanel(MISSION_PANEL),
   },
   {
@@ -54,8 +54,8 @@ export const MISSION: readonly Command[] = [
     id: "run.answer",
     title: "Answer a question",
     refusal: (context) => cannotCommand(context),
-    enabled: ({ tab }) => tab?.run.value != null,
     run: (context, argument) => {
+      if (argument === undefined) return context.shell.showPanel(MISSION_PANEL);
       const { question, value } = argument as Answering;
       const order = { type: "answer_question", question: question.id, value } as const;
       return give(context, "Your answer", order);

@@ -2,6 +2,7 @@
 
 import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import { type Failure, Failures } from "./failures.ts";
+import { openQuestions } from "./questions.ts";
 import type { Watch } from "./run.ts";
 import { kept, memoryShed, type Shed, shedOf } from "./shed.ts";
 
@@ -29,6 +30,11 @@ export function failures(watch: Known): ReadonlySignal<readonly Failure[]> {
 /** The failures that nobody has acknowledged here; the oldest first. */
 export function openFailures(watch: Known): ReadonlySignal<readonly Failure[]> {
   return about(watch).open;
+}
+
+/** How many things of a run want a human: questions and failures. */
+export function countWanting(watch: Watch | null): number {
+  return watch ? openQuestions(watch).length + openFailures(watch).value.length : 0;
 }
 
 /** The sequence numbers of what was acknowledged. */

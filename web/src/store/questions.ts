@@ -1,4 +1,4 @@
-/** Questions of states to people: which wait for an answer at the moment that is shown, since when, and how others ended. */
+/** Questions of states to people: which wait for an answer, since when, and how others ended. */
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type { Closing, JsonValue, Question } from "../model/generated/protocol.ts";
@@ -30,9 +30,8 @@ type Known = Pick<Watch, "journal" | "grown">;
 
 const ALL = new WeakMap<Known, ReadonlySignal<Asked>>();
 
-/** The questions that wait for an answer. */
-export function openQuestions(watch: Watch): readonly Question[] {
-  if (watch.moment.value !== null) return watch.seen.value?.picture.questions ?? [];
+/** The questions that wait for an answer now, whatever moment is shown: they are answered now. */
+export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
   const now = watch.now.value;
   return now?.run.phase === "live" ? (now.snapshot?.questions ?? []) : [];
 }

@@ -1,0 +1,176 @@
+/** What the robot does now: one card for each active branch, with its state, how long that runs against the usual, and what ended
+ * before it. */
+
+import {
+  CirclePause,
+  CirclePlay,
+  Hourglass,
+  type LucideIcon,
+  OctagonAlert,
+  Undo2,
+} from "lucide-react";
+import type { Outcome, Phase } from "../../model/generated/protocol.ts";
+import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import { holdInWords } from "../../model/run_words.ts";
+import { type Active, activeStates, lanes, placeOfLane } from "../../store/active.ts";
+import { runAge } from "../../store/age.ts";
+import { lastEndBeside } from "../../store/last_end.ts";
+import type { Watch } from "../../store/run.ts";
+import { saidAt } from "../../store/run_clock.ts";
+import { seconds } from "../../store/seconds.ts";
+import { earlierRuns, pastUsual, type Usual, usualOf } from "../../store/usual.ts";
+import { useComputed } from "../../ui/signals.ts";
+import { useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
+import { reveal } from "../reveal.ts";
+import { type Names, pathInWords, useMachineNames } from "./names.ts";
+
+/** So many branches have a card; more are counted. */
+const CARDS_MAX = 12;
+
+export function Branches({ watch }: { readonly watch: Watch }) {
+  const { page } = useHost().context();
+  const shown = useComputed(() => lanes(activeStates(watch)), [watch]);
+  const names = useMachineNames();
+  const past = useComputed(
+    () => pastUsual(page, earlierRuns(page, watch)[0]?.id ?? null).value,
+    [page, watch],
+  );
+  const later_ms = useLater(watch);
+  const isOver = useComputed(() => watch.now.value?.snapshot?.status === "finished", [watch]);
+  if (shown.length === 0) {
+    return (
+      <section className="mission-part" aria-label="What runs now">
+        <p className="mission-soft">
+          {isOver ? "Nothing runs: the run is over." : "Nothing runs."}
+        </p>
+      </section>
+    );
+  }
+  return (
+    <section className="mission-part" aria-label="What runs now">
+      <ul className="mission-cards">
+        {shown.slice(0, CARDS_MAX).map((lane) => (
+          <Card
+            key={lane.branch + placeOfLane(lane)}
+            lane={lane}
+            names={names}
+            watch={watch}
+            usual={usualOf(watch, past, lane.path)}
+            later_ms={later_ms}
+          />
+        ))}
+      </ul>
+      {shown.length > CARDS_MAX && (
+        <p className="mission-soft">and {shown.length - CARDS_MAX} branches more</p>
+      )}
+    </section>
+  );
+}
+
+/** How much later it is than what is shown was said; nothing is reckoned on from what may be old, or past. */
+function useLater(watch: Watch): number {
+  const { page } = useHost().context();
+  return useComputed(() => {
+    const now_ms = seconds.value;
+    const said_ms = saidAt(page, watch);
+    const age = runAge(page, watch, now_ms);
+    const isOn = watch.now.value?.run.phase === "live";
+    if (age.why !== null || said_ms === null || !isOn) return 0;
+    return Math.max(0, now_ms - said_ms);
+  }, [page, watch]);
+}
+
+interface CardProps {
+  readonly lane: Active;
+  readonly names: Names;
+  readonly watch: Watch;
+  readonly usual: Usual | null;
+  readonly later_ms: number;
+}
+
+function Card({ lane, names, watch, usual, later_ms }: CardProps) {
+  const host = useHost();
+  const place = placeOfLane(lane);
+  const since_ms = lane.since_ms + later_ms;
+  const { word, Sign } = PHASES[lane.phase];
+  const around = pathInWords(names, place).split(" › ");
+  const name = around.pop() ?? lane.name;
+  return (
+    <li className={`mission-card shows-run mission-phase-${lane.phase}`}>
+      <p className="mission-card-way">{around.join(" › ")}</p>
+      <div className="mission-card-main">
+        <button
+          type="button"
+          className="mission-card-name"
+          title="Show it on the canvas"
+          onClick={() => reveal(host, { kind: "state", path: place })}
+        >
+          {name}
+        </button>
+        <span className="mission-card-time">{duration(Math.floor(since_ms / 1_000) * 1_000)}</span>
+      </div>
+      <p className="mission-card-phase">
+        <Sign size={16} aria-hidden />
+        <span>{phaseInWords(lane, word)}</span>
+      </p>
+      {lane.phase !== "held" && usual && <Against usual={usual} since_ms={since_ms} />}
+      <Before watch={watch} path={place} names={names} />
+    </li>
+  );
+}
+
+const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> = {
+  running: { word: "runs", Sign: CirclePlay },
+  waiting: { word: "waits", Sign: Hourglass },
+  held: { word: "held", Sign: CirclePause },
+  interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
+  preempted: { word: "is being preempted", Sign: Undo2 },
+};
+
+function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {
+  if (phase === "waiting") return detail ? `waits for ${detail}` : word;
+  if (phase === "held" && hold) {
+    return hold.next === null
+      ? holdInWords(hold.by)
+      : `waits before this state, ${holdInWords(hold.by)}`;
+  }
+  return word;
+}
+
+/** The time in the state against how long it usually takes, as a bar and in words. */
+function Against({ usual, since_ms }: { readonly usual: Usual; readonly since_ms: number }) {
+  const { median_ms, max_ms, count } = usual;
+  const isLong = since_ms > max_ms * 1.1 && since_ms > max_ms + 1_000;
+  const scale = Math.max(max_ms, since_ms, 1);
+  return (
+    <div className={`mission-against ${isLong ? "mission-long" : ""}`}>
+      <span className="mission-bar" aria-hidden>
+        <span className="mission-bar-usual" style={{ width: `${(median_ms / scale) * 100}%` }} />
+        <span className="mission-bar-now" style={{ width: `${(since_ms / scale) * 100}%` }} />
+      </span>
+      <span>
+        {isLong ? "longer than ever: " : ""}usually {duration(median_ms)}, at most{" "}
+        {duration(max_ms)}
+        <span className="mission-soft"> ({count === 1 ? "once" : `${count} times`})</span>
+      </span>
+    </div>
+  );
+}
+
+function Before({ watch, path, names }: { watch: Watch; path: string; names: Names }) {
+  const last = useComputed(() => lastEndBeside(watch, path), [watch, path]);
+  if (!last) return null;
+  return (
+    <p className="mission-before">
+      <span className="mission-soft">before: </span>
+      {pathInWords(names, last.path).split(" › ").pop()}
+      <span className={`mission-outcome ${toneOf(last.outcome)}`}> → {last.outcome.name}</span>
+    </p>
+  );
+}
+
+function toneOf({ id }: Outcome): string {
+  if (id === ABORTED) return "mission-tone-aborted";
+  return id === PREEMPTED ? "mission-tone-preempted" : "";
+}

@@ -1,0 +1,169 @@
+/** Who is in control of the run, who asks for it, and what one can do about that. */
+
+import { ArrowRightLeft, Hand, KeyRound, LogOut, Undo2 } from "lucide-react";
+import type { ReactNode } from "react";
+import { refusalOf } from "../../commands/command.ts";
+import { silenceLeft } from "../../commands/mission.ts";
+import { lacks } from "../../commands/run_rules.ts";
+import type { Watch } from "../../store/run.ts";
+import { sessionOfPage } from "../../store/running.ts";
+import { seconds } from "../../store/seconds.ts";
+import { Button } from "../../ui/button.tsx";
+import { useComputed } from "../../ui/signals.ts";
+import { useCommand, useHost } from "../context.tsx";
+import { clockTime, duration } from "../parts/duration.ts";
+import { isGoingOn } from "./no_run.tsx";
+
+export function ControlPart({ watch }: { readonly watch: Watch }) {
+  const { page } = useHost().context();
+  const control = useComputed(() => watch.now.value?.control ?? null, [watch]);
+  const user = useComputed(() => sessionOfPage(page)?.user ?? null, [page]);
+  const isOn = useComputed(() => {
+    const run = watch.now.value?.run;
+    return run !== undefined && isGoingOn(run);
+  }, [watch]);
+  if (!control || !isOn) return null;
+  const { holder, requests } = control;
+  const isMine = holder !== null && holder === user;
+  return (
+    <section className="mission-part mission-control" aria-label="Who is in control">
+      <p className="mission-holder shows-run">
+        <KeyRound size={18} aria-hidden />
+        <span>
+          {holder === null ? (
+            <>
+              <strong>Nobody</strong> is in control: whoever commands first gets it.
+            </>
+          ) : (
+            <>
+              <strong>{isMine ? "You are" : `${holder} is`}</strong> in control
+              <span className="mission-soft"> since {clockTime(control.since_ms)}</span>
+            </>
+          )}
+        </span>
+      </p>
+      {requests.length > 0 && (
+        <ul className="mission-askers" aria-label="Who asks for control">
+          {requests.map((asker) => (
+            <li key={asker}>
+              <Hand size={16} aria-hidden />
+              <span>
+                <strong>{asker === user ? "You ask" : `${asker} asks`}</strong> for control
+              </span>
+              {isMine && (
+                <Move
+                  command="control.hand-over"
+                  argument={asker}
+                  title={`Hand over to ${asker}`}
+                  primary
+                />
+              )}
+            </li>
+          ))}
+        </ul>
+      )}
+      <Moves isMine={isMine} holder={holder} asks={requests.includes(user ?? "")} />
+    </section>
+  );
+}
+
+function Moves({
+  isMine,
+  holder,
+  asks,
+}: {
+  readonly isMine: boolean;
+  readonly holder: string | null;
+  readonly asks: boolean;
+}) {
+  const { page } = useHost().context();
+  const missing = useComputed(() => lacks(page, "command"), [page]);
+  if (missing !== null) {
+    return <p className="mission-why">You cannot be in control: {missing}.</p>;
+  }
+  if (isMine) {
+    return (
+      <div className="mission-buttons">
+        <Move command="control.release" title="Release" sign={<LogOut size={16} aria-hidden />} />
+        <Move
+          command="control.hand-over"
+          title="Hand over to…"
+          sign={<ArrowRightLeft size={16} aria-hidden />}
+        />
+      </div>
+    );
+  }
+  return (
+    <div className="mission-buttons">
+      {asks ? (
+        <Move
+          command="control.withdraw"
+          title="Ask no more"
+          sign={<Undo2 size={16} aria-hidden />}
+        />
+      ) : (
+        <Move
+          command="control.request"
+          title={holder === null ? "Take control" : "Ask for control"}
+          sign={<Hand size={16} aria-hidden />}
+          primary
+        />
+      )}
+      {holder !== null && <TakeOver holder={holder} />}
+    </div>
+  );
+}
+
+/** Only from who is silent; the time until then is told. */
+function TakeOver({ holder }: { readonly holder: string }) {
+  const { context } = useHost();
+  const left = useComputed(
+    () => Math.ceil(silenceLeft(context(), seconds.value) / 1_000),
+    [context],
+  );
+  return (
+    <>
+      <Move
+        command="control.take-over"
+        title="Take over"
+        sign={<KeyRound size={16} aria-hidden />}
+        disabled={left > 0}
+      />
+      <span className="mission-soft">
+        {left > 0
+          ? `possible once ${holder} was silent for ${duration(left * 1_000)} more`
+          : `${holder} was not heard for long`}
+      </span>
+    </>
+  );
+}
+
+interface MoveProps {
+  readonly command: string;
+  readonly title: string;
+  readonly argument?: unknown;
+  readonly sign?: ReactNode;
+  readonly primary?: boolean;
+  /** By what the caller knows; left out: by the command's own reasons. */
+  readonly disabled?: boolean;
+}
+
+function Move({ command, title, argument, sign, primary, disabled }: MoveProps) {
+  const { commands, context } = useHost();
+  const run = useCommand();
+  const refusal = useComputed(() => {
+    const found = commands.get(command);
+    return found ? refusalOf(found, context()) : null;
+  }, [commands, context, command]);
+  return (
+    <Button
+      kind={primary ? "primary" : "plain"}
+      icon={sign}
+      disabled={disabled ?? refusal !== null}
+      title={refusal ? `${title}: ${refusal}` : undefined}
+      onClick={() => run(command, argument)}
+    >
+      {title}
+    </Button>
+  );
+}

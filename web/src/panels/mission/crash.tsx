@@ -1,0 +1,107 @@
+/** The program of the run died: what can be done, each choice with what it means; and scripts that wait for a decision since. */
+
+import { RotateCcw, TriangleAlert, Undo2 } from "lucide-react";
+import type { ReactNode } from "react";
+import { refusalOf } from "../../commands/command.ts";
+import type { OnCrash } from "../../model/generated/protocol.ts";
+import { activeStates } from "../../store/active.ts";
+import type { Watch } from "../../store/run.ts";
+import { Button } from "../../ui/button.tsx";
+import { useComputed } from "../../ui/signals.ts";
+import { useCommand, useHost } from "../context.tsx";
+import { pathInWords, useMachineNames } from "./names.ts";
+
+export function Crash({ watch }: { readonly watch: Watch }) {
+  const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
+  return phase === "crashed" ? <TakeUp /> : <Interrupted watch={watch} />;
+}
+
+const CHOICES: readonly {
+  readonly policy: OnCrash;
+  readonly title: string;
+  readonly means: string;
+}[] = [
+  {
+    policy: "ask",
+    title: "Take up and ask",
+    means: "it goes on; interrupted scripts wait for you",
+  },
+  { policy: "restart", title: "Run scripts again", means: "interrupted scripts begin anew" },
+  {
+    policy: "abort",
+    title: "Abort scripts",
+    means: "interrupted states end by aborted, handlers run",
+  },
+];
+
+function TakeUp() {
+  const run = useCommand();
+  const refusal = useRefusal("run.take-up");
+  return (
+    <section className="mission-part mission-crash" aria-label="The run crashed">
+      <h3>
+        <TriangleAlert size={20} aria-hidden />
+        The program of the run died
+      </h3>
+      <p>All that happened until then is kept. Another runner can go on where it was:</p>
+      <ul className="mission-choices">
+        {CHOICES.map(({ policy, title, means }) => (
+          <li key={policy}>
+            <Button
+              kind={policy === "ask" ? "primary" : "plain"}
+              disabled={refusal !== null}
+              onClick={() => run("run.take-up", policy)}
+            >
+              {title}
+            </Button>
+            <span className="mission-soft">{means}</span>
+          </li>
+        ))}
+      </ul>
+      {refusal && <p className="mission-why">You cannot take it up: {refusal}.</p>}
+    </section>
+  );
+}
+
+function Interrupted({ watch }: { readonly watch: Watch }) {
+  const run = useCommand();
+  const names = useMachineNames();
+  const refusal = useRefusal("run.recover");
+  const all = useComputed(() => activeStates(watch), [watch]);
+  const waiting = all.filter(({ phase }) => phase === "interrupted");
+  if (waiting.length === 0) return null;
+  const decide = (path: string, policy: "restart" | "abort", title: string, sign: ReactNode) => (
+    <Button
+      icon={sign}
+      disabled={refusal !== null}
+      onClick={() => run("run.recover", { path, policy })}
+    >
+      {title}
+    </Button>
+  );
+  return (
+    <section className="mission-part mission-crash" aria-label="Interrupted scripts">
+      <h3>
+        <TriangleAlert size={20} aria-hidden />A crash interrupted what ran
+      </h3>
+      <ul className="mission-choices">
+        {waiting.map(({ path }) => (
+          <li key={path}>
+            <strong>{pathInWords(names, path)}</strong>
+            {decide(path, "restart", "Run again", <RotateCcw size={16} aria-hidden />)}
+            {decide(path, "abort", "End by aborted", <Undo2 size={16} aria-hidden />)}
+          </li>
+        ))}
+      </ul>
+      {refusal && <p className="mission-why">You cannot decide: {refusal}.</p>}
+    </section>
+  );
+}
+
+function useRefusal(id: string): string | null {
+  const { commands, context } = useHost();
+  return useComputed(() => {
+    const command = commands.get(id);
+    return command ? refusalOf(command, context()) : null;
+  }, [commands, context, id]);
+}

@@ -1,0 +1,154 @@
+/** What went wrong, the newest first, each until somebody has acknowledged it. */
+
+import { CheckCheck, CircleX, type LucideIcon, TriangleAlert, Zap } from "lucide-react";
+import { useEffect, useState } from "react";
+import type { EventDetail } from "../../model/generated/protocol.ts";
+import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
+import type { Failure } from "../../store/failures.ts";
+import type { Watch } from "../../store/run.ts";
+import { RefusalError } from "../../store/server.ts";
+import { Button } from "../../ui/button.tsx";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useCommand, useHost } from "../context.tsx";
+import { sinceStart } from "../parts/duration.ts";
+import { reveal } from "../reveal.ts";
+import { type Names, pathInWords, useMachineNames } from "./names.ts";
+
+/** So many are shown at a time. */
+const SHOWN_MAX = 30;
+
+export function Events({ watch }: { readonly watch: Watch }) {
+  const run = useCommand();
+  const open = useSignal(openFailures(watch));
+  const all = useSignal(failures(watch));
+  const done = useSignal(acknowledged(watch));
+  const names = useMachineNames();
+  const [showsDone, setShowsDone] = useState(false);
+  const shown = showsDone ? all : open;
+  const newest = shown.slice(-SHOWN_MAX).reverse();
+  return (
+    <section className="mission-part mission-events" aria-label="Events to acknowledge">
+      <div className="mission-part-head">
+        <h3>{open.length === 0 ? "Nothing to acknowledge" : `To acknowledge: ${open.length}`}</h3>
+        {all.length > open.length && (
+          <Button pressed={showsDone} onClick={() => setShowsDone(!showsDone)}>
+            All {all.length}
+          </Button>
+        )}
+        {open.length > 1 && (
+          <Button
+            icon={<CheckCheck size={16} aria-hidden />}
+            onClick={() => run("mission.acknowledge")}
+          >
+            Acknowledge all
+          </Button>
+        )}
+      </div>
+      {all.length === 0 && (
+        <p className="mission-soft">
+          Failures, warnings and passed deadlines of this run stand here until you have seen them.
+        </p>
+      )}
+      <ul className="mission-event-list">
+        {newest.map((failure) => (
+          <Line
+            key={failure.sequence}
+            failure={failure}
+            watch={watch}
+            names={names}
+            isDone={done.has(failure.sequence)}
+          />
+        ))}
+      </ul>
+      {shown.length > SHOWN_MAX && (
+        <p className="mission-soft">and {shown.length - SHOWN_MAX} older ones</p>
+      )}
+    </section>
+  );
+}
+
+interface LineProps {
+  readonly failure: Failure;
+  readonly watch: Watch;
+  readonly names: Names;
+  readonly isDone: boolean;
+}
+
+const SIGNS: Readonly<Record<Failure["level"], LucideIcon>> = {
+  warning: TriangleAlert,
+  error: CircleX,
+};
+
+function Line({ failure, watch, names, isDone }: LineProps) {
+  const host = useHost();
+  const run = useCommand();
+  const { level, kind, path, reach, count, t_ns, sequence } = failure;
+  const Sign = kind === "crash" ? Zap : SIGNS[level];
+  const where = path === "" ? "" : pathInWords(names, path);
+  return (
+    <li className={`mission-event mission-event-${level} ${isDone ? "mission-event-done" : ""}`}>
+      <Sign size={18} aria-label={level} />
+      <div className="mission-event-text">
+        <p>
+          <time>{sinceStart(t_ns / 1e6, 1_000)}</time>{" "}
+          {where !== "" && (
+            <button
+              type="button"
+              className="mission-event-where"
+              title="Show it on the canvas"
+              onClick={() => reveal(host, { kind: "state", path })}
+            >
+              {where}
+            </button>
+          )}{" "}
+          {kind === "aborted" && "aborted"}
+          {count > 1 && <span className="mission-count">×{count}</span>}
+        </p>
+        {kind === "aborted" ? (
+          <ErrorText watch={watch} sequence={sequence} />
+        ) : (
+          <p className="mission-event-said">{failure.text}</p>
+        )}
+        {reach !== path && (
+          <p className="mission-soft">and with it everything up to {pathInWords(names, reach)}</p>
+        )}
+      </div>
+      {isDone ? (
+        <span className="mission-soft">seen</span>
+      ) : (
+        <Button onClick={() => run("mission.acknowledge", sequence)}>Acknowledge</Button>
+      )}
+    </li>
+  );
+}
+
+/** The error that an aborted state left, in its last line. */
+function ErrorText({ watch, sequence }: { readonly watch: Watch; readonly sequence: number }) {
+  const { page } = useHost().context();
+  const isUp = useComputed(() => page.server.link.value.state === "up", [page]);
+  const [text, setText] = useState<string | null>(null);
+  useEffect(() => {
+    if (!isUp || text !== null) return;
+    let isGone = false;
+    page.runs
+      .get<EventDetail>(watch.id, `events/${sequence}`)
+      .then((detail) => isGone || setText(errorIn(detail)))
+      .catch((error: unknown) => {
+        if (!(error instanceof RefusalError)) throw error;
+      });
+    return () => {
+      isGone = true;
+    };
+  }, [page, watch, sequence, isUp, text]);
+  return text ? <p className="mission-event-said">{text}</p> : null;
+}
+
+function errorIn({ event }: EventDetail): string {
+  const error = event.type === "left" ? (event.error ?? null) : null;
+  return error === null ? "" : lastLine(error);
+}
+
+function lastLine(error: unknown): string {
+  if (typeof error === "string") return error.trim().split("\n").at(-1) ?? "";
+  return JSON.stringify(error);
+}

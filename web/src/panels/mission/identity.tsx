@@ -1,0 +1,42 @@
+/** As whom one is here, what that allows, and who else looks. */
+
+import { Eye, UserRound } from "lucide-react";
+import { sessionOfPage } from "../../store/running.ts";
+import { useComputed } from "../../ui/signals.ts";
+import { useActiveTab, useHost } from "../context.tsx";
+
+const MAY: Readonly<Record<string, string>> = {
+  viewer: "you see everything and command nothing",
+  operator: "you may start, command and answer",
+  engineer: "you may command, and change machines",
+  admin: "you may do everything",
+};
+
+export function Identity() {
+  const { page } = useHost().context();
+  const session = useComputed(() => sessionOfPage(page), [page]);
+  const tab = useActiveTab();
+  const others = useComputed(
+    () => [...new Set(tab?.room.people.value.map(({ user }) => user) ?? [])].join(", "),
+    [tab],
+  );
+  return (
+    <p className="mission-identity">
+      {session && (
+        <span className="mission-fact">
+          <UserRound size={14} aria-hidden />
+          <span>
+            You are <strong>{session.user}</strong>: {session.role}
+            <span className="mission-soft"> – {MAY[session.role]}</span>
+          </span>
+        </span>
+      )}
+      {others !== "" && (
+        <span className="mission-fact">
+          <Eye size={14} aria-hidden />
+          <span>Also here: {others}</span>
+        </span>
+      )}
+    </p>
+  );
+}

@@ -1,0 +1,82 @@
+/** Mission control without a run: those that go on, to choose one, and how one begins. */
+
+import { Radar } from "lucide-react";
+import { refusalOf } from "../../commands/command.ts";
+import { summaryStand } from "../../model/run_words.ts";
+import { Button } from "../../ui/button.tsx";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useCommand, useHost } from "../context.tsx";
+import { clockTime, duration } from "../parts/duration.ts";
+import { Identity } from "./identity.tsx";
+import { StatusWord } from "./status_word.tsx";
+
+/** So many runs that are over are offered, the newest. */
+const OVER_MAX = 5;
+
+export function NoRun() {
+  const { context, commands } = useHost();
+  const { page } = context();
+  const run = useCommand();
+  const all = useSignal(page.runs.all);
+  const live = all.filter(isGoingOn);
+  const over = all.filter((one) => !isGoingOn(one)).slice(0, OVER_MAX);
+  const refusal = useComputed(() => {
+    page.active.value;
+    const start = commands.get("run.start");
+    return start ? refusalOf(start, context()) : "";
+  }, [page, commands, context]);
+  return (
+    <div className="mission-none">
+      <Radar size={40} aria-hidden />
+      <h2>{live.length === 0 ? "No mission runs" : "Which mission?"}</h2>
+      <p>
+        {live.length === 0
+          ? "Open a machine and start it. What the robot does, asks and reports is shown here."
+          : "Choose a run to see what the robot does, and to steer it."}
+      </p>
+      {live.length > 0 && <RunList label="Runs that go on" runs={live} />}
+      <Button
+        kind={live.length === 0 ? "primary" : "plain"}
+        disabled={refusal !== null}
+        title={refusal === null ? "Start the machine in front" : `Start: ${refusal}`}
+        onClick={() => run("run.start")}
+      >
+        Start the machine in front
+      </Button>
+      {refusal && <p className="mission-why">Start: {refusal}.</p>}
+      {over.length > 0 && (
+        <>
+          <h3>Over</h3>
+          <RunList label="Runs that are over" runs={over} />
+        </>
+      )}
+      <Identity />
+    </div>
+  );
+}
+
+function RunList({ label, runs }: { readonly label: string; readonly runs: readonly RunLine[] }) {
+  const run = useCommand();
+  return (
+    <ul className="mission-runs" aria-label={label}>
+      {runs.map((one) => (
+        <li key={one.id}>
+          <button type="button" onClick={() => run("run.show", one.id)}>
+            <span className="mission-run-name">{one.name}</span>
+            <StatusWord stand={summaryStand(one)} />
+            <small>
+              began {clockTime(one.started_ms)}
+              {one.author ? ` by ${one.author}` : ""}, {duration(one.length_ms)}
+            </small>
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+type RunLine = Parameters<typeof summaryStand>[0];
+
+export function isGoingOn({ phase }: RunLine): boolean {
+  return phase === "live" || phase === "starting";
+}

@@ -1,0 +1,56 @@
+/** What states ask, to be answered here; and how the last questions ended, by whom. */
+
+import { askedQuestions, type Closed, openQuestions } from "../../store/questions.ts";
+import type { Watch } from "../../store/run.ts";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { answerInWords } from "../parts/answer.ts";
+import { sinceStart } from "../parts/duration.ts";
+import { QuestionForm } from "../parts/question.tsx";
+import { pathInWords, useMachineNames } from "./names.ts";
+
+/** So many that ended are told. */
+const CLOSED_SHOWN = 3;
+
+export function Questions({ watch }: { readonly watch: Watch }) {
+  const open = useComputed(() => openQuestions(watch), [watch]);
+  const { closed } = useSignal(askedQuestions(watch));
+  const names = useMachineNames();
+  const isOpen = new Set(open.map(({ id }) => id));
+  const ended = closed.filter(({ question }) => !isOpen.has(question.id)).slice(0, CLOSED_SHOWN);
+  if (open.length === 0 && ended.length === 0) return null;
+  return (
+    <section className="mission-part" aria-label="Questions">
+      {open.map((question) => (
+        <QuestionForm
+          key={question.id}
+          watch={watch}
+          question={question}
+          asker={pathInWords(names, question.path)}
+        />
+      ))}
+      {ended.length > 0 && (
+        <ul className="mission-closed" aria-label="Questions that are closed">
+          {ended.map((end) => (
+            <li key={end.question.id}>
+              <span className="mission-soft">{sinceStart(end.t_ns / 1e6, 1_000)}</span>
+              <span>{end.question.message}</span>
+              <strong>{endInWords(end)}</strong>
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function endInWords({ question, how, answer, author }: Closed): string {
+  const words = answerInWords(question.form, answer);
+  switch (how) {
+    case "answered":
+      return `${author || "somebody"} answered “${words}”`;
+    case "timed_out":
+      return words === "" ? "nobody answered in time" : `nobody answered in time: “${words}”`;
+    case "withdrawn":
+      return "withdrawn by the state";
+  }
+}

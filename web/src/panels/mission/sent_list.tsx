@@ -1,0 +1,42 @@
+/** What this page told the run lately: under way until the robot answered, and then what it answered. */
+
+import { Check, Clock, Send, X } from "lucide-react";
+import { commandInWords } from "../../model/command_words.ts";
+import { dismiss, dismissed } from "../../store/dismissed.ts";
+import type { Watch } from "../../store/run.ts";
+import { seconds } from "../../store/seconds.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { type SentLine, sentLines } from "../parts/sent.ts";
+
+export function SentList({ watch }: { readonly watch: Watch }) {
+  const sent = useSignal(watch.sent);
+  const seen = useSignal(dismissed(watch));
+  const now_ms = useComputed(() => (watch.sent.value.length > 0 ? seconds.value : 0), [watch]);
+  return (
+    <ul className="mission-sent" aria-label="What you told the run" aria-live="polite">
+      {sentLines(sent, seen, now_ms).map((line) => (
+        <Line key={line.id} line={line} onClose={() => dismiss(watch, line.id)} />
+      ))}
+    </ul>
+  );
+}
+
+const SIGNS = { sent: Send, applied: Check, refused: X, expired: Clock, lost: X };
+
+function Line({ line, onClose }: { readonly line: SentLine; readonly onClose: () => void }) {
+  const { command, kind, words } = line;
+  const Sign = SIGNS[kind];
+  const title = command.type === "pause" ? "Hold" : commandInWords(command);
+  return (
+    <li className={`mission-sent-${kind}`}>
+      <Sign size={16} aria-hidden />
+      <span>
+        <strong>{title}</strong> {words}
+      </span>
+      {kind !== "sent" && kind !== "applied" && (
+        <IconButton label="Close" icon={<X size={16} />} onClick={onClose} />
+      )}
+    </li>
+  );
+}

@@ -1,0 +1,143 @@
+/** Stop and Hold, always in the same place: asking once by a second press; Resume and Step beside; what became of each press. */
+
+import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from "lucide-react";
+import { type ReactNode, useEffect, useState } from "react";
+import { refusalOf } from "../../commands/command.ts";
+import { SURE } from "../../commands/run.ts";
+import { otherHolder } from "../../commands/run_rules.ts";
+import type { Watch } from "../../store/run.ts";
+import { useComputed } from "../../ui/signals.ts";
+import { useCommand, useHost } from "../context.tsx";
+import { SentList } from "./sent_list.tsx";
+
+/** A second press counts within so long. */
+const AGAIN_MS = 3_000;
+
+export function Steering({ watch }: { readonly watch: Watch }) {
+  const run = useCommand();
+  const refusal = useRefusals();
+  return (
+    <section className="mission-steering" aria-label="Steering">
+      <Twice
+        className="mission-stop"
+        name="Stop"
+        sign={CircleStop}
+        refusal={refusal["run.stop"]}
+        onSure={() => run("run.stop", SURE)}
+      />
+      <Twice
+        className="mission-hold"
+        name="Hold"
+        sign={CirclePause}
+        refusal={refusal["run.pause"]}
+        onSure={() => run("run.pause")}
+      />
+      <Once name="Resume" sign={CirclePlay} refusal={refusal["run.resume"]} command="run.resume" />
+      <Once name="Step" sign={Footprints} refusal={refusal["run.over"]} command="run.over" />
+      <Why refusal={refusal} watch={watch} />
+      <SentList watch={watch} />
+    </section>
+  );
+}
+
+const USED = ["run.stop", "run.pause", "run.resume", "run.over"] as const;
+type Refusals = Readonly<Record<(typeof USED)[number], string | null>>;
+
+/** Why each of the commands cannot be done now. */
+function useRefusals(): Refusals {
+  const { commands, context } = useHost();
+  const text = useComputed(() => {
+    const now = context();
+    const all = USED.map((id) => {
+      const command = commands.get(id);
+      return [id, command ? refusalOf(command, now) : null];
+    });
+    return JSON.stringify(Object.fromEntries(all));
+  }, [commands, context]);
+  return JSON.parse(text) as Refusals;
+}
+
+/** What keeps from steering, where that is not plain to see from the status. */
+function Why({ refusal, watch }: { readonly refusal: Refusals; readonly watch: Watch }) {
+  const { page } = useHost().context();
+  const other = useComputed(() => otherHolder(page, watch), [page, watch]);
+  const why = refusal["run.stop"] ?? (other === null ? null : refusal["run.resume"]);
+  return why ? <p className="mission-why">{capital(why)}.</p> : null;
+}
+
+interface PressProps {
+  readonly name: string;
+  readonly sign: LucideIcon;
+  readonly refusal: string | null;
+}
+
+/** Asks once: the first press says what a second does. */
+function Twice({
+  name,
+  sign: Sign,
+  refusal,
+  className,
+  onSure,
+}: PressProps & { readonly className: string; readonly onSure: () => void }) {
+  const [asks, setAsks] = useState(false);
+  useEffect(() => {
+    if (!asks) return;
+    const timer = setTimeout(() => setAsks(false), AGAIN_MS);
+    return () => clearTimeout(timer);
+  }, [asks]);
+  const press = () => {
+    if (asks) onSure();
+    setAsks(!asks);
+  };
+  return (
+    <Large
+      className={`${className} ${asks ? "mission-asks" : ""}`}
+      refusal={refusal}
+      name={asks ? `Press again: ${name.toLowerCase()}` : name}
+      onClick={press}
+    >
+      <Sign size={26} aria-hidden />
+      <span>{asks ? "Press again" : name}</span>
+      <span className="visually-hidden" aria-live="assertive">
+        {asks ? `Press again within three seconds to ${name.toLowerCase()} the run` : ""}
+      </span>
+    </Large>
+  );
+}
+
+function Once({ name, sign: Sign, refusal, command }: PressProps & { readonly command: string }) {
+  const run = useCommand();
+  return (
+    <Large className="mission-once" refusal={refusal} name={name} onClick={() => run(command)}>
+      <Sign size={22} aria-hidden />
+      <span>{name}</span>
+    </Large>
+  );
+}
+
+interface LargeProps {
+  readonly className: string;
+  readonly refusal: string | null;
+  readonly name: string;
+  readonly onClick: () => void;
+  readonly children: ReactNode;
+}
+
+function Large({ className, refusal, name, onClick, children }: LargeProps) {
+  return (
+    <button
+      type="button"
+      className={`mission-large ${className}`}
+      aria-label={name}
+      disabled={refusal !== null}
+      title={refusal ? `${name}: ${refusal}` : undefined}
+      onClick={onClick}
+    >
+      {children}
+    </button>
+  );
+}
+
+function capital(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

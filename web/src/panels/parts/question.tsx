@@ -1,0 +1,152 @@
+/** One question of a state: what it asks, how it is answered, how long there is time, and what happens then. */
+
+import { CircleHelp, Timer } from "lucide-react";
+import { type FormEvent, useId, useState } from "react";
+import { refusalOf } from "../../commands/command.ts";
+import type { Form, Question } from "../../model/generated/protocol.ts";
+import { askedQuestions } from "../../store/questions.ts";
+import type { Watch } from "../../store/run.ts";
+import { elapsedAt } from "../../store/run_clock.ts";
+import { seconds } from "../../store/seconds.ts";
+import { Button } from "../../ui/button.tsx";
+import { Checkbox, TextField } from "../../ui/field.tsx";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useCommand, useHost } from "../context.tsx";
+import {
+  answerOf,
+  deadlineInWords,
+  type Filled,
+  firstFilled,
+  rangeInWords,
+  refusalOfFilled,
+} from "./answer.ts";
+import { duration } from "./duration.ts";
+import "./question.css";
+
+export interface QuestionFormProps {
+  readonly watch: Watch;
+  readonly question: Question;
+  /** Who asks, in words. */
+  readonly asker: string;
+}
+
+export function QuestionForm({ watch, question, asker }: QuestionFormProps) {
+  const { commands, context } = useHost();
+  const run = useCommand();
+  const [filled, setFilled] = useState<Filled>(() => firstFilled(question.form));
+  const id = useId();
+  const refusal = useComputed(() => {
+    const answer = commands.get("run.answer");
+    return answer ? refusalOf(answer, context()) : null;
+  }, [commands, context]);
+  const isSent = useComputed(() => isUnderWay(watch, question.id), [watch, question.id]);
+  const fault = refusalOfFilled(question.form, filled);
+  const { buttons } = question.form;
+  const press = (button: number) =>
+    run("run.answer", { question, value: answerOf(question.form, filled, button) });
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (buttons.length > 0 && fault === null) press(0);
+  };
+  return (
+    <form className="question" aria-labelledby={id} onSubmit={submit}>
+      <p className="question-asker">
+        <CircleHelp size={16} aria-hidden />
+        <span>{asker} asks</span>
+        <TimeLeft watch={watch} question={question} />
+      </p>
+      <p id={id} className="question-text">
+        {question.message}
+      </p>
+      <Entry form={question.form} filled={filled} fault={fault} onFill={setFilled} />
+      <div className="question-buttons">
+        {buttons.map((label, button) => (
+          <Button
+            // biome-ignore lint/suspicious/noArrayIndexKey: a button is its place
+            key={button}
+            kind={button === 0 ? "primary" : "plain"}
+            disabled={refusal !== null || isSent || (button === 0 && fault !== null)}
+            title={refusal ? `Answer: ${refusal}` : undefined}
+            onClick={() => press(button)}
+          >
+            {label}
+          </Button>
+        ))}
+        <span className="question-said" aria-live="polite">
+          {isSent ? "sent…" : ""}
+        </span>
+      </div>
+      {refusal && <p className="question-why">You cannot answer: {refusal}.</p>}
+    </form>
+  );
+}
+
+/** Whether an answer of this page is on its way. */
+function isUnderWay(watch: Watch, question: number): boolean {
+  return watch.sent.value.some(
+    ({ command, answer }) =>
+      answer === null && command.type === "answer_question" && command.question === question,
+  );
+}
+
+interface EntryProps {
+  readonly form: Form;
+  readonly filled: Filled;
+  readonly fault: string | null;
+  readonly onFill: (filled: Filled) => void;
+}
+
+function Entry({ form, filled, fault, onFill }: EntryProps) {
+  if (form.type === "buttons") return null;
+  if (form.type === "checks") {
+    return (
+      <div className="question-boxes">
+        {form.boxes.map((label, box) => (
+          <Checkbox
+            // biome-ignore lint/suspicious/noArrayIndexKey: a box is its place
+            key={box}
+            label={label}
+            checked={filled.checked[box] ?? false}
+            onChange={(on) => onFill({ ...filled, checked: filled.checked.with(box, on) })}
+          />
+        ))}
+      </div>
+    );
+  }
+  const isNumber = form.type === "number";
+  const isTouched = filled.text !== firstFilled(form).text;
+  return (
+    <TextField
+      label={isNumber ? `Your answer: a ${rangeInWords(form)}` : "Your answer"}
+      value={filled.text}
+      onInput={(text) => onFill({ ...filled, text })}
+      refusal={isTouched ? fault : null}
+    />
+  );
+}
+
+/** How long there is time to answer, and what happens then. */
+function TimeLeft({ watch, question }: Pick<QuestionFormProps, "watch" | "question">) {
+  const { page } = useHost().context();
+  const { since_ns } = useSignal(askedQuestions(watch));
+  const asked_ns = since_ns.get(question.id);
+  const { timeout_ms } = question;
+  const left = useComputed(() => {
+    if (timeout_ms === null || asked_ns === undefined) return null;
+    const left_ms = timeout_ms + asked_ns / 1e6 - elapsedAt(page, watch, seconds.value);
+    return Math.max(0, Math.ceil(left_ms / 1_000)) * 1_000;
+  }, [page, watch, timeout_ms, asked_ns]);
+  if (timeout_ms === null) return <span className="question-time">no deadline</span>;
+  if (left === null) return null;
+  const share = Math.min(1, left / timeout_ms);
+  return (
+    <span className={`question-time ${left <= 10_000 ? "question-soon" : ""}`} role="timer">
+      <Timer size={16} aria-hidden />
+      <strong>{left === 0 ? "time is over" : `${duration(left)} left`}</strong>
+      <span>{deadlineInWords(question)}</span>
+      <span className="question-bar" aria-hidden>
+        <span style={{ width: `${share * 100}%` }} />
+      </span>
+    </span>
+  );
+}
