@@ -12,6 +12,7 @@ import {
   summaryStand,
 } from "../model/run_words.ts";
 import { duration } from "../panels/parts/duration.ts";
+import { RunStandView } from "../panels/parts/run_stand.tsx";
 import { isGoingOn } from "../store/age.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
@@ -62,12 +63,9 @@ function Stand({ watch }: { watch: Watch }) {
     return duration(Math.floor(elapsedAt(page, watch, at_ms) / 1_000) * 1_000);
   }, [page, watch]);
   if (text === null) return <span>Run …</span>;
-  const { word, tone, detail } = JSON.parse(text) as RunStand;
   return (
-    <span className={`run-stand run-tone-${tone}`} role="status" title={detail}>
-      <span className={`run-dot run-dot-${tone}`} aria-hidden />
-      <span className="run-word">{word}</span>
-      {detail !== "" && <span className="run-detail">{detail}</span>}
+    <span className="run-chooser-stand" role="status">
+      <RunStandView stand={JSON.parse(text) as RunStand} />
       <span className="run-elapsed">{elapsed}</span>
     </span>
   );

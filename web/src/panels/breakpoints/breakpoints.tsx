@@ -1,0 +1,175 @@
+/** All breakpoints of the machine in front: of its run while that goes on, else those that the next start gets. */
+
+import { computed } from "@preact/signals-core";
+import { CirclePlus, Pencil, Trash2 } from "lucide-react";
+import { useMemo } from "react";
+import {
+  cannotSetBreakpoints,
+  cannotSetConditions,
+  removeBreakpoint,
+  setBreakpoint,
+} from "../../commands/run_points.ts";
+import type { Breakpoint } from "../../model/generated/protocol.ts";
+import { namesTo } from "../../model/machine.ts";
+import { breakpointsOf } from "../../store/breakpoints.ts";
+import { hitsOf } from "../../store/hits.ts";
+import type { OpenTab } from "../../store/page.ts";
+import { liveRun } from "../../store/running.ts";
+import { select, selectedStates } from "../../store/view.ts";
+import { Button, IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { breakpointInWords } from "./words.ts";
+import "./breakpoints.css";
+
+export function Breakpoints() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty title="No machine is open" text="Breakpoints of the machine in front stand here." />
+  );
+}
+
+function useComputed<T>(read: () => T, deps: readonly unknown[]): T {
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the caller says them
+  return useSignal(useMemo(() => computed(read), deps));
+}
+
+function OfTab({ tab }: { tab: OpenTab }) {
+  const host = useHost();
+  const all = useComputed(() => breakpointsOf(tab), [tab]);
+  const live = useComputed(() => liveRun(tab), [tab]);
+  const refusal = useComputed(() => cannotSetBreakpoints(host.context()), [host]);
+  useSignal(tab.room.version);
+  return (
+    <div className="breakpoints">
+      <Bar tab={tab} all={all} refusal={refusal} />
+      {all.length === 0 ? (
+        <Empty
+          title="No breakpoints"
+          text="Click the left upper corner of a state on the canvas, or select a state and press Ctrl+F9: the run is held before it."
+        />
+      ) : (
+        <>
+          <p className="breakpoints-whose">
+            {live ? "Of the run that goes on" : "For the next start, kept in this browser"}
+          </p>
+          <ul className="breakpoints-list">
+            {all.map((breakpoint) => (
+              <Row key={breakpoint.id} tab={tab} breakpoint={breakpoint} refusal={refusal} />
+            ))}
+          </ul>
+        </>
+      )}
+    </div>
+  );
+}
+
+interface BarProps {
+  readonly tab: OpenTab;
+  readonly all: readonly Breakpoint[];
+  readonly refusal: string | null;
+}
+
+function Bar({ tab, all, refusal }: BarProps) {
+  const host = useHost();
+  const run = useCommand();
+  const selected = useComputed(() => selectedStates(tab.view).length === 1, [tab]);
+  const isOn = all.some(({ enabled }) => enabled);
+  const switchAll = async () => {
+    for (const breakpoint of all) {
+      if (breakpoint.enabled === isOn) {
+        await setBreakpoint(host.context(), { ...breakpoint, enabled: !isOn });
+      }
+    }
+  };
+  return (
+    <div className="breakpoints-bar">
+      <Button
+        icon={<CirclePlus size={14} />}
+        disabled={!selected || refusal !== null}
+        title={
+          refusal ?? (selected ? "Before or after the selected state" : "Select a state first")
+        }
+        onClick={() => run("run.edit-breakpoint")}
+      >
+        Add…
+      </Button>
+      <Button
+        disabled={all.length === 0 || refusal !== null}
+        title={refusal ?? undefined}
+        onClick={() => void switchAll()}
+      >
+        {isOn || all.length === 0 ? "All off" : "All on"}
+      </Button>
+      <IconButton
+        label="Remove all breakpoints"
+        icon={<Trash2 size={14} />}
+        disabled={all.length === 0 || refusal !== null}
+        onClick={() => run("run.clear-breakpoints")}
+      />
+    </div>
+  );
+}
+
+interface RowProps {
+  readonly tab: OpenTab;
+  readonly breakpoint: Breakpoint;
+  readonly refusal: string | null;
+}
+
+function Row({ tab, breakpoint, refusal }: RowProps) {
+  const host = useHost();
+  const run = useCommand();
+  const { machine } = tab.room;
+  const { id, path, enabled, condition } = breakpoint;
+  const watch = useSignal(tab.run);
+  const hits = useComputed(() => (watch ? (hitsOf(watch).get(id) ?? 0) : null), [watch, id]);
+  const names = namesTo(machine, path);
+  const name = names.at(-1) ?? path;
+  const isGone = machine.state(path) === undefined;
+  const unfit = condition === null ? null : cannotSetConditions(host.context());
+  const why = refusal ?? unfit;
+  const show = () => {
+    select(tab.view, [{ kind: "state", path }]);
+    host.context().canvas?.reveal({ kind: "state", path });
+  };
+  return (
+    <li className={`breakpoint ${enabled ? "" : "breakpoint-off"}`}>
+      <div className="breakpoint-head">
+        <input
+          type="checkbox"
+          aria-label={`Breakpoint ${id} is on`}
+          title={why ?? undefined}
+          disabled={why !== null}
+          checked={enabled}
+          onChange={() => void setBreakpoint(host.context(), { ...breakpoint, enabled: !enabled })}
+        />
+        <button type="button" className="breakpoint-name" title={names.join(" › ")} onClick={show}>
+          <span className="breakpoint-number">{id}</span> {name}
+        </button>
+        <IconButton
+          label={`Edit breakpoint ${id}`}
+          icon={<Pencil size={13} />}
+          disabled={why !== null}
+          onClick={() => run("run.edit-breakpoint", breakpoint)}
+        />
+        <IconButton
+          label={`Remove breakpoint ${id}`}
+          icon={<Trash2 size={13} />}
+          disabled={refusal !== null}
+          onClick={() => void removeBreakpoint(host.context(), id)}
+        />
+      </div>
+      {condition !== null && <code className="breakpoint-condition">{condition}</code>}
+      <div className="breakpoint-words">
+        {isGone ? "its state is gone" : breakpointInWords(breakpoint)}
+        {hits !== null && hits > 0 && (
+          <span className="breakpoint-hits">{hits === 1 ? "1 hit" : `${hits} hits`}</span>
+        )}
+      </div>
+    </li>
+  );
+}

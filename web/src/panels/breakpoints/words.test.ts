@@ -1,0 +1,14 @@
+import { expect, test } from "vitest";
+import { newBreakpoint } from "../../store/breakpoints.ts";
+import { breakpointInWords } from "./words.ts";
+
+test("a breakpoint says what is not as ever", () => {
+  const plain = newBreakpoint(1, "R/A");
+  expect(breakpointInWords(plain)).toBe("before");
+  expect(breakpointInWords({ ...plain, when: "after", hit_count: 3, scope: "run" })).toBe(
+    "after, from the 3rd time on, holds the whole run",
+  );
+  expect(breakpointInWords({ ...plain, hit_count: 12, unattended: "continue" })).toBe(
+    "before, from the 12th time on, lets go while nobody is connected",
+  );
+});

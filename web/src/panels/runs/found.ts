@@ -1,0 +1,19 @@
+/** Which runs a search finds. */
+
+import type { RunSummary } from "../../model/generated/protocol.ts";
+import { standInWords, summaryStand } from "../../model/run_words.ts";
+
+/** Runs that have every word of the search in their name, id, folder, author or how they stand. */
+export function foundRuns(all: readonly RunSummary[], search: string): readonly RunSummary[] {
+  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  if (words.length === 0) return all;
+  return all.filter((run) => {
+    const text = textOf(run);
+    return words.every((word) => text.includes(word));
+  });
+}
+
+function textOf(run: RunSummary): string {
+  const stand = standInWords(summaryStand(run));
+  return `${run.name} ${run.id} ${run.machine?.path ?? ""} ${run.author ?? ""} ${stand}`.toLowerCase();
+}

@@ -1,0 +1,155 @@
+/** All runs of the house, the newest first: how each stands, and what can be done with it. */
+
+import { signal } from "@preact/signals-core";
+import { MoreVertical, RefreshCw } from "lucide-react";
+import { useState } from "react";
+import { lacks } from "../../commands/run_rules.ts";
+import type { RunSummary } from "../../model/generated/protocol.ts";
+import { startedInWords, summaryStand } from "../../model/run_words.ts";
+import { Button, IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
+import { RunStandView } from "../parts/run_stand.tsx";
+import { foundRuns } from "./found.ts";
+import "./runs.css";
+
+const NO_RUN = signal(null);
+
+/** So many are shown at first, and so many more each time. */
+const STEP = 100;
+
+export function Runs() {
+  const { page } = useHost().context();
+  const all = useSignal(page.runs.all);
+  const [search, setSearch] = useState("");
+  const [most, setMost] = useState(STEP);
+  const found = foundRuns(all, search);
+  if (all.length === 0) {
+    return (
+      <Empty
+        title="No runs yet"
+        text="Start the machine in front: its run is kept here, with all that happened in it."
+      />
+    );
+  }
+  return (
+    <div className="runs">
+      <div className="runs-bar">
+        <TextField
+          label="Find runs"
+          hideLabel
+          type="search"
+          placeholder="Name, outcome, author, …"
+          value=""
+          onInput={setSearch}
+        />
+        <IconButton
+          label="Look for runs that were started elsewhere"
+          icon={<RefreshCw size={14} />}
+          onClick={() => void page.runs.refresh()}
+        />
+      </div>
+      {found.length === 0 && <p className="runs-none">No run has these words.</p>}
+      <ul className="runs-list" aria-label="Runs">
+        {found.slice(0, most).map((run) => (
+          <Row key={run.id} run={run} />
+        ))}
+        {found.length > most && (
+          <li className="runs-more">
+            <Button onClick={() => setMost(most + STEP)}>
+              Show more of {found.length.toLocaleString("en")}
+            </Button>
+          </li>
+        )}
+      </ul>
+    </div>
+  );
+}
+
+function Row({ run }: { run: RunSummary }) {
+  const command = useCommand();
+  const tab = useActiveTab();
+  const watch = useShownRun(tab);
+  const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
+  const items = useItems(run);
+  const stand = summaryStand(run);
+  const started = startedInWords(run.started_ms, Date.now());
+  const by = run.author === null ? "" : ` · ${run.author}`;
+  const isShown = watch === run.id;
+  return (
+    <li
+      className={`runs-row ${isShown ? "runs-row-shown" : ""}`}
+      aria-current={isShown}
+      onContextMenu={(event) => {
+        event.preventDefault();
+        setMenu({ x: event.clientX, y: event.clientY });
+      }}
+    >
+      <button
+        type="button"
+        className="runs-open"
+        title={`${run.id}${stand.detail === "" ? "" : `: ${stand.detail}`}`}
+        onClick={() => command("run.show", run.id)}
+      >
+        <span className="runs-name">{run.name}</span>
+        <RunStandView stand={stand} />
+        <span className="runs-when">
+          {started} · {duration(run.length_ms)}
+          {by}
+        </span>
+      </button>
+      <IconButton
+        label={`What can be done with the run ${run.id}`}
+        icon={<MoreVertical size={14} />}
+        onClick={(event) => {
+          const box = event.currentTarget.getBoundingClientRect();
+          setMenu({ x: box.left, y: box.bottom });
+        }}
+      />
+      {menu && (
+        <ContextMenu label={run.id} at={menu} items={items()} onClose={() => setMenu(null)} />
+      )}
+    </li>
+  );
+}
+
+function useShownRun(tab: ReturnType<typeof useActiveTab>): string | null {
+  const { page } = useHost().context();
+  useSignal(page.active);
+  return useSignal(tab?.run ?? NO_RUN)?.id ?? null;
+}
+
+function useItems(run: RunSummary): () => readonly MenuItem[] {
+  const command = useCommand();
+  const { page } = useHost().context();
+  const isLive = run.phase === "live" || run.phase === "starting";
+  const refusal = isLive ? "the run goes on: stop it first" : lacks(page, "administer");
+  const item = (id: string, title: string, name: string, argument: unknown = run.id): MenuItem => ({
+    id,
+    title,
+    run: () => command(name, argument),
+  });
+  return () => [
+    item("show", "Show", "run.show"),
+    item("ran", "Show the machine as it ran", "run.show-as-ran"),
+    item("compare", "Compare with the run in front", "run.compare"),
+    "separator",
+    ...EXPORTS.map((format) =>
+      item(format, `Export as ${format.toUpperCase()}`, "run.export", [run.id, format]),
+    ),
+    "separator",
+    {
+      id: "delete",
+      title: "Delete…",
+      disabled: refusal !== null,
+      detail: refusal ?? undefined,
+      run: () => command("run.delete", run.id),
+    },
+  ];
+}
+
+const EXPORTS = ["jsonl", "csv", "mcap"] as const;
