@@ -60,6 +60,10 @@ export interface TableProps<T> {
   readonly hideHead?: boolean | undefined;
   /** Stays at its end while rows come. */
   readonly follow?: boolean | undefined;
+  /** The id of a row that is brought into sight whenever it is another. */
+  readonly inSight?: string | undefined;
+  /** How a row looks beside others. */
+  readonly rowClass?: ((row: T) => string | undefined) | undefined;
 }
 
 interface Cell {
@@ -87,6 +91,13 @@ export function Table<T>(props: TableProps<T>) {
   useEffect(() => {
     if (follow && rows.length > 0) virtual.scrollToIndex(rows.length - 1);
   }, [follow, rows.length, virtual]);
+  const { inSight } = props;
+  const latest = useRef(props);
+  latest.current = props;
+  useEffect(() => {
+    const index = latest.current.rows.findIndex((row) => latest.current.id(row) === inSight);
+    if (inSight !== undefined && index >= 0) virtual.scrollToIndex(index, { align: "center" });
+  }, [inSight, virtual]);
   const at = rows.findIndex((row) => id(row) === active?.row);
   const go = (index: number, column: number, how = ALONE) => {
     const row = rows[Math.max(0, Math.min(rows.length - 1, index))];
@@ -283,7 +294,7 @@ function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T
   const here = cursor.at === index;
   return (
     <div
-      className="table-row"
+      className={`table-row ${table.rowClass?.(row) ?? ""}`}
       role="row"
       tabIndex={-1}
       aria-rowindex={index + 1}

@@ -1,35 +1,88 @@
-/** Lines of the log, whoever says them. */
+/** Lines of the log, whoever says them: which are wanted, and in which order they stand. */
 
 import type { LogLevel } from "../../model/generated/protocol.ts";
+import { isWithin } from "../../model/path.ts";
+import { readTraceback } from "../../model/traceback.ts";
 import type { Notice } from "../../store/page.ts";
+import type { RunLine } from "../../store/run_log.ts";
 
 export interface Entry {
   readonly id: string;
   readonly at_ms: number;
   readonly level: LogLevel;
-  /** Who says it. */
-  readonly source: "page";
   readonly text: string;
-  readonly about: Notice["about"];
-  readonly action: Notice["action"];
+  /** Of the page's own lines, what they are about and what may be done. */
+  readonly about?: Notice["about"];
+  readonly action?: Notice["action"];
+  /** Of the run's lines, the line. */
+  readonly line?: RunLine;
+}
+
+export const SOURCES = ["both", "run", "page"] as const;
+export type Source = (typeof SOURCES)[number];
+
+export interface Wanted {
+  /** They matter at least so much. */
+  readonly least: LogLevel;
+  /** They have this text, or their state has it in its name, whatever the case. */
+  readonly query: string;
+  /** They are of these states or of what is inside them; null: of any, or of none. */
+  readonly states: readonly string[] | null;
 }
 
 export function entryOf({ id, at_ms, level, text, about, action }: Notice): Entry {
-  return { id: `page ${id}`, at_ms, level, source: "page", text, about, action };
+  return { id: `page ${id}`, at_ms, level, text, about, action };
+}
+
+/** `began_ms`: when the run began, by this browser's clock. */
+export function lineEntry(line: RunLine, began_ms: number): Entry {
+  const at_ms = began_ms + line.t_ns / 1e6;
+  return { id: `run ${line.sequence}`, at_ms, level: line.level, text: line.message, line };
 }
 
 /** From the least to the most. */
 export const LEVELS: readonly LogLevel[] = ["verbose", "debug", "info", "warning", "error"];
 
-/** Those that matter at least so much and have the text, whatever its case. */
-export function filtered(
-  entries: readonly Entry[],
-  least: LogLevel,
-  query: string,
-): readonly Entry[] {
+/** Whether a line is wanted; `nameOf` tells the names of states. */
+export function isWanted(
+  { level, text, line, about }: Entry,
+  { least, query, states }: Wanted,
+  nameOf: (path: string) => string,
+): boolean {
+  if (LEVELS.indexOf(level) < LEVELS.indexOf(least)) return false;
+  const path = line?.path ?? about?.element.path;
+  if (states && !(path && states.some((outer) => isWithin(path, outer)))) return false;
   const wanted = query.trim().toLowerCase();
-  const from = LEVELS.indexOf(least);
-  return entries.filter(
-    ({ level, text }) => LEVELS.indexOf(level) >= from && text.toLowerCase().includes(wanted),
-  );
+  if (wanted === "" || text.toLowerCase().includes(wanted)) return true;
+  return line !== undefined && nameOf(line.path).toLowerCase().includes(wanted);
+}
+
+/** Two lists by time, each of them already so. */
+export function merged(one: readonly Entry[], other: readonly Entry[]): readonly Entry[] {
+  if (one.length === 0) return other;
+  if (other.length === 0) return one;
+  const all: Entry[] = [];
+  let at = 0;
+  for (const entry of one) {
+    for (let next = other[at]; next && next.at_ms < entry.at_ms; next = other[at]) {
+      all.push(next);
+      at += 1;
+    }
+    all.push(entry);
+  }
+  return all.concat(other.slice(at));
+}
+
+/** A text in one line: of a traceback what was raised and where in the script, else the first line and how many there are. */
+export function inOneLine(text: string): string {
+  const end = text.indexOf("\n");
+  if (end < 0) return text;
+  const traceback = readTraceback(text);
+  if (traceback) {
+    const { own, message } = traceback;
+    const before = text.startsWith("Traceback") ? "" : `${text.slice(0, end)} — `;
+    return `${before}${message.split("\n")[0]}${own ? ` — script.py line ${own.line}` : ""}`;
+  }
+  const count = text.split("\n").length;
+  return `${text.slice(0, end)} … ${count} lines`;
 }

@@ -1,118 +1,209 @@
-/** Everything that the page and the server said, the newest at the end. */
+/** Everything that the run, the page and the server said, the newest at the end: each line leads to its state and its moment. */
 
-import { Eraser } from "lucide-react";
-import { useMemo, useState } from "react";
-import type { LogLevel } from "../../model/generated/protocol.ts";
-import { Button, IconButton } from "../../ui/button.tsx";
+import { computed, signal } from "@preact/signals-core";
+import { ArrowUp } from "lucide-react";
+import { useDeferredValue, useMemo, useState } from "react";
+import type { ElementRef } from "../../model/element.ts";
+import { type OpenTab, runOf } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { runLog } from "../../store/run_log.ts";
+import { wantedLine } from "../../store/script_line.ts";
+import { RefusalError } from "../../store/server.ts";
+import { selectedStates } from "../../store/view.ts";
+import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
-import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { type Column, Table } from "../../ui/table.tsx";
-import { useCommand, useHost } from "../context.tsx";
+import { type PanelHost, useActiveTab, useHost } from "../context.tsx";
+import { goTo } from "../go_to.ts";
 import { moment } from "../moment.ts";
 import { reveal } from "../reveal.ts";
-import { type Entry, entryOf, filtered } from "./entries.ts";
+import { ChosenLine } from "./chosen_line.tsx";
+import { type Entry, inOneLine, type Wanted } from "./entries.ts";
+import { FIRST_FILTER, LogBar } from "./log_bar.tsx";
+import { useRows } from "./rows.ts";
 import "./log.css";
 
-const LEAST = [
-  { value: "info", title: "All" },
-  { value: "warning", title: "Warnings and errors" },
-  { value: "error", title: "Errors" },
-] as const;
+const LIVE = signal<number | null>(null);
 
 export function Log() {
   const host = useHost();
   const { page } = host.context();
-  const notices = useSignal(page.notices);
-  const [least, setLeast] = useState<LogLevel>("info");
-  const [query, setQuery] = useState("");
-  const [follows, setFollows] = useState(true);
+  const tab = useActiveTab();
+  const watch = useSignal(useMemo(() => computed(() => runOf(page)), [page]));
+  const [filter, setFilter] = useState(FIRST_FILTER);
   const [chosen, setChosen] = useState<string | null>(null);
-  const entries = useMemo(() => notices.map(entryOf), [notices]);
-  const rows = useMemo(() => filtered(entries, least, query), [entries, least, query]);
-  if (notices.length === 0) {
-    return (
-      <Empty
-        title="Nothing was said yet"
-        text="Refused edits, saves, breaks of the connection and what others did stand here."
-      />
-    );
-  }
-  const choose = (entry: Entry) => {
-    setChosen(entry.id);
-    const { about } = entry;
-    if (about && page.active.peek()?.room.id === about.machine) reveal(host, about.element);
-  };
+  const [, setCame] = useState(0);
+  const wanted = useWanted(tab, filter);
+  const { rows, nameOf } = useRows(page, tab, watch, watch ? filter.source : "page", wanted);
+  const shown = useSignal(watch?.moment ?? LIVE);
+  const here = shown === null ? undefined : hereOf(rows, shown);
+  const columns = useMemo(() => columnsOf(watch !== null, nameOf), [watch, nameOf]);
   const entry = rows.find(({ id }) => id === chosen);
+  const choose = (next: Entry) => {
+    setChosen(next.id);
+    show(host, tab, next);
+  };
+  const showMoment = (next: Entry) => {
+    if (watch && next.line) watch.moment.value = next.line.sequence;
+  };
   return (
     <div className="log">
-      <div className="log-bar">
-        <TextField
-          label="Filter the log"
-          hideLabel
-          type="search"
-          placeholder="Filter"
-          value=""
-          onInput={setQuery}
-        />
-        <Select label="Level" hideLabel value={least} options={LEAST} onChange={setLeast} />
-        <Checkbox label="Follow" checked={follows} onChange={setFollows} />
-        <span className="log-gap" />
-        <IconButton
-          label="Clear the log"
-          icon={<Eraser size={15} />}
-          onClick={() => {
-            page.notices.value = [];
+      <LogBar
+        filter={filter}
+        onChange={setFilter}
+        hasRun={watch !== null}
+        onClear={() => {
+          page.notices.value = [];
+        }}
+      />
+      {watch && filter.source !== "page" && (
+        <Older watch={watch} onCame={() => setCame((before) => before + 1)} />
+      )}
+      <div className="log-rows">
+        {rows.length === 0 ? (
+          <Nothing isFiltered={filter.query !== "" || filter.isOfSelection} />
+        ) : (
+          <Table
+            label="Log"
+            columns={columns}
+            rows={rows}
+            id={({ id }) => id}
+            selected={new Set(chosen === null ? [] : [chosen])}
+            onSelect={choose}
+            onOpen={showMoment}
+            follow={filter.follows && shown === null}
+            inSight={here?.id}
+            rowClass={(row) => (here ? classOf(row, here) : undefined)}
+            hideHead
+          />
+        )}
+      </div>
+      {entry && (
+        <ChosenLine
+          entry={entry}
+          stateName={entry.line ? nameOf(entry.line.path) : ""}
+          onMoment={watch && (() => showMoment(entry))}
+          onState={() => show(host, tab, entry)}
+          onLine={(line) => {
+            if (entry.line) wantedLine.value = { path: entry.line.path, line };
+            show(host, tab, entry);
           }}
         />
-      </div>
-      <div className="log-rows">
-        <Table
-          label="Log"
-          columns={COLUMNS}
-          rows={rows}
-          id={({ id }) => id}
-          selected={new Set(chosen === null ? [] : [chosen])}
-          onSelect={choose}
-          follow={follows}
-          hideHead
-        />
-      </div>
-      {entry && <Full entry={entry} />}
+      )}
     </div>
   );
 }
 
-function Full({ entry: { text, action } }: { readonly entry: Entry }) {
-  const run = useCommand();
-  return (
-    <section className="log-full" aria-label="The chosen line">
-      <p>{text}</p>
-      {action && (
-        <Button onClick={() => run(action.command, action.argument)}>{action.title}</Button>
-      )}
-    </section>
+function Nothing({ isFiltered }: { readonly isFiltered: boolean }) {
+  return isFiltered ? (
+    <Empty title="No line is like this" text="Take a part of the filter away to see more." />
+  ) : (
+    <Empty
+      title="Nothing was said yet"
+      text="What states print and log while they run stands here, with their errors; and what the page says: refused edits, saves, breaks of the connection."
+    />
   );
 }
 
-const COLUMNS: readonly Column<Entry>[] = [
-  {
-    key: "time",
-    title: "When",
-    width: "110px",
-    align: "right",
-    cell: ({ at_ms }) => <span className="log-time">{moment(at_ms, Date.now())}</span>,
-  },
-  {
-    key: "level",
-    title: "Level",
-    width: "70px",
-    cell: ({ level }) => <span className={`log-${level}`}>{level}</span>,
-  },
-  {
-    key: "text",
-    title: "Text",
-    width: "minmax(0, 1fr)",
-    cell: ({ text }) => <span title={text}>{text}</span>,
-  },
-];
+/** Lines before those that are here, where there are any. */
+function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () => void }) {
+  const { page } = useHost().context();
+  const [isAsking, setAsking] = useState(false);
+  const log = runLog(watch);
+  useSignal(watch.grown);
+  if (log.from <= 1) return null;
+  const ask = async () => {
+    setAsking(true);
+    try {
+      await log.older(page.runs);
+      onCame();
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+      page.tell({ level: "warning", text: `Older lines cannot be had: ${error.message}` });
+    } finally {
+      setAsking(false);
+    }
+  };
+  return (
+    <div className="log-older">
+      <span>Lines before event {log.from.toLocaleString("en")} are not here.</span>
+      <Button icon={<ArrowUp size={14} />} disabled={isAsking} onClick={() => void ask()}>
+        {isAsking ? "Asking…" : "Show older ones"}
+      </Button>
+    </div>
+  );
+}
+
+/** What is looked for; the same object while it is the same. */
+function useWanted(tab: OpenTab | null, filter: typeof FIRST_FILTER): Wanted {
+  const { least, isOfSelection } = filter;
+  const query = useDeferredValue(filter.query);
+  const paths = useSignal(
+    useMemo(
+      () => computed(() => (tab && isOfSelection ? selectedStates(tab.view).join("\n") : null)),
+      [tab, isOfSelection],
+    ),
+  );
+  return useMemo(() => {
+    const states = paths === null || paths === "" ? null : paths.split("\n");
+    return { least, query, states };
+  }, [least, query, paths]);
+}
+
+/** Selects what a line is about. */
+function show(host: PanelHost, tab: OpenTab | null, { line, about }: Entry): void {
+  const { page } = host.context();
+  if (about && page.active.peek()?.room.id === about.machine) reveal(host, about.element);
+  if (!line || line.path === "" || !tab) return;
+  const element: ElementRef = { kind: "state", path: line.path };
+  goTo(host, tab, element);
+}
+
+/** The last line of the moment that is shown. */
+function hereOf(rows: readonly Entry[], shown: number): Entry | undefined {
+  return rows.findLast(({ line }) => line !== undefined && line.sequence <= shown);
+}
+
+function classOf(row: Entry, here: Entry): string | undefined {
+  if (row === here) return "log-here";
+  const isLater =
+    row.line && here.line ? row.line.sequence > here.line.sequence : row.at_ms > here.at_ms;
+  return isLater ? "log-later" : undefined;
+}
+
+function columnsOf(hasRun: boolean, nameOf: (path: string) => string): readonly Column<Entry>[] {
+  const state: Column<Entry> = {
+    key: "state",
+    title: "State",
+    width: "minmax(80px, 160px)",
+    cell: ({ line }) => (
+      <span className="log-state" title={line?.path}>
+        {line ? (line.path === "" ? "engine" : nameOf(line.path)) : "page"}
+      </span>
+    ),
+  };
+  return [TIME, LEVEL, ...(hasRun ? [state] : []), TEXT];
+}
+
+const TIME: Column<Entry> = {
+  key: "time",
+  title: "When",
+  width: "84px",
+  align: "right",
+  cell: ({ at_ms }) => <span className="log-time">{moment(at_ms, Date.now())}</span>,
+};
+
+const LEVEL: Column<Entry> = {
+  key: "level",
+  title: "Level",
+  width: "70px",
+  cell: ({ level }) => <span className={`log-${level}`}>{level}</span>,
+};
+
+const TEXT: Column<Entry> = {
+  key: "text",
+  title: "Text",
+  width: "minmax(0, 1fr)",
+  cell: ({ text }) => <span title={text}>{inOneLine(text)}</span>,
+};

@@ -1,0 +1,56 @@
+/** The chosen line of the log in full, and where it leads: to its state, to its moment, to a line of a script. */
+
+import { Clock, Copy } from "lucide-react";
+import { Button } from "../../ui/button.tsx";
+import { useCommand } from "../context.tsx";
+import { moment } from "../moment.ts";
+import { sinceStart } from "../parts/duration.ts";
+import type { Entry } from "./entries.ts";
+import { TracebackView } from "./traceback_view.tsx";
+
+interface Props {
+  readonly entry: Entry;
+  readonly stateName: string;
+  /** Null where the page shows no run. */
+  readonly onMoment: (() => void) | null;
+  readonly onState: () => void;
+  readonly onLine: (line: number) => void;
+}
+
+export function ChosenLine({ entry, stateName, onMoment, onState, onLine }: Props) {
+  const run = useCommand();
+  const { text, action, line, at_ms, level } = entry;
+  return (
+    <section className="log-full" aria-label="The chosen line">
+      <div className="log-about">
+        <span className={`log-${level}`}>{level}</span>
+        <span className="log-time">
+          {moment(at_ms, Date.now())}
+          {line && `, ${sinceStart(line.t_ns / 1e6, 1)} after the start`}
+        </span>
+        {line && line.path !== "" && (
+          <Button kind="quiet" title="Show the state" onClick={onState}>
+            {stateName}
+          </Button>
+        )}
+        <span className="log-gap" />
+        {line && onMoment && (
+          <Button icon={<Clock size={14} />} onClick={onMoment}>
+            Show this moment
+          </Button>
+        )}
+        <Button
+          icon={<Copy size={14} />}
+          title="Copy the text"
+          onClick={() => void navigator.clipboard.writeText(text)}
+        >
+          Copy
+        </Button>
+        {action && (
+          <Button onClick={() => run(action.command, action.argument)}>{action.title}</Button>
+        )}
+      </div>
+      <TracebackView key={entry.id} text={text} onLine={onLine} />
+    </section>
+  );
+}

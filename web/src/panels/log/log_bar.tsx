@@ -1,0 +1,91 @@
+/** What of the log is shown. */
+
+import { Eraser } from "lucide-react";
+import type { LogLevel } from "../../model/generated/protocol.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { Checkbox, Select, TextField } from "../../ui/field.tsx";
+import type { Source } from "./entries.ts";
+
+export interface LogFilter {
+  readonly source: Source;
+  readonly least: LogLevel;
+  readonly query: string;
+  /** Only of the selected states and of what is inside them. */
+  readonly isOfSelection: boolean;
+  readonly follows: boolean;
+}
+
+export const FIRST_FILTER: LogFilter = {
+  source: "both",
+  least: "info",
+  query: "",
+  isOfSelection: false,
+  follows: true,
+};
+
+const SOURCE_TITLES = [
+  { value: "both", title: "Run and page" },
+  { value: "run", title: "Run" },
+  { value: "page", title: "Page" },
+] as const;
+
+const LEAST = [
+  { value: "verbose", title: "Everything" },
+  { value: "debug", title: "Debug and more" },
+  { value: "info", title: "Info and more" },
+  { value: "warning", title: "Warnings and errors" },
+  { value: "error", title: "Errors" },
+] as const;
+
+interface Props {
+  readonly filter: LogFilter;
+  readonly onChange: (filter: LogFilter) => void;
+  readonly hasRun: boolean;
+  readonly onClear: () => void;
+}
+
+export function LogBar({ filter, onChange, hasRun, onClear }: Props) {
+  const change = (part: Partial<LogFilter>) => onChange({ ...filter, ...part });
+  return (
+    <div className="log-bar">
+      <TextField
+        label="Filter the log"
+        hideLabel
+        type="search"
+        placeholder="Text or state"
+        value=""
+        onInput={(query) => change({ query })}
+      />
+      {hasRun && (
+        <Select
+          label="Who says it"
+          hideLabel
+          value={filter.source}
+          options={SOURCE_TITLES}
+          onChange={(source) => change({ source })}
+        />
+      )}
+      <Select
+        label="Level"
+        hideLabel
+        value={filter.least}
+        options={LEAST}
+        onChange={(least) => change({ least })}
+      />
+      <Checkbox
+        label="Of the selection"
+        title="Only what the selected states and those inside them say"
+        checked={filter.isOfSelection}
+        onChange={(isOfSelection) => change({ isOfSelection })}
+      />
+      <Checkbox
+        label="Follow"
+        title="Stay at the newest line"
+        checked={filter.follows}
+        onChange={(follows) => change({ follows })}
+      />
+      <span className="log-gap" />
+      <IconButton label="Clear what the page said" icon={<Eraser size={15} />} onClick={onClear} />
+    </div>
+  );
+}

@@ -1,0 +1,58 @@
+/** The lines that the log shows: of the page and of the run in front, by time. */
+
+import { computed, signal } from "@preact/signals-core";
+import { useCallback, useMemo } from "react";
+import { idOf } from "../../model/path.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { runLog } from "../../store/run_log.ts";
+import { useSignal } from "../../ui/signals.ts";
+import { type Entry, entryOf, isWanted, merged, type Source, type Wanted } from "./entries.ts";
+import { Sieve } from "./sieve.ts";
+
+const NEVER = signal(0);
+const NONE: readonly Entry[] = [];
+
+export interface Rows {
+  readonly rows: readonly Entry[];
+  /** How the log calls a state. */
+  readonly nameOf: (path: string) => string;
+}
+
+export function useRows(
+  page: Page,
+  tab: OpenTab | null,
+  watch: Watch | null,
+  source: Source,
+  wanted: Wanted,
+): Rows {
+  const notices = useSignal(page.notices);
+  useSignal(watch?.grown ?? NEVER);
+  const nameOf = useCallback(
+    (path: string) => tab?.room.machine.state(path)?.name ?? idOf(path),
+    [tab],
+  );
+  const ofPage = useMemo(() => {
+    if (source === "run") return NONE;
+    return notices.map(entryOf).filter((entry) => isWanted(entry, wanted, nameOf));
+  }, [notices, source, wanted, nameOf]);
+  const began_ms = useBegan(page, watch);
+  const sieve = useMemo(() => {
+    if (!watch || source === "page" || began_ms === null) return null;
+    return new Sieve(runLog(watch), wanted, began_ms, nameOf);
+  }, [watch, source, wanted, began_ms, nameOf]);
+  const ofRun = sieve?.rows() ?? NONE;
+  const rows = useMemo(() => merged(ofRun, ofPage), [ofRun, ofPage]);
+  return { rows, nameOf };
+}
+
+/** When the run began, by this browser's clock as it was when that was asked for: lines do not move when the clocks are compared. */
+function useBegan(page: Page, watch: Watch | null): number | null {
+  const started_ms = useSignal(
+    useMemo(() => computed(() => watch?.now.value?.run.started_ms ?? null), [watch]),
+  );
+  return useMemo(
+    () => started_ms && started_ms - (page.server.pulse.peek()?.ahead_ms ?? 0),
+    [started_ms, page],
+  );
+}

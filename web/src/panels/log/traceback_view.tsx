@@ -1,0 +1,78 @@
+/** A traceback for people: what was raised, the line of one's own script, and behind a click all the frames. */
+
+import { type Frame, readTraceback } from "../../model/traceback.ts";
+import { Button } from "../../ui/button.tsx";
+
+interface Props {
+  readonly text: string;
+  /** Leads to a line of the script. */
+  readonly onLine: (line: number) => void;
+}
+
+/** A text that may have a traceback at its end. */
+export function TracebackView({ text, onLine }: Props) {
+  const traceback = readTraceback(text);
+  if (!traceback) return <pre className="log-text">{text}</pre>;
+  const { frames, own, message } = traceback;
+  const before = text.slice(0, text.lastIndexOf("Traceback (most recent call last)")).trimEnd();
+  return (
+    <>
+      {before !== "" && <pre className="log-text">{before}</pre>}
+      <pre className="log-text log-raised">{message}</pre>
+      {own && (
+        <p className="log-own">
+          <Button
+            kind="quiet"
+            onClick={() => onLine(own.line)}
+            title="Show this line of the script"
+          >
+            script.py line {own.line}
+          </Button>
+          in {own.function}
+          {own.code !== "" && <code>{own.code}</code>}
+        </p>
+      )}
+      {frames.length > 0 && (
+        <details className="log-frames">
+          <summary>{frames.length === 1 ? "The traceback" : `All ${frames.length} frames`}</summary>
+          <ol>
+            {frames.map((frame, index) => (
+              <FrameView
+                // biome-ignore lint/suspicious/noArrayIndexKey: frames stay where they are
+                key={index}
+                frame={frame}
+                isOwn={frame.file === own?.file}
+                onLine={onLine}
+              />
+            ))}
+          </ol>
+        </details>
+      )}
+    </>
+  );
+}
+
+interface FrameProps {
+  readonly frame: Frame;
+  readonly isOwn: boolean;
+  readonly onLine: (line: number) => void;
+}
+
+function FrameView({ frame: { file, line, function: name, code }, isOwn, onLine }: FrameProps) {
+  const isEngine = file.startsWith("<");
+  return (
+    <li className={isEngine ? "log-frame-engine" : undefined}>
+      {isOwn ? (
+        <button type="button" className="log-link" onClick={() => onLine(line)}>
+          {file}, line {line}
+        </button>
+      ) : (
+        <span>
+          {file}, line {line}
+        </span>
+      )}
+      , in {name}
+      {code !== "" && <code>{code}</code>}
+    </li>
+  );
+}
