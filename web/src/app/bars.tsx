@@ -8,6 +8,7 @@ import { Button } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";
+import { MomentBar } from "./moment_bar.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { RunBars } from "./run_bars.tsx";
 import { RunFateBars } from "./run_fate_bars.tsx";
@@ -17,6 +18,7 @@ export function Bars({ tab }: { tab: OpenTab }) {
     <>
       <LinkBar tab={tab} />
       <RunBars tab={tab} />
+      <MomentBar tab={tab} />
       <RunFateBars tab={tab} />
       <ReadOnlyBar />
       <DiskBar tab={tab} />

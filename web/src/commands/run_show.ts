@@ -4,6 +4,7 @@ import type { RunSummary } from "../model/generated/protocol.ts";
 import { standInWords, startedInWords, summaryStand } from "../model/run_words.ts";
 import { comparedRun } from "../store/compared_run.ts";
 import { isFollowed } from "../store/following.ts";
+import { entryToStartFrom } from "../store/moments.ts";
 import { type OpenTab, type Page, runOf } from "../store/page.ts";
 import { liveRun, runsOfTab } from "../store/running.ts";
 import type { Choice, Command, Context } from "./command.ts";
@@ -144,11 +145,12 @@ function choicesOf(page: Page, runs: readonly RunSummary[], tab?: OpenTab): read
   }));
 }
 
-/** The argument is the number of an entry; left out, it is that of the moment which is shown. */
+/** The argument is the number of an entry; left out, it is the one that goes on from the moment which is shown. */
 async function startFromHistory(context: Context, argument: unknown): Promise<void> {
   const watch = context.tab?.run.peek();
-  const sequence = typeof argument === "number" ? argument : watch?.moment.peek();
-  if (!watch || typeof sequence !== "number") return;
+  if (!watch) return;
+  const sequence = typeof argument === "number" ? argument : entryToStartFrom(watch);
+  if (sequence === null) return;
   if (liveRun(context.tab)) {
     const order = { type: "start_from_history", sequence } as const;
     if (!(await give(context, "Start from this moment", order))) return;
@@ -160,7 +162,7 @@ function compare({ page, shell }: Context, argument: unknown): void {
   const watch = runOf(page);
   if (!watch) return;
   if (typeof argument === "string") comparedRun(watch).value = argument;
-  shell.showPanel("timeline");
+  shell.showPanel("compare");
 }
 
 /** Saves what an address gives, as browsers do. */

@@ -1,7 +1,11 @@
 /** Ways from one moment of a run to another: event by event, from entry to entry of a state, to the ends. */
 
-import { callsOf } from "./calls.ts";
+import { callsOf, NONE } from "./calls.ts";
+import { ENTERED } from "./journal.ts";
 import type { Watch } from "./run.ts";
+
+/** So many events after a moment it is looked for what begins next. */
+const NEAR = 1_000;
 
 /** The index in the journal of the event after which everything is shown; -1 before the first. */
 export function shownIndex({ moment, journal }: Watch): number {
@@ -52,4 +56,17 @@ export function toEntry(watch: Watch, path: string, way: "before" | "after"): bo
 /** The last event up to a time of the run. */
 export function showTime(watch: Watch, t_ns: number): void {
   showIndex(watch, Math.max(0, watch.journal.indexAt(t_ns + 1) - 1));
+}
+
+/** The number of the entry at which the run would begin again to go on from the moment that is shown: that of the event itself, the
+ * next one, else that of what ran then; null if nothing did. */
+export function entryToStartFrom(watch: Watch): number | null {
+  const { journal } = watch;
+  const now = Math.max(0, shownIndex(watch));
+  for (let index = now; index < Math.min(journal.length, now + NEAR); index++) {
+    if (journal.kind(index) === ENTERED && !journal.isBack(index)) return journal.sequence(index);
+  }
+  const calls = callsOf(journal);
+  const call = calls.openAt(now);
+  return call === NONE ? null : journal.sequence(calls.begin(call));
 }

@@ -1,15 +1,33 @@
 /** An event of a run in words, for people: what, of which state, how it ended. */
 
 import type { Event } from "../../model/generated/protocol.ts";
-import type { Machine } from "../../model/machine.ts";
-import { idOf } from "../../model/path.ts";
+import { idOf, lineage } from "../../model/path.ts";
 import type { Happening } from "../../store/journal.ts";
+import type { Room } from "../../store/room.ts";
 
 export type NameOf = (path: string) => string;
 
-/** The name of a state of a machine; its id, if the machine has it no more. */
-export function namesIn(machine: Machine): NameOf {
-  return (path) => machine.state(path)?.name ?? idOf(path);
+/** Libraries whose content was asked for, for the names in it. */
+const ASKED = new WeakMap<Room, Set<string>>();
+
+/** Names of states of a machine; the id of one that the machine has no more. What lies in a library is asked for, and has its name when
+ * it is here. */
+export function namesOf(room: Room): NameOf {
+  return (path) => {
+    const state = room.machine.state(path);
+    if (!state) askFor(room, path);
+    return state?.name ?? idOf(path);
+  };
+}
+
+function askFor(room: Room, path: string): void {
+  const library = lineage(path).findLast((outer) => room.machine.state(outer)?.kind === "library");
+  if (library === undefined) return;
+  const asked = ASKED.get(room) ?? new Set();
+  ASKED.set(room, asked);
+  if (asked.has(library)) return;
+  asked.add(library);
+  void room.loadLibrary(library);
 }
 
 /** `Look entered`, `Look ended by seen`, `Look: careful`. */

@@ -8,7 +8,7 @@ import { notesOf } from "../../store/notes.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { select, selectedStates } from "../../store/view.ts";
 import { inksOf, onTheme } from "../../ui/inks.ts";
-import { namesIn } from "../parts/happened.ts";
+import { namesOf } from "../parts/happened.ts";
 import { barsOf, type Scale, timeAt, xOf } from "./bars.ts";
 import { layoutOf, rowAt } from "./layout.ts";
 import type { Pointed, TimelineModel } from "./model.ts";
@@ -124,7 +124,7 @@ class Chart {
       selected: new Set(selectedStates(tab.view)),
       hovered: model.pointed.peek()?.call ?? null,
       parted_ns: parted_ns(),
-      nameOf: namesIn(tab.room.machine),
+      nameOf: namesOf(tab.room),
       inks: this.#inks,
       font: this.#font,
     };

@@ -5,7 +5,7 @@ import { type Look, lookOf } from "../../store/lanes.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration, sinceStart } from "../parts/duration.ts";
-import { namesIn } from "../parts/happened.ts";
+import { namesOf } from "../parts/happened.ts";
 import type { TimelineModel } from "./model.ts";
 
 export interface PointedProps {
@@ -30,7 +30,7 @@ export function Pointed({ tab, model }: PointedProps) {
       style={{ top: pointed.y + 14, width: WIDTH_PX, ...side }}
       aria-hidden
     >
-      <strong>{namesIn(tab.room.machine)(calls.path(call))}</strong>
+      <strong>{namesOf(tab.room)(calls.path(call))}</strong>
       {many > 1 && (
         <span>
           and {many - 1} more here{failed > 0 ? `, ${failed} of them failed` : ""}: zoom in

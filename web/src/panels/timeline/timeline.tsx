@@ -23,8 +23,8 @@ import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
-import { sinceStart } from "../parts/duration.ts";
-import { happenedInWords, namesIn } from "../parts/happened.ts";
+import { namesOf } from "../parts/happened.ts";
+import { useMoment } from "../parts/moment_words.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { partedAt } from "../parts/parted.ts";
 import { reveal } from "../reveal.ts";
@@ -120,22 +120,8 @@ function useSelectedStates(tab: OpenTab): readonly string[] {
   return selectedStates(tab.view);
 }
 
-/** The moment that is shown, in words. */
-function useMomentWords(
-  tab: OpenTab,
-  watch: Watch,
-): { readonly when: string; readonly what: string } {
-  useSignal(watch.grown);
-  useSignal(watch.moment);
-  const index = shownIndex(watch);
-  const happening = watch.journal.at(index);
-  if (!happening) return { when: "", what: "Nothing has happened yet" };
-  const when = sinceStart(happening.t_ns / 1e6, 1);
-  return { when, what: happenedInWords(happening, namesIn(tab.room.machine)) };
-}
-
 function Now({ tab, watch }: Pick<OfRunProps, "tab" | "watch">) {
-  const { when, what } = useMomentWords(tab, watch);
+  const { when, what } = useMoment(tab, watch);
   return (
     <span className="timeline-now" title={what}>
       <span className="timeline-when">{when}</span>
@@ -160,7 +146,7 @@ function SearchField({ tab, model }: Pick<OfRunProps, "tab" | "model">) {
         type="search"
         placeholder="State, outcome, text"
         value={query}
-        onInput={(text) => model.search(text, namesIn(tab.room.machine))}
+        onInput={(text) => model.search(text, namesOf(tab.room))}
         onKeyDown={(event) => {
           if (event.key === "Enter") model.toHit(event.shiftKey ? "before" : "after");
         }}
@@ -195,7 +181,7 @@ function Chart({ tab, watch, model }: OfRunProps) {
     const places = { ruler: ruler.current, rows: rows.current, scroller: scroller.current };
     return mountChart(places, { tab, model, parted_ns: () => partedAt(watch) });
   }, [tab, model, watch]);
-  const { when, what } = useMomentWords(tab, watch);
+  const { when, what } = useMoment(tab, watch);
   return (
     <>
       <div className="timeline-head">
@@ -234,9 +220,10 @@ function Labels({ tab, watch, model }: OfRunProps) {
   const host = useHost();
   const folded = useSignal(model.folded);
   useSignal(watch.grown);
+  useSignal(tab.room.version);
   const lanes = lanesOf(callsOf(watch.journal)).all();
   const layout = layoutOf(lanes, folded);
-  const nameOf = namesIn(tab.room.machine);
+  const nameOf = namesOf(tab.room);
   return (
     <ul className="timeline-labels" aria-label="Branches" style={{ height: layout.height }}>
       {layout.lanes.map(({ lane, y, height, isFolded }) => (

@@ -1,0 +1,115 @@
+/** The page shows an earlier moment of a run: which one, how long ago, and the ways on from it. */
+
+import { ChevronFirst, ChevronLast, ChevronLeft, ChevronRight, History, Radio } from "lucide-react";
+import type { ReactNode } from "react";
+import { clockTime, duration } from "../panels/parts/duration.ts";
+import { useMoment } from "../panels/parts/moment_words.ts";
+import { timelineOf } from "../panels/timeline/model.ts";
+import type { OpenTab } from "../store/page.ts";
+import type { Watch } from "../store/run.ts";
+import { Button, IconButton } from "../ui/button.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { useKeys } from "./keys_shown.ts";
+import { useDerived, useSession } from "./provided.tsx";
+import "./moment_bar.css";
+
+export function MomentBar({ tab }: { tab: OpenTab }) {
+  const watch = useSignal(tab.run);
+  return watch && <OfRun tab={tab} watch={watch} />;
+}
+
+interface OfRunProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+}
+
+function OfRun({ tab, watch }: OfRunProps) {
+  const moment = useSignal(watch.moment);
+  return moment === null ? null : <OfMoment tab={tab} watch={watch} moment={moment} />;
+}
+
+function OfMoment({ tab, watch, moment }: OfRunProps & { readonly moment: number }) {
+  const { commands, context } = useSession();
+  const { index, when, what } = useMoment(tab, watch);
+  const seen = useSignal(watch.seen);
+  const isHere = seen?.picture.sequence === moment;
+  const run = (id: string) => commands.run(id, context());
+  const isOver = useSignal(watch.now)?.link === "over";
+  return (
+    <section className="moment-bar" aria-label="The moment that is shown">
+      <History size={16} aria-hidden />
+      <span className="moment-text" role="status">
+        <strong className="moment-when">{when}</strong>
+        <span className="moment-what">{what}</span>
+        <span className="moment-soft">
+          event {index + 1} of {watch.journal.length}
+          <Ago watch={watch} index={index} />
+          {!isHere && ", its values are on their way"}
+        </span>
+      </span>
+      <span className="moment-steps">
+        <Step id="run.entry-before" icon={<ChevronFirst size={16} />} tab={tab} watch={watch} />
+        <Step id="run.event-before" icon={<ChevronLeft size={16} />} tab={tab} watch={watch} />
+        <Step id="run.event-after" icon={<ChevronRight size={16} />} tab={tab} watch={watch} />
+        <Step id="run.entry-after" icon={<ChevronLast size={16} />} tab={tab} watch={watch} />
+      </span>
+      <StartFromHere tab={tab} watch={watch} />
+      <Button kind="primary" icon={<Radio size={14} />} onClick={() => run("run.live")}>
+        {isOver ? "Back to the end" : "Back to live"}
+      </Button>
+    </section>
+  );
+}
+
+/** When it was: by the clock, unless the run was taken up after a crash, and how long before now or the end. */
+function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }) {
+  const now = useSignal(watch.now);
+  const seen = useSignal(watch.seen);
+  const t_ms = watch.journal.t_ns(index) / 1e6;
+  const before = duration(Math.max(0, timelineOf(watch).end_ns / 1e6 - t_ms));
+  const at =
+    now && (seen?.picture.life ?? 1) <= 1 ? `, ${clockTime(now.run.started_ms + t_ms)}` : "";
+  return `${at}, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;
+}
+
+function useRefusal(id: string, { tab, watch }: OfRunProps): string | null {
+  const { commands, context } = useSession();
+  return useDerived(() => {
+    watch.grown.value;
+    watch.moment.value;
+    watch.now.value;
+    tab.view.selection.value;
+    const command = commands.get(id);
+    return command?.refusal?.(context()) ?? null;
+  }, [tab, watch, commands, context, id]);
+}
+
+function Step({ id, icon, ...of }: OfRunProps & { readonly id: string; readonly icon: ReactNode }) {
+  const { commands, context } = useSession();
+  const keys = useKeys()(id)[0];
+  const refusal = useRefusal(id, of);
+  const title = commands.get(id)?.title ?? id;
+  return (
+    <IconButton
+      label={title}
+      keys={refusal ?? keys}
+      icon={icon}
+      disabled={refusal !== null}
+      onClick={() => commands.run(id, context())}
+    />
+  );
+}
+
+function StartFromHere(of: OfRunProps) {
+  const { commands, context } = useSession();
+  const refusal = useRefusal("run.start-from-history", of);
+  return (
+    <Button
+      disabled={refusal !== null}
+      title={refusal ?? "The run begins again here, with the data it had then, and is held"}
+      onClick={() => commands.run("run.start-from-history", context())}
+    >
+      Start from here
+    </Button>
+  );
+}

@@ -1,0 +1,82 @@
+/** Ways through the time of a run: event by event, from entry to entry of a state, to its begin. */
+
+import { entryOf, shownIndex, stepMoment, toEnd, toEntry } from "../store/moments.ts";
+import { runOf } from "../store/page.ts";
+import type { Watch } from "../store/run.ts";
+import { selectedStates } from "../store/view.ts";
+import type { Command, Context } from "./command.ts";
+
+const NO_RUN = "no run is shown here: start one, or choose one";
+
+export const RUN_TIME: readonly Command[] = [
+  {
+    id: "run.event-before",
+    title: "One event back",
+    detail: "Shows the moment before the one that is shown; the run itself goes on.",
+    keys: [","],
+    menu: "Run/9/Moment",
+    refusal: ({ page }) => {
+      const watch = runOf(page);
+      if (!watch) return NO_RUN;
+      return shownIndex(watch) > 0 ? null : "this is the first event";
+    },
+    run: ({ page }) => stepIn(runOf(page), -1),
+  },
+  {
+    id: "run.event-after",
+    title: "One event forward",
+    detail: "After the last event the page shows what is now.",
+    keys: ["."],
+    menu: "Run/9/Moment",
+    refusal: ({ page }) => {
+      const watch = runOf(page);
+      if (!watch) return NO_RUN;
+      return watch.moment.value === null ? "now is what is shown" : null;
+    },
+    run: ({ page }) => stepIn(runOf(page), 1),
+  },
+  {
+    id: "run.entry-before",
+    title: "Entry of the selected state before",
+    keys: ["Alt+,"],
+    menu: "Run/9/Moment",
+    refusal: (context) => refusedEntry(context, "before"),
+    run: (context) => goToEntry(context, "before"),
+  },
+  {
+    id: "run.entry-after",
+    title: "Entry of the selected state after",
+    keys: ["Alt+."],
+    menu: "Run/9/Moment",
+    refusal: (context) => refusedEntry(context, "after"),
+    run: (context) => goToEntry(context, "after"),
+  },
+  {
+    id: "run.first-event",
+    title: "Begin of the run",
+    menu: "Run/9/Moment",
+    refusal: ({ page }) => (runOf(page) ? null : NO_RUN),
+    run: ({ page }) => {
+      const watch = runOf(page);
+      if (watch) toEnd(watch, "first");
+    },
+  },
+];
+
+function stepIn(watch: Watch | null, by: number): void {
+  if (watch) stepMoment(watch, by);
+}
+
+function refusedEntry({ page, tab }: Context, way: "before" | "after"): string | null {
+  const watch = runOf(page);
+  if (!watch) return NO_RUN;
+  const [path] = tab ? selectedStates(tab.view) : [];
+  if (path === undefined) return "no state is selected: select the one whose entries are wanted";
+  return entryOf(watch, path, way) === null ? `it was not entered ${way} this moment` : null;
+}
+
+function goToEntry({ page, tab }: Context, way: "before" | "after"): void {
+  const watch = runOf(page);
+  const [path] = tab ? selectedStates(tab.view) : [];
+  if (watch && path !== undefined) toEntry(watch, path, way);
+}

@@ -1,0 +1,28 @@
+/** The moment of a run that the page shows, in words. */
+
+import { shownIndex } from "../../store/moments.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { useSignal } from "../../ui/signals.ts";
+import { sinceStart } from "./duration.ts";
+import { happenedInWords, namesOf } from "./happened.ts";
+
+export interface MomentWords {
+  /** Its place in the journal. */
+  readonly index: number;
+  /** Time since the start. */
+  readonly when: string;
+  /** The event. */
+  readonly what: string;
+}
+
+export function useMoment(tab: OpenTab, watch: Watch): MomentWords {
+  useSignal(watch.grown);
+  useSignal(watch.moment);
+  useSignal(tab.room.version);
+  const index = shownIndex(watch);
+  const happening = watch.journal.at(index);
+  if (!happening) return { index, when: "", what: "Nothing has happened yet" };
+  const when = sinceStart(happening.t_ns / 1e6, 1);
+  return { index, when, what: happenedInWords(happening, namesOf(tab.room)) };
+}
