@@ -3,6 +3,7 @@
 import { useEffect, useRef, useState } from "react";
 import type { CanvasControl } from "../canvas/control.ts";
 import { mountCanvas } from "../canvas/mount.ts";
+import type { Picture } from "../canvas/picture.ts";
 import type { Context } from "../commands/command.ts";
 import { contextMenu } from "../commands/menus.ts";
 import type { ElementRef } from "../model/element.ts";
@@ -11,8 +12,11 @@ import { useIsOld } from "../panels/run_age.ts";
 import type { OpenTab } from "../store/page.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { BranchSteps } from "./branch_steps.tsx";
+import { HeatLegend } from "./heat_legend.tsx";
 import { useKeys } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
+import { runExtras } from "./run_extras.ts";
 import { SentCommands } from "./sent_commands.tsx";
 
 const NO_MARKS = new Map<never, never>();
@@ -37,25 +41,31 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
   const place = useRef<HTMLDivElement>(null);
   const isOld = useIsOld(page);
   const watch = useSignal(tab.run);
+  const [picture, setPicture] = useState<Picture | null>(null);
   const [menu, setMenu] = useState<OpenMenu | null>(null);
   useEffect(() => {
     if (!place.current) return;
+    const shown = runExtras(tab);
     const mounted = mountCanvas(place.current, {
       tab,
       page,
       run: (command, argument) => void commands.run(command, context(), argument),
-      extras: () => ({ differences: tab.view.marks.value ?? NO_MARKS }),
+      extras: () => ({ ...shown.read(), differences: tab.view.marks.value ?? NO_MARKS }),
       menuAt: (at, elements) => setMenu({ at, elements, pointer: mounted.control.pointer() }),
     });
     canvas.value = mounted.control;
+    setPicture(mounted.picture);
     return () => {
       if (canvas.peek() === mounted.control) canvas.value = null;
+      shown.stop();
       mounted.dispose();
     };
   }, [tab, page, commands, context, canvas]);
   return (
     <div className="canvas-place">
       <div ref={place} className={isOld ? "canvas-mount is-old" : "canvas-mount"} />
+      {watch && picture && <BranchSteps tab={tab} watch={watch} picture={picture} />}
+      <HeatLegend tab={tab} />
       {watch && <SentCommands watch={watch} />}
       {menu && (
         <ContextMenu

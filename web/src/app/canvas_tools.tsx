@@ -3,6 +3,8 @@
 import {
   ArrowRightLeft,
   CircleSlash2,
+  Crosshair,
+  Flame,
   Grid3x3,
   type LucideIcon,
   Maximize,
@@ -13,6 +15,7 @@ import {
   ZoomIn,
   ZoomOut,
 } from "lucide-react";
+import { isFollowed } from "../store/following.ts";
 import type { OpenTab } from "../store/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
@@ -35,6 +38,8 @@ const LOOK: readonly (readonly [string, LucideIcon])[] = [
   ["view.fit", Maximize],
 ];
 
+const HEATS = { off: "none", count: "how often states ran", time: "how long states ran" };
+
 const FLOWS = { selection: "of the selection", all: "all", none: "none" };
 
 export function CanvasTools({ tab }: { tab: OpenTab }) {
@@ -53,8 +58,17 @@ export function CanvasTools({ tab }: { tab: OpenTab }) {
       onClick={() => commands.run(id, context())}
     />
   );
+  const watch = useSignal(tab.run);
+  const heat = useSignal(tab.view.heat);
+  const follows = useSignal(isFollowed(tab.view));
   return (
     <>
+      {watch && (
+        <div className="tool-group" role="toolbar" aria-label="The run on the canvas">
+          {button(["run.follow", Crosshair], follows)}
+          {button(["view.heat", Flame], heat !== "off", `: ${HEATS[heat]}`)}
+        </div>
+      )}
       <div className="tool-group" role="toolbar" aria-label="What shows">
         {MODES.map((mode) =>
           mode[0] === "view.data-flows"

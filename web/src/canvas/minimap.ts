@@ -17,7 +17,7 @@ const SIZE: Size = { width: 168, height: 104 };
 /** The small picture is drawn so much larger, for its detail, and then made smaller. */
 const FINER = 4;
 const MARGIN = 6;
-/** After a change of the machine the small picture follows within so many ms. */
+/** After a change of the machine or its run the small picture follows within so many ms. */
 const REST_MS = 200;
 
 export interface Minimap {
@@ -48,6 +48,7 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
     tab.room.version.value;
     tab.view.contents.value;
     picture.theme.value;
+    picture.runs();
     soon();
   });
   const stopFolding = effect(() => {
@@ -158,6 +159,7 @@ function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: Pictur
     view: size,
     modes: { ...view.modes.peek(), ...QUIET },
     overlay: NO_OVERLAY,
+    runs: picture.runs(),
     measure: () => 0,
     mayRoute: () => false,
   });

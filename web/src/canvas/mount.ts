@@ -13,12 +13,14 @@ import { panned, screenBox, visibleBox } from "./camera.ts";
 import type { CanvasControl } from "./control.ts";
 import { firstLook } from "./first_look.ts";
 import { Flight, WINDOW_FRAMES } from "./flight.ts";
+import { followRun } from "./follow.ts";
 import { Hand } from "./hand.ts";
 import { nameArea } from "./hit/hit.ts";
 import { extentOn } from "./hit/shown.ts";
 import { listen } from "./listen.ts";
 import { minimapIn } from "./minimap.ts";
 import { type Extras, type Picture, pictureIn } from "./picture.ts";
+import { pulsesOver } from "./pulses.ts";
 import { Reader, treeLines } from "./reader.ts";
 import { renameField } from "./rename_field.ts";
 
@@ -65,7 +67,9 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     ...(options.extras ? { extras: options.extras } : {}),
   });
   picture.canvas.setAttribute("aria-hidden", "true");
+  const pulses = pulsesOver(root, picture);
   const minimap = minimapIn(place, tab, picture);
+  const stopFollowing = followRun(tab, page, picture, flight);
   const reader = new Reader(root, `rafcon-canvas-${++mounted}`);
   const stopReading = keepReading(reader, hand, tab);
   const stopLooking = firstLook(root, tab, hand);
@@ -101,7 +105,9 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
       stopCursor();
       stopLooking();
       stopReading();
+      stopFollowing();
       minimap.dispose();
+      pulses.dispose();
       picture.dispose();
       root.remove();
     },

@@ -40,6 +40,10 @@ export interface Picture {
   /** In CSS pixels. */
   readonly size: () => Size;
   readonly places: () => Placed;
+  /** What states do in the run; a signal's reader. */
+  readonly runs: () => SceneInput["runs"];
+  /** Transitions that were taken lately; a signal's reader. */
+  readonly taken: () => SceneInput["taken"];
   /** What is painted now. */
   readonly list: () => DrawList;
   /** Paints anew with the next frame. */
@@ -126,6 +130,8 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     canvas,
     size: () => size,
     places,
+    runs: () => options.extras?.().runs ?? PLAIN.runs,
+    taken: () => options.extras?.().taken ?? PLAIN.taken,
     list: () => list,
     redraw,
     colours: () => colours,

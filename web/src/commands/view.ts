@@ -2,7 +2,7 @@
 
 import { layoutOf } from "../model/drawing.ts";
 import type { Settings } from "../store/page.ts";
-import type { FlowMode, ViewModes } from "../store/view.ts";
+import type { FlowMode, HeatMode, ViewModes } from "../store/view.ts";
 import { selected, selectedStates } from "../store/view.ts";
 import type { Command, Context, Side } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
@@ -85,6 +85,12 @@ const FLOWS: readonly { value: FlowMode; title: string }[] = [
   { value: "none", title: "None" },
 ];
 
+const HEATS: readonly { value: HeatMode; title: string }[] = [
+  { value: "off", title: "None" },
+  { value: "count", title: "How often states ran" },
+  { value: "time", title: "How long states ran" },
+];
+
 const MODES: readonly Command[] = [
   mode("transitions", "transitions", "Transitions", ["T"], ["Ctrl+T", "T"]),
   {
@@ -108,6 +114,27 @@ const MODES: readonly Command[] = [
       const next = FLOWS[(at + 1) % FLOWS.length]?.value ?? "selection";
       const dataFlows = (argument as FlowMode | undefined) ?? next;
       tab.view.modes.value = { ...before, dataFlows };
+    },
+  },
+  {
+    id: "view.heat",
+    title: "Heat",
+    detail: "Colours states by how often, or how long, they ran; nothing, in turn.",
+    keys: ["Shift+H"],
+    menu: "View/2",
+    enabled: ({ tab }) => tab?.run.value != null,
+    checked: ({ tab }) => tab !== null && tab.view.heat.value !== "off",
+    choices: ({ tab }) =>
+      HEATS.map(({ value, title }) => ({
+        title,
+        argument: value,
+        checked: tab?.view.heat.value === value,
+      })),
+    run: ({ tab }, argument) => {
+      if (!tab) return;
+      const at = HEATS.findIndex(({ value }) => value === tab.view.heat.peek());
+      const next = HEATS[(at + 1) % HEATS.length]?.value ?? "off";
+      tab.view.heat.value = (argument as HeatMode | undefined) ?? next;
     },
   },
   mode("names", "names", "Names of ports", ["N"]),

@@ -41,8 +41,6 @@ export interface RoomView {
   readonly marks: Signal<ReadonlyMap<ElementKey, Mark> | null>;
   /** What of the run colours states. */
   readonly heat: Signal<HeatMode>;
-  /** Whether the camera follows what runs. */
-  readonly follows: Signal<boolean>;
   /** Library states whose content is shown or hidden here, other than the file says. */
   readonly contents: Signal<ReadonlyMap<string, boolean>>;
 }
@@ -64,7 +62,6 @@ export function newView(): RoomView {
     modes: signal(MODES),
     marks: signal<ReadonlyMap<ElementKey, Mark> | null>(null),
     heat: signal<HeatMode>("off"),
-    follows: signal(false),
     contents: signal<ReadonlyMap<string, boolean>>(new Map()),
   };
 }

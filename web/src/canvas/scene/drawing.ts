@@ -45,6 +45,8 @@ export class Drawing {
   /** So many layers higher is drawn what a gesture holds: above all else. */
   lift = 0;
   unfinished = false;
+  /** The value at the port under the pointer, which is told in full. */
+  pointed: { readonly x: number; readonly y: number; readonly text: string } | null = null;
 
   constructor(input: SceneInput) {
     this.input = input;

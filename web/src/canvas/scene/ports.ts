@@ -1,12 +1,14 @@
 /** Ports on the border of a state: dots that point the way, and their names where there is room. */
 
 import type { PortPlace } from "../../model/drawing.ts";
+import { keyOf } from "../../model/element.ts";
 import type { JsonValue, StateDocument } from "../../model/generated/protocol.ts";
 import { sideOf } from "../../model/geometry.ts";
 import { ABORTED, type PortKind, PREEMPTED, portsOf } from "../../model/machine.ts";
 import { python } from "../../model/value.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
+import type { ValueChip } from "./input.ts";
 import type { DotShape, Ink } from "./list.ts";
 import { groundInk } from "./ring.ts";
 import { cut } from "./words.ts";
@@ -37,9 +39,8 @@ export function portMarks(drawing: Drawing, spot: Spot, connected: Connected, op
       stroke: outlineOf(drawing, port),
       alpha: Math.max(alpha, drawing.focused.has(spot.at.path) ? 1 : 0),
     });
-    if (named > 0 && port.kind !== "income") {
-      label(drawing, spot, port, { x, y, side, alpha: named, open, size }, taken);
-    }
+    const place = { x, y, side, alpha: named, open, size };
+    if (port.kind !== "income") words(drawing, spot, port, place, taken);
   }
 }
 
@@ -91,6 +92,25 @@ function direction(port: PortPlace, side: Side): { readonly toX: number; readonl
   return port.kind === "income" || port.kind === "input" ? { toX: -toX, toY: -toY } : { toX, toY };
 }
 
+/** Its name with the value, or the value alone where there is no room for names. */
+function words(
+  drawing: Drawing,
+  spot: Spot,
+  port: PortPlace,
+  place: Omit<LabelPlace, "text">,
+  taken: Taken,
+): void {
+  const chip = drawing.input.values.get(port.key);
+  if (place.alpha > 0) {
+    const text = portText(drawing, spot, port, chip);
+    label(drawing, spot, port, { ...place, text }, taken);
+  } else if (chip && spot.extent >= CHIPS) {
+    label(drawing, spot, port, { ...place, alpha: 1, open: true, text: chip.short }, taken);
+  }
+  if (!chip || !isHovered(drawing, port)) return;
+  drawing.pointed = { x: place.x, y: place.y, text: chip.full };
+}
+
 interface LabelPlace {
   readonly x: number;
   readonly y: number;
@@ -98,6 +118,7 @@ interface LabelPlace {
   readonly alpha: number;
   readonly open: boolean;
   readonly size: number;
+  readonly text: string;
 }
 
 const ROW = 14;
@@ -113,7 +134,7 @@ function label(
   const { side } = place;
   const isUpright = side === "left" || side === "right";
   const text = cut(
-    portText(drawing, spot, port),
+    place.text,
     isUpright ? spot.width * 0.42 : 150,
     TEXT.small,
     false,
@@ -147,9 +168,22 @@ function label(
 /** So many letters of a value are shown. */
 const VALUE = 14;
 
-/** The name, and what goes in if nothing else does. */
-function portText(drawing: Drawing, { at }: Spot, port: PortPlace): string {
+/** States from this size on, in CSS pixels, show the values at their ports, before there is room for names. */
+const CHIPS = 110;
+
+function isHovered({ input: { hovered } }: Drawing, port: PortPlace): boolean {
+  return hovered !== null && keyOf(hovered) === port.key;
+}
+
+/** The name, and the value that stands there, or what goes in if nothing else does. */
+function portText(
+  drawing: Drawing,
+  { at }: Spot,
+  port: PortPlace,
+  chip: ValueChip | undefined,
+): string {
   if (!drawing.input.modes.values) return port.name;
+  if (chip) return `${port.name} = ${chip.short}`;
   if (port.kind !== "input" && port.kind !== "scoped_variable") return port.name;
   const value = presetOf(at.state, port.kind, port.id);
   if (value === undefined || value === null) return port.name;

@@ -143,6 +143,23 @@ test("heat colours states whose content does not show", () => {
   expect(about("box state:R/A", {}, 1, { heat }).join()).toContain("heat2");
 });
 
+describe("values at ports", () => {
+  const key = `input:R/B:${MACHINE.state("R/B")?.inputs?.[0]?.id}`;
+  const values = new Map([[key, { short: "list ⟨9⟩", full: "1 2 3 4 5 6 7 8 9" }]]);
+
+  test("are chips as soon as there is room, and stand behind names later", () => {
+    expect(about(`${key} name`, {}, 1, { values }).join()).toContain('"list ⟨9⟩"');
+    expect(about(`${key} name`, {}, 3, { values }).join()).toContain('"pose = list ⟨9⟩"');
+    expect(about(`${key} name`, {}, 0.5, { values })).toEqual([]);
+  });
+
+  test("are told in full under the pointer", () => {
+    const id = MACHINE.state("R/B")?.inputs?.[0]?.id ?? 0;
+    const hovered = { kind: "input", path: "R/B", id } as const;
+    expect(about("text value", {}, 1, { values, hovered }).join()).toContain("1 2 3 4 5 6 7 8 9");
+  });
+});
+
 test("times are told short", () => {
   expect([5, 65, 3_725].map(shortTime)).toEqual(["5 s", "1:05", "1:02:05"]);
 });

@@ -9,6 +9,7 @@ import type { SceneInput } from "./input.ts";
 import { labelMarks } from "./labels.ts";
 import type { BoxMark, DrawList } from "./list.ts";
 import { nameMarks } from "./names.ts";
+import { pointedMarks } from "./pointed.ts";
 import { portMarks } from "./ports.ts";
 import { ruledMarks } from "./ruled.ts";
 import { RUN_INKS } from "./runs.ts";
@@ -28,6 +29,7 @@ export function scene(input: SceneInput): DrawList {
     ruledMarks(drawing);
     stickyMarks(drawing);
     labelMarks(drawing);
+    pointedMarks(drawing);
     gestureMarks(drawing);
   }
   const { layers, wanted, soon, unfinished } = drawing;

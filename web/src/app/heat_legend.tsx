@@ -1,0 +1,39 @@
+/** What the colours of heat mean, over the canvas while they show. */
+
+import { HEAT_LEVELS } from "../canvas/scene/input.ts";
+import { duration } from "../panels/parts/duration.ts";
+import type { OpenTab } from "../store/page.ts";
+import { useSignal } from "../ui/signals.ts";
+import { useDerived } from "./provided.tsx";
+import { heatNow } from "./run_extras.ts";
+import "./heat_legend.css";
+
+const SHADES = Array.from({ length: HEAT_LEVELS + 1 }, (_, level) => level);
+
+export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
+  const mode = useSignal(tab.view.heat);
+  const most = useDerived(() => heatNow(tab)?.most ?? null, [tab]);
+  if (mode === "off" || most === null) return null;
+  const [what, least, much] =
+    mode === "count"
+      ? ["How often states ran", "1×", `${most}×`]
+      : ["How long states ran altogether", "0 s", duration(most)];
+  return (
+    <div className="heat-legend" role="img" aria-label={`${what}: from ${least} to ${much}`}>
+      <span>{what}, in all of the run</span>
+      <span className="heat-legend-scale">
+        <span>{least}</span>
+        {SHADES.map((level) => (
+          <span
+            key={level}
+            className="heat-legend-shade"
+            style={{
+              background: `color-mix(in srgb, var(--canvas-heat-high) ${(100 * level) / HEAT_LEVELS}%, var(--canvas-heat-low))`,
+            }}
+          />
+        ))}
+        <span>{much}</span>
+      </span>
+    </div>
+  );
+}

@@ -1,0 +1,124 @@
+/** The camera goes along with what runs: not at each change, only when it leaves the view or becomes too small to be read. Whoever
+ * moves the camera takes it over. */
+
+import { effect } from "@preact/signals-core";
+import { type Box, intersects, type Size } from "../model/geometry.ts";
+import { commonPath, parentOf } from "../model/path.ts";
+import { activeStates, lanes, placeOfLane } from "../store/active.ts";
+import { isFollowed } from "../store/following.ts";
+import type { OpenTab, Page } from "../store/page.ts";
+import type { Camera } from "../store/view.ts";
+import { screenBox } from "./camera.ts";
+import type { Flight } from "./flight.ts";
+import { extentOn } from "./hit/shown.ts";
+import { filling } from "./looks.ts";
+import type { Picture } from "./picture.ts";
+import type { Places } from "./places.ts";
+
+/** What runs is to be seen in this size, in CSS pixels, and no smaller than this. */
+const GOOD = 56;
+const LEAST = 26;
+/** So long the camera rests between two flights, however much happens. */
+const REST_MS = 900;
+
+/** Where to look so that all these places can be seen: at what is around them all, or closer if they would be too small. */
+export function lookAtAll(places: Places, paths: readonly string[], size: Size): Camera | null {
+  const shown = paths.flatMap((path) => innermost(places, path) ?? []);
+  const boxes = shown.map(({ box }) => box);
+  const around = commonPath(shown.map(({ path }) => parentOf(path) ?? path));
+  const outer = around === null ? undefined : places.box(around);
+  const wide = outer && filling([outer], size);
+  if (wide && boxes.every((box) => extentOn(wide, box) >= GOOD)) return wide;
+  const close = filling(boxes.map(withRoom), size);
+  return close && wide && close.scale < wide.scale ? wide : close;
+}
+
+/** Half of itself on each side. */
+function withRoom({ x, y, width, height }: Box): Box {
+  return { x: x - width / 2, y: y - height / 2, width: 2 * width, height: 2 * height };
+}
+
+/** Whether a place is out of sight, or too small, while it could be larger. */
+export function isLost(
+  places: Places,
+  paths: readonly string[],
+  camera: Camera,
+  size: Size,
+): boolean {
+  const view = { x: 0, y: 0, ...size };
+  return paths.some((path) => {
+    const box = innermost(places, path)?.box;
+    if (!box) return false;
+    const on = screenBox(camera, box);
+    const middle = { x: on.x + on.width / 2, y: on.y + on.height / 2, width: 0, height: 0 };
+    return !intersects(middle, view) || extentOn(camera, box) < LEAST;
+  });
+}
+
+/** The state, or the innermost one around it that is shown. */
+function innermost(places: Places, path: string): { path: string; box: Box } | null {
+  for (let at: string | null = path; at !== null; at = parentOf(at)) {
+    const box = places.box(at);
+    if (box) return { path: at, box };
+  }
+  return null;
+}
+
+/** Follows while it is asked to. Returns the way to stop. */
+export function followRun(
+  { view, run }: OpenTab,
+  page: Pick<Page, "tell">,
+  picture: Picture,
+  flight: Flight,
+): () => void {
+  const follows = isFollowed(view);
+  let goal: Camera | null = null;
+  let last: Camera = view.camera.peek();
+  let size = picture.size();
+  let rest = 0;
+  let isFirst = true;
+  const look = () => {
+    rest = 0;
+    const watch = run.peek();
+    if (!watch || !follows.peek()) return;
+    const paths = lanes(activeStates(watch)).map(placeOfLane);
+    const places = picture.places();
+    if (paths.length === 0 || !(isFirst || isLost(places, paths, flight.goal, picture.size())))
+      return;
+    const wanted = lookAtAll(places, paths, picture.size());
+    if (!wanted) return;
+    isFirst = false;
+    goal = wanted;
+    flight.to(wanted);
+    rest = window.setTimeout(look, REST_MS);
+  };
+  const stopLooking = effect(() => {
+    const watch = run.value;
+    if (!follows.value || !watch) {
+      isFirst = true;
+      return;
+    }
+    activeStates(watch);
+    if (rest === 0) look();
+  });
+  const stopGuarding = effect(() => {
+    const camera = view.camera.value;
+    const isMine = camera === last || flight.goal === goal;
+    const before = size;
+    last = camera;
+    size = picture.size();
+    const isResized = before.width !== size.width || before.height !== size.height;
+    if (isMine || isResized || !follows.peek()) return;
+    follows.value = false;
+    page.tell({
+      level: "info",
+      text: "The canvas no longer follows what runs: you moved it.",
+      action: { title: "Follow again", command: "run.follow" },
+    });
+  });
+  return () => {
+    window.clearTimeout(rest);
+    stopLooking();
+    stopGuarding();
+  };
+}

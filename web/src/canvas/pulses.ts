@@ -1,0 +1,132 @@
+/** A pulse where a transition was taken: a light that runs along the line, upon a canvas of its own, so that nothing else is painted
+ * anew for it. None for those who want no motion, nor where so much happens that it would only flicker. */
+
+import { effect } from "@preact/signals-core";
+import { inkOf } from "./paint/ink.ts";
+import type { Picture } from "./picture.ts";
+
+const DURATION_MS = 420;
+/** If more transitions than these were taken since the last look, none of them pulses. */
+const AT_ONCE = 6;
+/** How long the light is, in CSS pixels, and how wide. */
+const LENGTH = 34;
+const WIDTH = 5;
+
+interface Pulse {
+  readonly points: readonly number[];
+  readonly begun: number;
+}
+
+export interface Pulses {
+  readonly dispose: () => void;
+}
+
+export function pulsesOver(place: HTMLElement, picture: Picture): Pulses {
+  const canvas = document.createElement("canvas");
+  canvas.style.cssText = "position:absolute;inset:0;width:100%;height:100%;pointer-events:none";
+  canvas.setAttribute("aria-hidden", "true");
+  place.append(canvas);
+  const still = window.matchMedia("(prefers-reduced-motion: reduce)");
+  let last: number | null = null;
+  let fresh: readonly string[] = [];
+  let pulses: readonly Pulse[] = [];
+  let frame = 0;
+
+  const step = () => {
+    frame = 0;
+    const now = performance.now();
+    pulses = pulses.filter(({ begun }) => now - begun < DURATION_MS);
+    paintPulses(canvas, picture, pulses, now);
+    if (pulses.length > 0) frame = requestAnimationFrame(step);
+  };
+  const stopFollowing = effect(() => {
+    const before = last;
+    const taken = [...picture.taken()].filter(([, { isNext }]) => !isNext);
+    last = taken.reduce((most, [, { sequence }]) => Math.max(most, sequence), before ?? 0);
+    const found = taken.filter(([, { sequence }]) => before !== null && sequence > before);
+    fresh = found.length > AT_ONCE || still.matches ? [] : found.map(([key]) => key);
+  });
+  const stopFrames = picture.onFrame(() => {
+    if (fresh.length === 0) return;
+    const begun = performance.now();
+    const lines = linesOf(picture, fresh);
+    fresh = [];
+    pulses = [...pulses, ...lines.map((points) => ({ points, begun }))];
+    if (frame === 0 && pulses.length > 0) frame = requestAnimationFrame(step);
+  });
+  return {
+    dispose: () => {
+      cancelAnimationFrame(frame);
+      stopFollowing();
+      stopFrames();
+      canvas.remove();
+    },
+  };
+}
+
+/** The lines that are painted of these transitions. */
+function linesOf(picture: Picture, keys: readonly string[]): readonly (readonly number[])[] {
+  const wanted = new Set(keys);
+  return picture
+    .list()
+    .layers.flatMap(({ lines }) => lines.filter(({ what }) => wanted.has(what)))
+    .map(({ points }) => points);
+}
+
+function paintPulses(
+  canvas: HTMLCanvasElement,
+  picture: Picture,
+  pulses: readonly Pulse[],
+  now: number,
+): void {
+  const { width, height } = picture.size();
+  if (canvas.width !== width) canvas.width = width;
+  if (canvas.height !== height) canvas.height = height;
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  context.clearRect(0, 0, width, height);
+  context.strokeStyle = inkOf(picture.colours(), "running");
+  context.lineCap = "round";
+  context.lineJoin = "round";
+  context.lineWidth = WIDTH;
+  for (const { points, begun } of pulses) {
+    const part = (now - begun) / DURATION_MS;
+    const end = part * (lengthOf(points) + LENGTH);
+    context.globalAlpha = 0.9 * (1 - part ** 3);
+    context.beginPath();
+    stretch(context, points, end - LENGTH, end);
+    context.stroke();
+  }
+}
+
+export function lengthOf(points: readonly number[]): number {
+  let length = 0;
+  for (let at = 2; at < points.length; at += 2) length += pieceLength(points, at);
+  return length;
+}
+
+function pieceLength(points: readonly number[], at: number): number {
+  const [fromX = 0, fromY = 0, toX = 0, toY = 0] = points.slice(at - 2, at + 2);
+  return Math.hypot(toX - fromX, toY - fromY);
+}
+
+/** Adds the stretch of a line between two distances from its start to the path. */
+export function stretch(
+  path: Pick<CanvasPath, "moveTo" | "lineTo">,
+  points: readonly number[],
+  from: number,
+  to: number,
+): void {
+  let before = 0;
+  for (let at = 2; at < points.length; at += 2) {
+    const length = pieceLength(points, at);
+    const [start, end] = [Math.max(from, before), Math.min(to, before + length)];
+    if (length > 0 && end > start) {
+      const [x = 0, y = 0, toX = 0, toY = 0] = points.slice(at - 2, at + 2);
+      const on = (distance: number) => (distance - before) / length;
+      path.moveTo(x + (toX - x) * on(start), y + (toY - y) * on(start));
+      path.lineTo(x + (toX - x) * on(end), y + (toY - y) * on(end));
+    }
+    before += length;
+  }
+}
