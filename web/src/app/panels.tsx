@@ -1,6 +1,7 @@
 /** The panels that can be docked: what they are called, where they stand at first, what their tab counts. */
 
 import {
+  Activity,
   Braces,
   ChartGantt,
   CircleAlert,
@@ -8,6 +9,7 @@ import {
   GitCompareArrows,
   History,
   Library,
+  ListOrdered,
   ListTree,
   ListVideo,
   type LucideIcon,
@@ -23,11 +25,13 @@ import { Breakpoints } from "../panels/breakpoints/breakpoints.tsx";
 import { Differences } from "../panels/differences/differences.tsx";
 import { Edits } from "../panels/edits/edits.tsx";
 import { Globals } from "../panels/globals/globals.tsx";
+import { RunHistory } from "../panels/history/history.tsx";
 import { Inspector } from "../panels/inspector/inspector.tsx";
 import { Libraries } from "../panels/libraries/libraries.tsx";
 import { Log } from "../panels/log/log.tsx";
 import { Mission } from "../panels/mission/mission.tsx";
 import { Problems } from "../panels/problems/problems.tsx";
+import { Running } from "../panels/running/running.tsx";
 import { Runs } from "../panels/runs/runs.tsx";
 import { Search } from "../panels/search/search.tsx";
 import { Timeline } from "../panels/timeline/timeline.tsx";
@@ -60,6 +64,7 @@ export const PANELS: readonly Panel[] = [
     side: "left",
     count: (tab) => (tab ? breakpointsOf(tab).length : 0),
   },
+  { id: "running", title: "Running", icon: Activity, component: Running, side: "left" },
   { id: "runs", title: "Runs", icon: ListVideo, component: Runs, side: "left" },
   {
     id: "inspector",
@@ -69,6 +74,7 @@ export const PANELS: readonly Panel[] = [
     side: "right",
   },
   { id: "timeline", title: "Timeline", icon: ChartGantt, component: Timeline, side: "bottom" },
+  { id: "history", title: "Run history", icon: ListOrdered, component: RunHistory, side: "bottom" },
   {
     id: "mission",
     title: "Mission",

@@ -1,0 +1,319 @@
+/** The history of the run in front: its calls as a tree, each with when, how long and how it ended; what is chosen is shown on the
+ * canvas, at its moment. */
+
+import { CornerDownRight, ListEnd, Repeat, Undo2 } from "lucide-react";
+import { useEffect, useMemo, useState } from "react";
+import { entryOf as entryOfCommand } from "../../commands/menus.ts";
+import { type Calls, callsOf, NONE } from "../../store/calls.ts";
+import { Found } from "../../store/found.ts";
+import { lookOf } from "../../store/lanes.ts";
+import { showIndex, shownIndex } from "../../store/moments.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { select } from "../../store/view.ts";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { ContextMenu } from "../../ui/menu.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { Tree } from "../../ui/tree.tsx";
+import { useActiveTab, useHost } from "../context.tsx";
+import { duration, sinceStart } from "../parts/duration.ts";
+import { happenedInWords, type NameOf, namesOf } from "../parts/happened.ts";
+import { NoRun } from "../parts/no_run.tsx";
+import { reveal } from "../reveal.ts";
+import { ends, type Node, Nodes } from "./nodes.ts";
+import "./history.css";
+
+export function RunHistory() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty title="No machine is open" text="What its runs did stands here, call by call." />
+  );
+}
+
+function OfTab({ tab }: { readonly tab: OpenTab }) {
+  const watch = useSignal(tab.run);
+  if (!watch) return <NoRun what="What it does stands here, call by call." />;
+  return <OfRun key={watch.id} tab={tab} watch={watch} />;
+}
+
+interface OfRunProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+}
+
+function OfRun({ tab, watch }: OfRunProps) {
+  const [query, setQuery] = useState("");
+  const [menu, setMenu] = useState<OpenMenu | null>(null);
+  useSignal(watch.grown);
+  useSignal(tab.room.version);
+  const show = useShow(tab, watch);
+  const open = (index: number, at: OpenMenu["at"]) => setMenu({ index, at });
+  return (
+    <section className="history" aria-label="Run history">
+      <div className="history-bar">
+        <TextField
+          label="Search the history: states, outcomes, log"
+          hideLabel
+          type="search"
+          placeholder="State, outcome, text"
+          value={query}
+          onInput={setQuery}
+        />
+        <span className="history-soft">{watch.journal.length.toLocaleString("en")} events</span>
+      </div>
+      <div className="history-rows">
+        {query.trim() === "" ? (
+          <CallTree tab={tab} watch={watch} show={show} onMenu={open} />
+        ) : (
+          <Hits tab={tab} watch={watch} query={query} show={show} onMenu={open} />
+        )}
+      </div>
+      {menu && <Menu {...menu} tab={tab} watch={watch} onClose={() => setMenu(null)} />}
+    </section>
+  );
+}
+
+/** Shows the moment of an event, and selects its state; `far` brings that into sight as well. */
+type Show = (index: number, far?: boolean) => void;
+
+function useShow(tab: OpenTab, watch: Watch): Show {
+  const host = useHost();
+  return (index, far = false) => {
+    showIndex(watch, index);
+    const path = pathAt(watch, index);
+    if (path === "" || !tab.room.machine.state(path)) return;
+    if (far) reveal(host, { kind: "state", path });
+    else select(tab.view, [{ kind: "state", path }]);
+  };
+}
+
+function pathAt({ journal }: Watch, index: number): string {
+  const happening = journal.at(index);
+  if (!happening) return "";
+  if (happening.kind !== "other") return happening.path;
+  return "path" in happening.event ? happening.event.path : "";
+}
+
+interface OpenMenu {
+  /** The event that it is about. */
+  readonly index: number;
+  readonly at: { readonly x: number; readonly y: number };
+}
+
+interface ListProps extends OfRunProps {
+  readonly show: Show;
+  readonly onMenu: (index: number, at: OpenMenu["at"]) => void;
+}
+
+function CallTree({ tab, watch, show, onMenu }: ListProps) {
+  const calls = callsOf(watch.journal);
+  const nodes = useMemo(() => new Nodes(calls), [calls]);
+  const [expanded, setExpanded] = useState<ReadonlySet<string>>(() => new Set(["c0"]));
+  const moment = useSignal(watch.moment);
+  const grown = calls.read;
+  const shown = moment === null ? NONE : calls.openAt(shownIndex(watch));
+  useEffect(() => {
+    if (shown === NONE) return;
+    setExpanded((before) => new Set([...before, ...nodes.around(shown)]));
+  }, [shown, nodes]);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
+  const roots = useMemo(() => nodes.roots(), [nodes, grown]);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
+  const childrenOf = useMemo(() => (node: Node) => nodes.inside(node), [nodes, grown]);
+  const nameOf = namesOf(tab.room);
+  const begin = (node: Node) => calls.begin(ends(node).first);
+  return (
+    <Tree<Node>
+      label="Calls of the run, in order"
+      roots={roots}
+      id={idOfNode}
+      childrenOf={childrenOf}
+      expanded={expanded}
+      onExpand={(node, open) => setExpanded((before) => toggled(before, node.id, open))}
+      text={(node) => nameOfNode(node, calls, nameOf)}
+      row={(node) => <Row node={node} calls={calls} nameOf={nameOf} />}
+      selected={new Set(shown === NONE ? [] : [`c${shown}`])}
+      reveal={shown === NONE ? null : `c${shown}`}
+      onSelect={(node) => show(begin(node))}
+      onOpen={(node) => show(begin(node), true)}
+      onMenu={(node, at) => onMenu(begin(node), at)}
+    />
+  );
+}
+
+function idOfNode({ id }: Node): string {
+  return id;
+}
+
+function toggled(before: ReadonlySet<string>, id: string, open: boolean): ReadonlySet<string> {
+  const after = new Set(before);
+  if (open) after.add(id);
+  else after.delete(id);
+  return after;
+}
+
+/** So many names of a round are told. */
+const NAMES_MAX = 4;
+
+function nameOfNode(node: Node, calls: Calls, nameOf: NameOf): string {
+  const name = (call: number) => nameOf(calls.path(call));
+  switch (node.kind) {
+    case "call":
+      return name(node.call);
+    case "part":
+      return `${node.from} to ${node.to}`;
+    case "round":
+      return `Round ${node.number}`;
+    case "loop": {
+      const names = node.calls.slice(0, Math.min(node.period, NAMES_MAX)).map(name);
+      const more = node.period > NAMES_MAX ? ", …" : "";
+      return `${names.join(", ")}${more} × ${Math.ceil(node.calls.length / node.period)}`;
+    }
+  }
+}
+
+interface RowProps {
+  readonly node: Node;
+  readonly calls: Calls;
+  readonly nameOf: NameOf;
+}
+
+function Row({ node, calls, nameOf }: RowProps) {
+  const { first, last } = ends(node);
+  const began = calls.began_ns(first);
+  const now_ns = calls.journal.t_ns(calls.journal.length - 1);
+  const length = calls.ended_ns(last, now_ns) - began;
+  return (
+    <span className="history-row">
+      <Sign node={node} calls={calls} />
+      <span className="history-name">{nameOfNode(node, calls, nameOf)}</span>
+      <span className="history-when">{sinceStart(began / 1e6, 1)}</span>
+      <span className="history-long">{duration(length / 1e6)}</span>
+      <End call={last} calls={calls} />
+    </span>
+  );
+}
+
+function Sign({ node, calls }: Pick<RowProps, "node" | "calls">) {
+  if (node.kind === "loop") return <Repeat size={13} aria-label="loop" />;
+  if (node.kind !== "call") return <ListEnd size={13} aria-hidden />;
+  if (calls.isBack(node.call)) return <Undo2 size={13} aria-label="step back" />;
+  const around = calls.parent(node.call);
+  const isBranch = around !== NONE && calls.concurrent.has(calls.pathNumber(around));
+  return isBranch ? <CornerDownRight size={13} aria-label="branch" /> : null;
+}
+
+/** How a call ended, by word, sign and colour. */
+function End({ call, calls }: { readonly call: number; readonly calls: Calls }) {
+  const look = lookOf(calls, call);
+  const hasError = calls.end(call) !== NONE && calls.journal.hasError(calls.end(call));
+  const words = {
+    open: "● goes on",
+    back: "↶ taken back",
+    dropped: "⇥ broken off",
+    aborted: "✕ aborted",
+    preempted: "⊘ preempted",
+    ended: calls.outcome(call)?.name ?? "",
+  }[look];
+  return (
+    <span className={`history-end history-${hasError ? "aborted" : look}`} title={words}>
+      {words}
+    </span>
+  );
+}
+
+function Hits({ tab, watch, query, show, onMenu }: ListProps & { readonly query: string }) {
+  const nameOf = namesOf(tab.room);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
+  const found = useMemo(
+    () => new Found(watch.journal, query, namesOf(tab.room)),
+    [watch, query, tab.room.version.peek()],
+  );
+  found.follow();
+  const { hits } = found;
+  const many = hits.length;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the list grows in place
+  const roots = useMemo(() => [...hits], [hits, many]);
+  if (many === 0) {
+    return (
+      <Empty title="Nothing found" text="States, outcomes and lines of the log are searched." />
+    );
+  }
+  const shown = shownIndex(watch);
+  const words = (index: number) => {
+    const happening = watch.journal.at(index);
+    return happening ? happenedInWords(happening, nameOf) : "too long ago to be here";
+  };
+  return (
+    <Tree<number>
+      label="What was found in the run"
+      roots={roots}
+      id={String}
+      childrenOf={() => null}
+      expanded={NOTHING}
+      onExpand={() => undefined}
+      text={words}
+      row={(index) => (
+        <span className="history-row">
+          <span className="history-name">{words(index)}</span>
+          <span className="history-when">{sinceStart(watch.journal.t_ns(index) / 1e6, 1)}</span>
+        </span>
+      )}
+      selected={new Set([String(shown)])}
+      onSelect={(index) => show(index)}
+      onOpen={(index) => show(index, true)}
+      onMenu={onMenu}
+    />
+  );
+}
+
+const NOTHING: ReadonlySet<string> = new Set();
+
+function Menu({ index, at, tab, watch, onClose }: OpenMenu & OfRunProps & { onClose: () => void }) {
+  const host = useHost();
+  const context = host.context();
+  const calls = callsOf(watch.journal);
+  const call = calls.openAt(index);
+  const end = call === NONE ? NONE : calls.end(call);
+  const sequence = watch.journal.sequence(calls.begin(call));
+  const path = pathAt(watch, index);
+  const start = host.commands.get("run.start-from-history");
+  const refusal = start?.refusal?.(context) ?? null;
+  const compare = host.commands.get("run.compare");
+  return (
+    <ContextMenu
+      label="What can be done with this event"
+      at={at}
+      onClose={onClose}
+      items={[
+        { id: "show", title: "Show this moment", run: () => showIndex(watch, index) },
+        {
+          id: "end",
+          title: "Show the moment of its end",
+          disabled: end === NONE,
+          run: () => showIndex(watch, end),
+        },
+        {
+          id: "reveal",
+          title: "Show the state on the canvas",
+          disabled: !tab.room.machine.state(path),
+          run: () => reveal(host, { kind: "state", path }),
+        },
+        "separator",
+        {
+          id: "start",
+          title: "Start from here",
+          disabled: refusal !== null || call === NONE,
+          ...(refusal === null ? {} : { detail: refusal }),
+          run: () => void host.commands.run("run.start-from-history", context, sequence),
+        },
+        ...(compare
+          ? [entryOfCommand({ commands: host.commands, context, keys: () => [] }, compare)]
+          : []),
+      ]}
+    />
+  );
+}

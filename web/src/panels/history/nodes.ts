@@ -1,0 +1,138 @@
+/** The nodes of the history of a run: calls inside one another, loops with their rounds, and long lists in parts. Made when they are
+ * opened, never before. */
+
+import { type Calls, NONE } from "../../store/calls.ts";
+import { type Fold, Folds } from "../../store/folds.ts";
+
+export type Node =
+  | { readonly kind: "call"; readonly id: string; readonly call: number }
+  | {
+      readonly kind: "loop";
+      readonly id: string;
+      readonly calls: readonly number[];
+      readonly period: number;
+    }
+  | {
+      readonly kind: "round";
+      readonly id: string;
+      /** From 1. */
+      readonly number: number;
+      readonly calls: readonly number[];
+    }
+  | {
+      readonly kind: "part";
+      readonly id: string;
+      readonly from: number;
+      readonly to: number;
+      readonly nodes: readonly Node[];
+    };
+
+/** A longer list is shown in parts of this length. */
+const PART = 200;
+
+export class Nodes {
+  readonly #calls: Calls;
+  readonly #folds = new Map<number, Folds>();
+
+  constructor(calls: Calls) {
+    this.#calls = calls;
+  }
+
+  roots(): readonly Node[] {
+    return this.#of(NONE);
+  }
+
+  /** What is inside; null if there is nothing. */
+  inside(node: Node): readonly Node[] | null {
+    switch (node.kind) {
+      case "call":
+        return this.#calls.inside(node.call).length === 0 ? null : this.#of(node.call);
+      case "part":
+        return node.nodes;
+      case "round":
+        return inParts(node.calls.map(callNode), node.id);
+      case "loop":
+        return inParts(node.period === 1 ? node.calls.map(callNode) : rounds(node), node.id);
+    }
+  }
+
+  /** The ids of what has to be open for a call to show. */
+  around(call: number): readonly string[] {
+    const way: string[] = [];
+    const outer: number[] = [];
+    for (let at = call; at !== NONE; at = this.#calls.parent(at)) outer.unshift(at);
+    let nodes = this.roots();
+    for (const each of outer) {
+      let node = nodes.find((one) => has(one, each));
+      while (node && !(node.kind === "call" && node.call === each)) {
+        way.push(node.id);
+        node = this.inside(node)?.find((one) => has(one, each));
+      }
+      if (!node) return way;
+      if (each !== call) way.push(node.id);
+      nodes = this.inside(node) ?? [];
+    }
+    return way;
+  }
+
+  #of(call: number): readonly Node[] {
+    let folds = this.#folds.get(call);
+    if (!folds) {
+      folds = new Folds((each) => this.#calls.pathNumber(each));
+      this.#folds.set(call, folds);
+    }
+    folds.follow(this.#calls.inside(call));
+    return inParts(folds.all.map(foldNode), call === NONE ? "r" : idOf(call));
+  }
+}
+
+function idOf(call: number): string {
+  return `c${call}`;
+}
+
+function callNode(call: number): Node {
+  return { kind: "call", id: idOf(call), call };
+}
+
+function foldNode(fold: Fold): Node {
+  if (fold.kind === "call") return callNode(fold.call);
+  const { calls, period } = fold;
+  return { kind: "loop", id: `l${calls[0] ?? 0}`, calls, period };
+}
+
+function rounds({ id, calls, period }: Node & { readonly kind: "loop" }): readonly Node[] {
+  return Array.from({ length: Math.ceil(calls.length / period) }, (_, index) => ({
+    kind: "round",
+    id: `${id}.${index}`,
+    number: index + 1,
+    calls: calls.slice(index * period, (index + 1) * period),
+  }));
+}
+
+function inParts(nodes: readonly Node[], id: string): readonly Node[] {
+  if (nodes.length <= PART) return nodes;
+  return Array.from({ length: Math.ceil(nodes.length / PART) }, (_, index) => {
+    const part = nodes.slice(index * PART, (index + 1) * PART);
+    const from = index * PART + 1;
+    return { kind: "part", id: `${id}p${index}`, from, to: from + part.length - 1, nodes: part };
+  });
+}
+
+/** Calls of a node that follow one another: the first of all of them, and the last. */
+export function ends(node: Node): { readonly first: number; readonly last: number } {
+  switch (node.kind) {
+    case "call":
+      return { first: node.call, last: node.call };
+    case "part": {
+      const [first, last] = [node.nodes[0], node.nodes.at(-1)];
+      return { first: first ? ends(first).first : NONE, last: last ? ends(last).last : NONE };
+    }
+    default:
+      return { first: node.calls[0] ?? NONE, last: node.calls.at(-1) ?? NONE };
+  }
+}
+
+function has(node: Node, call: number): boolean {
+  const { first, last } = ends(node);
+  return call >= first && call <= last;
+}

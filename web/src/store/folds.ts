@@ -1,0 +1,88 @@
+/** Calls inside a call, with what repeats folded into loops: `A B C B C B C` is A, then B C three times. Calls are taken one by one as
+ * they come, so that the same calls always give the same folds. */
+
+/** Calls that follow one another. */
+export type Fold =
+  | { readonly kind: "call"; readonly call: number }
+  | {
+      readonly kind: "loop";
+      /** All its calls, round after round; the last round may still go on. */
+      readonly calls: readonly number[];
+      /** How many calls are a round. */
+      readonly period: number;
+    };
+
+/** Longer rounds are not looked for. */
+const LONGEST = 24;
+
+interface Loop {
+  readonly kind: "loop";
+  readonly calls: number[];
+  readonly period: number;
+}
+
+export class Folds {
+  readonly #all: (Fold | Loop)[] = [];
+  readonly #pathOf: (call: number) => number;
+  #taken = 0;
+
+  constructor(pathOf: (call: number) => number) {
+    this.#pathOf = pathOf;
+  }
+
+  get all(): readonly Fold[] {
+    return this.#all;
+  }
+
+  /** Takes what has come of a growing list of calls. */
+  follow(calls: readonly number[]): void {
+    for (; this.#taken < calls.length; this.#taken++) this.#take(calls[this.#taken] ?? 0);
+  }
+
+  #take(call: number): void {
+    const last = this.#all.at(-1);
+    if (last?.kind === "loop") {
+      const { calls, period } = last as Loop;
+      if (this.#isSame(calls[calls.length - period], call)) {
+        calls.push(call);
+        return;
+      }
+      this.#breakOff(last as Loop);
+    }
+    this.#all.push({ kind: "call", call });
+    this.#findLoop();
+  }
+
+  /** A round that was not finished does not belong to the loop. */
+  #breakOff({ calls, period }: Loop): void {
+    const rest = calls.splice(calls.length - (calls.length % period));
+    for (const call of rest) this.#all.push({ kind: "call", call });
+  }
+
+  /** Makes a loop of the last calls if they are twice the same. */
+  #findLoop(): void {
+    for (let period = 1; period <= LONGEST; period++) {
+      const calls = this.#last(2 * period);
+      if (!calls) return;
+      if (!calls.slice(period).every((call, at) => this.#isSame(calls[at], call))) continue;
+      this.#all.splice(-2 * period);
+      this.#all.push({ kind: "loop", calls: [...calls], period });
+      return;
+    }
+  }
+
+  /** The last calls; null if there are fewer outside of loops. */
+  #last(many: number): readonly number[] | null {
+    if (this.#all.length < many) return null;
+    const calls: number[] = [];
+    for (const fold of this.#all.slice(-many)) {
+      if (fold.kind === "loop") return null;
+      calls.push(fold.call);
+    }
+    return calls;
+  }
+
+  #isSame(one: number | undefined, other: number): boolean {
+    return one !== undefined && this.#pathOf(one) === this.#pathOf(other);
+  }
+}
