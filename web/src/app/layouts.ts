@@ -17,7 +17,7 @@ export const SHIPPED: Readonly<Record<string, Layout>> = {
       size: 264,
       groups: [
         ["libraries", "tree", "search"],
-        ["globals", "breakpoints", "runs"],
+        ["globals", "running", "breakpoints", "runs"],
       ],
     },
     right: { size: 344, groups: [["inspector"]] },
@@ -28,7 +28,7 @@ export const SHIPPED: Readonly<Record<string, Layout>> = {
       size: 264,
       groups: [
         ["tree", "search", "libraries"],
-        ["breakpoints", "runs", "globals"],
+        ["running", "breakpoints", "runs", "globals"],
       ],
     },
     right: { size: 380, groups: [["inspector"]] },

@@ -13,14 +13,12 @@ import type { Outcome, Phase } from "../../model/generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { holdInWords } from "../../model/run_words.ts";
 import { type Active, activeStates, lanes, placeOfLane } from "../../store/active.ts";
-import { runAge } from "../../store/age.ts";
 import { lastEndBeside } from "../../store/last_end.ts";
 import type { Watch } from "../../store/run.ts";
-import { saidAt } from "../../store/run_clock.ts";
-import { seconds } from "../../store/seconds.ts";
 import { earlierRuns, pastUsual, type Usual, usualOf } from "../../store/usual.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
+import { useLater } from "../later.ts";
 import { duration } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
@@ -66,19 +64,6 @@ export function Branches({ watch }: { readonly watch: Watch }) {
       )}
     </section>
   );
-}
-
-/** How much later it is than what is shown was said; nothing is reckoned on from what may be old, or past. */
-function useLater(watch: Watch): number {
-  const { page } = useHost().context();
-  return useComputed(() => {
-    const now_ms = seconds.value;
-    const said_ms = saidAt(page, watch);
-    const age = runAge(page, watch, now_ms);
-    const isOn = watch.now.value?.run.phase === "live";
-    if (age.why !== null || said_ms === null || !isOn) return 0;
-    return Math.max(0, now_ms - said_ms);
-  }, [page, watch]);
 }
 
 interface CardProps {

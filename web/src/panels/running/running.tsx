@@ -1,0 +1,202 @@
+/** What runs now: one row a branch, those that want somebody first, with its time against the usual, what ended before it, and steps
+ * of this branch alone. */
+
+import { signal } from "@preact/signals-core";
+import {
+  ArrowDownToLine,
+  ArrowRightToLine,
+  ArrowUpFromLine,
+  CirclePause,
+  CirclePlay,
+  Hourglass,
+  type LucideIcon,
+  OctagonAlert,
+  Undo2,
+} from "lucide-react";
+import { useMemo } from "react";
+import type { Phase } from "../../model/generated/protocol.ts";
+import { ABORTED, namesTo, PREEMPTED } from "../../model/machine.ts";
+import { holdInWords } from "../../model/run_words.ts";
+import { type Active, activeStates, lanes, placeOfLane } from "../../store/active.ts";
+import { lastEndBeside } from "../../store/last_end.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { type Usual, usualOf } from "../../store/usual.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { useLater } from "../later.ts";
+import { duration } from "../parts/duration.ts";
+import { NoRun } from "../parts/no_run.tsx";
+import { reveal } from "../reveal.ts";
+import { inOrder } from "./order.ts";
+import "./running.css";
+
+const NO_RUN = signal<Watch | null>(null);
+const NO_PAST: ReadonlyMap<string, Usual> = new Map();
+/** So many rows are shown; more are counted. */
+const ROWS_MAX = 60;
+
+export function Running() {
+  const tab = useActiveTab();
+  const watch = useSignal(tab?.run ?? NO_RUN);
+  return tab && watch ? (
+    <OfRun key={watch.id} tab={tab} watch={watch} />
+  ) : (
+    <NoRun what="Every active state stands here then, one row a branch." />
+  );
+}
+
+function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch }) {
+  const shown = useComputed(() => inOrder(lanes(activeStates(watch))), [watch]);
+  const moment = useSignal(watch.moment);
+  const later_ms = useLater(watch);
+  if (shown.length === 0) return <Nothing watch={watch} />;
+  return (
+    <div className="running shows-run">
+      <p className="running-count" role="status">
+        {shown.length === 1 ? "1 branch" : `${shown.length} branches`}
+        {moment === null ? "" : ` at event ${moment.toLocaleString("en")}`}
+      </p>
+      <ul className="running-rows" aria-label="What runs now">
+        {shown.slice(0, ROWS_MAX).map((lane) => (
+          <Row
+            key={lane.branch}
+            tab={tab}
+            watch={watch}
+            lane={lane}
+            later_ms={later_ms}
+            isLive={moment === null}
+          />
+        ))}
+      </ul>
+      {shown.length > ROWS_MAX && (
+        <p className="running-count">and {shown.length - ROWS_MAX} more</p>
+      )}
+    </div>
+  );
+}
+
+function Nothing({ watch }: { readonly watch: Watch }) {
+  const phase = useComputed(() => watch.now.value?.run.phase ?? "starting", [watch]);
+  const text =
+    phase === "live" || phase === "starting"
+      ? "The run has not begun with its first state."
+      : "The run is over. Its time line shows what ran at any moment of it.";
+  return <Empty title="Nothing runs" text={text} />;
+}
+
+const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> = {
+  running: { word: "runs", Sign: CirclePlay },
+  waiting: { word: "waits", Sign: Hourglass },
+  held: { word: "held", Sign: CirclePause },
+  interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
+  preempted: { word: "is being preempted", Sign: Undo2 },
+};
+
+interface RowProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+  readonly lane: Active;
+  readonly later_ms: number;
+  readonly isLive: boolean;
+}
+
+function Row({ tab, watch, lane, later_ms, isLive }: RowProps) {
+  const host = useHost();
+  const place = placeOfLane(lane);
+  const { word, Sign } = PHASES[lane.phase];
+  const around = namesTo(tab.room.machine, place).slice(1);
+  const name = around.pop() ?? lane.name;
+  return (
+    <li className={`running-row running-phase-${lane.phase}`}>
+      <button
+        type="button"
+        className="running-main"
+        title={`${[...around, name].join(" › ")}: show it on the canvas`}
+        onClick={() => reveal(host, { kind: "state", path: place })}
+      >
+        <Sign size={16} aria-hidden className="running-sign" />
+        <span className="running-name">{name}</span>
+        <span className="running-time">{timeInWords(lane.since_ms + later_ms)}</span>
+        {around.length > 0 && <span className="running-way">{around.join(" › ")}</span>}
+        <span className="running-words">
+          {phaseInWords(lane, word)}
+          {lane.phase !== "held" && <Against watch={watch} path={lane.path} />}
+        </span>
+        <Before watch={watch} path={place} tab={tab} />
+      </button>
+      {isLive && lane.phase === "held" && <Steps branch={lane.branch} name={name} />}
+    </li>
+  );
+}
+
+/** Whole seconds: what changes every moment cannot be read. */
+function timeInWords(ms: number): string {
+  return duration(Math.floor(ms / 1_000) * 1_000);
+}
+
+function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {
+  if (phase === "waiting") return detail ? `waits for ${detail}` : word;
+  if (phase === "held" && hold) {
+    const by = holdInWords(hold.by);
+    return hold.next === null ? by : `comes next, ${by}`;
+  }
+  return word;
+}
+
+function Against({ watch, path }: { readonly watch: Watch; readonly path: string }) {
+  const usual = useComputed(() => {
+    watch.grown.value;
+    const found = usualOf(watch, NO_PAST, path);
+    return found ? `usually ${duration(found.median_ms)}, at most ${duration(found.max_ms)}` : "";
+  }, [watch, path]);
+  return usual === "" ? null : <span className="running-soft"> · {usual}</span>;
+}
+
+function Before({
+  watch,
+  path,
+  tab,
+}: {
+  readonly watch: Watch;
+  readonly path: string;
+  readonly tab: OpenTab;
+}) {
+  const last = useComputed(() => lastEndBeside(watch, path), [watch, path]);
+  if (!last) return null;
+  const { id, name } = last.outcome;
+  const tone = id === ABORTED ? "running-aborted" : id === PREEMPTED ? "running-preempted" : "";
+  return (
+    <span className="running-before">
+      before: {namesTo(tab.room.machine, last.path).at(-1)}
+      <span className={tone}> → {name}</span>
+    </span>
+  );
+}
+
+const STEPS = [
+  ["run.back", "Step back", Undo2],
+  ["run.into", "Step into", ArrowDownToLine],
+  ["run.over", "Step over", ArrowRightToLine],
+  ["run.out", "Step out", ArrowUpFromLine],
+] as const;
+
+/** On the root's branch there is nobody beside it: all branches are this one. */
+function Steps({ branch, name }: { readonly branch: string; readonly name: string }) {
+  const run = useCommand();
+  const argument = useMemo(() => (branch === "" ? undefined : branch), [branch]);
+  return (
+    <div className="running-steps" role="toolbar" aria-label={`Step the branch at ${name}`}>
+      {STEPS.map(([id, title, Icon]) => (
+        <IconButton
+          key={id}
+          label={`${title}: ${name}`}
+          icon={<Icon size={15} />}
+          onClick={() => run(id, argument)}
+        />
+      ))}
+    </div>
+  );
+}
