@@ -47,6 +47,12 @@ test("an error that was handled does not climb", () => {
   expect(words(watch)).toEqual(["1 aborted R/A ", "4 aborted R "]);
 });
 
+test("a failed script is one failure with the last line of its traceback", () => {
+  const { watch, tell } = run("traceback");
+  tell(log("error", "Traceback (most recent call last):\nValueError: no box\n"), left("R/A"));
+  expect(words(watch)).toEqual(["2 aborted R/A ValueError: no box"]);
+});
+
 test("the same warning in a row is told once, and wants another look each time", () => {
   const { watch, tell } = run("warns");
   tell(log("info", "fine"), log("warning", "slips"), log("warning", "slips"));

@@ -2,6 +2,7 @@
  * through the states around it is one failure; the same warning again counts. */
 
 import type { Event } from "../model/generated/protocol.ts";
+import { ABORTED } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import { ENTERED, type Journal, LEFT, OTHER } from "./journal.ts";
 
@@ -13,7 +14,7 @@ export interface Failure {
   readonly level: "warning" | "error";
   /** The state; empty if it is about none. */
   readonly path: string;
-  /** What is said about it: of an abort nothing, its error is a value and asked for. */
+  /** What is said about it. Of an abort the last line of its traceback; empty if that is not in the log. */
   readonly text: string;
   /** The outermost state that the abort has climbed to; else the state itself. */
   readonly reach: string;
@@ -23,8 +24,8 @@ export interface Failure {
 
 /** So many are kept, the newest. */
 const FAILURES_MAX = 1_000;
-/** The id of the outcome `aborted`. */
-const ABORTED = -1;
+/** A script's traceback is logged so few events before its state ends by it. */
+const TRACEBACK_NEAR = 5;
 
 export class Failures {
   #all: readonly Failure[] = [];
@@ -65,7 +66,11 @@ export class Failures {
     fresh.push(joined);
   }
 
-  #together(before: Failure, { kind, path, text, sequence, t_ns }: Failure): Failure | null {
+  #together(before: Failure, failure: Failure): Failure | null {
+    const { kind, path, text, sequence, t_ns } = failure;
+    if (kind === "aborted" && isTracebackOf(before, failure)) {
+      return { ...failure, text: lastLine(before.text) };
+    }
     if (kind !== before.kind) return null;
     if (kind === "aborted") {
       const climbs = this.#climbing === before.reach && parentOf(before.reach) === path;
@@ -74,6 +79,15 @@ export class Failures {
     const isSame = path === before.path && text === before.text;
     return isSame ? { ...before, sequence, t_ns, count: before.count + 1 } : null;
   }
+}
+
+function isTracebackOf({ kind, level, path, sequence }: Failure, failure: Failure): boolean {
+  const isNear = failure.sequence - sequence <= TRACEBACK_NEAR;
+  return kind === "log" && level === "error" && path === failure.path && isNear;
+}
+
+function lastLine(text: string): string {
+  return text.trimEnd().split("\n").at(-1) ?? "";
 }
 
 function at(journal: Journal, index: number): Failure | null {

@@ -83,7 +83,7 @@ function Card({ lane, names, watch, usual, later_ms }: CardProps) {
   const name = around.pop() ?? lane.name;
   return (
     <li className={`mission-card shows-run mission-phase-${lane.phase}`}>
-      <p className="mission-card-way">{around.join(" › ")}</p>
+      {around.length > 0 && <p className="mission-card-way">{around.join(" › ")}</p>}
       <div className="mission-card-main">
         <button
           type="button"

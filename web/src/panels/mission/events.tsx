@@ -3,6 +3,7 @@
 import { CheckCheck, CircleX, type LucideIcon, TriangleAlert, Zap } from "lucide-react";
 import { useEffect, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
+import { shortValue } from "../../model/short_value.ts";
 import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
 import type { Failure } from "../../store/failures.ts";
 import type { Watch } from "../../store/run.ts";
@@ -104,7 +105,7 @@ function Line({ failure, watch, names, isDone }: LineProps) {
           {kind === "aborted" && "aborted"}
           {count > 1 && <span className="mission-count">×{count}</span>}
         </p>
-        {kind === "aborted" ? (
+        {failure.text === "" ? (
           <ErrorText watch={watch} sequence={sequence} />
         ) : (
           <p className="mission-event-said">{failure.text}</p>
@@ -122,7 +123,7 @@ function Line({ failure, watch, names, isDone }: LineProps) {
   );
 }
 
-/** The error that an aborted state left, in its last line. */
+/** The error that an aborted state left, where the log does not tell it. */
 function ErrorText({ watch, sequence }: { readonly watch: Watch; readonly sequence: number }) {
   const { page } = useHost().context();
   const isUp = useComputed(() => page.server.link.value.state === "up", [page]);
@@ -145,10 +146,5 @@ function ErrorText({ watch, sequence }: { readonly watch: Watch; readonly sequen
 
 function errorIn({ event }: EventDetail): string {
   const error = event.type === "left" ? (event.error ?? null) : null;
-  return error === null ? "" : lastLine(error);
-}
-
-function lastLine(error: unknown): string {
-  if (typeof error === "string") return error.trim().split("\n").at(-1) ?? "";
-  return JSON.stringify(error);
+  return error === null ? "" : shortValue(error);
 }

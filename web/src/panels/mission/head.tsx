@@ -3,6 +3,7 @@
 import { History, Unplug, Wifi } from "lucide-react";
 import { runStand, summaryStand } from "../../model/run_words.ts";
 import { type RunAge, runAge } from "../../store/age.ts";
+import { openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
 import { elapsedAt } from "../../store/run_clock.ts";
 import { summaryOf } from "../../store/running.ts";
@@ -21,6 +22,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const now = useSignal(watch.now);
   const summary = useComputed(() => summaryOf(page, watch), [page, watch]);
+  const asked = useComputed(() => askedInWords(openQuestions(watch).length), [watch]);
   const stand = now ? runStand(now) : summary && summaryStand(summary);
   return (
     <header className="mission-head">
@@ -36,8 +38,10 @@ export function Head({ watch }: { readonly watch: Watch }) {
         )}
         <Times watch={watch} />
       </div>
-      {stand?.detail && stand.word !== "finished" && (
-        <p className="mission-detail">{stand.detail}</p>
+      {stand && stand.word !== "finished" && (
+        <p className="mission-detail">
+          {[stand.detail, asked].filter((text) => text !== "").join("; ")}
+        </p>
       )}
       {now?.snapshot?.journal_problem && (
         <p className="mission-alert">
@@ -56,7 +60,8 @@ function Times({ watch }: { readonly watch: Watch }) {
   const elapsed = useComputed(() => {
     const now_ms = seconds.value;
     const age = runAge(page, watch, now_ms);
-    return duration(elapsedAt(page, watch, age.isOld ? now_ms - age.age_ms : now_ms));
+    const elapsed_ms = elapsedAt(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
+    return duration(Math.floor(elapsed_ms / 1_000) * 1_000);
   }, [page, watch]);
   const expected = useComputed(() => {
     const length_ms = expectedLength(earlierRuns(page, watch));
@@ -68,10 +73,12 @@ function Times({ watch }: { readonly watch: Watch }) {
         <dt>elapsed</dt>
         <dd>{elapsed}</dd>
       </div>
-      <div title="Half of the earlier runs of this machine took no longer.">
-        <dt>usually</dt>
-        <dd>{expected ?? "–"}</dd>
-      </div>
+      {expected !== null && (
+        <div title="Half of the earlier runs of this machine took no longer.">
+          <dt>usually</dt>
+          <dd>{expected}</dd>
+        </div>
+      )}
     </dl>
   );
 }
@@ -115,6 +122,11 @@ function LinkAge({ watch }: { readonly watch: Watch }) {
       </span>
     </p>
   );
+}
+
+function askedInWords(count: number): string {
+  if (count === 0) return "";
+  return count === 1 ? "a question waits for an answer" : `${count} questions wait for answers`;
 }
 
 function oldInWords({ why, age_ms }: RunAge): string {

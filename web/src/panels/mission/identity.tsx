@@ -27,7 +27,7 @@ export function Identity() {
           <UserRound size={14} aria-hidden />
           <span>
             You are <strong>{session.user}</strong>: {session.role}
-            <span className="mission-soft"> – {MAY[session.role]}</span>
+            <span className="mission-may"> – {MAY[session.role]}</span>
           </span>
         </span>
       )}
