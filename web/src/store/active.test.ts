@@ -7,7 +7,8 @@ import type { Seen, Watch } from "./run.ts";
 /** A watch of which only what is shown counts. */
 function watching(now: readonly ActiveState[], picture?: Partial<Picture>): Watch {
   const shown = { now: signal<RunNow | null>(null), moment: signal<number | null>(null) };
-  shown.now.value = { snapshot: { active: now, questions: [] } } as unknown as RunNow;
+  const run = { phase: "live" };
+  shown.now.value = { run, snapshot: { active: now, questions: [] } } as unknown as RunNow;
   const seen = signal<Seen | null>(null);
   if (picture) {
     const whole = { held: [], waiting: {}, questions: [], active: [], t_ns: 0, ...picture };
@@ -67,4 +68,14 @@ test("a script that asks waits for an answer", () => {
   const now = watch.now.peek();
   Object.assign(now?.snapshot ?? {}, { questions: [{ path: "R" }] });
   expect(activeStates(watch)[0]).toMatchObject({ phase: "waiting", detail: "an answer" });
+});
+
+test("nothing is active when a run is over, and a crash interrupts what ran", () => {
+  const watch = watching([state("R"), state("R/A", "held")]);
+  const now = watch.now.peek();
+  const over = { ...now, run: { phase: "finished" } } as unknown as RunNow;
+  expect(activeStates({ ...watch, now: signal(over) })).toEqual([]);
+  const crashed = { ...now, run: { phase: "crashed" } } as unknown as RunNow;
+  const phases = activeStates({ ...watch, now: signal(crashed) }).map(({ phase }) => phase);
+  expect(phases).toEqual(["interrupted", "held"]);
 });

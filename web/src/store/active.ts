@@ -8,6 +8,7 @@ import type {
   Picture,
   PicturedState,
   Question,
+  RunNow,
   Snapshot,
 } from "../model/generated/protocol.ts";
 import { parentOf } from "../model/path.ts";
@@ -39,7 +40,7 @@ export function activeStates(watch: Watch): readonly Active[] {
 }
 
 function found(watch: Watch): readonly Active[] {
-  if (watch.moment.value === null) return ofSnapshot(watch.now.value?.snapshot ?? null);
+  if (watch.moment.value === null) return ofNow(watch.now.value);
   const picture = watch.seen.value?.picture;
   return picture ? ofPicture(picture) : [];
 }
@@ -63,6 +64,21 @@ export function placeOfLane({ path, held: [hold] }: Active): string {
 }
 
 const NONE: readonly Active[] = [];
+
+/** What the runner said last is true as long as it runs; scripts that a crash cut off are interrupted. */
+function ofNow(now: RunNow | null): readonly Active[] {
+  switch (now?.run.phase) {
+    case "starting":
+    case "live":
+      return ofSnapshot(now.snapshot);
+    case "crashed":
+      return ofSnapshot(now.snapshot).map((state) =>
+        state.phase === "running" ? { ...state, phase: "interrupted" } : state,
+      );
+    default:
+      return NONE;
+  }
+}
 
 function ofSnapshot(snapshot: Snapshot | null): readonly Active[] {
   if (!snapshot) return NONE;
