@@ -6,6 +6,7 @@ import {
   ChartGantt,
   CircleAlert,
   CircleDot,
+  GitCompare,
   GitCompareArrows,
   History,
   Library,
@@ -22,6 +23,7 @@ import type { FunctionComponent } from "react";
 import type { Side } from "../commands/command.ts";
 import { countProblems } from "../model/problem.ts";
 import { Breakpoints } from "../panels/breakpoints/breakpoints.tsx";
+import { Compare } from "../panels/compare/compare.tsx";
 import { Differences } from "../panels/differences/differences.tsx";
 import { Edits } from "../panels/edits/edits.tsx";
 import { Globals } from "../panels/globals/globals.tsx";
@@ -75,6 +77,7 @@ export const PANELS: readonly Panel[] = [
   },
   { id: "timeline", title: "Timeline", icon: ChartGantt, component: Timeline, side: "bottom" },
   { id: "history", title: "Run history", icon: ListOrdered, component: RunHistory, side: "bottom" },
+  { id: "compare", title: "Compare runs", icon: GitCompare, component: Compare, side: "bottom" },
   {
     id: "mission",
     title: "Mission",

@@ -1,0 +1,57 @@
+/** Data that differed between two runs while they went the same way. */
+
+import type { DataChange } from "../../model/generated/protocol.ts";
+import { shortValue } from "../../model/short_value.ts";
+import { type Column, Table } from "../../ui/table.tsx";
+import type { Show, Side } from "./show.ts";
+
+export interface ChangedProps {
+  readonly changed: readonly DataChange[];
+  readonly show: Show;
+}
+
+const ROWS_MAX = 10;
+
+export function Changed({ changed, show }: ChangedProps) {
+  if (changed.length === 0) return <p className="compare-soft">All data was the same.</p>;
+  const value = (side: Side, title: string): Column<DataChange> => ({
+    key: side,
+    title,
+    width: "minmax(90px, 2fr)",
+    cell: (row) => (
+      <button
+        type="button"
+        className="compare-value"
+        title={`Show this moment in ${title.toLowerCase()}`}
+        onClick={() => show(side, side === "one" ? row.one_sequence : row.other_sequence)}
+      >
+        {row[side] === null ? "none" : shortValue(row[side])}
+      </button>
+    ),
+  });
+  return (
+    <Table
+      label="Data that was other"
+      columns={[
+        {
+          key: "names",
+          title: "State",
+          width: "minmax(110px, 2fr)",
+          cell: ({ names }) => <span title={names}>{names.split("/").at(-1)}</span>,
+        },
+        {
+          key: "port",
+          title: "What",
+          width: "minmax(90px, 1fr)",
+          cell: ({ kind, port }) => (kind === "error" ? "error" : `${kind} ${port}`),
+        },
+        value("one", "This run"),
+        value("other", "Other run"),
+      ]}
+      rows={changed}
+      id={({ path, kind, port, one_sequence }) => `${path} ${kind} ${port} ${one_sequence}`}
+      onOpen={(row) => show("one", row.one_sequence)}
+      rowsMax={ROWS_MAX}
+    />
+  );
+}

@@ -1,0 +1,197 @@
+/** Two runs side by side: where they part, which data was other, how long states took. What is pressed is shown in its run, at its
+ * moment. */
+
+import { computed, effect } from "@preact/signals-core";
+import { GitCompare, RefreshCw, X } from "lucide-react";
+import { useEffect } from "react";
+import { keyOf } from "../../model/element.ts";
+import type { Comparison, RunSummary } from "../../model/generated/protocol.ts";
+import { standInWords, startedInWords, summaryStand } from "../../model/run_words.ts";
+import { comparedRun } from "../../store/compared_run.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { runsOfTab } from "../../store/running.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { Select } from "../../ui/field.tsx";
+import { Section } from "../../ui/section.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useActiveTab, useHost } from "../context.tsx";
+import { NoRun } from "../parts/no_run.tsx";
+import { comparedOf, compareNow } from "../parts/parted.ts";
+import { Changed } from "./changed.tsx";
+import { FirstDifference } from "./first_difference.tsx";
+import type { Show } from "./show.ts";
+import { TimingTable } from "./timing_table.tsx";
+import "./compare.css";
+
+export function Compare() {
+  const tab = useActiveTab();
+  return tab ? (
+    <OfTab key={tab.room.id} tab={tab} />
+  ) : (
+    <Empty
+      title="No machine is open"
+      text="Two runs of the machine in front stand here side by side."
+    />
+  );
+}
+
+function OfTab({ tab }: { readonly tab: OpenTab }) {
+  const watch = useSignal(tab.run);
+  if (!watch) return <NoRun what="Beside another run it stands here: where they part, and why." />;
+  return <OfRun key={watch.id} tab={tab} watch={watch} />;
+}
+
+interface OfRunProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+}
+
+function OfRun({ tab, watch }: OfRunProps) {
+  const { page } = useHost().context();
+  const compared = useSignal(comparedOf(watch));
+  useComparison(page, watch);
+  useMarks(tab, compared?.comparison ?? null);
+  return (
+    <section className="compare" aria-label="Comparison of two runs">
+      <Chooser tab={tab} watch={watch} page={page} />
+      {compared?.refusal && <p className="compare-refusal">{compared.refusal}</p>}
+      {compared?.comparison && (
+        <Found tab={tab} watch={watch} other={compared.other} comparison={compared.comparison} />
+      )}
+      {!compared && (
+        <Empty
+          icon={<GitCompare size={22} />}
+          title="Choose another run"
+          text="Then it stands here where the two part first, which data was other before that, and how long each state took."
+        />
+      )}
+    </section>
+  );
+}
+
+/** Asks when another run is chosen, and once more when one of the two is over. */
+function useComparison(page: Page, watch: Watch): void {
+  useEffect(() => {
+    const isOver = computed(() => watch.now.value?.link === "over");
+    return effect(() => {
+      comparedRun(watch).value;
+      isOver.value;
+      void compareNow(page, watch);
+    });
+  }, [page, watch]);
+}
+
+/** The state at which the runs part is marked on the canvas, as long as the panel shows it. */
+function useMarks({ view }: OpenTab, comparison: Comparison | null): void {
+  const parted = comparison?.parted;
+  const path = parted?.one?.path ?? parted?.other?.path;
+  const otherPath = parted?.other?.path;
+  useEffect(() => {
+    if (path === undefined) return;
+    const state = (at: string) => keyOf({ kind: "state", path: at });
+    const marks = new Map([[state(path), "changed" as const]]);
+    if (otherPath !== undefined) marks.set(state(otherPath), "changed");
+    view.marks.value = marks;
+    return () => {
+      if (view.marks.peek() === marks) view.marks.value = null;
+    };
+  }, [view, path, otherPath]);
+}
+
+interface ChooserProps extends OfRunProps {
+  readonly page: Page;
+}
+
+const NONE = "";
+
+function Chooser({ tab, watch, page }: ChooserProps) {
+  const all = useSignal(page.runs.all);
+  const chosen = useSignal(comparedRun(watch));
+  const mine = all.find(({ id }) => id === watch.id);
+  const others = runsOfTab(page, tab).filter(({ id }) => id !== watch.id);
+  const known = chosen === null || others.some(({ id }) => id === chosen);
+  const options = known ? others : [...others, ...all.filter(({ id }) => id === chosen)];
+  return (
+    <div className="compare-bar">
+      <span className="compare-one">
+        <span className="compare-side compare-side-one">This run</span>
+        {mine ? inWords(mine) : watch.id}
+      </span>
+      <Select
+        label="The other run"
+        hideLabel
+        value={chosen ?? NONE}
+        options={[
+          { value: NONE, title: others.length === 0 ? "No other run" : "Choose the other run…" },
+          ...options.map((run) => ({ value: run.id, title: inWords(run) })),
+        ]}
+        onChange={(id) => {
+          comparedRun(watch).value = id === NONE ? null : id;
+        }}
+      />
+      <IconButton
+        label="Compare again"
+        icon={<RefreshCw size={15} />}
+        disabled={chosen === null}
+        onClick={() => void compareNow(page, watch)}
+      />
+      <IconButton
+        label="Compare no more"
+        icon={<X size={15} />}
+        disabled={chosen === null}
+        onClick={() => {
+          comparedRun(watch).value = null;
+        }}
+      />
+    </div>
+  );
+}
+
+function inWords(run: RunSummary): string {
+  return `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStand(run))}`;
+}
+
+interface FoundProps extends OfRunProps {
+  readonly other: string;
+  readonly comparison: Comparison;
+}
+
+function Found({ tab, watch, other, comparison }: FoundProps) {
+  const { page } = useHost().context();
+  const show: Show = async (side, sequence) => {
+    if (side === "one") {
+      watch.moment.value = sequence;
+      return;
+    }
+    const theirs = page.runs.watch(other);
+    comparedRun(theirs).value = watch.id;
+    comparedOf(theirs).value = null;
+    await page.showRun(other);
+    theirs.moment.value = sequence;
+  };
+  const { alike, parted, branches_parted, changed, timing } = comparison;
+  return (
+    <div className="compare-body">
+      <p className="compare-words" role="status">
+        {parted === null
+          ? `The runs do not part: ${alike} entries and ends are the same in both.`
+          : `${alike} entries and ends are the same in both, then they part${
+              branches_parted > 1 ? ` on ${branches_parted} branches` : ""
+            }.`}
+      </p>
+      {parted && (
+        <Section title="First difference">
+          <FirstDifference tab={tab} watch={watch} other={other} parted={parted} show={show} />
+        </Section>
+      )}
+      <Section title="Data that was other before" count={changed.length}>
+        <Changed changed={changed} show={show} />
+      </Section>
+      <Section title="Time in states" count={timing.length}>
+        <TimingTable watch={watch} other={other} timing={timing} show={show} />
+      </Section>
+    </div>
+  );
+}

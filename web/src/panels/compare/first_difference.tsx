@@ -1,0 +1,84 @@
+/** Where two runs part: what happened around there in both, side by side. */
+
+import type { Happened, Parting } from "../../model/generated/protocol.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { useSignal } from "../../ui/signals.ts";
+import { useHost } from "../context.tsx";
+import { sinceStart } from "../parts/duration.ts";
+import { happenedInWords, namesOf } from "../parts/happened.ts";
+import { around } from "./around.ts";
+import type { Show, Side } from "./show.ts";
+
+export interface FirstDifferenceProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+  readonly other: string;
+  readonly parted: Parting;
+  readonly show: Show;
+}
+
+export function FirstDifference({ tab, watch, other, parted, show }: FirstDifferenceProps) {
+  const { page } = useHost().context();
+  const theirs = page.runs.watch(other);
+  const of = { tab, branch: parted.branch, show };
+  return (
+    <div className="compare-sides">
+      <Column {...of} side="one" title="This run" watch={watch} at={parted.one} />
+      <Column {...of} side="other" title="Other run" watch={theirs} at={parted.other} />
+    </div>
+  );
+}
+
+interface ColumnProps {
+  readonly tab: OpenTab;
+  readonly branch: string;
+  readonly side: Side;
+  readonly title: string;
+  readonly watch: Watch;
+  readonly at: Happened | null;
+  readonly show: Show;
+}
+
+function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
+  useSignal(watch.grown);
+  useSignal(tab.room.version);
+  const nameOf = namesOf(tab.room);
+  const { journal } = watch;
+  return (
+    <div className="compare-column">
+      <h4 className={`compare-side compare-side-${side}`}>{title}</h4>
+      <ol aria-label={`${title}, around the first difference`}>
+        {around(journal, branch, at?.sequence ?? null).map((index) => {
+          const happening = journal.at(index);
+          if (!happening) return null;
+          const isIt = happening.sequence === at?.sequence;
+          return (
+            <li key={index}>
+              <button
+                type="button"
+                className={`compare-event ${isIt ? "compare-parted" : ""}`}
+                aria-label={`${isIt ? "They part here: " : ""}${happenedInWords(happening, nameOf)}, in ${title.toLowerCase()}`}
+                onClick={() => show(side, happening.sequence)}
+              >
+                <span className="compare-mark" aria-hidden>
+                  {isIt ? "≠" : ""}
+                </span>
+                <span className="compare-what">{happenedInWords(happening, nameOf)}</span>
+                <span className="compare-when">{sinceStart(happening.t_ns / 1e6, 1)}</span>
+              </button>
+            </li>
+          );
+        })}
+        {at === null && (
+          <li className="compare-event compare-parted">
+            <span className="compare-mark" aria-hidden>
+              ≠
+            </span>
+            Nothing more happened here
+          </li>
+        )}
+      </ol>
+    </div>
+  );
+}

@@ -1,0 +1,59 @@
+/** How long states took in two runs, as rows that can be sorted. */
+
+import type { Timing } from "../../model/generated/protocol.ts";
+
+export interface TimingRow {
+  readonly path: string;
+  readonly names: string;
+  readonly one: Side;
+  readonly other: Side;
+  /** How much longer it took in the one on average, in ms; null if it did not end in both. */
+  readonly more_ms: number | null;
+}
+
+export interface Side {
+  readonly count: number;
+  /** On average; null if it never ended. */
+  readonly mean_ms: number | null;
+}
+
+export type TimingOrder = "names" | "one" | "other" | "more" | "counts";
+
+export function timingRows(timing: readonly Timing[]): readonly TimingRow[] {
+  return timing.map(({ path, names, one, other }) => {
+    const [here, there] = [side(one), side(other)];
+    const isBoth = here.mean_ms !== null && there.mean_ms !== null;
+    const more_ms = isBoth ? (here.mean_ms ?? 0) - (there.mean_ms ?? 0) : null;
+    return { path, names, one: here, other: there, more_ms };
+  });
+}
+
+function side({ count, total_ns }: Timing["one"]): Side {
+  return { count, mean_ms: count === 0 ? null : total_ns / count / 1e6 };
+}
+
+/** The largest first; names from A on. */
+export function sorted(
+  rows: readonly TimingRow[],
+  order: TimingOrder,
+  down: boolean,
+): readonly TimingRow[] {
+  const weight = (row: TimingRow): number => {
+    switch (order) {
+      case "one":
+        return row.one.mean_ms ?? -1;
+      case "other":
+        return row.other.mean_ms ?? -1;
+      case "counts":
+        return Math.abs(row.one.count - row.other.count);
+      default:
+        return Math.abs(row.more_ms ?? -1);
+    }
+  };
+  const way = down ? 1 : -1;
+  return [...rows].sort((a, b) =>
+    order === "names"
+      ? -way * a.names.localeCompare(b.names)
+      : way * (weight(b) - weight(a)) || a.names.localeCompare(b.names),
+  );
+}

@@ -1,0 +1,105 @@
+/** How long each state took in two runs, sorted by what one asks for. */
+
+import { useMemo, useState } from "react";
+import type { Timing } from "../../model/generated/protocol.ts";
+import { callsOf } from "../../store/calls.ts";
+import type { Watch } from "../../store/run.ts";
+import { type Column, Table } from "../../ui/table.tsx";
+import { useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
+import type { Show, Side } from "./show.ts";
+import { sorted, type TimingOrder, type TimingRow, timingRows } from "./timing.ts";
+
+export interface TimingTableProps {
+  readonly watch: Watch;
+  readonly other: string;
+  readonly timing: readonly Timing[];
+  readonly show: Show;
+}
+
+const ROWS_MAX = 16;
+
+export function TimingTable({ watch, other, timing, show }: TimingTableProps) {
+  const { page } = useHost().context();
+  const [sort, setSort] = useState<{ key: TimingOrder; down: boolean }>({
+    key: "more",
+    down: true,
+  });
+  const rows = useMemo(() => timingRows(timing), [timing]);
+  const shown = useMemo(() => sorted(rows, sort.key, sort.down), [rows, sort]);
+  const showFirst = (side: Side, { path }: TimingRow) => {
+    const { journal } = side === "one" ? watch : page.runs.watch(other);
+    const calls = callsOf(journal);
+    const [first] = calls.of(path);
+    if (first !== undefined) show(side, journal.sequence(calls.begin(first)));
+  };
+  return (
+    <Table
+      label="Time in states, in both runs"
+      columns={columnsOf(showFirst)}
+      rows={shown}
+      id={({ path }) => path}
+      sort={sort}
+      onSort={(key) =>
+        setSort((before) => ({
+          key: key as TimingOrder,
+          down: before.key === key ? !before.down : key !== "names",
+        }))
+      }
+      onOpen={(row) => showFirst("one", row)}
+      rowsMax={ROWS_MAX}
+    />
+  );
+}
+
+function columnsOf(show: (side: Side, row: TimingRow) => void): readonly Column<TimingRow>[] {
+  const mean = (side: Side, title: string): Column<TimingRow> => ({
+    key: side,
+    title,
+    width: "minmax(84px, 1fr)",
+    align: "right",
+    sortable: true,
+    cell: (row) => {
+      const { count, mean_ms } = row[side];
+      if (mean_ms === null) return <span className="compare-soft">never</span>;
+      return (
+        <button
+          type="button"
+          className="compare-value"
+          title={`${count} times, on average: show the first in ${title.toLowerCase()}`}
+          onClick={() => show(side, row)}
+        >
+          {duration(mean_ms)}
+        </button>
+      );
+    },
+  });
+  return [
+    {
+      key: "names",
+      title: "State",
+      width: "minmax(120px, 2fr)",
+      sortable: true,
+      cell: ({ names }) => <span title={names}>{names.split("/").at(-1)}</span>,
+    },
+    {
+      key: "counts",
+      title: "Times",
+      width: "84px",
+      align: "right",
+      sortable: true,
+      cell: ({ one, other }) =>
+        one.count === other.count ? one.count : `${one.count} | ${other.count}`,
+    },
+    mean("one", "This run"),
+    mean("other", "Other run"),
+    {
+      key: "more",
+      title: "Longer by",
+      width: "minmax(84px, 1fr)",
+      align: "right",
+      sortable: true,
+      cell: ({ more_ms }) => (more_ms === null ? "" : duration(more_ms)),
+    },
+  ];
+}
