@@ -4,6 +4,7 @@ import { computed, effect, type ReadonlySignal } from "@preact/signals-core";
 import type { Extras } from "../canvas/picture.ts";
 import { HEAT_LEVELS, type ValueChip } from "../canvas/scene/input.ts";
 import { shortValue } from "../model/short_value.ts";
+import { breakpointsOf } from "../store/breakpoints.ts";
 import { heatOf } from "../store/heat.ts";
 import { runMarks } from "../store/marks.ts";
 import type { OpenTab } from "../store/page.ts";
@@ -23,17 +24,44 @@ export interface RunExtras {
 export function runExtras(tab: OpenTab): RunExtras {
   const values = valuesOf(tab);
   const heat = computed(() => heatNow(tab)?.levels ?? null);
+  const points = computed(() => pointsInShort(tab));
+  const breakpoints = computed(() => breakpointMarks(points.value));
   const extras = computed((): Extras => {
     const watch = tab.run.value;
-    if (!watch) return {};
+    if (!watch) return { breakpoints: breakpoints.value };
     const { states, lines, visits } = runMarks(watch, tab.room);
-    return { runs: states, taken: lines, visits, values: values.value, heat: heat.value };
+    return {
+      runs: states,
+      taken: lines,
+      visits,
+      values: values.value,
+      heat: heat.value,
+      breakpoints: breakpoints.value,
+    };
   });
   const stop = effect(() => {
     const watch = tab.run.value;
     return watch && tab.view.modes.value.values ? watch.wantValues() : undefined;
   });
   return { read: () => extras.value, stop };
+}
+
+/** The same text as long as nothing about breakpoints is different. */
+function pointsInShort(tab: OpenTab): string {
+  return breakpointsOf(tab)
+    .map(({ path, enabled }) => `${enabled ? "on" : "off"} ${path}`)
+    .join("\n");
+}
+
+/** States with breakpoints: whether any of theirs is on. */
+function breakpointMarks(points: string): ReadonlyMap<string, "on" | "off"> {
+  const marks = new Map<string, "on" | "off">();
+  for (const line of points === "" ? [] : points.split("\n")) {
+    const at = line.indexOf(" ");
+    const path = line.slice(at + 1);
+    if (marks.get(path) !== "on") marks.set(path, line.slice(0, at) === "on" ? "on" : "off");
+  }
+  return marks;
 }
 
 /** The heat that the canvas shows; null while it shows none. A signal's reader. */

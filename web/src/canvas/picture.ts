@@ -26,6 +26,7 @@ export interface Extras {
   readonly visits?: SceneInput["visits"];
   readonly values?: SceneInput["values"];
   readonly heat?: SceneInput["heat"];
+  readonly breakpoints?: SceneInput["breakpoints"];
 }
 
 export interface PictureOptions {

@@ -71,3 +71,11 @@ test("two thousand states are searched from the root inwards", () => {
   canvas.view.camera.value = { x: 0, y: 0, scale: 0.5 };
   expect(at(canvas, 20, 6)).toBe("state R/C0/S0");
 });
+
+test("a breakpoint is set on the upper border, beside the corner that resizes", () => {
+  const canvas = driver();
+  const [x = 0, y = 0] = canvas.box("A").split(" ").map(Number);
+  expect(at(canvas, x + 16, y - 3)).toBe("breakpoint R/A");
+  expect(at(canvas, x + 40, y + 3)).not.toContain("breakpoint");
+  expect(at(canvas.select("state:R/A"), x + 1, y + 1)).toBe("grip R/A");
+});

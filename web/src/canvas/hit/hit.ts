@@ -6,6 +6,7 @@ import { elementOf, keyOf } from "../../model/element.ts";
 import { type Box, contains, distance, type Point } from "../../model/geometry.ts";
 import type { Machine } from "../../model/machine.ts";
 import type { Camera } from "../../store/view.ts";
+import { BREAKPOINT_REACH, breakpointSpot } from "../breakpoint_spot.ts";
 import { screenBox, screenFromWorld, worldFromScreen } from "../camera.ts";
 import { type Placed, pointAt } from "../placed.ts";
 import type { Route } from "../places.ts";
@@ -45,6 +46,7 @@ export function hitAt(
     stuckHit(search) ??
     gripHit(search, "corner") ??
     portHit(search, near) ??
+    breakpointHit(search, near) ??
     gripHit(search, "side") ??
     (innermost === undefined ? null : insideHit(search, innermost)) ??
     outerLine(search, line)
@@ -137,6 +139,16 @@ function portHit(search: Search, near: readonly string[]): Hit | null {
   if (!best) return null;
   const element = elementOf(best.port.key);
   return element && { on: "port", element: element as PortRef, at: best.port.at };
+}
+
+/** Where a breakpoint is set, on the border of a state: of the inner one, if there are several. */
+function breakpointHit(search: Search, near: readonly string[]): Hit | null {
+  const path = near.findLast((each) => {
+    const box = search.places.box(each);
+    const at = box && breakpointSpot(screenBox(search.camera, box));
+    return at != null && distance(at, search.point) <= BREAKPOINT_REACH;
+  });
+  return path === undefined ? null : { on: "breakpoint", element: { kind: "state", path } };
 }
 
 /** Corners lie over ports where they are drawn, sides beside them. */

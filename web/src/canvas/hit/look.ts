@@ -37,6 +37,8 @@ export type Hit =
   /** The middle of a part of a connection: a waypoint made there gets this number. */
   | { readonly on: "middle"; readonly element: LineRef; readonly index: number }
   | { readonly on: "line"; readonly element: LineRef }
+  /** Where a click sets a breakpoint of the state, or takes it away. */
+  | { readonly on: "breakpoint"; readonly element: StateRef }
   /** The name of a state; of a selected one also the corner by which its box is resized. */
   | { readonly on: "name"; readonly element: StateRef; readonly corner: boolean }
   | { readonly on: "state"; readonly element: StateRef };

@@ -35,6 +35,7 @@ const VARIABLES: Readonly<Record<string, string>> = {
   running: "--running",
   waiting: "--waiting",
   held: "--held",
+  breakpoint: "--breakpoint",
   added: "--added",
   removed: "--removed",
   changed: "--changed",

@@ -38,6 +38,7 @@ function trace(context: Context, { shape, x, y, toX, toY }: DotMark, half: numbe
       break;
     case "waypoint":
     case "start":
+    case "breakpoint":
       context.arc(x, y, half, 0, 2 * Math.PI);
   }
 }

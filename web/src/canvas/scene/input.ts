@@ -62,6 +62,8 @@ export interface SceneInput {
   readonly values: ReadonlyMap<ElementKey, ValueChip>;
   /** Null while it is not shown. */
   readonly heat: Heat | null;
+  /** States with breakpoints: whether any of theirs is on. */
+  readonly breakpoints: ReadonlyMap<string, "on" | "off">;
   readonly measure: Measure;
   /** Whether there is time left to find the ways of another container's lines. */
   readonly mayRoute: () => boolean;
@@ -80,5 +82,6 @@ export const PLAIN = {
   visits: (_path: string) => 0,
   values: new Map<ElementKey, ValueChip>(),
   heat: null,
+  breakpoints: new Map<string, "on" | "off">(),
   mayRoute: () => true,
 } as const;

@@ -36,7 +36,15 @@ export interface LineMark {
   readonly alpha: number;
 }
 
-export type DotShape = "income" | "outcome" | "data" | "scoped" | "waypoint" | "handle" | "start";
+export type DotShape =
+  | "income"
+  | "outcome"
+  | "data"
+  | "scoped"
+  | "waypoint"
+  | "handle"
+  | "start"
+  | "breakpoint";
 
 export interface DotMark {
   readonly what: string;

@@ -1,5 +1,6 @@
 /** The box of a state with all that its border tells: its kind, what is selected, what differs, what runs. */
 
+import { breakpointMarks } from "./breakpoints.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { Difference } from "./input.ts";
 import type { BoxMark, Layer } from "./list.ts";
@@ -18,6 +19,7 @@ export function stateMarks(drawing: Drawing, spot: Spot, isOpen: boolean): void 
   const run = input.runs.get(path);
   if (run) runMarks(drawing, spot, run, isOpen);
   else visitMarks(drawing, spot);
+  breakpointMarks(drawing, spot);
   const difference = input.differences.get(key);
   if (difference) layer.boxes.push(ring(spot, DIFFERENCE_INK[difference], 2, 2, key));
   if (input.hits.has(key)) layer.boxes.push(ring(spot, "hit", 2, 4, key));

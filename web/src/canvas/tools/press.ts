@@ -34,14 +34,23 @@ export function pressing(hit: Hit | null, press: Press, around: Around): Gesture
     overlay: NO_OVERLAY,
     move: (pointer, then) =>
       isFar(pointer) ? dragging(hit, press, around).move(pointer, then) : still,
-    result: () => clicked(hit, press),
+    result: () => clicked(hit, press, around),
   };
   return still;
 }
 
-function clicked(hit: Hit | null, press: Press) {
+function clicked(hit: Hit | null, press: Press, around: Around) {
   if (!hit) return press.ctrl || press.shift ? {} : { select: [] };
+  if (setsBreakpoint(hit, press, around)) {
+    return { run: { command: "run.breakpoint", argument: hit.element.path } };
+  }
   return press.ctrl || press.shift ? { toggle: hit.element } : { select: [hit.element] };
+}
+
+/** A finger hits more than it means: it selects the state first. */
+function setsBreakpoint(hit: Hit, press: Press, around: Around): boolean {
+  if (hit.on !== "breakpoint" || press.ctrl || press.shift) return false;
+  return !press.isTouch || isSelected(hit.element, around);
 }
 
 /** The gesture that dragging begins there. */
@@ -64,6 +73,8 @@ function dragging(hit: Hit | null, press: Press, around: Around): Gesture {
     case "middle":
     case "line":
       return withSelection(bent(hit, press, around), [hit.element]);
+    case "breakpoint":
+      return stateDrag(hit, press, around);
     case "name":
       if (press.ctrl && isSelected(hit.element, around)) {
         return naming(hit.element.path, hit.corner, press, around);
@@ -141,6 +152,7 @@ export function cursorAt(hit: Hit | null): string {
     case "middle":
       return "move";
     case "line":
+    case "breakpoint":
       return "pointer";
     default:
       return "default";
