@@ -66,9 +66,14 @@ export class Server {
     await gone;
   }
 
-  /** Stops it in the middle of whatever it does: it hears nothing and answers nothing until it is ended. */
+  /** Stops it in the middle of whatever it does: it hears nothing and answers nothing until it is thawed or ended. */
   freeze(): void {
     this.#process?.kill("SIGSTOP");
+  }
+
+  /** It goes on. */
+  thaw(): void {
+    this.#process?.kill("SIGCONT");
   }
 
   /** Begins again where it was, with the same folders and token. */

@@ -1,0 +1,116 @@
+/** The page says what it does not know, and afterwards knows all of it. How long the network is cut may be said by
+ * `RAFCON_CUT_MS`. */
+
+import { expect } from "vitest";
+import { endsWhole, goesOn, isDownFor, linkIs, PACKER, startAndShow } from "./house/honest.ts";
+import { journey } from "./house/journey.ts";
+import { endRun } from "./house/mission.ts";
+import { Wire } from "./house/wire.ts";
+
+const HERE = { machines: { packer: PACKER }, open: "packer" };
+const FOREVER = { inputs: { wanted: 1_000_000 } };
+const CUT_MS = Number(process.env["RAFCON_CUT_MS"] ?? 0);
+
+journey(
+  "the server is killed and begins again in the middle of a run: the page has every event once",
+  HERE,
+  async ({ app, server }) => {
+    const run = await startAndShow(app, server, "packer", FOREVER);
+    await goesOn(app);
+    await server.end("SIGKILL");
+    await linkIs(app, "down");
+    await server.restart();
+    await linkIs(app, "up");
+    await goesOn(app);
+    await endsWhole(app, server, run);
+  },
+);
+
+journey(
+  "the network is cut in the middle of a run: what is shown is greyed with its age, and then the page has every event once",
+  HERE,
+  async ({ app, server }) => {
+    const wire = await Wire.to(server);
+    try {
+      await app.sheet.goto(wire.link);
+      await app.connected();
+      await app.open("packer");
+      const run = await startAndShow(app, server, "packer", FOREVER);
+      await goesOn(app);
+      const old = app.sheet.locator(".canvas-mount.is-old");
+      await old.waitFor({ state: "detached" });
+      wire.cut("silent");
+      await old.waitFor({ timeout: 60_000 });
+      await app.sheet.getByText(/was not heard for \d+ s/).waitFor();
+      await linkIs(app, "down");
+      await app.sheet.getByText(/^No connection for/).waitFor();
+      await isDownFor(app, CUT_MS);
+      wire.mend();
+      await linkIs(app, "up");
+      await old.waitFor({ state: "detached", timeout: 60_000 });
+      await goesOn(app);
+      await endsWhole(app, server, run);
+    } finally {
+      wire.close();
+    }
+  },
+);
+
+journey(
+  "a command that is given while the network is cut is under way, and says that it expired",
+  HERE,
+  async ({ app, server }) => {
+    const wire = await Wire.to(server);
+    try {
+      await app.sheet.goto(wire.link);
+      await app.connected();
+      await app.open("packer");
+      const run = await startAndShow(app, server, "packer", FOREVER);
+      await goesOn(app);
+      wire.cut("refusing");
+      await linkIs(app, "down");
+      await app.sheet.evaluate(() => {
+        const watch = window.__rafcon.page.active.value?.run.value;
+        void watch?.command({ type: "pause" }, 500);
+      });
+      const commands = app.sheet.getByRole("list", { name: "Commands under way" });
+      await commands.getByText(/Pause sent \d+\.\d s ago, no answer, and too late now/).waitFor();
+      wire.mend();
+      await commands.getByText("Pause expired: it was never carried out").waitFor();
+      const status = await app.sheet.evaluate(
+        () => window.__rafcon.page.active.value?.run.value?.now.value?.snapshot?.status,
+      );
+      expect(status).toBe("running");
+      await commands.getByRole("button", { name: "Close" }).click();
+      await commands.getByText("expired").waitFor({ state: "detached" });
+      await endRun(server, run);
+    } finally {
+      wire.close();
+    }
+  },
+);
+
+journey(
+  "a command is under way until the robot has answered, and only then the page says that it paused",
+  HERE,
+  async ({ app, server }) => {
+    const run = await startAndShow(app, server, "packer", FOREVER);
+    await goesOn(app);
+    server.freeze();
+    await app.sheet.evaluate(() => {
+      void window.__rafcon.page.active.value?.run.value?.command({ type: "pause" }, 600_000);
+    });
+    const commands = app.sheet.getByRole("list", { name: "Commands under way" });
+    await commands.getByText(/Pause sent \d+\.\d s ago, not answered yet/).waitFor();
+    const statusIs = (wanted: string) =>
+      app.until(
+        ({ tab }, status) => tab?.run.value?.now.value?.snapshot?.status === status,
+        wanted,
+      );
+    await statusIs("running");
+    server.thaw();
+    await commands.getByText("Pause was carried out").waitFor();
+    await statusIs("paused");
+    await endRun(server, run);
+  },
+);
