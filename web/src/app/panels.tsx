@@ -3,9 +3,11 @@
 import {
   Activity,
   Braces,
+  ChartBar,
   ChartGantt,
   CircleAlert,
   CircleDot,
+  Eye,
   GitCompare,
   GitCompareArrows,
   History,
@@ -36,8 +38,10 @@ import { Problems } from "../panels/problems/problems.tsx";
 import { Running } from "../panels/running/running.tsx";
 import { Runs } from "../panels/runs/runs.tsx";
 import { Search } from "../panels/search/search.tsx";
+import { Statistics } from "../panels/statistics/statistics.tsx";
 import { Timeline } from "../panels/timeline/timeline.tsx";
 import { StateTree } from "../panels/tree/tree.tsx";
+import { Watches } from "../panels/watches/watches.tsx";
 import { countWanting } from "../store/acknowledged.ts";
 import { breakpointsOf } from "../store/breakpoints.ts";
 import type { OpenTab } from "../store/page.ts";
@@ -75,6 +79,7 @@ export const PANELS: readonly Panel[] = [
     component: Inspector,
     side: "right",
   },
+  { id: "watches", title: "Watches", icon: Eye, component: Watches, side: "right" },
   { id: "timeline", title: "Timeline", icon: ChartGantt, component: Timeline, side: "bottom" },
   { id: "history", title: "Run history", icon: ListOrdered, component: RunHistory, side: "bottom" },
   { id: "compare", title: "Compare runs", icon: GitCompare, component: Compare, side: "bottom" },
@@ -86,6 +91,7 @@ export const PANELS: readonly Panel[] = [
     side: "left",
     count: (tab) => countWanting(tab?.run.value ?? null),
   },
+  { id: "statistics", title: "Statistics", icon: ChartBar, component: Statistics, side: "bottom" },
   { id: "log", title: "Log", icon: ScrollText, component: Log, side: "bottom" },
   { id: "edits", title: "Edits", icon: History, component: Edits, side: "bottom" },
   {

@@ -84,7 +84,7 @@ function put(tab: OpenTab, all: readonly Watched[]): void {
 }
 
 function machineKey({ room, run }: OpenTab): string {
-  const file = room.status.peek()?.summary.file ?? run.peek()?.now.peek()?.run.machine;
+  const file = room.status.value?.summary.file ?? run.value?.now.value?.run.machine;
   return file ? `${file.project}/${file.path}` : room.id;
 }
 

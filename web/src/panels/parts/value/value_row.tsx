@@ -188,7 +188,7 @@ function ArrayFacts({ found }: { found: Extract<Read, { kind: "array" }> }) {
     <p className="value-fact">
       {found.of} of {found.dtype}
       {size !== "" && `, ${size}`}
-      {!isWhole && `; shown is every ${found.steps.join(", ")}. along the axes`}
+      {!isWhole && `; shown is one in ${found.steps.join(" × ")}`}
     </p>
   );
 }

@@ -1,0 +1,159 @@
+/** Parts of values and what is worked out of them, for expressions. What was not kept of a value is said, never guessed. */
+
+import type { JsonValue } from "./generated/protocol.ts";
+import { numbersOf } from "./numbers.ts";
+import { type ReadArray, read, typeWords } from "./wire.ts";
+
+/** Why there is no such part, in words for people. */
+export class WrongValue extends Error {}
+
+export const FUNCTIONS: readonly string[] = ["len", "abs", "min", "max", "sum", "mean", "round"];
+
+/** The value as a number. */
+export function numberIn(value: JsonValue): number {
+  const found = read(value);
+  if (found.kind === "number") return found.value;
+  if (found.kind === "bool") return Number(found.value);
+  if (found.kind === "array" && found.items?.length === 1) return found.items[0] ?? Number.NaN;
+  throw new WrongValue(`${typeWords(found)} is no number`);
+}
+
+/** Whether Python takes the value for true. */
+export function isTrue(value: JsonValue): boolean {
+  const found = read(value);
+  switch (found.kind) {
+    case "none":
+      return false;
+    case "bool":
+      return found.value;
+    case "number":
+      return found.value !== 0;
+    case "text":
+    case "list":
+    case "dict":
+      return found.count > 0;
+    default:
+      return true;
+  }
+}
+
+/** `value.x`: an entry of a dict, or what an array tells of itself. */
+export function memberOf(value: JsonValue, name: string): JsonValue {
+  const found = read(value);
+  if (found.kind === "dict") return partOf(value, name);
+  if (found.kind === "array" && name === "shape") return { __tuple__: [...found.shape] };
+  if (found.kind === "array" && name === "dtype") return found.dtype;
+  if (found.kind === "error" && name === "message") return found.message;
+  if (found.kind === "object") throw new WrongValue(`of ${found.of} only its text was kept`);
+  throw new WrongValue(`${typeWords(found)} has no ${name}`);
+}
+
+/** `value[key]`. */
+export function partOf(value: JsonValue, key: JsonValue): JsonValue {
+  const found = read(value);
+  switch (found.kind) {
+    case "dict": {
+      const wanted = typeof key === "string" ? key : String(key);
+      const entry = found.entries.find(([name]) => name === wanted);
+      if (entry) return entry[1];
+      const isCut = found.count > found.entries.length;
+      throw new WrongValue(isCut ? `"${wanted}" was not kept` : `there is no "${wanted}"`);
+    }
+    case "list": {
+      const index = indexIn(key, found.count);
+      const item = found.items[index];
+      if (item === undefined) throw new WrongValue(`[${index}] was not kept`);
+      return item;
+    }
+    case "text":
+      return [...found.text][indexIn(key, found.count)] ?? "";
+    case "array":
+      return rowOf(found, key);
+    default:
+      throw new WrongValue(`${typeWords(found)} has no parts`);
+  }
+}
+
+function indexIn(key: JsonValue, count: number): number {
+  const wanted = numberIn(key);
+  const index = wanted < 0 ? wanted + count : wanted;
+  if (!Number.isInteger(index)) throw new WrongValue(`${wanted} is no index`);
+  if (index < 0 || index >= count)
+    throw new WrongValue(`[${wanted}] is beyond the end: there are ${count}`);
+  return index;
+}
+
+/** A number of an array, or what stands along its other axes. */
+function rowOf(array: ReadArray, key: JsonValue): JsonValue {
+  const { items, shape, sampled, steps } = array;
+  const [count = 0, ...inner] = shape;
+  if (!items || shape.length === 0) throw new WrongValue("of this array no numbers were kept");
+  const index = indexIn(key, count);
+  const step = steps[0] ?? 1;
+  if (index % step !== 0) throw new WrongValue(`[${index}] was not kept: one in ${step} was`);
+  const size = sampled.slice(1).reduce((all, each) => all * each, 1);
+  const row = items.slice((index / step) * size, (index / step + 1) * size);
+  if (inner.length === 0) return row[0] ?? null;
+  return {
+    __repr__: "",
+    __class__: array.of,
+    __dtype__: array.dtype,
+    __shape__: inner,
+    __items__: [...row],
+    __sampled__: sampled.slice(1),
+    __steps__: steps.slice(1),
+  };
+}
+
+export function callFunction(name: string, values: readonly JsonValue[]): JsonValue {
+  const [first = null] = values;
+  switch (name) {
+    case "len":
+      return lengthOf(first);
+    case "abs":
+      return Math.abs(numberIn(first));
+    case "round": {
+      const power = 10 ** numberIn(values[1] ?? 0);
+      return Math.round(numberIn(first) * power) / power;
+    }
+    default:
+      return overAll(name, values.length > 1 ? values.map(numberIn) : allIn(first));
+  }
+}
+
+function lengthOf(value: JsonValue): number {
+  const found = read(value);
+  if (found.kind === "array" && found.shape.length > 0) return found.shape[0] ?? 0;
+  if (found.kind === "text" || found.kind === "list" || found.kind === "dict") return found.count;
+  throw new WrongValue(`${typeWords(found)} has no length`);
+}
+
+function overAll(name: string, numbers: readonly number[]): number {
+  if (numbers.length === 0 && name !== "sum") throw new WrongValue(`${name} of nothing`);
+  const sum = numbers.reduce((all, each) => all + each, 0);
+  switch (name) {
+    case "min":
+      return Math.min(...numbers);
+    case "max":
+      return Math.max(...numbers);
+    case "mean":
+      return sum / numbers.length;
+    default:
+      return sum;
+  }
+}
+
+/** All numbers of a list or array: of one that was kept in part nothing is worked out. */
+function allIn(value: JsonValue): readonly number[] {
+  const found = read(value);
+  const isCut =
+    found.kind === "array"
+      ? found.steps.some((step) => step > 1)
+      : found.kind === "list" && found.count > found.items.length;
+  if (isCut) throw new WrongValue("not all of its numbers were kept");
+  if (found.kind === "list" && found.items.length < 2) return found.items.map(numberIn);
+  if (found.kind === "array" && found.items) return found.items;
+  const numbers = numbersOf(found);
+  if (!numbers) throw new WrongValue(`${typeWords(found)} has no numbers in a row`);
+  return numbers.items;
+}

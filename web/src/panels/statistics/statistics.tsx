@@ -1,0 +1,220 @@
+/** How often the states of a run ran, how long, and how they ended. */
+
+import { Flame, RefreshCw } from "lucide-react";
+import { useMemo, useRef, useState } from "react";
+import type { StateStatistics, Statistics as Told } from "../../model/generated/protocol.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { Button, IconButton } from "../../ui/button.tsx";
+import { Empty } from "../../ui/empty.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { type Column, Table } from "../../ui/table.tsx";
+import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
+import { reveal } from "../reveal.ts";
+import { rowsOf, type Sort, scaleOf, sortedBy } from "./rows.ts";
+import { useStatistics } from "./use_statistics.ts";
+import "./statistics.css";
+
+export function Statistics() {
+  const tab = useActiveTab();
+  return tab ? <OfTab key={tab.room.id} tab={tab} /> : <NoRun />;
+}
+
+function NoRun() {
+  return (
+    <Empty
+      title="No run is shown"
+      text="Start a run, or open one in Runs: how often its states ran, how long and how they ended stands here."
+    />
+  );
+}
+
+function OfTab({ tab }: { tab: OpenTab }) {
+  const watch = useSignal(tab.run);
+  return watch ? <OfRun key={watch.id} tab={tab} watch={watch} /> : <NoRun />;
+}
+
+function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
+  const host = useHost();
+  const command = useCommand();
+  const place = useRef<HTMLDivElement>(null);
+  const { page } = host.context();
+  const { statistics, refusal, refresh } = useStatistics(page.runs, watch, place);
+  const [query, setQuery] = useState("");
+  const heat = useSignal(tab.view.heat);
+  return (
+    <div className="statistics" ref={place}>
+      <div className="statistics-bar">
+        <TextField
+          label="Filter states"
+          hideLabel
+          type="search"
+          placeholder="Filter by state or outcome"
+          value=""
+          onInput={setQuery}
+        />
+        <span className="statistics-fact">{factOf(statistics)}</span>
+        <Button
+          kind="quiet"
+          icon={<Flame size={14} />}
+          pressed={heat !== "off"}
+          title="Colour the states of the canvas by how long they ran"
+          onClick={() => command("view.heat", heat === "off" ? "time" : "off")}
+        >
+          Heat on the canvas
+        </Button>
+        <IconButton label="Count again" icon={<RefreshCw size={14} />} onClick={refresh} />
+      </div>
+      {refusal !== null && <p className="statistics-refusal">{refusal}</p>}
+      {statistics && <Rows tab={tab} states={statistics.states} query={query} />}
+    </div>
+  );
+}
+
+function factOf(statistics: Told | null): string {
+  if (!statistics) return "counting…";
+  const { states, sequence } = statistics;
+  return `${states.length} ${states.length === 1 ? "state" : "states"}, up to event ${sequence}`;
+}
+
+interface RowsProps {
+  readonly tab: OpenTab;
+  readonly states: readonly StateStatistics[];
+  readonly query: string;
+}
+
+function Rows({ tab, states, query }: RowsProps) {
+  const host = useHost();
+  const selection = useSignal(tab.view.selection);
+  const [sort, setSort] = useState<Sort>({ key: "total", down: true });
+  const rows = useMemo(() => rowsOf(states, query, sort), [states, query, sort]);
+  const columns = useMemo(() => columnsOf(states), [states]);
+  const selected = new Set(
+    rows.flatMap(({ path }) => (selection.has(`state:${path}`) ? [path] : [])),
+  );
+  if (rows.length === 0) {
+    const text = states.length === 0 ? "No state has ended so far." : "No state fits the filter.";
+    return <p className="statistics-none">{text}</p>;
+  }
+  return (
+    <div className="statistics-table">
+      <Table
+        label="Statistics of the run"
+        columns={columns}
+        rows={rows}
+        id={({ path }) => path}
+        sort={sort}
+        onSort={(key) => setSort(sortedBy(sort, key))}
+        selected={selected}
+        onSelect={({ path }) => reveal(host, { kind: "state", path })}
+        onHover={(row) => {
+          tab.view.hovered.value = row ? { kind: "state", path: row.path } : null;
+        }}
+      />
+    </div>
+  );
+}
+
+function columnsOf(states: readonly StateStatistics[]): readonly Column<StateStatistics>[] {
+  const scale = scaleOf(states);
+  const time = (key: string, title: string, ns: (row: StateStatistics) => number) =>
+    ({
+      key,
+      title,
+      width: "76px",
+      align: "right",
+      sortable: true,
+      cell: (row: StateStatistics) => duration(ns(row) / 1e6),
+    }) as const;
+  return [
+    {
+      key: "names",
+      title: "State",
+      width: "minmax(140px, 2fr)",
+      sortable: true,
+      cell: ({ names }) => <Names names={names} />,
+    },
+    {
+      key: "count",
+      title: "Count",
+      width: "64px",
+      align: "right",
+      sortable: true,
+      cell: ({ count }) => count,
+    },
+    time("total", "Total", ({ total_ns }) => total_ns),
+    time("min", "Min", ({ min_ns }) => min_ns),
+    time("median", "Median", ({ median_ns }) => median_ns),
+    time("p95", "95 %", ({ p95_ns }) => p95_ns),
+    time("max", "Max", ({ max_ns }) => max_ns),
+    {
+      key: "spread",
+      title: "Spread",
+      width: "minmax(70px, 0.8fr)",
+      cell: (row) => <Spread row={row} scale={scale} />,
+    },
+    {
+      key: "outcomes",
+      title: "Outcomes",
+      width: "minmax(110px, 1.4fr)",
+      cell: (row) => <Outcomes row={row} />,
+    },
+  ];
+}
+
+/** The name, with those around it behind: where there is little room, these give way. */
+function Names({ names }: { names: string }) {
+  const parts = names.split("/");
+  const around = parts.slice(0, -1).join(" / ");
+  return (
+    <span title={parts.join(" / ")}>
+      {parts.at(-1)} <span className="statistics-faint">{around}</span>
+    </span>
+  );
+}
+
+interface SpreadProps {
+  readonly row: StateStatistics;
+  readonly scale: (ns: number) => number;
+}
+
+/** From the shortest to the longest, thick up to 95 of 100, with a mark at the median; beside each other by magnitude. */
+function Spread({ row, scale }: SpreadProps) {
+  const percent = (ns: number) => `${(scale(ns) * 100).toFixed(1)}%`;
+  const words = `from ${duration(row.min_ns / 1e6)} to ${duration(row.max_ns / 1e6)}, half within ${duration(row.median_ns / 1e6)}`;
+  return (
+    <svg className="statistics-spread" role="img" aria-label={words}>
+      <title>{words}</title>
+      <line x1={percent(row.min_ns)} x2={percent(row.max_ns)} y1="50%" y2="50%" />
+      <line
+        className="statistics-most"
+        x1={percent(row.min_ns)}
+        x2={percent(row.p95_ns)}
+        y1="50%"
+        y2="50%"
+      />
+      <circle cx={percent(row.median_ns)} cy="50%" r={3} />
+    </svg>
+  );
+}
+
+function Outcomes({ row: { outcomes } }: { row: StateStatistics }) {
+  const words = outcomes.map(({ outcome, count }) => `${outcome.name} ${count}`).join(", ");
+  return (
+    <span title={words}>
+      {outcomes.map(({ outcome, count }, index) => (
+        <span key={outcome.id} className={classOf(outcome.id)}>
+          {index > 0 ? ", " : ""}
+          {outcome.name} {count}
+        </span>
+      ))}
+    </span>
+  );
+}
+
+function classOf(outcome: number): string | undefined {
+  if (outcome === -1) return "statistics-aborted";
+  return outcome === -2 ? "statistics-preempted" : undefined;
+}

@@ -1,0 +1,184 @@
+/** A watched value over the time of the run. The cursor is that of all plots; a click sets the moment that the page shows. */
+
+import { useEffect, useRef } from "react";
+import type uPlot from "uplot";
+import type { Point } from "../../store/series.ts";
+import { useSignal } from "../../ui/signals.ts";
+import { duration } from "../parts/duration.ts";
+import type { WatchedValue } from "./watched_value.ts";
+
+const HEIGHT_PX = 92;
+const LINE_PX = 1;
+
+export function Plot({ watched }: { watched: WatchedValue }) {
+  const place = useRef<HTMLDivElement>(null);
+  const { history, watch, name } = watched;
+  const points = history.series.points;
+  const changed = useSignal(history.changed);
+  const moment = useSignal(watch.moment);
+  const grown = useSignal(watch.grown);
+  const plot = useRef<uPlot | null>(null);
+  const latest = useRef({ watched, moment });
+  latest.current = { watched, moment };
+  useEffect(() => {
+    const home = place.current;
+    if (!home) return;
+    let isGone = false;
+    let tidy = () => {};
+    void draw(home, () => latest.current).then((made) => {
+      if (isGone) made.destroy();
+      else {
+        plot.current = made;
+        made.setData(dataOf(latest.current.watched));
+        tidy = follow(home, made);
+      }
+    });
+    return () => {
+      isGone = true;
+      tidy();
+      plot.current?.destroy();
+      plot.current = null;
+    };
+  }, []);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the series stays the same object; `changed` and `grown` tell of it
+  useEffect(() => plot.current?.setData(dataOf(watched)), [watched, changed, grown]);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the line of the moment is read when it is drawn
+  useEffect(() => plot.current?.redraw(false), [moment]);
+  return (
+    <div
+      ref={place}
+      className="watches-plot"
+      role="img"
+      aria-label={`${name} over time: ${points.length} points`}
+    />
+  );
+}
+
+interface Latest {
+  readonly watched: WatchedValue;
+  readonly moment: number | null;
+}
+
+/** The plot itself comes when it is first needed. */
+async function draw(home: HTMLElement, latest: () => Latest): Promise<uPlot> {
+  const [{ default: Made }] = await Promise.all([
+    import("uplot"),
+    import("uplot/dist/uPlot.min.css"),
+  ]);
+  const colour = (name: string) => () => getComputedStyle(home).getPropertyValue(name).trim();
+  const axis = {
+    stroke: colour("--text-faint"),
+    ticks: { show: false },
+    font: "10px Inter Variable",
+  };
+  const grid = { stroke: colour("--border"), width: LINE_PX };
+  const stepped = Made.paths.stepped?.({ align: 1 });
+  return new Made(
+    {
+      width: Math.max(60, home.clientWidth),
+      height: HEIGHT_PX,
+      legend: { show: false },
+      padding: [6, 8, 0, 0],
+      cursor: {
+        sync: { key: "rafcon watches" },
+        drag: { x: false, y: false },
+        points: { size: 6 },
+        bind: {
+          click: (plot) => () => {
+            show(plot, latest());
+            return null;
+          },
+        },
+      },
+      scales: { x: { time: false } },
+      axes: [
+        { ...axis, grid, size: 20, values: (_, ticks) => ticks.map((s) => duration(s * 1_000)) },
+        { ...axis, grid, size: 44 },
+      ],
+      series: [
+        {},
+        {
+          stroke: colour("--accent"),
+          width: 1.5,
+          points: { show: false },
+          ...(stepped ? { paths: stepped } : {}),
+        },
+      ],
+      hooks: {
+        draw: [(plot) => drawMoment(plot, latest(), colour("--data")())],
+        setCursor: [(plot) => tell(home, plot, latest())],
+      },
+    },
+    dataOf(latest().watched),
+    home,
+  );
+}
+
+/** The value under the cursor, in words. */
+function tell(home: HTMLElement, plot: uPlot, { watched }: Latest): void {
+  const point = pointAt(plot, watched.history.series.points);
+  const words = point ? `${point.value} at ${duration(point.t_ns / 1e6)}` : "";
+  const told = home.parentElement?.querySelector(".watches-told");
+  if (told) told.textContent = words;
+}
+
+function show(plot: uPlot, { watched }: Latest): void {
+  const point = pointAt(plot, watched.history.series.points);
+  if (point) watched.watch.moment.value = point.sequence;
+}
+
+/** The last point up to the cursor. */
+function pointAt(plot: uPlot, points: readonly Point[]): Point | null {
+  const left = plot.cursor.left ?? -1;
+  if (left < 0) return null;
+  const t_ns = plot.posToVal(left, "x") * 1e9;
+  const after = points.findIndex((point) => point.t_ns > t_ns);
+  return points[after < 0 ? points.length - 1 : Math.max(0, after - 1)] ?? null;
+}
+
+/** Times in seconds and values; what it was last it still is. */
+function dataOf({ history, watch }: WatchedValue): uPlot.AlignedData {
+  const { points } = history.series;
+  const { journal } = watch;
+  const times = points.map(({ t_ns }) => t_ns / 1e9);
+  const values: (number | null)[] = points.map(({ value }) =>
+    Number.isFinite(value) ? value : null,
+  );
+  const end = journal.length === 0 ? 0 : journal.t_ns(journal.length - 1) / 1e9;
+  if (times.length > 0 && end > (times.at(-1) ?? 0)) {
+    times.push(end);
+    values.push(values.at(-1) ?? null);
+  }
+  return [times, values];
+}
+
+function drawMoment(plot: uPlot, { watched, moment }: Latest, colour: string): void {
+  if (moment === null) return;
+  const { journal } = watched.watch;
+  const x = plot.valToPos(journal.t_ns(journal.indexOf(moment)) / 1e9, "x", true);
+  const { left, top, width, height } = plot.bbox;
+  if (x < left || x > left + width) return;
+  const { ctx } = plot;
+  ctx.save();
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = 2 * devicePixelRatio;
+  ctx.beginPath();
+  ctx.moveTo(x, top);
+  ctx.lineTo(x, top + height);
+  ctx.stroke();
+  ctx.restore();
+}
+
+/** As wide as its place, in the colours of the theme. */
+function follow(home: HTMLElement, plot: uPlot): () => void {
+  const sizes = new ResizeObserver(() => {
+    if (home.clientWidth > 0) plot.setSize({ width: home.clientWidth, height: HEIGHT_PX });
+  });
+  sizes.observe(home);
+  const themes = new MutationObserver(() => plot.redraw());
+  themes.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+  return () => {
+    sizes.disconnect();
+    themes.disconnect();
+  };
+}

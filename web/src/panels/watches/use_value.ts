@@ -1,0 +1,77 @@
+/** A watched value at the moment that the page shows. */
+
+import { computed } from "@preact/signals-core";
+import { useEffect, useMemo } from "react";
+import { portsOf } from "../../model/machine.ts";
+import { originOf } from "../../store/origin.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { pictureOf, standingOf } from "../../store/standing.ts";
+import { valueIn } from "../../store/value_history.ts";
+import { visitsOf } from "../../store/visits.ts";
+import type { Target } from "../../store/watched_values.ts";
+import { usePaced } from "../../ui/paced.ts";
+import { type Detailed, useDetail } from "../parts/value/use_detail.ts";
+
+const PACE_MS = 200;
+
+export type ValueNow =
+  | { readonly state: "there"; readonly value: unknown; readonly sequence: number | null }
+  /** In words for people. */
+  | { readonly state: "none"; readonly why: string }
+  | { readonly state: "coming" };
+
+const COMING: ValueNow = { state: "coming" };
+
+/** What is at hand, and else the event that tells. */
+type Found = ValueNow | { readonly state: "event"; readonly sequence: number };
+
+export function useValue(page: Page, tab: OpenTab, watch: Watch, target: Target): ValueNow {
+  useEffect(() => watch.wantValues(), [watch]);
+  const signal = useMemo(() => computed(() => find(tab, watch, target)), [tab, watch, target]);
+  const found = usePaced(signal, PACE_MS);
+  const asked = useDetail(page.runs, watch.id, found.state === "event" ? found.sequence : null);
+  return found.state === "event" ? told(asked, target) : found;
+}
+
+function told({ detail, refusal }: Detailed, target: Target): ValueNow {
+  if (!detail) return refusal === null ? COMING : { state: "none", why: refusal };
+  const value = valueIn(detail.event, target);
+  if (value === undefined) return { state: "none", why: "it was not kept" };
+  return { state: "there", value, sequence: detail.sequence };
+}
+
+function find(tab: OpenTab, watch: Watch, target: Target): Found {
+  const { kind, path, name } = target;
+  if (kind === "global") {
+    const picture = pictureOf(watch);
+    if (!picture) return COMING;
+    const isThere = Object.hasOwn(picture.globals, name);
+    if (!isThere) return { state: "none", why: "no such global variable at this moment" };
+    return { state: "there", value: picture.globals[name], sequence: null };
+  }
+  const standing = standingOf(watch, path);
+  if (kind === "scoped_variable") {
+    if (!standing.scoped) return { state: "none", why: "its state is not active at this moment" };
+    return {
+      state: "there",
+      value: standing.scoped[name],
+      sequence: writtenAt(tab, watch, target),
+    };
+  }
+  const turn = kind === "input" ? standing.entered : standing.left;
+  const values = kind === "input" ? standing.inputs : standing.outputs;
+  if (!turn) return { state: "none", why: kind === "input" ? "not entered yet" : "not ended yet" };
+  if (values === null) return { state: "none", why: "it was not kept" };
+  if (values === undefined) return { state: "event", sequence: turn.sequence };
+  if (!Object.hasOwn(values, name)) return { state: "none", why: "nothing was given" };
+  return { state: "there", value: values[name], sequence: turn.sequence };
+}
+
+function writtenAt({ room }: OpenTab, watch: Watch, { path, name }: Target): number | null {
+  const state = room.machine.state(path);
+  const port = state && portsOf(state, "scoped_variable").find((each) => each.name === name);
+  if (!port) return null;
+  const ref = { kind: "scoped_variable", path, id: port.id } as const;
+  return originOf(room.machine, visitsOf(watch), ref, watch.moment.value)?.sequence ?? null;
+}

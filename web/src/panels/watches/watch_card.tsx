@@ -1,0 +1,210 @@
+/** One watched value: where it is from, what of it is watched, what it is, and how it went. */
+
+import { ChevronLeft, ChevronRight, X } from "lucide-react";
+import { useEffect, useMemo } from "react";
+import { type Expression, readExpression } from "../../model/expression.ts";
+import { namesTo } from "../../model/machine.ts";
+import { shortValue } from "../../model/short_value.ts";
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import type { ChangeOfValue } from "../../store/series.ts";
+import { ValueHistory } from "../../store/value_history.ts";
+import { changeWatched, removeWatched, type Watched, WHOLE } from "../../store/watched_values.ts";
+import { IconButton } from "../../ui/button.tsx";
+import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { useHost } from "../context.tsx";
+import { sinceStart } from "../parts/duration.ts";
+import { ValueView } from "../parts/value/value_view.tsx";
+import { reveal } from "../reveal.ts";
+import { Plot } from "./plot.tsx";
+import { useValue } from "./use_value.ts";
+import type { WatchedValue } from "./watched_value.ts";
+
+export interface WatchCardProps {
+  readonly tab: OpenTab;
+  readonly watched: Watched;
+  readonly watch: Watch | null;
+}
+
+const KIND_WORDS = {
+  input: "input of",
+  output: "output of",
+  scoped_variable: "in",
+  global: "global variable",
+} as const;
+
+export function WatchCard({ tab, watched, watch }: WatchCardProps) {
+  const { expression } = watched;
+  const read = useMemo(() => readExpression(expression), [expression]);
+  return (
+    <article className="watches-card" aria-label={`${watched.target.name}: ${expression}`}>
+      <Head tab={tab} watched={watched} />
+      <TextField
+        label={`What of ${watched.target.name} is watched`}
+        hideLabel
+        mono
+        value={expression}
+        placeholder={WHOLE}
+        check={refusalOf}
+        onCommit={(text) => changeWatched(tab, watched.id, text.trim() || WHOLE)}
+      />
+      {watch && "of" in read && (
+        <InRun tab={tab} watched={watched} watch={watch} expression={read} />
+      )}
+      {!watch && <p className="watches-faint">It has a value once a run is shown.</p>}
+    </article>
+  );
+}
+
+function refusalOf(text: string): string | null {
+  const read = readExpression(text.trim() || WHOLE);
+  return "refused" in read ? read.refused : null;
+}
+
+function Head({ tab, watched }: Omit<WatchCardProps, "watch">) {
+  const host = useHost();
+  const { kind, path, name } = watched.target;
+  const names = path === "" ? [] : namesTo(tab.room.machine, path);
+  return (
+    <div className="watches-head">
+      <strong>{name}</strong>
+      <span className="watches-faint">{KIND_WORDS[kind]}</span>
+      {path !== "" && (
+        <button
+          type="button"
+          className="watches-link"
+          title={names.join(" / ")}
+          onClick={() => reveal(host, { kind: "state", path })}
+        >
+          {names.at(-1)}
+        </button>
+      )}
+      <IconButton
+        className="watches-mini"
+        label={`Watch ${name} no more`}
+        icon={<X size={13} />}
+        onClick={() => removeWatched(tab, watched.id)}
+      />
+    </div>
+  );
+}
+
+interface InRunProps {
+  readonly tab: OpenTab;
+  readonly watched: Watched;
+  readonly watch: Watch;
+  readonly expression: Expression;
+}
+
+function InRun({ tab, watched, watch, expression }: InRunProps) {
+  const { page } = useHost().context();
+  const { target } = watched;
+  const history = useMemo(
+    () => new ValueHistory(page.runs, watch, target, expression),
+    [page, watch, target, expression],
+  );
+  useEffect(() => history.follow(), [history]);
+  const shown: WatchedValue = useMemo(
+    () => ({ name: target.name, watch, history }),
+    [target, watch, history],
+  );
+  return (
+    <>
+      <Now tab={tab} watched={watched} watch={watch} expression={expression} />
+      <Over watched={shown} />
+    </>
+  );
+}
+
+function Now({ tab, watched, watch, expression }: InRunProps) {
+  const { page } = useHost().context();
+  const now = useValue(page, tab, watch, watched.target);
+  if (now.state === "coming") return <p className="watches-faint">…</p>;
+  if (now.state === "none") return <p className="watches-faint">No value: {now.why}.</p>;
+  const worked = expression.of(now.value);
+  if ("refused" in worked) return <p className="watches-refusal">{worked.refused}</p>;
+  return <ValueView value={worked.value} keep={`watched ${watched.id} ${watched.expression}`} />;
+}
+
+/** Numbers as a plot, all else as its last changes. */
+function Over({ watched }: { watched: WatchedValue }) {
+  const { history, watch } = watched;
+  useSignal(history.changed);
+  const refusal = useSignal(history.refusal);
+  const isTold = useSignal(history.isTold);
+  const { points, changes } = history.series;
+  return (
+    <>
+      {refusal !== null && <p className="watches-refusal">{refusal}</p>}
+      {points.length > 0 && (
+        <>
+          <Plot watched={watched} />
+          <Steps watched={watched} />
+        </>
+      )}
+      {points.length === 0 && changes.length > 0 && <Changes changes={changes} watch={watch} />}
+      {isTold && history.series.count === 0 && (
+        <p className="watches-faint">No value so far in this run.</p>
+      )}
+    </>
+  );
+}
+
+/** From point to point by keyboard: what a click into the plot does. */
+function Steps({ watched: { name, watch, history } }: { watched: WatchedValue }) {
+  const moment = useSignal(watch.moment);
+  const { series } = history;
+  const at = moment ?? Number.POSITIVE_INFINITY;
+  const [before, after] = [series.beside(at, "before"), series.beside(at, "after")];
+  const show = (sequence: number | undefined) => {
+    if (sequence !== undefined) watch.moment.value = sequence;
+  };
+  return (
+    <div className="watches-steps">
+      <IconButton
+        className="watches-mini"
+        label={`Show the value of ${name} before`}
+        icon={<ChevronLeft size={14} />}
+        disabled={!before}
+        onClick={() => show(before?.sequence)}
+      />
+      <IconButton
+        className="watches-mini"
+        label={`Show the value of ${name} after`}
+        icon={<ChevronRight size={14} />}
+        disabled={!after}
+        onClick={() => show(after?.sequence)}
+      />
+      <output className="watches-told" />
+      <span className="watches-faint">{series.count} values</span>
+    </div>
+  );
+}
+
+/** So many of the last changes are shown. */
+const CHANGES_SHOWN = 20;
+
+function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch: Watch }) {
+  return (
+    <ol className="watches-changes" aria-label="Last changes, the newest first">
+      {changes
+        .slice(-CHANGES_SHOWN)
+        .reverse()
+        .map(({ sequence, t_ns, value }) => (
+          <li key={sequence}>
+            <button
+              type="button"
+              className="watches-link"
+              onClick={() => {
+                watch.moment.value = sequence;
+              }}
+            >
+              {sinceStart(t_ns / 1e6, 1)}
+            </button>
+            <code>{shortValue(value, 40)}</code>
+          </li>
+        ))}
+    </ol>
+  );
+}

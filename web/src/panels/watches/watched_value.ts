@@ -1,0 +1,11 @@
+/** One watched value of one run, as its parts are given it. */
+
+import type { Watch } from "../../store/run.ts";
+import type { ValueHistory } from "../../store/value_history.ts";
+
+export interface WatchedValue {
+  /** What is watched, in words. */
+  readonly name: string;
+  readonly watch: Watch;
+  readonly history: ValueHistory;
+}

@@ -1,0 +1,25 @@
+import { expect, test } from "vitest";
+import { POINTS_MAX, Series } from "./series.ts";
+
+test("numbers and truths are points, all else changes", () => {
+  const series = new Series();
+  series.add(1, 10, 2.5);
+  series.add(2, 20, true);
+  series.add(3, 30, "text");
+  expect(series.points.map(({ value }) => value)).toEqual([2.5, 1]);
+  expect(series.changes.map(({ value }) => value)).toEqual(["text"]);
+  expect([series.upTo(1)?.value, series.upTo(0), series.upTo(9)?.value]).toEqual([2.5, null, 1]);
+  expect(series.beside(2, "before")?.sequence).toBe(1);
+  expect(series.beside(1, "after")?.sequence).toBe(2);
+});
+
+test("however many come, few are kept, the extremes among them, in their order", () => {
+  const series = new Series();
+  for (let n = 1; n <= 100_000; n += 1) series.add(n, n, n === 40_000 ? 99 : Math.sin(n));
+  expect(series.points.length).toBeLessThanOrEqual(POINTS_MAX);
+  expect(Math.max(...series.points.map(({ value }) => value))).toBe(99);
+  expect(series.points.at(-1)?.sequence).toBe(100_000);
+  const sequences = series.points.map(({ sequence }) => sequence);
+  expect(sequences).toEqual([...new Set(sequences)].sort((one, other) => one - other));
+  expect(series.count).toBe(100_000);
+});
