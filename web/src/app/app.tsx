@@ -11,6 +11,7 @@ import { guardLeaving } from "./leaving.ts";
 import { Login, Unreachable } from "./login.tsx";
 import { Palette } from "./palette.tsx";
 import { SessionProvider, useSession } from "./provided.tsx";
+import { tellOfRuns } from "./run_notices.ts";
 import type { AppSession } from "./session.ts";
 import { Toasts } from "./toasts.tsx";
 import { TopBar } from "./top_bar.tsx";
@@ -55,6 +56,7 @@ function Inside() {
       listenToKeys(session, window),
       listenToClipboard(session, document),
       guardLeaving(session, window),
+      tellOfRuns(session),
     ];
     return () => {
       for (const stop of stops) stop();

@@ -29,10 +29,12 @@ import { Centre } from "./centre.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { DockControl } from "./dock_control.ts";
 import { listenToKeys } from "./keyboard.ts";
+import { NARROW } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { wearTheme } from "./theme.ts";
+import { takeAsked, wantedLayout } from "./wanted_layout.ts";
 
 const THEME = { ...themeAbyss, name: "rafcon", className: "dockview-theme-rafcon", gap: 0 };
 
@@ -45,8 +47,15 @@ export function Dock() {
       api,
       shedOf(() => window.localStorage),
     );
-    control.restore();
+    control.restore(wantedLayout(session.page));
     session.dock.value = control;
+    const narrow = window.matchMedia(NARROW);
+    const stack = () => control.stack(narrow.matches);
+    stack();
+    narrow.addEventListener("change", stack);
+    const asked = takeAsked(window);
+    if (asked.isMission) session.commands.run("mission.open", session.context());
+    if (asked.run !== null) session.commands.run("run.show", session.context(), asked.run);
     const opened = api.onDidAddPopoutGroup(({ window: view }) => {
       const stops = [
         listenToKeys(session, view),
@@ -64,6 +73,7 @@ export function Dock() {
       }),
     );
     return () => {
+      narrow.removeEventListener("change", stack);
       opened.dispose();
       failed.dispose();
       control.dispose();

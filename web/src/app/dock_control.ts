@@ -5,6 +5,7 @@ import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockvi
 import type { Layouts, Side } from "../commands/command.ts";
 import { kept, type Shed } from "../store/shed.ts";
 import { type Layout, SHIPPED, withPanels } from "./layouts.ts";
+import { placeMission } from "./mission_place.ts";
 import { PANELS, panelOf } from "./panels.tsx";
 import type { DockPort } from "./session.ts";
 
@@ -22,6 +23,7 @@ export class DockControl implements DockPort {
   readonly #shed: Shed;
   readonly #changes = signal(0);
   readonly #stop: () => void;
+  #isNarrow = false;
   readonly #sizes = new Map<string, { readonly width: number; readonly height: number }>();
 
   constructor(api: DockviewApi, shed: Shed) {
@@ -43,11 +45,22 @@ export class DockControl implements DockPort {
     this.#stop();
   }
 
-  /** As the page was left, or as it ships. */
-  restore(): void {
+  /** As the page was left, or as a layout that ships. */
+  restore(first: string): void {
     const before = kept<SerializedDockview>(this.#shed, NOW);
-    if (!before || !this.#load(before)) this.#build(SHIPPED["Edit"] ?? {});
+    if (!before || !this.#load(before)) this.#build(SHIPPED[first] ?? {});
   }
+
+  /** On a narrow page mission control stands above the canvas, and nothing below. */
+  stack(isNarrow: boolean): void {
+    this.#isNarrow = isNarrow;
+    if (placeMission(this.#api, isNarrow)) this.#show("bottom", !isNarrow);
+  }
+
+  readonly isInSight = (id: string): boolean => {
+    this.#changes.value;
+    return this.#api.getPanel(id)?.api.isVisible === true;
+  };
 
   showPanel = (id: string): void => {
     const panel = panelOf(id);
@@ -165,6 +178,7 @@ export class DockControl implements DockPort {
     }
     this.#settleCanvas();
     this.#size(layout);
+    this.stack(this.#isNarrow);
     canvas.api.setActive();
   }
 
@@ -188,9 +202,7 @@ export class DockControl implements DockPort {
         title: panelOf(first)?.title ?? first,
         position: before
           ? { referenceGroup: before, direction: side === "bottom" ? "right" : "below" }
-          : side === "right"
-            ? { direction: "right" }
-            : { referenceGroup: centre, direction: OPPOSITE[side] },
+          : this.#firstPlace(side, wanted?.isTall === true, centre),
         ...(side === "bottom" ? { initialHeight: size } : { initialWidth: size }),
       });
       before = panel.group;
@@ -204,6 +216,12 @@ export class DockControl implements DockPort {
         });
       }
     }
+  }
+
+  /** At the edge of the page, or beside the canvas alone. */
+  #firstPlace(side: Side, isTall: boolean, centre: DockviewGroupPanel) {
+    if (side === "right" || isTall) return { direction: OPPOSITE[side] };
+    return { referenceGroup: centre, direction: OPPOSITE[side] };
   }
 
   /** The canvas has no tab, is never closed, and nothing is put over it. */

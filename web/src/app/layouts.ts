@@ -7,6 +7,8 @@ export interface LayoutSide {
   /** In CSS pixels: width of the left and right side, height of the lower. */
   readonly size: number;
   readonly groups: readonly (readonly string[])[];
+  /** Of the left side: it is as high as the page, and the lower side begins beside it; the right one always is. */
+  readonly isTall?: boolean;
 }
 
 export type Layout = Partial<Readonly<Record<Side, LayoutSide>>>;
@@ -31,23 +33,23 @@ export const SHIPPED: Readonly<Record<string, Layout>> = {
         ["running", "breakpoints", "runs", "globals"],
       ],
     },
-    right: { size: 380, groups: [["inspector"]] },
+    right: { size: 380, groups: [["inspector", "watches"]] },
     bottom: {
       size: 280,
       groups: [["timeline", "history", "log", "statistics", "compare", "problems", "edits"]],
     },
   },
   "Mission control": {
-    left: { size: 600, groups: [["mission"]] },
+    left: { size: 600, isTall: true, groups: [["mission"]] },
     bottom: { size: 190, groups: [["timeline", "log", "history"]] },
   },
 };
 
 /** The layout with the panels that there are, without what would be empty. */
 export function withPanels(layout: Layout, isPanel: (id: string) => boolean): Layout {
-  const sides = Object.entries(layout).flatMap(([side, { size, groups }]) => {
+  const sides = Object.entries(layout).flatMap(([side, { groups, ...more }]) => {
     const kept = groups.map((group) => group.filter(isPanel)).filter((group) => group.length > 0);
-    return kept.length === 0 ? [] : [[side, { size, groups: kept }] as const];
+    return kept.length === 0 ? [] : [[side, { ...more, groups: kept }] as const];
   });
   return Object.fromEntries(sides);
 }

@@ -31,12 +31,15 @@ export interface DockPort {
   readonly showPanel: (panel: string) => void;
   /** Puts panels that float, or stand in a window, back to their side. */
   readonly dock: (panels: readonly string[]) => void;
+  /** Whether a panel can be seen now. Reads signals. */
+  readonly isInSight: (panel: string) => boolean;
   readonly layouts: Layouts;
 }
 
 const NO_DOCK: DockPort = {
   showPanel: () => {},
   dock: () => {},
+  isInSight: () => false,
   layouts: {
     names: () => [],
     own: () => [],

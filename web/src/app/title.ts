@@ -1,18 +1,40 @@
-/** What the browser's tab says: the machine in front, with a dot while it has edits that do not lie on disk. */
+/** What the browser's tab says: the machine in front, how its run stands, and a dot while it has edits that do not lie on disk. */
 
 import { effect } from "@preact/signals-core";
 import { isChanged } from "../commands/file.ts";
+import { type RunWord, runStand } from "../model/run_words.ts";
+import { countWanting } from "../store/acknowledged.ts";
 import type { Page } from "../store/page.ts";
+import type { Watch } from "../store/run.ts";
+
+/** Of runs that go on; `❗` while something wants a human. */
+const SIGNS: Readonly<Partial<Record<RunWord, string>>> = {
+  starting: "▶ ",
+  running: "▶ ",
+  waiting: "▶ ",
+  paused: "⏸ ",
+  stepping: "⏸ ",
+  stopping: "■ ",
+  crashed: "❗ ",
+};
 
 export function titleOf(page: Page): string {
   const tab = page.active.value;
   if (!tab) return "RAFCON";
-  const name = tab.room.status.value?.summary.name ?? "machine";
-  return `${isChanged(tab) ? "• " : ""}${name} – RAFCON`;
+  const name = tab.room.status.value?.summary.name ?? tab.run.value?.now.value?.run.name;
+  return `${signOf(tab.run.value)}${isChanged(tab) ? "• " : ""}${name ?? "machine"} – RAFCON`;
+}
+
+function signOf(watch: Watch | null): string {
+  const now = watch?.now.value;
+  const sign = now ? SIGNS[runStand(now).word] : undefined;
+  if (!sign) return "";
+  return countWanting(watch) > 0 ? "❗ " : sign;
 }
 
 export function keepTitle(page: Page, sheet: Document): () => void {
   return effect(() => {
-    sheet.title = titleOf(page);
+    const title = titleOf(page);
+    if (sheet.title !== title) sheet.title = title;
   });
 }

@@ -10,6 +10,7 @@ import { MenuBar } from "./menu_bar.tsx";
 import { People } from "./people.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { RunControls } from "./run_controls.tsx";
+import { Wanting } from "./wanting.tsx";
 import "./top_bar.css";
 
 export function TopBar() {
@@ -30,6 +31,7 @@ export function TopBar() {
           <kbd>{shown("help.palette")}</kbd>
         </button>
         <div className="top-end">
+          <Wanting />
           <Sides />
           <LinkState />
         </div>

@@ -2,6 +2,7 @@
 
 import type { ControlMove, JsonValue, Question } from "../model/generated/protocol.ts";
 import { acknowledge, openFailures } from "../store/acknowledged.ts";
+import { runOf } from "../store/page.ts";
 import { sessionOfPage } from "../store/running.ts";
 import type { Choice, Command, Context } from "./command.ts";
 import { give } from "./give.ts";
@@ -24,15 +25,22 @@ export const MISSION: readonly Command[] = [
     detail: "How the mission stands, in large: questions, branches, events, who is in control.",
     keys: ["Ctrl+Alt+M"],
     menu: "View/4",
-    run: ({ shell }) => {
+    run: ({ shell, canvas }) => {
       shell.layouts.apply(MISSION_LAYOUT);
       shell.showPanel(MISSION_PANEL);
+      // The canvas has another size from the next picture on.
+      requestAnimationFrame(() => requestAnimationFrame(() => canvas?.fit([])));
     },
   },
   {
     id: "mission.show",
     title: "Show what wants a human",
-    run: ({ shell }) => shell.showPanel(MISSION_PANEL),
+    detail: "Brings mission control into sight, in whatever layout.",
+    run: async ({ page, shell }, argument) => {
+      const isOther = typeof argument === "string" && runOf(page)?.id !== argument;
+      if (isOther) await page.showRun(argument);
+      shell.showPanel(MISSION_PANEL);
+    },
   },
   {
     id: "mission.acknowledge",
