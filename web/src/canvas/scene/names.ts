@@ -78,13 +78,17 @@ function plateMarks(
   });
 }
 
+/** Room for what a run shows in the upper right corner. */
+const SIGNS = 34;
+
 function free(
   drawing: Drawing,
   spot: Spot,
   { width, height }: { readonly width: number; readonly height: number },
 ): { readonly x: number; readonly y: number } | null {
   const name = spot.at.name;
-  const right = Math.min(spot.x + spot.width, drawing.width) - width - 4;
+  const signs = drawing.input.runs.has(spot.at.path) ? SIGNS : 0;
+  const right = Math.min(spot.x + spot.width, drawing.width) - width - 4 - signs;
   const bottom = Math.min(spot.y + spot.height, drawing.height) - height - 2;
   const edge = drawing.isCoveredBy(spot) ? FRAME + 6 : 4;
   const x = Math.min(Math.max(spot.x + Math.min(name.x * spot.scale, 10), edge), right);

@@ -5,7 +5,7 @@ import type { MarkPhase, RunMark } from "../../store/marks.ts";
 import { STEPS } from "../../store/trail.ts";
 import { DETAIL, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
-import type { BoxMark, Icon, Ink, Layer } from "./list.ts";
+import type { BoxMark, Icon, Ink, Layer, TextMark } from "./list.ts";
 import { groundInk, ring } from "./ring.ts";
 
 export const RUN_INKS: Readonly<Record<Exclude<MarkPhase, "inside">, Ink>> = {
@@ -51,26 +51,26 @@ export function runMarks(drawing: Drawing, spot: Spot, mark: RunMark, isOpen: bo
     return;
   }
   if (phase === "trail") trailMarks(layer, spot, mark.age);
-  else if (spot.extent < FILLED) smallMarks(layer, spot, phase);
+  else if (spot.extent < FILLED) smallMarks(layer, spot, phase, hasFailed);
   else {
     ringMarks(layer, spot, phase, mark.isLeaf);
     if (hasFailed) layer.boxes.push(ring(spot, "aborted", 2, 4, whatOf(spot)));
     if (phase === "preempted") hatchMarks(drawing, layer, spot);
   }
   if (spot.extent < FILLED) return;
-  const side = signMarks(drawing, layer, spot, phase, { ...mark, failed: hasFailed }, isOpen);
-  plateMarks(drawing, layer, spot, wordsOf(phase, { ...mark, failed: hasFailed }), side);
+  const side = signMarks(drawing, layer, spot, phase, { ...mark, failed: hasFailed });
+  plateMarks(drawing, spot, wordsOf(phase, { ...mark, failed: hasFailed }), side);
 }
 
 /** Of a state whose content does not show: the loudest inside; what runs is not hidden by what failed before. */
-function closedPhase({ phase, loudest, seconds, isLeaf }: RunMark): MarkPhase {
+export function closedPhase({ phase, loudest, seconds, isLeaf }: RunMark): MarkPhase {
   return isLeaf || (loudest === "failed" && seconds !== null) ? phase : loudest;
 }
 
 /** States that neither run nor ran lately say how often they did. */
 export function visitMarks(drawing: Drawing, spot: Spot): void {
   if (spot.extent < PLATE || drawing.input.visits(spot.at.path) === 0) return;
-  plateMarks(drawing, drawing.layer(spot.depth), spot, [], 0);
+  plateMarks(drawing, spot, [], 0);
 }
 
 function whatOf(spot: Spot): string {
@@ -88,12 +88,18 @@ function trailMarks(layer: Layer, spot: Spot, age: number): void {
 }
 
 /** What is too small for signs is told by what is filled, dashed or hollow. */
-function smallMarks(layer: Layer, spot: Spot, phase: Exclude<MarkPhase, "inside" | "trail">): void {
+function smallMarks(
+  layer: Layer,
+  spot: Spot,
+  phase: Exclude<MarkPhase, "inside" | "trail">,
+  hasFailed: boolean,
+): void {
   const ink = RUN_INKS[phase];
   const mark = ring(spot, ink, 2, 0, whatOf(spot));
   const isFull = phase === "running" || phase === "failed";
   layer.boxes.push({
     ...mark,
+    ...(hasFailed ? { stroke: "aborted" } : {}),
     fill: isFull ? ink : null,
     dash: phase === "waiting" || phase === "next",
   });
@@ -166,6 +172,23 @@ function sign(layer: Layer, spot: Spot, icon: Icon, ink: Ink, x: number, y: numb
   layer.icons.push({ what: `${whatOf(spot)} ${icon}`, icon, x, y, size: ICON, ink, alpha: 1 });
 }
 
+/** Behind a sign that sits on the corner of a state, where it leaves room for the name. */
+function coin(spot: Spot, x: number, y: number): TextMark {
+  return {
+    what: `${whatOf(spot)} coin`,
+    x,
+    y,
+    text: "",
+    size: TEXT.small,
+    bold: false,
+    ink: "text",
+    align: "center",
+    alpha: 1,
+    plate: groundInk(spot),
+    width: 9,
+  };
+}
+
 /** The sign in the upper right corner, with how many branches run inside; gives how wide they are. */
 function signMarks(
   drawing: Drawing,
@@ -173,18 +196,19 @@ function signMarks(
   spot: Spot,
   phase: MarkPhase,
   mark: RunMark,
-  isOpen: boolean,
 ): number {
   const icon = ICONS[phase];
   if (!icon) return 0;
-  const y = spot.y + 10;
-  let x = spot.x + spot.width - 10;
+  const isSmall = spot.extent < PLATE;
+  const y = spot.y + (isSmall ? 0 : 10);
+  let x = spot.x + spot.width - (isSmall ? 3 : 10);
+  if (isSmall) layer.texts.push(coin(spot, x, y));
   sign(layer, spot, icon, RUN_INKS[phase as Exclude<MarkPhase, "inside">], x, y);
   if (mark.failed) {
     x -= ICON + 3;
     sign(layer, spot, "failed", "aborted", x, y);
   }
-  if (mark.lanes === 0 || (isOpen && mark.lanes < 2) || spot.width < 48) return ICON;
+  if (mark.lanes < 2 || spot.width < 48) return ICON;
   const text = `${mark.lanes}`;
   layer.texts.push({
     what: `${whatOf(spot)} lanes`,
@@ -223,13 +247,7 @@ export function shortTime(seconds: number): string {
 }
 
 /** At the lower edge: as much as there is room for. */
-function plateMarks(
-  drawing: Drawing,
-  layer: Layer,
-  spot: Spot,
-  words: readonly string[],
-  side: number,
-): void {
+function plateMarks(drawing: Drawing, spot: Spot, words: readonly string[], side: number): void {
   if (spot.extent < PLATE) return;
   const { measure, visits } = drawing.input;
   const count = visits(spot.at.path);
@@ -238,7 +256,7 @@ function plateMarks(
   const wanted = [...words.map((text) => joined(text, times)), times];
   const text = wanted.find((each) => measure(each, TEXT.small, false) <= room);
   if (!text) return;
-  layer.texts.push({
+  drawing.labels.push({
     what: `${whatOf(spot)} plate`,
     x: spot.x + spot.width - 8,
     y: spot.y + spot.height - 11,

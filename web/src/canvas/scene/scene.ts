@@ -12,7 +12,7 @@ import { nameMarks } from "./names.ts";
 import { pointedMarks } from "./pointed.ts";
 import { portMarks } from "./ports.ts";
 import { ruledMarks } from "./ruled.ts";
-import { RUN_INKS } from "./runs.ts";
+import { closedPhase, RUN_INKS } from "./runs.ts";
 import { stateMarks } from "./states.ts";
 import { stickyMarks } from "./sticky.ts";
 
@@ -128,7 +128,8 @@ function speck(
   height: number,
 ): BoxMark {
   const { runs, hits, differences, heat } = drawing.input;
-  const run = runs.get(child.path)?.loudest;
+  const mark = runs.get(child.path);
+  const run = mark && closedPhase(mark);
   const loud = drawing.isSelected(child.key)
     ? "selection"
     : (differences.get(child.key) ?? (hits.has(child.key) ? "hit" : undefined));
