@@ -50,7 +50,9 @@ export function Dock() {
     control.restore(wantedLayout(session.page));
     session.dock.value = control;
     const narrow = window.matchMedia(NARROW);
-    const stack = () => control.stack(narrow.matches);
+    const stack = () => {
+      if (control.stack(narrow.matches)) session.context().shell.overview();
+    };
     stack();
     narrow.addEventListener("change", stack);
     const asked = takeAsked(window);

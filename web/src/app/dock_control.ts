@@ -51,10 +51,12 @@ export class DockControl implements DockPort {
     if (!before || !this.#load(before)) this.#build(SHIPPED[first] ?? {});
   }
 
-  /** On a narrow page mission control stands above the canvas, and nothing below. */
-  stack(isNarrow: boolean): void {
+  /** On a narrow page mission control stands above the canvas, and nothing below; true if that is another place. */
+  stack(isNarrow: boolean): boolean {
     this.#isNarrow = isNarrow;
-    if (placeMission(this.#api, isNarrow)) this.#show("bottom", !isNarrow);
+    const isMoved = placeMission(this.#api, isNarrow);
+    if (isMoved) this.#show("bottom", !isNarrow);
+    return isMoved;
   }
 
   readonly isInSight = (id: string): boolean => {

@@ -70,12 +70,21 @@ export function newSession(page: Page, commands: Commands): AppSession {
     openPalette: (query = "") => {
       palette.value = query;
     },
+    overview: () => afterPictures(PICTURES, () => canvas.peek()?.fit([])),
     get layouts() {
       return dock.peek().layouts;
     },
   };
   const context = () => ({ page, tab: page.active.value, canvas: canvas.value, shell });
   return { page, commands, context, canvas, dialogs, palette, dock };
+}
+
+/** Panels that were put elsewhere, and the canvas between them, have their sizes after so many pictures. */
+const PICTURES = 4;
+
+function afterPictures(count: number, call: () => void): void {
+  if (count === 0) call();
+  else requestAnimationFrame(() => afterPictures(count - 1, call));
 }
 
 /** Opens dialogs one upon the other, and closes each when it is answered. */

@@ -103,6 +103,8 @@ export interface Shell {
     argument: Dialogs[N]["asks"],
   ) => Promise<Dialogs[N]["answer"] | null>;
   readonly openPalette: (query?: string) => void;
+  /** Shows the whole machine on the canvas, as soon as the panels stand. */
+  readonly overview: () => void;
   readonly layouts: Layouts;
 }
 
@@ -129,7 +131,7 @@ export interface Command {
   /** Whether it can be done now. Left out: always. */
   readonly enabled?: (context: Context) => boolean;
   /** Why it cannot be done now, and the way out; null: it can. For commands whose reasons are not plain to see. */
-  readonly refusal?: (context: Context) => string | null;
+  readonly refusal?: (context: Context, argument?: unknown) => string | null;
   /** For switches: whether it is on. */
   readonly checked?: (context: Context) => boolean;
   /** What it can be done with: a menu of its own, each entry of which runs it with its argument. */
@@ -138,9 +140,9 @@ export interface Command {
 }
 
 /** Why the command cannot be done now, empty where that is plain to see; null: it can. */
-export function refusalOf(command: Command, context: Context): string | null {
+export function refusalOf(command: Command, context: Context, argument?: unknown): string | null {
   if (command.enabled?.(context) === false) return "";
-  return command.refusal?.(context) ?? null;
+  return command.refusal?.(context, argument) ?? null;
 }
 
 /** All commands by id, in the order in which menus show them. */
@@ -166,7 +168,7 @@ export class Commands {
   /** Runs the command if it can be done now; false if there is none or it cannot. What it throws is told to the user. */
   run(id: string, context: Context, argument?: unknown): boolean {
     const command = this.#all.get(id);
-    if (!command || refusalOf(command, context) !== null) return false;
+    if (!command || refusalOf(command, context, argument) !== null) return false;
     const failed = (error: unknown) => {
       const text = error instanceof Error ? error.message : String(error);
       context.page.tell({ level: "error", text: `${command.title}: ${text}` });

@@ -25,11 +25,10 @@ export const MISSION: readonly Command[] = [
     detail: "How the mission stands, in large: questions, branches, events, who is in control.",
     keys: ["Ctrl+Alt+M"],
     menu: "View/4",
-    run: ({ shell, canvas }) => {
+    run: ({ shell }) => {
       shell.layouts.apply(MISSION_LAYOUT);
       shell.showPanel(MISSION_PANEL);
-      // The canvas has another size from the next picture on.
-      requestAnimationFrame(() => requestAnimationFrame(() => canvas?.fit([])));
+      shell.overview();
     },
   },
   {
