@@ -17,8 +17,10 @@ const SIZE: Size = { width: 168, height: 104 };
 /** The small picture is drawn so much larger, for its detail, and then made smaller. */
 const FINER = 4;
 const MARGIN = 6;
-/** After a change of the machine or its run the small picture follows within so many ms. */
+/** After a change of the machine the small picture follows within so many ms. */
 const REST_MS = 200;
+/** A run changes all the time: it is followed less often. */
+const RUN_REST_MS = 500;
 
 export interface Minimap {
   readonly dispose: () => void;
@@ -38,8 +40,8 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
     paintWhole(whole, tab, picture);
     paintMap(map, whole, tab, picture);
   };
-  const soon = () => {
-    if (rest === 0) rest = window.setTimeout(repaint, REST_MS);
+  const soon = (within = REST_MS) => {
+    if (rest === 0) rest = window.setTimeout(repaint, within);
   };
   const stopFrames = picture.onFrame(() => {
     if (!folded.peek()) paintMap(map, whole, tab, picture);
@@ -48,8 +50,11 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
     tab.room.version.value;
     tab.view.contents.value;
     picture.theme.value;
-    picture.runs();
     soon();
+  });
+  const stopRunning = effect(() => {
+    picture.runs();
+    if (!folded.value) soon(RUN_REST_MS);
   });
   const stopFolding = effect(() => {
     const isFolded = folded.value;
@@ -70,6 +75,7 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
       window.clearTimeout(rest);
       stopFrames();
       stopFollowing();
+      stopRunning();
       stopFolding();
       box.remove();
     },
