@@ -13,7 +13,8 @@ import {
 } from "../model/run_words.ts";
 import { duration } from "../panels/parts/duration.ts";
 import { RunStandView } from "../panels/parts/run_stand.tsx";
-import { isGoingOn } from "../store/age.ts";
+import { useRunAge } from "../panels/run_age.ts";
+import { isGoingOn, runAge } from "../store/age.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
 import { elapsedAt } from "../store/run_clock.ts";
@@ -21,6 +22,7 @@ import { runsOfTab } from "../store/running.ts";
 import { seconds } from "../store/seconds.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { agePhrase } from "./age.ts";
 import { useEntries } from "./entries.ts";
 import { useDerived, useSession } from "./provided.tsx";
 
@@ -59,14 +61,18 @@ function Stand({ watch }: { watch: Watch }) {
   }, [watch]);
   const elapsed = useDerived(() => {
     const now = watch.now.value;
-    const at_ms = now && isGoingOn(now) ? seconds.value : Date.now();
+    // Nothing is reckoned on from what may be old.
+    const at_ms =
+      now && isGoingOn(now) ? seconds.value - runAge(page, watch, seconds.value).age_ms : 0;
     return duration(Math.floor(elapsedAt(page, watch, at_ms) / 1_000) * 1_000);
   }, [page, watch]);
+  const { isOld, age_ms } = useRunAge(page, watch);
   if (text === null) return <span>Run …</span>;
   return (
-    <span className="run-chooser-stand" role="status">
+    <span className={`run-chooser-stand shows-run ${isOld ? "is-old" : ""}`} role="status">
       <RunStandView stand={JSON.parse(text) as RunStand} />
       <span className="run-elapsed">{elapsed}</span>
+      {isOld && <span className="run-elapsed">{agePhrase(age_ms)} old</span>}
     </span>
   );
 }

@@ -182,7 +182,10 @@ describe("the socket", () => {
     expect(socket.pulse.value).toEqual({ heard_ms: clock.now(), delay_ms: 30, ahead_ms: 35 });
     clock.pass(5_000);
     expect(wires).toHaveLength(1);
-    clock.pass(20_000);
+    const heard_ms = clock.now() - 5_000;
+    clock.pass(13_000);
+    expect(socket.link.value).toMatchObject({ state: "down", since_ms: heard_ms });
+    clock.pass(7_000);
     expect(wires.length).toBeGreaterThan(1);
     expect(wires[0]?.isOpen).toBe(false);
   });

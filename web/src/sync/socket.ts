@@ -129,12 +129,13 @@ export class Socket {
     this.#cancel = this.#ports.clock.after(WELCOME_MS, () => this.#lost("no answer"));
   }
 
-  #lost(reason: string): void {
+  /** `heard_ms`: since when nothing is heard. */
+  #lost(reason: string, heard_ms = this.#ports.clock.now()): void {
     const wasUp = this.#isUp;
     this.#drop();
     const now = this.#ports.clock.now();
     const before = this.link.peek();
-    const since_ms = before.state === "down" ? before.since_ms : now;
+    const since_ms = before.state === "down" ? before.since_ms : heard_ms;
     if (wasUp) this.#tries = 0;
     const wait = RETRY_MS[Math.min(this.#tries, RETRY_MS.length - 1)] ?? 0;
     const wait_ms = Math.round(wait * (0.8 + 0.4 * this.#ports.random()));
@@ -206,7 +207,7 @@ export class Socket {
     this.#cancel = this.#ports.clock.after(PING_MS, () => {
       const silence_ms = this.#ports.clock.now() - this.#pinged_ms;
       if (this.#heard_ms > this.#pinged_ms || this.#isAnswered) this.#beat();
-      else if (silence_ms >= SILENCE_MS) this.#lost("the server has gone silent");
+      else if (silence_ms >= SILENCE_MS) this.#lost("the server has gone silent", this.#heard_ms);
       else this.#listen();
     });
   }

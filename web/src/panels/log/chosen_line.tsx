@@ -1,7 +1,7 @@
 /** The chosen line of the log in full, and where it leads: to its state, to its moment, to a line of a script. */
 
-import { Clock, Copy } from "lucide-react";
-import { Button } from "../../ui/button.tsx";
+import { Clock, Copy, X } from "lucide-react";
+import { Button, IconButton } from "../../ui/button.tsx";
 import { useCommand } from "../context.tsx";
 import { moment } from "../moment.ts";
 import { sinceStart } from "../parts/duration.ts";
@@ -15,9 +15,10 @@ interface Props {
   readonly onMoment: (() => void) | null;
   readonly onState: () => void;
   readonly onLine: (line: number) => void;
+  readonly onClose: () => void;
 }
 
-export function ChosenLine({ entry, stateName, onMoment, onState, onLine }: Props) {
+export function ChosenLine({ entry, stateName, onMoment, onState, onLine, onClose }: Props) {
   const run = useCommand();
   const { text, action, line, at_ms, level } = entry;
   return (
@@ -49,6 +50,7 @@ export function ChosenLine({ entry, stateName, onMoment, onState, onLine }: Prop
         {action && (
           <Button onClick={() => run(action.command, action.argument)}>{action.title}</Button>
         )}
+        <IconButton label="Close the chosen line" icon={<X size={15} />} onClick={onClose} />
       </div>
       <TracebackView key={entry.id} text={text} onLine={onLine} />
     </section>

@@ -60,37 +60,40 @@ export function Log() {
       {watch && filter.source !== "page" && (
         <Older watch={watch} onCame={() => setCame((before) => before + 1)} />
       )}
-      <div className="log-rows">
-        {rows.length === 0 ? (
-          <Nothing isFiltered={filter.query !== "" || filter.isOfSelection} />
-        ) : (
-          <Table
-            label="Log"
-            columns={columns}
-            rows={rows}
-            id={({ id }) => id}
-            selected={new Set(chosen === null ? [] : [chosen])}
-            onSelect={choose}
-            onOpen={showMoment}
-            follow={filter.follows && shown === null}
-            inSight={here?.id}
-            rowClass={(row) => (here ? classOf(row, here) : undefined)}
-            hideHead
+      <div className="log-body">
+        <div className="log-rows">
+          {rows.length === 0 ? (
+            <Nothing isFiltered={filter.query !== "" || filter.isOfSelection} />
+          ) : (
+            <Table
+              label="Log"
+              columns={columns}
+              rows={rows}
+              id={({ id }) => id}
+              selected={new Set(chosen === null ? [] : [chosen])}
+              onSelect={choose}
+              onOpen={showMoment}
+              follow={filter.follows && shown === null}
+              inSight={here?.id}
+              rowClass={(row) => (here ? classOf(row, here) : undefined)}
+              hideHead
+            />
+          )}
+        </div>
+        {entry && (
+          <ChosenLine
+            entry={entry}
+            stateName={entry.line ? nameOf(entry.line.path) : ""}
+            onMoment={watch && (() => showMoment(entry))}
+            onState={() => show(host, tab, entry)}
+            onLine={(line) => {
+              if (entry.line) wantedLine.value = { path: entry.line.path, line };
+              show(host, tab, entry);
+            }}
+            onClose={() => setChosen(null)}
           />
         )}
       </div>
-      {entry && (
-        <ChosenLine
-          entry={entry}
-          stateName={entry.line ? nameOf(entry.line.path) : ""}
-          onMoment={watch && (() => showMoment(entry))}
-          onState={() => show(host, tab, entry)}
-          onLine={(line) => {
-            if (entry.line) wantedLine.value = { path: entry.line.path, line };
-            show(host, tab, entry);
-          }}
-        />
-      )}
     </div>
   );
 }

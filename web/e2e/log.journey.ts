@@ -1,0 +1,134 @@
+/** The log: what states say, tied to them, to moments and to lines of their scripts. */
+
+import { expect } from "vitest";
+import type { App } from "./house/app.ts";
+import { startAndShow } from "./house/honest.ts";
+import { journey } from "./house/journey.ts";
+import { endRun, missionFolder } from "./house/mission.ts";
+
+const TALK = missionFolder("talk", [
+  {
+    id: "GREETT",
+    name: "Greet",
+    script: ['print("hello")', 'self.logger.debug("a detail")', 'return "success"'],
+  },
+  {
+    id: "TURNNN",
+    name: "Turn",
+    script: ['self.logger.warning("the wheel sticks")', 'return "success"'],
+  },
+  { id: "FAILLL", name: "Find the way", script: ["way = {}", 'return way["out"]'] },
+  {
+    id: "TICKKK",
+    name: "Tick",
+    script: [
+      "n = 0",
+      "while not self.preemptive_wait(0.05):",
+      "    n += 1",
+      '    print("tick", n)',
+      'return "preempted"',
+    ],
+  },
+]);
+
+const HERE = { machines: { talk: TALK }, open: "talk" };
+
+function log(app: App) {
+  return app.sheet.getByRole("grid", { name: "Log", exact: true });
+}
+
+async function begin(app: App, server: Parameters<typeof startAndShow>[1]): Promise<string> {
+  const run = await startAndShow(app, server, "talk");
+  await app.panel("Log");
+  await log(app)
+    .getByText(/^tick \d+$/)
+    .first()
+    .waitFor();
+  return run;
+}
+
+journey(
+  "the log follows, and is filtered by level, text and state",
+  HERE,
+  async ({ app, server }) => {
+    const run = await begin(app, server);
+    const { sheet } = app;
+    await log(app).getByText("tick 40", { exact: true }).waitFor();
+    await sheet.getByRole("checkbox", { name: "Follow", exact: true }).uncheck();
+    await sheet.getByLabel("Level", { exact: true }).selectOption("warning");
+    await log(app).getByText("the wheel sticks").waitFor();
+    await log(app).getByText(/^tick/).first().waitFor({ state: "detached" });
+    await sheet.getByLabel("Level", { exact: true }).selectOption("verbose");
+    await sheet.getByLabel("Filter the log").fill("DETAIL");
+    await log(app).getByText("a detail").waitFor();
+    await log(app).getByText("the wheel sticks").waitFor({ state: "detached" });
+    await sheet.getByLabel("Filter the log").fill("");
+    await app.select(await app.path("Turn"));
+    await sheet.getByRole("checkbox", { name: "Of the selection" }).check();
+    await log(app).getByText("hello").waitFor({ state: "detached" });
+    expect(await log(app).getByRole("row").count()).toBe(1);
+    await log(app).getByText("the wheel sticks").waitFor();
+    await endRun(server, run);
+  },
+);
+
+journey(
+  "a line of the log leads to its state and its moment; what came later is dimmed",
+  HERE,
+  async ({ app, server }) => {
+    const run = await begin(app, server);
+    const { sheet } = app;
+    await sheet.getByLabel("Filter the log").fill("e");
+    const line = log(app).getByText("the wheel sticks");
+    await line.click();
+    await app.selected(`state:${await app.path("Turn")}`);
+    expect(await momentOf(app)).toBe(null);
+    await sheet.getByRole("button", { name: "Show this moment" }).click();
+    await app.until(({ tab }) => tab?.run.value?.seen.value?.picture.sequence !== undefined, null);
+    const moment = await momentOf(app);
+    const active = await sheet.evaluate(
+      () =>
+        window.__rafcon.page.active.value?.run.value?.seen.value?.picture.active.map(
+          ({ path }) => path,
+        ) ?? [],
+    );
+    expect(active).toContain(await app.path("Turn"));
+    expect(await log(app).locator(".log-here").textContent()).toContain("the wheel sticks");
+    expect(await log(app).locator(".log-later").first().textContent()).toContain("KeyError");
+    expect(await log(app).locator(".log-later", { hasText: "hello" }).count()).toBe(0);
+    await log(app).getByText("hello").dblclick();
+    await app.until(({ tab }, before) => {
+      const now = tab?.run.value?.moment.value;
+      return now != null && before !== null && now < before;
+    }, moment);
+    await endRun(server, run);
+  },
+);
+
+journey(
+  "a traceback is folded, and leads to the line of one's own script",
+  HERE,
+  async ({ app, server }) => {
+    const run = await begin(app, server);
+    const { sheet } = app;
+    await sheet.getByLabel("Level", { exact: true }).selectOption("error");
+    await log(app).getByText("KeyError: 'out' — script.py line 3").first().click();
+    const chosen = sheet.getByRole("region", { name: "The chosen line" });
+    await chosen.getByText('return way["out"]').first().waitFor();
+    await chosen.getByText("The traceback").waitFor();
+    expect(await chosen.locator("details").getAttribute("open")).toBe(null);
+    await chosen.getByRole("button", { name: "Copy" }).click();
+    expect(await sheet.evaluate(() => navigator.clipboard.readText())).toContain("Traceback");
+    await chosen.getByRole("button", { name: "script.py line 3" }).click();
+    await app.selected(`state:${await app.path("Find the way")}`);
+    const editor = sheet.locator(".cm-activeLine", { hasText: 'return way["out"]' });
+    await editor.waitFor();
+    await endRun(server, run);
+  },
+);
+
+async function momentOf(app: App): Promise<number | null> {
+  return app.sheet.evaluate(
+    () => window.__rafcon.page.active.value?.run.value?.moment.value ?? null,
+  );
+}
