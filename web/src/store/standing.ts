@@ -14,7 +14,6 @@ export interface Turn {
 
 export interface End extends Turn {
   readonly outcome: Outcome | null;
-  readonly hasError: boolean;
 }
 
 export type Values = Readonly<Record<string, unknown>>;
@@ -77,7 +76,6 @@ function end(watch: Watch, visits: Visits, path: string, until: number | null): 
     sequence: journal.sequence(index),
     t_ns: journal.t_ns(index),
     outcome: journal.outcome(index),
-    hasError: journal.hasError(index),
   };
 }
 

@@ -3,6 +3,7 @@
 import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
 import type { Phase } from "../../model/generated/protocol.ts";
+import { ABORTED } from "../../model/machine.ts";
 import { isGoingOn } from "../../store/age.ts";
 import type { Watch } from "../../store/run.ts";
 import { seconds } from "../../store/seconds.ts";
@@ -33,7 +34,9 @@ export function InRun({ seen }: { seen: SeenState }) {
   if (!watch) return null;
   return (
     <Fold title="In the run">
-      <OfRun key={`${watch.id} ${seen.path}`} seen={seen} watch={watch} />
+      <div className="shows-run">
+        <OfRun key={`${watch.id} ${seen.path}`} seen={seen} watch={watch} />
+      </div>
     </Fold>
   );
 }
@@ -65,7 +68,8 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
   const { entered, left } = standing;
   const { runs } = seen.page;
   const entry = useDetail(runs, watch.id, wanted(entered?.sequence, standing.inputs));
-  const end = useDetail(runs, watch.id, wanted(left?.sequence, standing.outputs, left?.hasError));
+  const isAborted = left?.outcome?.id === ABORTED;
+  const end = useDetail(runs, watch.id, wanted(left?.sequence, standing.outputs, isAborted));
   if (!entered && !standing.active) {
     return (
       <p className="inspector-none">
@@ -78,7 +82,7 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
   return (
     <>
       <Facts watch={watch} standing={standing} />
-      {left?.hasError && <RunError seen={seen} watch={watch} left={left} detail={end.detail} />}
+      {left && <RunError seen={seen} watch={watch} left={left} detail={end.detail} />}
       <RunValues seen={seen} watch={watch} standing={standing} entry={entry} end={end} />
     </>
   );
@@ -110,7 +114,7 @@ function Facts({ watch, standing }: { watch: Watch; standing: Standing }) {
       {left?.outcome ? (
         <>
           <dt>Last outcome</dt>
-          <dd className={left.outcome.id === -1 ? "in-run-failed" : undefined}>
+          <dd className={left.outcome.id === ABORTED ? "in-run-failed" : undefined}>
             {left.outcome.name}
           </dd>
         </>

@@ -2,6 +2,7 @@
 
 import { useMemo, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
+import { ABORTED } from "../../model/machine.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { type Failure, failureAt } from "../../store/failure.ts";
 import type { Watch } from "../../store/run.ts";
@@ -26,6 +27,8 @@ export function RunError({ seen, watch, left, detail }: RunErrorProps) {
   const failure = useMemo(() => failureOf(watch, path, left.sequence), [watch, path, left]);
   const event = detail?.sequence === left.sequence ? detail.event : null;
   const error = event?.type === "left" ? event.error : null;
+  if (error == null && left.outcome?.id !== ABORTED) return null;
+  if (error == null && !failure) return null;
   const said = error == null ? failure?.traceback.message : shortValue(error, MESSAGE_MAX);
   return (
     <div className="in-run-error" role="note" aria-label="Error">

@@ -1,10 +1,11 @@
 /** A watched value over the time of the run. The cursor is that of all plots; a click sets the moment that the page shows. */
 
-import { useEffect, useRef } from "react";
+import { useEffect, useRef, useState } from "react";
 import type uPlot from "uplot";
 import type { Point } from "../../store/series.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration } from "../parts/duration.ts";
+import "uplot/dist/uPlot.min.css";
 import type { WatchedValue } from "./watched_value.ts";
 
 const HEIGHT_PX = 92;
@@ -18,6 +19,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
   const moment = useSignal(watch.moment);
   const grown = useSignal(watch.grown);
   const plot = useRef<uPlot | null>(null);
+  const [isMissing, setMissing] = useState(false);
   const latest = useRef({ watched, moment });
   latest.current = { watched, moment };
   useEffect(() => {
@@ -25,14 +27,14 @@ export function Plot({ watched }: { watched: WatchedValue }) {
     if (!home) return;
     let isGone = false;
     let tidy = () => {};
-    void draw(home, () => latest.current).then((made) => {
-      if (isGone) made.destroy();
-      else {
-        plot.current = made;
-        made.setData(dataOf(latest.current.watched));
-        tidy = follow(home, made);
-      }
-    });
+    const made = (drawn: uPlot) => {
+      if (isGone) return drawn.destroy();
+      plot.current = drawn;
+      drawn.setData(dataOf(latest.current.watched));
+      drawn.over.addEventListener("click", () => show(drawn, latest.current));
+      tidy = follow(home, drawn);
+    };
+    draw(home, () => latest.current).then(made, () => setMissing(true));
     return () => {
       isGone = true;
       tidy();
@@ -44,6 +46,9 @@ export function Plot({ watched }: { watched: WatchedValue }) {
   useEffect(() => plot.current?.setData(dataOf(watched)), [watched, changed, grown]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the line of the moment is read when it is drawn
   useEffect(() => plot.current?.redraw(false), [moment]);
+  if (isMissing) {
+    return <p className="watches-refusal">The plot could not be loaded: reload the page.</p>;
+  }
   return (
     <div
       ref={place}
@@ -61,10 +66,7 @@ interface Latest {
 
 /** The plot itself comes when it is first needed. */
 async function draw(home: HTMLElement, latest: () => Latest): Promise<uPlot> {
-  const [{ default: Made }] = await Promise.all([
-    import("uplot"),
-    import("uplot/dist/uPlot.min.css"),
-  ]);
+  const { default: Made } = await import("uplot");
   const colour = (name: string) => () => getComputedStyle(home).getPropertyValue(name).trim();
   const axis = {
     stroke: colour("--text-faint"),
@@ -83,12 +85,6 @@ async function draw(home: HTMLElement, latest: () => Latest): Promise<uPlot> {
         sync: { key: "rafcon watches" },
         drag: { x: false, y: false },
         points: { size: 6 },
-        bind: {
-          click: (plot) => () => {
-            show(plot, latest());
-            return null;
-          },
-        },
       },
       scales: { x: { time: false } },
       axes: [

@@ -7,7 +7,7 @@ export function RecordsTable({ records, name }: { records: Records; name: string
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so the keyboard has to get there
     <section className="value-scroll" aria-label={`${name} as a table`} tabIndex={0}>
-      <table className="value-table">
+      <table className="value-table value-records">
         <thead>
           <tr>
             <th scope="col"> </th>
