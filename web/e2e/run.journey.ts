@@ -3,16 +3,20 @@
 import { expect } from "vitest";
 import type { Picture } from "../src/model/generated/protocol.ts";
 import { journey } from "./house/journey.ts";
+import { examples } from "./house/places.ts";
 import {
   answer,
   ended,
   heldBefore,
   isActive,
+  left,
+  perform,
   press,
   runInFront,
   stands,
   stopRun,
 } from "./house/runs.ts";
+import type { Server } from "./house/server.ts";
 
 const PACKER = "PACKER";
 const ONE_PART = "PACKER/ONEPAR";
@@ -94,6 +98,161 @@ journey(
     await app.press("F9");
     await heldBefore(app, ONE_PART);
     await expect.poll(count, { timeout: 20_000 }).toBe(1);
+    await press(app, "Resume");
+    await ended(app, "success");
+  },
+);
+
+/** Puts each device test of the barrier into a hierarchy of its own: branches of scripts alone cannot be held. */
+async function boxed(server: Server): Promise<void> {
+  const file = { project: "missions", path: "barrier_with_decider" };
+  const { id } = await server.ask<{ id: string }>("POST", "/machines/open", { file });
+  for (const [state, box, name] of [
+    ["ARMARM", "ARMBOX", "Test the arm"],
+    ["CAMERA", "CAMBOX", "Test the camera"],
+  ]) {
+    const edit = {
+      edit: "group",
+      path: "SLFTST/ALLDEV",
+      states: [state],
+      scoped_variables: [],
+      id: box,
+      name,
+    };
+    const step = { id: `box-${box}`, base: 1, name: "Group", edit };
+    await server.ask("POST", `/machines/${id}/edits`, step);
+  }
+  await server.ask("POST", `/machines/${id}/save`, { overwrite: false });
+}
+
+journey(
+  "branches of a barrier are stepped each by itself",
+  { machines: examples("barrier_with_decider") },
+  async ({ app, server }) => {
+    await boxed(server);
+    await app.open("barrier_with_decider");
+    await app.menu("Run", "Start held");
+    await heldBefore(app, "SLFTST/ALLDEV");
+    await press(app, "Into");
+    const [arm, camera] = ["SLFTST/ALLDEV/ARMBOX", "SLFTST/ALLDEV/CAMBOX"];
+    await heldBefore(app, `${arm}/ARMARM`);
+    await heldBefore(app, `${camera}/CAMERA`);
+    await app.panel("Running");
+    await perform(app, "run.over", camera);
+    await left(app, camera);
+    await heldBefore(app, `${arm}/ARMARM`);
+    await perform(app, "run.into", arm);
+    await left(app, arm);
+    await heldBefore(app, "SLFTST/WARNIN");
+    await press(app, "Back");
+    await isActive(app, "SLFTST/ALLDEV");
+    await press(app, "Resume");
+    await ended(app, "degraded");
+  },
+);
+
+journey(
+  "a state of a preemptive concurrency is preempted by hand, and its cleaning up runs",
+  { open: "preemptive_with_timer" },
+  async ({ app }) => {
+    await app.menu("Run", "Start with…");
+    const dialog = app.sheet.getByRole("dialog", { name: /^Start / });
+    await dialog.getByLabel("hidden_at_deg").fill("45");
+    await dialog.getByLabel("limit_s").fill("600.0");
+    await dialog.getByRole("button", { name: "Start", exact: true }).click();
+    await isActive(app, "SEARCH/ORTIME/LOOKER");
+    await app.select("SEARCH/ORTIME/LOOKER");
+    await app.command("Preempt state");
+    await app.until(({ tab }) => tab?.run.value?.now.value?.run.phase === "finished", null);
+    const ends = await app.sheet.evaluate(() => {
+      const journal = window.__rafcon.page.active.value?.run.value?.journal;
+      const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
+      return all.flatMap((event) =>
+        event?.kind === "left" ? [`${event.path} ${event.outcome?.name}`] : [],
+      );
+    });
+    expect(ends).toContain("SEARCH/ORTIME/LOOKER/FOLDIT success");
+    expect(ends).toContain("SEARCH/ORTIME/LOOKER preempted");
+  },
+);
+
+journey(
+  "a breakpoint with a condition is set on the border, and holds in the third round only",
+  { open: "hierarchy_and_data" },
+  async ({ app, server }) => {
+    const box = await app.box(ONE_PART);
+    await app.click({ x: box.x + 16, y: box.y });
+    await app.panel("Breakpoints");
+    await app.sheet.getByText("For the next start, kept in this browser").waitFor();
+    await app.sheet.getByRole("button", { name: "Edit breakpoint 1" }).click();
+    const dialog = app.sheet.getByRole("dialog", { name: "Breakpoint 1" });
+    await dialog.getByLabel("Condition, in Python").fill('inputs["count"] == 2');
+    await dialog.getByRole("button", { name: "Set", exact: true }).click();
+    await press(app, "Start");
+    await heldBefore(app, ONE_PART);
+    await app.sheet.locator(".run-chooser").getByText("held by breakpoint 1").waitFor();
+    const picture = await server.ask<Picture>("GET", `/runs/${await runInFront(app)}/moments`);
+    expect(picture.active.find(({ path }) => path === PACKER)?.scoped["count"]).toBe(2);
+    await app.sheet.getByText("1 hit").waitFor();
+    await press(app, "Resume");
+    await ended(app, "success");
+  },
+);
+
+journey(
+  "a run goes to a state, one state runs alone, and a state is skipped by its outcome",
+  { open: "hierarchy_and_data" },
+  async ({ app }) => {
+    const label = `${PACKER}/LABELS`;
+    await app.select(label);
+    await app.command("Run to here");
+    await heldBefore(app, label);
+    await perform(app, "run.force-outcome", { path: label, outcome: 0 });
+    await ended(app, "success");
+    const first = await runInFront(app);
+    await app.select(`${PACKER}/ISFULL`);
+    await app.command("Run this state only");
+    await app.until(({ tab }, before) => {
+      const watch = tab?.run.value;
+      return watch != null && watch.id !== before && watch.now.value?.run.phase === "finished";
+    }, first);
+    const entered = await app.sheet.evaluate(() => {
+      const journal = window.__rafcon.page.active.value?.run.value?.journal;
+      const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
+      return all.flatMap((event) => (event?.kind === "entered" ? [event.path] : []));
+    });
+    expect([...new Set(entered)]).toEqual([PACKER, `${PACKER}/ISFULL`]);
+    await app.sheet.locator(".run-chooser").click();
+    await app.sheet.getByRole("menuitemcheckbox").nth(1).click();
+    await app.until(({ tab }, id) => tab?.run.value?.id === id, first);
+  },
+);
+
+journey(
+  "edits are saved before a start, and taken into a run that goes on",
+  { open: "hierarchy_and_data" },
+  async ({ app }) => {
+    const rename = async (name: string) => {
+      await app.select(`${PACKER}/LABELS`);
+      await app.press("F2");
+      await app.sheet.keyboard.type(name);
+      await app.sheet.keyboard.press("Enter");
+      await app.until(
+        ({ tab }, wanted) =>
+          tab?.room.machine.state("PACKER/LABELS")?.name === wanted &&
+          tab.room.status.value?.summary.is_changed === true,
+        name,
+      );
+    };
+    await rename("Write the label");
+    await app.menu("Run", "Start held");
+    await app.sheet.getByRole("button", { name: /^Save and start/ }).click();
+    await heldBefore(app, `${PACKER}/ISFULL`);
+    await rename("Print the label");
+    await app.told(/edited since/);
+    await app.sheet.getByRole("button", { name: "Take edits into the run" }).click();
+    await app.told(/goes by the edited machine/);
+    await app.sheet.getByText(/edited since/).waitFor({ state: "detached" });
     await press(app, "Resume");
     await ended(app, "success");
   },

@@ -74,3 +74,24 @@ export async function stopRun(app: App): Promise<void> {
   await answer(app, "Stop the run?", "Stop");
   await app.until(({ tab }) => tab?.run.value?.now.value?.run.phase === "finished", null);
 }
+
+/** Waits until the state has ended in the run in front. */
+export async function left(app: App, path: string): Promise<void> {
+  await app.until(({ tab }, wanted) => {
+    const watch = tab?.run.value;
+    const count = watch?.grown.value ?? 0;
+    for (let index = 0; index < count; index += 1) {
+      const event = watch?.journal.at(index);
+      if (event?.kind === "left" && event.path === wanted) return true;
+    }
+    return false;
+  }, path);
+}
+
+/** Does a command with an argument, as buttons elsewhere in the page do; it has to be possible. */
+export async function perform(app: App, command: string, argument: unknown): Promise<void> {
+  await app.until(
+    (context, [id, given]) => window.__rafcon.commands.run(id as string, context, given),
+    [command, argument] as const,
+  );
+}

@@ -38,6 +38,11 @@ export class Server {
     return new URL(this.#link).origin;
   }
 
+  /** The number of its process; 0 while there is none. */
+  get pid(): number {
+    return this.#process?.pid ?? 0;
+  }
+
   get token(): string {
     return new URL(this.#link).searchParams.get("token") ?? "";
   }

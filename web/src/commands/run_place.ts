@@ -4,9 +4,8 @@ import type { Command as Order } from "../model/generated/protocol.ts";
 import { liveRun } from "../store/running.ts";
 import type { Command, Context } from "./command.ts";
 import { give, giveTo } from "./give.ts";
-import { cannotCommand, cannotStart, pathFor } from "./run_rules.ts";
+import { cannotCommand, cannotStart, NO_STATE, pathFor } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";
-import { anyOnlyState } from "./subject.ts";
 
 export const RUN_PLACE: readonly Command[] = [
   {
@@ -15,7 +14,7 @@ export const RUN_PLACE: readonly Command[] = [
     detail: "Begins at the selected state. What states before it would have given is missing.",
     keys: ["Ctrl+Alt+R"],
     classic: ["Ctrl+R", "Ctrl+Alt+R"],
-    menu: "Run/4",
+    menu: "Run/4/Selected state",
     refusal: cannotPlace,
     run: async (context, argument) => {
       const path = pathFor(context, argument);
@@ -55,7 +54,7 @@ function place(
     detail,
     keys: [key],
     classic: [classic, key],
-    menu: "Run/4",
+    menu: "Run/4/Selected state",
     refusal: cannotPlace,
     run: async (context, argument) => {
       const path = pathFor(context, argument);
@@ -72,7 +71,7 @@ function orderOf(id: string, path: string): Order {
   return { type, path, data: [] };
 }
 
-function cannotPlace(context: Context): string | null {
-  if (anyOnlyState(context) === null) return "select one state first";
+function cannotPlace(context: Context, argument?: unknown): string | null {
+  if (pathFor(context, argument) === null) return NO_STATE;
   return liveRun(context.tab) ? cannotCommand(context) : cannotStart(context);
 }

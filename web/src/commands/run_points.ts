@@ -13,7 +13,7 @@ import {
 import { liveRun } from "../store/running.ts";
 import type { Choice, Command, Context } from "./command.ts";
 import { give } from "./give.ts";
-import { cannotCommand, lacks, pathFor } from "./run_rules.ts";
+import { cannotCommand, lacks, NO_STATE, pathFor } from "./run_rules.ts";
 import { anyOnlyState } from "./subject.ts";
 
 /** The argument of `run.force-outcome`. */
@@ -30,8 +30,8 @@ export const RUN_POINTS: readonly Command[] = [
     keys: ["Ctrl+F9"],
     menu: "Run/5",
     checked: (context) => pointsAt(context, anyOnlyState(context)?.path ?? null).length > 0,
-    refusal: (context) =>
-      anyOnlyState(context) === null ? "select one state first" : cannotSetBreakpoints(context),
+    refusal: (context, argument) =>
+      pathFor(context, argument) === null ? NO_STATE : cannotSetBreakpoints(context),
     run: toggle,
   },
   {
@@ -39,8 +39,10 @@ export const RUN_POINTS: readonly Command[] = [
     title: "Edit breakpoint…",
     detail: "With a condition, from the n-th time on, for its branch or the whole run.",
     menu: "Run/5",
-    refusal: (context) =>
-      anyOnlyState(context) === null ? "select one state first" : cannotSetBreakpoints(context),
+    refusal: (context, argument) => {
+      const isMeant = isObject(argument) || pathFor(context, argument) !== null;
+      return isMeant ? cannotSetBreakpoints(context) : NO_STATE;
+    },
     run: editBreakpoint,
   },
   {
@@ -62,10 +64,12 @@ export const RUN_POINTS: readonly Command[] = [
     title: "Choose the outcome",
     detail:
       "Ends a state that is held or waits with an outcome, or skips the state before which the run is held.",
-    menu: "Run/6",
-    refusal: (context) =>
+    menu: "Run/4/Selected state",
+    refusal: (context, argument) =>
       cannotCommand(context) ??
-      (forcible(context) === null ? "select a state that is held, waits, or comes next" : null),
+      (!isObject(argument) && forcible(context) === null
+        ? "select a state that is held, waits, or comes next"
+        : null),
     choices: outcomeChoices,
     run: (context, argument) => {
       const { path, outcome } = argument as Forced;
@@ -76,9 +80,10 @@ export const RUN_POINTS: readonly Command[] = [
     id: "run.preempt",
     title: "Preempt state",
     detail: "Asks the selected active state, and all in it, to end.",
-    menu: "Run/6",
-    refusal: (context) => {
-      const isActive = active(context).some(({ path }) => path === anyOnlyState(context)?.path);
+    menu: "Run/4/Selected state",
+    refusal: (context, argument) => {
+      const wanted = pathFor(context, argument);
+      const isActive = active(context).some(({ path }) => path === wanted);
       return cannotCommand(context) ?? (isActive ? null : "select a state that is active");
     },
     run: async (context, argument) => {
@@ -123,6 +128,10 @@ export async function removeBreakpoint(context: Context, id: number): Promise<bo
   return true;
 }
 
+function isObject(argument: unknown): argument is object {
+  return typeof argument === "object" && argument !== null;
+}
+
 function pointsAt({ tab }: Context, path: string | null): readonly Breakpoint[] {
   return tab ? breakpointsOf(tab).filter((each) => each.path === path) : [];
 }
@@ -139,7 +148,7 @@ async function toggle(context: Context, argument: unknown): Promise<void> {
 async function editBreakpoint(context: Context, argument: unknown): Promise<void> {
   const { tab, shell } = context;
   if (!tab) return;
-  const given = typeof argument === "object" && argument !== null ? (argument as Breakpoint) : null;
+  const given = isObject(argument) ? (argument as Breakpoint) : null;
   const path = given?.path ?? pathFor(context, argument) ?? tab.room.machine.root;
   const [there] = pointsAt(context, path);
   const asks = given ?? there ?? newBreakpoint(freshId(tab), path);

@@ -98,6 +98,4 @@ export function pathFor(context: Context, argument: unknown): string | null {
 }
 
 /** Why no one state is meant. */
-export function noState(context: Context): string | null {
-  return anyOnlyState(context) === null ? "select one state first" : null;
-}
+export const NO_STATE = "select one state first";

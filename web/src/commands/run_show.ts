@@ -27,7 +27,7 @@ export const RUN_SHOW: readonly Command[] = [
     title: "Show the machine as it ran",
     detail: "Opens the machine as the run goes by it in a tab of its own, beside the edited one.",
     menu: "Run/7",
-    refusal: ({ page }) => (runOf(page) ? null : NONE),
+    refusal: ({ page }, argument) => (runOf(page) || typeof argument === "string" ? null : NONE),
     run: ({ page }, argument) => {
       const id = typeof argument === "string" ? argument : runOf(page)?.id;
       return id === undefined ? undefined : page.showAsRan(id);
@@ -90,7 +90,7 @@ export const RUN_SHOW: readonly Command[] = [
   {
     id: "run.compare",
     title: "Compare with another run",
-    menu: "Run/8",
+    menu: "Run/8/This run",
     refusal: ({ page }) => (runOf(page) ? null : NONE),
     choices: ({ page, tab }) => {
       const shown = tab?.run.value?.id;
@@ -106,8 +106,8 @@ export const RUN_SHOW: readonly Command[] = [
   {
     id: "run.export",
     title: "Export run",
-    menu: "Run/8",
-    refusal: ({ page }) => (runOf(page) ? null : NONE),
+    menu: "Run/8/This run",
+    refusal: ({ page }, argument) => (runOf(page) || argument !== undefined ? null : NONE),
     choices: ({ page }) =>
       EXPORTS.map(([format, title]) => ({ title, argument: [runOf(page)?.id, format] })),
     run: (_, argument) => {
@@ -119,10 +119,11 @@ export const RUN_SHOW: readonly Command[] = [
     id: "run.delete",
     title: "Delete run…",
     detail: "Gives up what was kept of the run.",
-    menu: "Run/8",
-    refusal: ({ page }) => {
-      if (!runOf(page)) return NONE;
-      const phase = runOf(page)?.now.value?.run.phase;
+    menu: "Run/8/This run",
+    refusal: ({ page }, argument) => {
+      const id = idOf(page, argument);
+      if (id === null) return NONE;
+      const phase = page.runs.all.value.find((run) => run.id === id)?.phase;
       if (phase === "live" || phase === "starting") return "the run goes on: stop it first";
       return lacks(page, "administer");
     },
@@ -135,6 +136,11 @@ const EXPORTS = [
   ["csv", "Table (CSV)"],
   ["mcap", "MCAP, for Foxglove"],
 ] as const;
+
+/** The run that is meant: the one given, else the one in front. */
+function idOf(page: Page, argument: unknown): string | null {
+  return typeof argument === "string" ? argument : (runOf(page)?.id ?? null);
+}
 
 function choicesOf(page: Page, runs: readonly RunSummary[], tab?: OpenTab): readonly Choice[] {
   return runs.map((run) => ({
@@ -174,8 +180,8 @@ function download(address: string): void {
 }
 
 async function remove({ page, shell }: Context, argument: unknown): Promise<void> {
-  const id = typeof argument === "string" ? argument : runOf(page)?.id;
-  if (id === undefined) return;
+  const id = idOf(page, argument);
+  if (id === null) return;
   const isSure = await shell.confirm({
     title: "Delete this run?",
     text: `All that was kept of ${id} is deleted: events, values, the machine as it ran. It cannot be had back.`,

@@ -78,6 +78,7 @@ function Row({ run }: { run: RunSummary }) {
   const items = useItems(run);
   const stand = summaryStand(run);
   const started = startedInWords(run.started_ms, Date.now());
+  const isLive = run.phase === "live" || run.phase === "starting";
   const by = run.author === null ? "" : ` · ${run.author}`;
   const isShown = watch === run.id;
   return (
@@ -98,7 +99,8 @@ function Row({ run }: { run: RunSummary }) {
         <span className="runs-name">{run.name}</span>
         <RunStandView stand={stand} />
         <span className="runs-when">
-          {started} · {duration(run.length_ms)}
+          {started}
+          {isLive ? "" : ` · ${duration(run.length_ms)}`}
           {by}
         </span>
       </button>

@@ -1,0 +1,99 @@
+/** Runs whose program dies in the middle: they say so, and go on as somebody decides. */
+
+import { readdirSync, readlinkSync } from "node:fs";
+import { join } from "node:path";
+import { expect } from "vitest";
+import type { App } from "./house/app.ts";
+import { journey } from "./house/journey.ts";
+import { ended, exampleWith, isActive, press, runInFront, stands } from "./house/runs.ts";
+import type { Server } from "./house/server.ts";
+
+/** The first attempt takes until somebody ends it. */
+const PRESS = `class Jammed(Exception):
+    pass
+
+
+def execute(self, inputs, outputs, gvm):
+    if inputs["attempt"] == 1:
+        gvm.set_variable("tries", gvm.get_variable("tries", default=0) + 1)
+        if gvm.get_variable("tries") == 1:
+            self.preemptive_wait(3600)
+        raise Jammed("the plug stands askew")
+    if inputs["attempt"] == 2:
+        raise TimeoutError("the arm did not reach the socket")
+    return "success"
+`;
+const MACHINE = exampleWith("error_recovery", {
+  "Insert_the_plug_INSERT/Push_PUSHIN/Press_PRESSI/script.py": PRESS,
+});
+const SETTING = { machines: { error_recovery: MACHINE }, open: "error_recovery" };
+const PRESSED = "PLUGIN/INSERT/PUSHIN/PRESSI";
+
+/** Kills the program of the run in front, as a fault in a driver does. */
+async function crash(app: App, server: Server): Promise<void> {
+  await isActive(app, PRESSED);
+  const folder = join(server.place.folder, "runs", await runInFront(app));
+  const found = readdirSync("/proc").filter((pid) => /^\d+$/.test(pid) && holds(pid, folder));
+  const others = found.map(Number).filter((pid) => pid !== server.pid);
+  expect(others.length).toBe(1);
+  for (const pid of others) process.kill(pid, "SIGKILL");
+}
+
+/** Whether a process has a file open in the folder. */
+function holds(pid: string, folder: string): boolean {
+  try {
+    const files = readdirSync(`/proc/${pid}/fd`);
+    return files.some((file) => readlinkSync(`/proc/${pid}/fd/${file}`).startsWith(folder));
+  } catch {
+    return false;
+  }
+}
+
+async function isOver(app: App): Promise<readonly string[]> {
+  await ended(app, "success");
+  return app.sheet.evaluate(() => {
+    const journal = window.__rafcon.page.active.value?.run.value?.journal;
+    const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
+    return all.flatMap((event) =>
+      event?.kind === "left" ? [`${event.path} ${event.outcome?.name}`] : [],
+    );
+  });
+}
+
+journey("a run that crashed is taken up on the recovery path", SETTING, async ({ app, server }) => {
+  await press(app, "Start");
+  await crash(app, server);
+  await stands(app, "crashed");
+  await app.told(/The program of this run died in “Press”/);
+  await app.sheet.getByRole("button", { name: "Decide…" }).click();
+  const dialog = app.sheet.getByRole("dialog", { name: "Take the run up again" });
+  await dialog.getByText("Plug the cable in › Insert the plug › Push › Press").waitFor();
+  await dialog.getByRole("button", { name: /^End them by aborted/ }).click();
+  const ends = await isOver(app);
+  expect(ends).toContain(`${PRESSED} aborted`);
+  expect(ends).toContain("PLUGIN/CHOOSE turn the plug");
+});
+
+journey("interrupted scripts wait until somebody decides", SETTING, async ({ app, server }) => {
+  await press(app, "Start");
+  await crash(app, server);
+  await stands(app, "crashed");
+  await app.sheet.getByRole("button", { name: "Decide…" }).click();
+  const dialog = app.sheet.getByRole("dialog", { name: "Take the run up again" });
+  await dialog.getByRole("button", { name: /^Decide for each state/ }).click();
+  await app.told(/The crash interrupted a script/);
+  const bar = app.sheet.locator(".bar", { hasText: "The crash interrupted" });
+  await bar.getByRole("button", { name: "Run again" }).click();
+  await bar.waitFor({ state: "detached" });
+  await press(app, "Resume");
+  await isOver(app);
+});
+
+journey("a run by the rule abort goes on by itself", SETTING, async ({ app, server }) => {
+  await app.menu("Run", "Start with…");
+  const dialog = app.sheet.getByRole("dialog", { name: /^Start / });
+  await dialog.getByLabel(/scripts that it interrupted/).selectOption("abort");
+  await dialog.getByRole("button", { name: "Start", exact: true }).click();
+  await crash(app, server);
+  expect(await isOver(app)).toContain("PLUGIN/CHOOSE turn the plug");
+});

@@ -1,0 +1,153 @@
+import { signal } from "@preact/signals-core";
+import { expect, test } from "vitest";
+import type { Command as Order, Right } from "../model/generated/protocol.ts";
+import { newBreakpoint } from "../store/breakpoints.ts";
+import type { Watch } from "../store/run.ts";
+import { allCommands } from "./all.ts";
+import { refusalOf } from "./command.ts";
+import { type Stand, stand } from "./stand.ts";
+
+const COMMANDS = allCommands();
+const MACHINE = `
+  R "Root" hierarchy outcome done
+    A "Scan" execution outcome ok outcome lost
+    B "Grip" execution outcome ok
+    R > A
+    A.ok > B
+    B.ok > R.done
+`;
+const HELD = { path: "R", phase: "held", held: [{ next: "R/A", by: { type: "step" } }] };
+const ALL: readonly Right[] = ["observe", "command", "start", "edit"];
+
+interface Options {
+  readonly rights?: readonly Right[];
+  readonly status?: string;
+  readonly phase?: string;
+  readonly active?: readonly unknown[];
+  readonly holder?: string | null;
+  readonly selected?: string;
+  readonly answer?: unknown;
+  readonly answers?: readonly unknown[];
+}
+
+/** A machine with a run in front of it, whose commands are recorded. */
+function running(options: Options = {}): Stand & { readonly orders: Order[] } {
+  const { rights = ALL, status = "running", phase = "live", active = [], holder = null } = options;
+  const context = stand(MACHINE, {
+    rights,
+    selected: [`state:${options.selected ?? "R/A"}`],
+    answers: options.answers ?? [],
+  });
+  const orders: Order[] = [];
+  const link = { state: "up", session: { user: "anna", rights } };
+  Object.assign(context.page.server, { link: signal(link) });
+  const snapshot = { status, active, breakpoints: [], questions: [] };
+  const now = { run: { id: "r", phase }, snapshot, control: { holder } };
+  const watch = {
+    id: "r",
+    now: signal(now),
+    moment: signal(null),
+    command: (order: Order) => {
+      orders.push(order);
+      return Promise.resolve({ answer: options.answer ?? { answer: "applied" } });
+    },
+  };
+  context.tab.run.value = watch as unknown as Watch;
+  return { ...context, orders };
+}
+
+function why(context: Stand, id: string, argument?: unknown): string | null {
+  const command = COMMANDS.get(id);
+  if (!command) throw new Error(`there is no ${id}`);
+  return refusalOf(command, context, argument);
+}
+
+async function settle(): Promise<void> {
+  for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();
+}
+
+test("what can be done goes by how the run stands, and says why not", () => {
+  const goes = running();
+  expect([why(goes, "run.pause"), why(goes, "run.step-mode")]).toEqual([null, null]);
+  expect(why(goes, "run.resume")).toMatch(/goes on already/);
+  expect(why(goes, "run.into")).toMatch(/pause the run/);
+  const held = running({ status: "stepping", active: [HELD] });
+  expect([why(held, "run.into"), why(held, "run.back"), why(held, "run.resume")]).toEqual([
+    null,
+    null,
+    null,
+  ]);
+  expect(why(held, "run.step-mode")).toMatch(/step by step/);
+  expect(why(running({ phase: "crashed" }), "run.pause")).toMatch(/take it up/);
+  expect(why(running({ phase: "crashed" }), "run.take-up")).toBeNull();
+  expect(why(stand(MACHINE), "run.pause")).toMatch(/no run is shown/);
+});
+
+test("who only looks commands nothing; who is not in control brings to rest, and no more", () => {
+  const viewer = running({ rights: ["observe"] });
+  expect(why(viewer, "run.pause")).toMatch(/role operator/);
+  expect(why(viewer, "run.start")).toMatch(/role operator/);
+  const other = running({ holder: "bob" });
+  expect(why(other, "run.step-mode")).toMatch(/bob is in control/);
+  expect([why(other, "run.pause"), why(other, "run.stop")]).toEqual([null, null]);
+  expect(why(running({ holder: "anna" }), "run.step-mode")).toBeNull();
+  expect(why(running({ rights: ["observe", "command"] }), "run.reload")).toMatch(/engineer/);
+});
+
+test("steps go to all branches, or to the one that is named", async () => {
+  const held = running({ status: "stepping", active: [HELD] });
+  COMMANDS.run("run.over", held);
+  COMMANDS.run("run.over", held, "R/A");
+  await settle();
+  expect(held.orders).toEqual([
+    { type: "step_over", branch: null },
+    { type: "step_over", branch: "R/A" },
+  ]);
+});
+
+test("a stop asks once; who was asked already is not asked again", async () => {
+  const doubtful = running({ answers: [false] });
+  COMMANDS.run("run.stop", doubtful);
+  await settle();
+  expect(doubtful.orders).toEqual([]);
+  COMMANDS.run("run.stop", doubtful, "sure");
+  await settle();
+  expect(doubtful.orders).toEqual([{ type: "stop" }]);
+});
+
+test("a command that is refused by the run says so", async () => {
+  const refused = running({ answer: { answer: "refused", reason: "a script runs" } });
+  COMMANDS.run("run.start-here", refused);
+  await settle();
+  expect(refused.orders).toEqual([{ type: "start", from: "R/A", data: [] }]);
+  expect(refused.record).toContain("tell Start here: a script runs");
+});
+
+test("the outcome of a state is chosen where it stands still, or comes next", () => {
+  const next = running({ status: "stepping", active: [HELD] });
+  const command = COMMANDS.get("run.force-outcome");
+  expect(why(next, "run.force-outcome")).toBeNull();
+  expect(command?.choices?.(next).map(({ title }) => title)).toContain("lost");
+  const other = running({ status: "stepping", active: [HELD], selected: "R/B" });
+  expect(why(other, "run.force-outcome")).toMatch(/held, waits, or comes next/);
+});
+
+test("a breakpoint of a live run is the run's; its removal too", async () => {
+  const goes = running();
+  COMMANDS.run("run.breakpoint", goes, "R/B");
+  await settle();
+  const [order] = goes.orders;
+  expect(order).toMatchObject({
+    type: "set_breakpoint",
+    breakpoint: { ...newBreakpoint(1, "R/B"), id: expect.any(Number) },
+  });
+});
+
+test("interrupted scripts are decided about one by one, or all at once", () => {
+  const waits = running({ active: [{ path: "R/A", phase: "interrupted", held: [] }] });
+  const choices = COMMANDS.get("run.recover")?.choices?.(waits) ?? [];
+  expect(choices.map(({ argument }) => argument)).toEqual([
+    { path: "R/A", policy: "restart" },
+    { path: "R/A", policy: "abort" },
+  ]);
+});

@@ -1,0 +1,74 @@
+import { expect, test } from "vitest";
+import type { ActiveState, RunNow, RunStatus, RunSummary } from "./generated/protocol.ts";
+import { holdInWords, runStand, standInWords, summaryStand } from "./run_words.ts";
+
+const SUMMARY = {
+  id: "drill-1",
+  name: "Drill",
+  machine: null,
+  author: "anna",
+  started_ms: 0,
+  length_ms: 10,
+  events: 4,
+  bytes: 100,
+  keeping: "full",
+} as const;
+
+const ACTIVE: ActiveState = {
+  path: "R/A",
+  name: "A",
+  phase: "running",
+  since_ms: 1,
+  branch: "",
+  detail: null,
+  held: [],
+};
+
+function live(status: RunStatus, active: readonly Partial<ActiveState>[]): RunNow {
+  return {
+    run: { ...SUMMARY, phase: "live" },
+    snapshot: {
+      status,
+      active: active.map((state) => ({ ...ACTIVE, ...state })),
+      journal_problem: null,
+    },
+  } as unknown as RunNow;
+}
+
+function inShort(now: RunNow): string {
+  return standInWords(runStand(now));
+}
+
+test("a run that is over says by which outcome, and one that failed looks so", () => {
+  const ended = (id: number, name: string): RunSummary => ({
+    ...SUMMARY,
+    phase: "finished",
+    outcome: { id, name },
+    states_run: 3,
+  });
+  expect(summaryStand(ended(0, "success"))).toEqual({
+    word: "finished",
+    tone: "plain",
+    detail: "success",
+  });
+  expect(summaryStand(ended(-1, "aborted")).tone).toBe("aborted");
+  expect(summaryStand(ended(-2, "preempted")).tone).toBe("preempted");
+  expect(summaryStand({ ...SUMMARY, phase: "crashed" }).word).toBe("crashed");
+});
+
+test("a run waits only if nothing of it is at work", () => {
+  const waits = { path: "R/W", phase: "waiting", detail: "a transition" } as const;
+  const root = { path: "R" } as const;
+  expect(inShort(live("running", [root, waits]))).toBe("waiting: a transition");
+  expect(inShort(live("running", [root, waits, {}]))).toBe("running");
+  expect(inShort(live("running", [{ phase: "interrupted" }]))).toMatch(/^waiting: for a decision/);
+});
+
+test("what is held says by what, each reason once", () => {
+  const by = { type: "breakpoint", id: 3 } as const;
+  const held = [{ next: "R/B", by }];
+  expect(inShort(live("stepping", [{ held }, { held }]))).toBe("stepping: held by breakpoint 3");
+  const step = [{ next: "R/B", by: { type: "step" } as const }];
+  expect(inShort(live("stepping", [{ held: step }]))).toBe("stepping");
+  expect(holdInWords({ type: "start" })).toBe("held at the start");
+});
