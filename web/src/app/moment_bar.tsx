@@ -42,7 +42,7 @@ function OfMoment({ tab, watch, moment }: OfRunProps & { readonly moment: number
         <strong className="moment-when">{when}</strong>
         <span className="moment-what">{what}</span>
         <span className="moment-soft">
-          event {index + 1} of {watch.journal.length}
+          event {moment} of {watch.journal.sequence(watch.journal.length - 1)}
           <Ago watch={watch} index={index} />
           {!isHere && ", its values are on their way"}
         </span>

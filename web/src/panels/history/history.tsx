@@ -112,18 +112,22 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   const calls = callsOf(watch.journal);
   const nodes = useMemo(() => new Nodes(calls), [calls]);
   const [expanded, setExpanded] = useState<ReadonlySet<string>>(() => new Set(["c0"]));
+  const [chosen, setChosen] = useState<Node | null>(null);
   const moment = useSignal(watch.moment);
   const grown = calls.read;
   const shown = moment === null ? NONE : calls.openAt(shownIndex(watch));
+  // What was chosen here shows already: a loop is not opened because its first call is shown.
+  const isHere = chosen !== null && ends(chosen).first === shown;
   useEffect(() => {
-    if (shown === NONE) return;
+    if (shown === NONE || isHere) return;
     setExpanded((before) => new Set([...before, ...nodes.around(shown)]));
-  }, [shown, nodes]);
+  }, [shown, isHere, nodes]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
   const roots = useMemo(() => nodes.roots(), [nodes, grown]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
   const childrenOf = useMemo(() => (node: Node) => nodes.inside(node), [nodes, grown]);
   const nameOf = namesOf(tab.room);
+  const at = shown === NONE ? null : isHere ? chosen.id : `c${shown}`;
   const begin = (node: Node) => calls.begin(ends(node).first);
   return (
     <Tree<Node>
@@ -135,9 +139,12 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
       onExpand={(node, open) => setExpanded((before) => toggled(before, node.id, open))}
       text={(node) => nameOfNode(node, calls, nameOf)}
       row={(node) => <Row node={node} calls={calls} nameOf={nameOf} />}
-      selected={new Set(shown === NONE ? [] : [`c${shown}`])}
-      reveal={shown === NONE ? null : `c${shown}`}
-      onSelect={(node) => show(begin(node))}
+      selected={new Set(at === null ? [] : [at])}
+      reveal={at}
+      onSelect={(node) => {
+        setChosen(node);
+        show(begin(node));
+      }}
       onOpen={(node) => show(begin(node), true)}
       onMenu={(node, at) => onMenu(begin(node), at)}
     />

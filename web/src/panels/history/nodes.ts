@@ -38,8 +38,9 @@ export class Nodes {
     this.#calls = calls;
   }
 
+  /** The calls that nothing is around: one for each time the run began. */
   roots(): readonly Node[] {
-    return this.#of(NONE);
+    return inParts(this.#calls.inside(NONE).map(callNode), "r");
   }
 
   /** What is inside; null if there is nothing. */
@@ -82,7 +83,7 @@ export class Nodes {
       this.#folds.set(call, folds);
     }
     folds.follow(this.#calls.inside(call));
-    return inParts(folds.all.map(foldNode), call === NONE ? "r" : idOf(call));
+    return inParts(folds.all.map(foldNode), idOf(call));
   }
 }
 

@@ -200,8 +200,8 @@ function Chart({ tab, watch, model }: OfRunProps) {
             tabIndex={0}
             aria-label="Moment of the run"
             aria-valuemin={0}
-            aria-valuemax={watch.journal.length}
-            aria-valuenow={shownIndex(watch) + 1}
+            aria-valuemax={watch.journal.sequence(watch.journal.length - 1)}
+            aria-valuenow={watch.journal.sequence(shownIndex(watch))}
             aria-valuetext={`${when} ${what}`}
             onKeyDown={(event) => {
               if (!timelineKey(event, model, selectedStates(tab.view)[0])) return;

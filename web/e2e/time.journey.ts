@@ -1,0 +1,252 @@
+/** The time of a run: scrubbed, stepped, searched, begun again, compared; what the page shows is what the command line tells. */
+
+import { expect } from "vitest";
+import type { Comparison } from "../src/model/generated/protocol.ts";
+import type { App } from "./house/app.ts";
+import { journey } from "./house/journey.ts";
+import type { Server } from "./house/server.ts";
+import {
+  activeShown,
+  finished,
+  innermost,
+  momentShown,
+  replayed,
+  ruler,
+  shown,
+  started,
+  told,
+} from "./house/time.ts";
+
+const TENTHS = [1, 2, 3, 4, 5, 6, 7, 8, 9];
+
+/** Drags along the ruler to each tenth of a run, and looks at the page there. */
+async function scrub(app: App, at: (moment: number) => Promise<void>): Promise<void> {
+  const { x, y, width } = await ruler(app);
+  const { mouse } = app.sheet;
+  await mouse.move(x + width / 2, y);
+  await mouse.down();
+  for (const tenth of [...TENTHS].reverse()) {
+    await mouse.move(x + (width * tenth) / 10, y, { steps: 3 });
+    const moment = await momentShown(app);
+    if (moment === null) throw new Error(`at ${tenth} tenths the page shows what is now`);
+    await at(moment);
+  }
+  await mouse.up();
+}
+
+async function samePicture(app: App, server: Server, run: string, moment: number): Promise<void> {
+  const paths = replayed(server, run, moment).active.map(({ path }) => path);
+  expect(await activeShown(app)).toEqual(paths);
+}
+
+journey(
+  "each tenth of a run with branches shows what ran then, in words too",
+  { open: "preemptive_with_timer" },
+  async ({ app, server }) => {
+    const run = await finished(server, "preemptive_with_timer");
+    await shown(app, run);
+    await app.panel("Timeline");
+    await scrub(app, async (moment) => {
+      await samePicture(app, server, run, moment);
+      const rows = app.sheet.getByRole("list", { name: "What runs now" });
+      const names = await rows.locator(".running-name").allTextContents();
+      expect(names.sort()).toEqual(innermost(replayed(server, run, moment)));
+    });
+    await app.sheet.getByRole("button", { name: "Back to the end" }).click();
+    expect(await momentShown(app)).toBeNull();
+  },
+);
+
+journey(
+  "each tenth of a mission shows what ran then",
+  { open: "mission" },
+  async ({ app, server }) => {
+    const run = await finished(server, "mission");
+    await shown(app, run);
+    await app.panel("Timeline");
+    await scrub(app, (moment) => samePicture(app, server, run, moment));
+  },
+);
+
+journey(
+  "a run is stepped through event by event, forwards and back, by keys",
+  { open: "hierarchy_and_data" },
+  async ({ app, server }) => {
+    const run = await finished(server, "hierarchy_and_data");
+    const moves = told(server, run).filter(
+      ({ event }) => !["scoped", "global"].includes(event.type),
+    );
+    await shown(app, run);
+    await app.panel("Timeline");
+    const slider = app.sheet.getByRole("slider", { name: "Moment of the run" });
+    await slider.focus();
+    await app.sheet.keyboard.press("Home");
+    for (const { sequence } of moves.slice(0, 12)) {
+      expect(await momentShown(app)).toBe(sequence);
+      await samePicture(app, server, run, sequence);
+      await app.sheet.keyboard.press("ArrowRight");
+    }
+    await app.sheet.keyboard.press("ArrowLeft");
+    expect(await momentShown(app)).toBe(moves[11]?.sequence);
+    await app.sheet.evaluate(() => {
+      const view = window.__rafcon.page.active.value?.view;
+      if (view) view.selection.value = new Set(["state:PACKER/ONEPAR"]);
+    });
+    const entries = moves.filter(
+      ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR",
+    );
+    await app.sheet.keyboard.press("Home");
+    for (const { sequence } of entries.slice(0, 3)) {
+      await app.sheet.keyboard.press("Control+ArrowRight");
+      expect(await momentShown(app)).toBe(sequence);
+    }
+    await app.sheet.keyboard.press("Control+ArrowLeft");
+    expect(await momentShown(app)).toBe(entries[1]?.sequence);
+    expect(await slider.getAttribute("aria-valuetext")).toMatch(/Pack one part entered$/);
+    await app.sheet.keyboard.press("End");
+    expect(await momentShown(app)).toBeNull();
+  },
+);
+
+journey(
+  "the search of the time line steps through what it finds",
+  { open: "hierarchy_and_data" },
+  async ({ app, server }) => {
+    const run = await finished(server, "hierarchy_and_data");
+    const entries = told(server, run).filter(
+      ({ event }) => event.type === "entered" && event.path.endsWith("/ONEPAR/PICKIT"),
+    );
+    await shown(app, run);
+    await app.panel("Timeline");
+    const field = app.sheet.getByRole("searchbox", { name: /^Search the run/ });
+    await field.fill("pick from");
+    await app.sheet.getByText(`– of ${entries.length}`, { exact: true }).waitFor();
+    for (const { sequence } of entries.slice(0, 3)) {
+      await field.press("Enter");
+      expect(await momentShown(app)).toBe(sequence);
+    }
+    await app.sheet.getByText(`3 of ${entries.length}`, { exact: true }).waitFor();
+    await field.press("Shift+Enter");
+    expect(await momentShown(app)).toBe(entries[1]?.sequence);
+    await field.fill("no such words");
+    await app.sheet.getByText("Nothing", { exact: true }).waitFor();
+  },
+);
+
+journey(
+  "the history tree folds loops, finds states, and leads to their moments",
+  { open: "preemptive_with_timer" },
+  async ({ app, server }) => {
+    const run = await finished(server, "preemptive_with_timer");
+    await shown(app, run);
+    await app.panel("Run history");
+    const tree = app.sheet.getByRole("tree", { name: "Calls of the run, in order" });
+    const open = async (name: RegExp) => {
+      const row = tree.getByRole("treeitem", { name }).first();
+      await row.click();
+      if ((await row.getAttribute("aria-expanded")) === "false") {
+        await app.sheet.keyboard.press("ArrowRight");
+      }
+    };
+    await open(/^Search or time out/);
+    await open(/Look around/);
+    await open(/Look, Turn × 5/);
+    await open(/Round 2/);
+    await tree.getByRole("treeitem", { name: /^Turn/ }).first().click();
+    const turns = told(server, run).filter(
+      ({ event }) => event.type === "entered" && event.path.endsWith("/TURNIT"),
+    );
+    expect(await momentShown(app)).toBe(turns[1]?.sequence);
+    await app.sheet.getByRole("searchbox", { name: /^Search the history/ }).fill("seen");
+    const hit = app.sheet.getByRole("treeitem", { name: /Look ended by seen/ });
+    await hit.dblclick();
+    const seen = told(server, run).find(
+      ({ event }) => event.type === "left" && event.outcome.name === "seen",
+    );
+    expect(await momentShown(app)).toBe(seen?.sequence);
+  },
+);
+
+journey(
+  "a run that is held begins again at an entry of its history",
+  { open: "hierarchy_and_data" },
+  async ({ app, server }) => {
+    const point = {
+      id: 1,
+      path: "PACKER/ONEPAR",
+      when: "after",
+      condition: null,
+      hit_count: 3,
+      scope: "run",
+      unattended: "hold",
+      enabled: true,
+    };
+    const run = await started(server, "hierarchy_and_data", { breakpoints: [point] });
+    await shown(app, run);
+    const isHeld = () =>
+      app.until(
+        ({ tab }) =>
+          tab?.run.value?.now.value?.snapshot?.active.some(({ held }) => held.length > 0) ?? false,
+        null,
+      );
+    await isHeld();
+    await app.panel("Timeline");
+    const entries = told(server, run).filter(
+      ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR",
+    );
+    const second = entries[1]?.sequence ?? 0;
+    await app.sheet.evaluate((sequence) => {
+      const watch = window.__rafcon.page.active.value?.run.value;
+      if (watch) watch.moment.value = sequence;
+    }, second);
+    await app.sheet.getByRole("button", { name: "Start from here" }).click();
+    await app.until(({ tab }, sequence) => {
+      const journal = tab?.run.value?.journal;
+      return [...(journal?.others() ?? [])].some(
+        ([, event]) => event.type === "went_back" && event.sequence === sequence,
+      );
+    }, second);
+    expect(await momentShown(app)).toBeNull();
+    await app.panel("Run history");
+    await app.sheet
+      .getByRole("treeitem", { name: /broken off/ })
+      .first()
+      .waitFor();
+    await server.ask("POST", `/runs/${run}/commands`, {
+      id: "time-stop",
+      command: { type: "stop" },
+    });
+    await app.until(({ tab }) => tab?.run.value?.now.value?.link === "over", null);
+  },
+);
+
+journey(
+  "two runs are compared, and each side of their first difference leads to its moment",
+  { open: "preemptive_with_timer" },
+  async ({ app, server }) => {
+    const far = await finished(server, "preemptive_with_timer");
+    const near = await finished(server, "preemptive_with_timer", { inputs: { hidden_at_deg: 60 } });
+    const { parted } = await server.ask<Comparison>("GET", `/runs/${near}/compare/${far}`);
+    if (!parted?.one || !parted.other) throw new Error("the runs do not part");
+    await shown(app, near);
+    await app.panel("Compare runs");
+    await app.sheet.getByLabel("The other run").selectOption(far);
+    const part = app.sheet.getByRole("button", { name: /^They part here/ });
+    await part.first().waitFor();
+    expect(await part.allTextContents()).toEqual([
+      expect.stringContaining("Look ended by seen"),
+      expect.stringContaining("Look ended by nothing here"),
+    ]);
+    await part.first().click();
+    expect(await momentShown(app)).toBe(parted.one.sequence);
+    await part.last().click();
+    await app.until(({ tab }, id) => tab?.run.value?.id === id, far);
+    expect(await momentShown(app)).toBe(parted.other.sequence);
+    const marks = await app.sheet.evaluate(() => [
+      ...(window.__rafcon.page.active.value?.view.marks.value?.keys() ?? []),
+    ]);
+    expect(marks).toContain(`state:${parted.other.path}`);
+    const times = app.sheet.getByRole("grid", { name: "Time in states, in both runs" });
+    await times.getByText("Look", { exact: true }).waitFor();
+  },
+);
