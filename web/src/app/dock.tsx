@@ -53,8 +53,10 @@ export function Dock() {
     const stack = () => {
       if (control.stack(narrow.matches)) session.context().shell.overview();
     };
+    // The dock has its new size from the next picture on.
+    const soon = () => requestAnimationFrame(() => requestAnimationFrame(stack));
     stack();
-    narrow.addEventListener("change", stack);
+    narrow.addEventListener("change", soon);
     const asked = takeAsked(window);
     if (asked.isMission) session.commands.run("mission.open", session.context());
     if (asked.run !== null) session.commands.run("run.show", session.context(), asked.run);
@@ -75,7 +77,7 @@ export function Dock() {
       }),
     );
     return () => {
-      narrow.removeEventListener("change", stack);
+      narrow.removeEventListener("change", soon);
       opened.dispose();
       failed.dispose();
       control.dispose();

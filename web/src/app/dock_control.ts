@@ -5,7 +5,7 @@ import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockvi
 import type { Layouts, Side } from "../commands/command.ts";
 import { kept, type Shed } from "../store/shed.ts";
 import { type Layout, SHIPPED, withPanels } from "./layouts.ts";
-import { placeMission } from "./mission_place.ts";
+import { placeMission, sizeMission } from "./mission_place.ts";
 import { PANELS, panelOf } from "./panels.tsx";
 import type { DockPort } from "./session.ts";
 
@@ -56,6 +56,7 @@ export class DockControl implements DockPort {
     this.#isNarrow = isNarrow;
     const isMoved = placeMission(this.#api, isNarrow);
     if (isMoved) this.#show("bottom", !isNarrow);
+    if (isMoved) sizeMission(this.#api, isNarrow);
     return isMoved;
   }
 
@@ -180,7 +181,7 @@ export class DockControl implements DockPort {
     }
     this.#settleCanvas();
     this.#size(layout);
-    this.stack(this.#isNarrow);
+    if (!this.stack(this.#isNarrow)) sizeMission(this.#api, this.#isNarrow);
     canvas.api.setActive();
   }
 

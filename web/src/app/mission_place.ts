@@ -11,15 +11,24 @@ const HEIGHT_SHARE = 0.64;
 const WIDTH_SHARE = 0.55;
 const WIDTH = 600;
 
-/** Puts mission control where it belongs on such a page, if it stands alone in the grid; true if it was moved. */
+/** Puts mission control where it belongs on such a page, if it stands alone in the grid; true if that is elsewhere than before. */
 export function placeMission(api: DockviewApi, isNarrow: boolean): boolean {
-  const panel = api.getPanel(MISSION_PANEL);
-  if (panel?.group.api.location.type !== "grid" || panel.group.size > 1) return false;
-  const isAbove = panel.group.api.width >= api.width - 2;
-  if (isAbove !== isNarrow) panel.group.api.moveTo({ position: isNarrow ? "top" : "left" });
+  const group = groupOf(api);
+  if (!group || group.api.width >= api.width - 2 === isNarrow) return false;
+  group.api.moveTo({ position: isNarrow ? "top" : "left" });
+  return true;
+}
+
+/** Gives it the size that it has at first. */
+export function sizeMission(api: DockviewApi, isNarrow: boolean): void {
   const size = isNarrow
     ? { height: api.height * HEIGHT_SHARE }
     : { width: Math.min(WIDTH, api.width * WIDTH_SHARE) };
-  panel.group.api.setSize(size);
-  return isAbove !== isNarrow;
+  groupOf(api)?.api.setSize(size);
+}
+
+/** The group in which it stands alone. */
+function groupOf(api: DockviewApi) {
+  const group = api.getPanel(MISSION_PANEL)?.group;
+  return group?.api.location.type === "grid" && group.size === 1 ? group : null;
 }
