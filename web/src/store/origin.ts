@@ -10,6 +10,8 @@ export interface Origin {
   readonly sequence: number;
   /** The state that gave it; of a default the state itself. */
   readonly path: string;
+  /** The event from which on it is seen there: scoped variables are written right after the event that gives them. */
+  readonly seen: number;
 }
 
 /** Values come through so many containers at most. */
@@ -26,10 +28,10 @@ export function originOf(
   const kind = port.kind === "output" ? "left" : "entered";
   const sequence = visits.last(kind, port.path, until);
   if (sequence === null) return null;
-  if (port.kind === "output") return { sequence, path: port.path };
+  if (port.kind === "output") return { sequence, path: port.path, seen: sequence };
   if (port.kind === "scoped_variable") return scopedOrigin(machine, visits, port, sequence, until);
   const path = giverOf(machine, visits, port, sequence, steps);
-  return { sequence, path: path ?? port.path };
+  return { sequence, path: path ?? port.path, seen: sequence };
 }
 
 /** A scoped variable has what a child gave it last, else what it had when its container began. */
@@ -40,13 +42,14 @@ function scopedOrigin(
   begun: number,
   until: number | null,
 ): Origin {
-  let found: Origin = { sequence: begun, path: port.path };
+  let found = { sequence: begun, path: port.path };
+  const before = until === null ? null : until - 1;
   for (const { from } of flowsTo(machine, port.path, port)) {
     if (from.kind !== "output") continue;
-    const sequence = visits.last("left", from.path, until);
+    const sequence = visits.last("left", from.path, before);
     if (sequence !== null && sequence > found.sequence) found = { sequence, path: from.path };
   }
-  return found;
+  return { ...found, seen: visits.untilNext(found.sequence) };
 }
 
 /** The state that gave an input what it had when its state was entered; null if none did. */

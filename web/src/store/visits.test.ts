@@ -9,10 +9,14 @@ import { Journal } from "./journal.ts";
 import { originOf } from "./origin.ts";
 import { visitsOf } from "./visits.ts";
 
-/** `A+` is entered, `A-` is left, `A!` writes a traceback. */
+/** `A+` is entered, `A-` is left, `A!` writes a traceback; `.` is an event that is nothing but a value, and not told. */
 function journalOf(text: string): Journal {
   const journal = new Journal();
-  journal.add(text.split(" ").map(entryOf), text.split(" ").length + 1);
+  const words = text.split(" ");
+  journal.add(
+    words.flatMap((word, index) => (word === "." ? [] : [entryOf(word, index)])),
+    words.length + 1,
+  );
   return journal;
 }
 
@@ -65,12 +69,14 @@ function port(kind: PortRef["kind"], path: string, name: string): PortRef {
 }
 
 test("values came from the states that gave them, at their ends", () => {
-  const visits = visitsOf({ journal: journalOf("R+ R/A+ R/A- R/B+ R/B-") });
+  const visits = visitsOf({ journal: journalOf("R+ R/A+ R/A- . R/B+ R/B-") });
   const origin = (of: PortRef, until: number | null = null) => originOf(MACHINE, visits, of, until);
-  expect(origin(port("scoped_variable", "R", "found"))).toEqual({ sequence: 3, path: "R/A" });
-  expect(origin(port("scoped_variable", "R", "found"), 2)).toEqual({ sequence: 1, path: "R" });
-  expect(origin(port("output", "R/A", "pose"))).toEqual({ sequence: 3, path: "R/A" });
-  expect(origin(port("input", "R/B", "found"))).toEqual({ sequence: 4, path: "R/A" });
-  expect(origin(port("input", "R/A", "speed"))).toEqual({ sequence: 2, path: "R" });
+  const found = port("scoped_variable", "R", "found");
+  expect(origin(found)).toEqual({ sequence: 3, path: "R/A", seen: 4 });
+  expect(origin(found, 4)).toEqual({ sequence: 3, path: "R/A", seen: 4 });
+  expect(origin(found, 3)).toEqual({ sequence: 1, path: "R", seen: 1 });
+  expect(origin(port("output", "R/A", "pose"))).toMatchObject({ sequence: 3, path: "R/A" });
+  expect(origin(port("input", "R/B", "found"))).toMatchObject({ sequence: 5, path: "R/A" });
+  expect(origin(port("input", "R/A", "speed"))).toMatchObject({ sequence: 2, path: "R" });
   expect(origin(port("input", "R/B", "pose"), 3)).toBeNull();
 });

@@ -43,6 +43,12 @@ export class Visits {
     return this.#countTo(this.#of(path)?.entered ?? [], until);
   }
 
+  /** The last number before the journal's next event: values that were written with an event are there by then. */
+  untilNext(sequence: number): number {
+    const next = this.#journal.indexOf(sequence + 1);
+    return (next < this.#journal.length ? this.#journal.sequence(next) : this.#journal.next) - 1;
+  }
+
   #of(path: string): OfState | undefined {
     this.#catchUp();
     return this.#states.get(path);

@@ -155,7 +155,11 @@ function Line({ seen, watch, target, value, origin }: LineProps) {
         keep={`${target.path} ${target.kind} ${target.name}`}
       />
       <div className="in-run-origin">
-        {origin && <From seen={seen} watch={watch} target={target} origin={origin} />}
+        {origin ? (
+          <From seen={seen} watch={watch} target={target} origin={origin} />
+        ) : (
+          <span className="in-run-when" />
+        )}
         <IconButton
           className="inspector-mini"
           label={`Watch ${target.name}`}
@@ -197,7 +201,7 @@ function From({
         label={`Show the moment when ${target.name} came`}
         icon={<Clock size={13} />}
         onClick={() => {
-          watch.moment.value = origin.sequence;
+          watch.moment.value = origin.seen;
         }}
       />
     </>
