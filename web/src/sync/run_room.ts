@@ -1,4 +1,5 @@
-/** The machine as a run went by it, kept by the run: looked at and never edited. When the run goes by another one, so does this. */
+/** The machine as a run went by it, kept by the run: looked at and never edited. When the run goes by another one, or a moment is
+ * shown at which it did, so does this. */
 
 import { batch, effect, signal } from "@preact/signals-core";
 import type {
@@ -8,11 +9,21 @@ import type {
   MachineSteps,
 } from "../model/generated/protocol.ts";
 import { type LibraryKey, libraryKey } from "../store/graft.ts";
+import { OTHER } from "../store/journal.ts";
 import { Mirror, type Touched } from "../store/mirror.ts";
 import type { PendingEdit, Room } from "../store/room.ts";
 import type { Runs, Watch } from "../store/run.ts";
 import { RefusalError, type Server } from "../store/server.ts";
+import type { Clock } from "./clock.ts";
 import { Shelf } from "./shelf.ts";
+
+interface Ports {
+  readonly server: Server;
+  readonly clock: Clock;
+}
+
+/** A machine that could not be had is asked for again after so long. */
+const AGAIN_MS = 1_000;
 
 /** The id of the room of a run's machine. */
 export function runRoomId(run: string): string {
@@ -37,24 +48,30 @@ export class RunRoom implements Room {
   readonly #shelf: Shelf;
   readonly #listeners = new Set<(touched: Touched) => void>();
   readonly #stops: (() => void)[];
+  readonly #ports: Ports;
   #root: string | null = null;
+  /** The machine that the run went by last, as its history says, and how far that was read. */
+  #last: string | null = null;
+  #read = 0;
+  #isOver = false;
 
   /** Gets the machine that the run began with. Throws a `RefusalError`. */
-  static async enter(watch: Watch, runs: Runs, { server }: { readonly server: Server }) {
+  static async enter(watch: Watch, runs: Runs, ports: Ports) {
     const document = await runs.get<Document>(watch.id, "machine");
-    return new RunRoom(watch, runs, server, document);
+    return new RunRoom(watch, runs, ports, document);
   }
 
-  private constructor(watch: Watch, runs: Runs, server: Server, document: Document) {
+  private constructor(watch: Watch, runs: Runs, ports: Ports, document: Document) {
     this.id = runRoomId(watch.id);
+    this.#ports = ports;
     const run = encodeURIComponent(watch.id);
-    this.#shelf = new Shelf(server.request, (key: LibraryKey) => {
+    this.#shelf = new Shelf(ports.server.request, (key: LibraryKey) => {
       const root = this.#root === null ? "" : `&root=${encodeURIComponent(this.#root)}`;
       return `/runs/${run}/machine?library=${encodeURIComponent(key)}${root}`;
     });
     this.machine = new Mirror(document, (key) => this.#shelf.get(key));
     const follow = effect(() => {
-      const root = watch.seen.value?.picture.root ?? null;
+      const root = this.#wanted(watch);
       if (root !== null && root !== this.#root) void this.#goBy(root, runs, watch.id);
     });
     this.#stops = [this.#shelf.onArrival(() => this.#libraryChanged()), follow];
@@ -82,8 +99,21 @@ export class RunRoom implements Room {
   }
 
   close(): void {
+    this.#isOver = true;
     for (const stop of this.#stops) stop();
     this.#listeners.clear();
+  }
+
+  /** Of the moment, or of the end; null while that is not known. */
+  #wanted({ moment, seen, journal, grown }: Watch): string | null {
+    grown.value;
+    const picture = seen.value?.picture ?? null;
+    if (moment.value !== null) return picture?.root ?? null;
+    for (; this.#read < journal.length; this.#read += 1) {
+      const event = journal.kind(this.#read) === OTHER ? journal.other(this.#read) : undefined;
+      if (event?.type === "root") this.#last = event.hash;
+    }
+    return this.#last ?? picture?.root ?? null;
   }
 
   async #goBy(root: string, runs: Runs, run: string): Promise<void> {
@@ -91,12 +121,17 @@ export class RunRoom implements Room {
     this.#root = root;
     try {
       const document = await runs.get<Document>(run, `machine?root=${encodeURIComponent(root)}`);
-      if (this.#root !== root) return;
+      if (this.#root !== root || this.#isOver) return;
       if (!isFirst) await this.#shelf.refresh();
       this.machine.reset(document);
       this.#told();
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
+      const isForNow = error.status === 0 || error.status === 429 || error.status >= 500;
+      if (!isForNow) return;
+      this.#ports.clock.after(AGAIN_MS, () => {
+        if (this.#root === root && !this.#isOver) void this.#goBy(root, runs, run);
+      });
     }
   }
 

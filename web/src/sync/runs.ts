@@ -18,27 +18,38 @@ const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
   size_max: null,
 };
 
+/** A list that could not be had is asked for again after so long. */
+const AGAIN_MS = 2_000;
+
 /** The runs, followed from now on. */
 export function followRuns(ports: WatchPorts, house: Signal<HouseStatus | null>): Runs {
-  const { server } = ports;
+  const { server, clock } = ports;
   const all = signal<readonly RunSummary[]>([]);
   const watched = new Map<string, Watch>();
-  const take = (news: readonly RunSummary[]) => {
-    const byId = new Map(all.peek().map((run) => [run.id, run]));
-    for (const run of news) byId.set(run.id, run);
+  const removed = new Set<string>();
+  /** What comes later is the newer truth. */
+  const take = (before: readonly RunSummary[], news: readonly RunSummary[]) => {
+    const byId = new Map([...before, ...news].map((run) => [run.id, run]));
+    for (const id of removed) byId.delete(id);
     all.value = [...byId.values()].sort((one, other) => other.started_ms - one.started_ms);
   };
   const refresh = async () => {
     try {
-      all.value = await server.request<readonly RunSummary[]>("GET", "/runs");
+      const list = await server.request<readonly RunSummary[]>("GET", "/runs");
+      // What the house told meanwhile is no older than the list.
+      take(list, house.peek()?.runs ?? []);
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
+      // After a break it is asked for anyway.
+      clock.after(AGAIN_MS, () => {
+        if (server.link.peek().state === "up") void refresh();
+      });
     }
   };
   effect(() => {
     if (server.link.value.state === "up") void refresh();
   });
-  effect(() => take(house.value?.runs ?? []));
+  effect(() => take(all.peek(), house.value?.runs ?? []));
   return {
     all,
     refresh,
@@ -52,7 +63,7 @@ export function followRuns(ports: WatchPorts, house: Signal<HouseStatus | null>)
     start: async (start: Start) => {
       const body: StartRun = { ...DEFAULTS, ...start, id: ports.newId() };
       const run = await saidAgain<RunSummary>(ports, "/runs", body);
-      take([run]);
+      take(all.peek(), [run]);
       return run.id;
     },
     get: (run, what) => server.request("GET", `/runs/${encodeURIComponent(run)}/${what}`),
@@ -60,7 +71,8 @@ export function followRuns(ports: WatchPorts, house: Signal<HouseStatus | null>)
       await server.request("DELETE", `/runs/${encodeURIComponent(id)}`);
       watched.get(id)?.close();
       watched.delete(id);
-      all.value = all.peek().filter((run) => run.id !== id);
+      removed.add(id);
+      take(all.peek(), []);
     },
   };
 }

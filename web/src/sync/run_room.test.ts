@@ -1,0 +1,101 @@
+import { signal } from "@preact/signals-core";
+import { describe, expect, it } from "vitest";
+import type { Picture } from "../model/generated/protocol.ts";
+import { sketch } from "../model/sketch.ts";
+import { FakeClock } from "./fake_clock.ts";
+import { FakeRun } from "./fake_run.ts";
+import { RunRoom } from "./run_room.ts";
+import { followRuns } from "./runs.ts";
+
+const FIRST = sketch("R hierarchy\n  A execution");
+const LATER = sketch("R hierarchy\n  A execution\n  B execution");
+
+async function setUp() {
+  const [server, clock] = [new FakeRun(), new FakeClock()];
+  const runs = followRuns({ server, clock, newId: () => "id" }, signal(null));
+  const watch = runs.watch("r");
+  const entered = RunRoom.enter(watch, runs, { server, clock });
+  server.first().answer(FIRST);
+  const room = await entered;
+  const children = () => room.machine.children("R").join(" ");
+  /** The run goes by another machine from now on, and the page is told. */
+  const goBy = (hash: string) => {
+    server.happen({ type: "root", hash, change: "" });
+    server.tell(1);
+    clock.pass(100);
+  };
+  return { server, clock, watch, room, children, goBy };
+}
+
+async function settle(): Promise<void> {
+  for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();
+}
+
+describe("the machine of a run", () => {
+  it("is the one that the run began with, and is not edited", async () => {
+    const { room, children, server } = await setUp();
+    expect(children()).toBe("R/A");
+    expect(server.asked).toEqual(["GET /runs/r/machine"]);
+    expect(await room.undo()).toHaveProperty("refused");
+  });
+
+  it("is another one as soon as the run goes by that", async () => {
+    const { server, children, goBy } = await setUp();
+    goBy("h1");
+    server.first().answer(FIRST);
+    await settle();
+    goBy("h2");
+    expect(server.first().path).toBe("/runs/r/machine?root=h2");
+    server.first().answer(LATER);
+    await settle();
+    expect(children()).toBe("R/A R/B");
+  });
+
+  it("is the one of the moment that is shown, and at the end the last again", async () => {
+    const { server, watch, children, goBy } = await setUp();
+    goBy("h1");
+    server.first().answer(FIRST);
+    await settle();
+    goBy("h2");
+    server.first().answer(LATER);
+    await settle();
+    watch.moment.value = 1;
+    server.first().answer({ sequence: 1, root: "h1" } as Picture);
+    await settle();
+    server.first().answer(FIRST);
+    await settle();
+    expect(children()).toBe("R/A");
+    watch.moment.value = null;
+    expect(server.first().path).toBe("/runs/r/machine?root=h2");
+    server.first().answer(LATER);
+    await settle();
+    expect(children()).toBe("R/A R/B");
+  });
+
+  it("is asked for again while it cannot be had, and the newest wins", async () => {
+    const { server, clock, children, goBy } = await setUp();
+    goBy("h1");
+    server.first().refuse(0);
+    await settle();
+    clock.pass(1_000);
+    const late = server.first();
+    goBy("h2");
+    server.waiting.at(-1)?.answer(LATER);
+    await settle();
+    late.answer(FIRST);
+    await settle();
+    expect(children()).toBe("R/A R/B");
+  });
+
+  it("is not asked for any more once the room is closed", async () => {
+    const { server, clock, room, goBy } = await setUp();
+    goBy("h1");
+    server.first().refuse(0);
+    await settle();
+    room.close();
+    const count = server.asked.length;
+    clock.pass(60_000);
+    goBy("h2");
+    expect(server.asked).toHaveLength(count);
+  });
+});

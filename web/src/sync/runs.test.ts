@@ -1,0 +1,106 @@
+import { signal } from "@preact/signals-core";
+import { describe, expect, it } from "vitest";
+import type { HouseStatus, RunSummary } from "../model/generated/protocol.ts";
+import type { Link } from "../store/server.ts";
+import { FakeClock } from "./fake_clock.ts";
+import { FakeRun } from "./fake_run.ts";
+import { followRuns } from "./runs.ts";
+
+const UP: Extract<Link, { state: "up" }> = {
+  state: "up",
+  session: { user: "anna", role: "engineer", rights: [], version: "0", expires_ms: null },
+  connection: 1,
+};
+
+function run(id: string, started_ms: number, events = 0): RunSummary {
+  return { id, started_ms, events, phase: "live" } as RunSummary;
+}
+
+function setUp() {
+  const [server, clock] = [new FakeRun(), new FakeClock()];
+  const house = signal<HouseStatus | null>(null);
+  const tellHouse = (...all: readonly RunSummary[]) => {
+    house.value = { files_revision: 1, machines: [], runs: [...all] };
+  };
+  let ids = 0;
+  const newId = () => {
+    ids += 1;
+    return `id${ids}`;
+  };
+  const runs = followRuns({ server, clock, newId }, house);
+  const shown = () => runs.all.value.map(({ id, events }) => `${id} ${events}`);
+  return { server, clock, tellHouse, runs, shown };
+}
+
+async function settle(): Promise<void> {
+  for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();
+}
+
+describe("the runs of the house", () => {
+  it("are asked for whenever there is a connection, and then told", async () => {
+    const { server, tellHouse, shown } = setUp();
+    expect(server.asked).toEqual([]);
+    server.link.value = UP;
+    server.first().answer([run("b", 2), run("a", 1)]);
+    await settle();
+    tellHouse(run("c", 3), run("a", 1, 7));
+    expect(shown()).toEqual(["c 0", "b 0", "a 7"]);
+    server.link.value = { state: "connecting" };
+    server.link.value = { ...UP, connection: 2 };
+    expect(server.asked).toEqual(["GET /runs", "GET /runs"]);
+  });
+
+  it("that were told while the list was on its way are no older than the list", async () => {
+    const { server, tellHouse, shown } = setUp();
+    server.link.value = UP;
+    tellHouse(run("a", 1, 9), run("b", 2));
+    server.first().answer([run("a", 1, 5)]);
+    await settle();
+    expect(shown()).toEqual(["b 0", "a 9"]);
+  });
+
+  it("are asked for again if they could not be had", async () => {
+    const { server, clock, shown } = setUp();
+    server.link.value = UP;
+    server.first().refuse(503);
+    await settle();
+    clock.pass(2_000);
+    server.first().answer([run("a", 1)]);
+    await settle();
+    expect(shown()).toEqual(["a 0"]);
+  });
+
+  it("that were removed stay away, whatever the house told before", async () => {
+    const { server, tellHouse, runs, shown } = setUp();
+    tellHouse(run("a", 1), run("b", 2));
+    const watch = runs.watch("a");
+    const removed = runs.remove("a");
+    server.first().answer(null);
+    await removed;
+    expect(shown()).toEqual(["b 0"]);
+    tellHouse(run("a", 1), run("b", 2, 3));
+    expect(shown()).toEqual(["b 3"]);
+    expect([server.count("run_status"), server.count("run_history")]).toEqual([0, 0]);
+    expect(runs.watch("a")).not.toBe(watch);
+  });
+
+  it("are started once, however often the answer is lost", async () => {
+    const { server, clock, runs, shown } = setUp();
+    const started = runs.start({ machine: { project: "p", path: "m" } });
+    const { body } = server.first();
+    server.first().refuse(0);
+    await settle();
+    clock.pass(500);
+    await settle();
+    expect(server.first().body).toEqual(body);
+    server.first().answer(run("m-1", 5));
+    expect(await started).toBe("m-1");
+    expect(shown()).toEqual(["m-1 0"]);
+  });
+
+  it("are watched once", () => {
+    const { server, runs } = setUp();
+    expect(runs.watch("a")).toBe(runs.watch("a"));
+    expect(server.count("run_history")).toBe(1);
+  });
+});
