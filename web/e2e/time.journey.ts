@@ -232,7 +232,7 @@ journey(
     await app.panel("Compare runs");
     await app.sheet.getByLabel("The other run").selectOption(far);
     const part = app.sheet.getByRole("button", { name: /^They part here/ });
-    await part.first().waitFor();
+    await part.nth(1).waitFor();
     expect(await part.allTextContents()).toEqual([
       expect.stringContaining("Look ended by seen"),
       expect.stringContaining("Look ended by nothing here"),

@@ -70,6 +70,7 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
             </li>
           );
         })}
+        {journal.length === 0 && <li className="compare-soft">Its events are on their way.</li>}
         {at === null && (
           <li className="compare-event compare-parted">
             <span className="compare-mark" aria-hidden>

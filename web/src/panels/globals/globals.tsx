@@ -11,9 +11,11 @@ import { select } from "../../store/view.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import type { TreeSource } from "../../ui/tree_rows.ts";
 import { useActiveTab, useHost } from "../context.tsx";
+import { InRun } from "./in_run.tsx";
 import { RenameGlobal } from "./rename_global.tsx";
 import { countsInWords, found, placeInWords } from "./words.ts";
 import "./globals.css";
@@ -36,13 +38,18 @@ export function Globals() {
 function OfTab({ tab }: { tab: OpenTab }) {
   const { page } = useHost().context();
   const all = useGlobals(tab);
+  const watch = useSignal(tab.run);
   const [query, setQuery] = useState("");
   const [chosen, setChosen] = useState<string | null>(null);
   const [renaming, setRenaming] = useState<GlobalVariable | null>(null);
   if (!all) return <p className="globals-reading">Reading the scripts…</p>;
   const current = all.find(({ name }) => name === chosen) ?? null;
   if (all.length === 0) {
-    return (
+    return watch ? (
+      <div className="globals">
+        <InRun watch={watch} query="" />
+      </div>
+    ) : (
       <Empty
         title="No global variables"
         text='Scripts share values by gvm.set_variable("name", value) and gvm.get_variable("name"): every name stands here with its places.'
@@ -74,6 +81,7 @@ function OfTab({ tab }: { tab: OpenTab }) {
         onChoose={setChosen}
         onRename={setRenaming}
       />
+      {watch && <InRun key={watch.id} watch={watch} query={query} />}
       {renaming && (
         <RenameGlobal
           page={page}

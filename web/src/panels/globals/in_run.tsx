@@ -1,0 +1,41 @@
+/** Global variables as they are in the run, or were at the moment that is shown. */
+
+import { useEffect } from "react";
+import type { Watch } from "../../store/run.ts";
+import { Section } from "../../ui/section.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { ValueView } from "../parts/value/value_view.tsx";
+
+export interface InRunProps {
+  readonly watch: Watch;
+  /** What the panel is filtered by. */
+  readonly query: string;
+}
+
+export function InRun({ watch, query }: InRunProps) {
+  useEffect(() => watch.wantValues(), [watch]);
+  const seen = useSignal(watch.seen);
+  const moment = useSignal(watch.moment);
+  const wanted = query.trim().toLowerCase();
+  const all = Object.entries(seen?.picture.globals ?? {})
+    .filter(([name]) => name.toLowerCase().includes(wanted))
+    .sort(([one], [other]) => one.localeCompare(other));
+  const isOnItsWay = seen === null || (moment !== null && seen.picture.sequence !== moment);
+  return (
+    <Section
+      title={moment === null ? "In the run" : `In the run, at event ${moment}`}
+      count={all.length}
+    >
+      <div className="globals-run shows-run" aria-busy={isOnItsWay}>
+        {all.map(([name, value]) => (
+          <ValueView key={name} name={name} value={value} keep={`global ${name}`} />
+        ))}
+        {all.length === 0 && (
+          <p className="globals-soft">
+            {isOnItsWay ? "Values are on their way." : "No global variable has a value then."}
+          </p>
+        )}
+      </div>
+    </Section>
+  );
+}
