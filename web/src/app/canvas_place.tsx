@@ -45,7 +45,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
   const [menu, setMenu] = useState<OpenMenu | null>(null);
   useEffect(() => {
     if (!place.current) return;
-    const shown = runExtras(tab);
+    const shown = runExtras(page, tab);
     const mounted = mountCanvas(place.current, {
       tab,
       page,

@@ -6,8 +6,9 @@ import { HEAT_LEVELS, type ValueChip } from "../canvas/scene/input.ts";
 import { shortValue } from "../model/short_value.ts";
 import { breakpointsOf } from "../store/breakpoints.ts";
 import { heatOf } from "../store/heat.ts";
+import { laterBy } from "../store/later.ts";
 import { runMarks } from "../store/marks.ts";
-import type { OpenTab } from "../store/page.ts";
+import type { OpenTab, Page } from "../store/page.ts";
 import { portValues } from "../store/port_values.ts";
 
 /** So many letters of a value are shown when it is pointed at. */
@@ -21,7 +22,7 @@ export interface RunExtras {
   readonly stop: () => void;
 }
 
-export function runExtras(tab: OpenTab): RunExtras {
+export function runExtras(page: Page, tab: OpenTab): RunExtras {
   const values = valuesOf(tab);
   const heat = computed(() => heatNow(tab)?.levels ?? null);
   const points = computed(() => pointsInShort(tab));
@@ -33,6 +34,7 @@ export function runExtras(tab: OpenTab): RunExtras {
     return {
       runs: states,
       taken: lines,
+      later_ms: laterBy(page, watch),
       visits,
       values: values.value,
       heat: heat.value,

@@ -131,7 +131,7 @@ test("what runs is louder than what ran, and containers tell what runs inside", 
   const trail = trailOf(">R >R/A <R/A >R/B");
   const marks = stateMarks([active("R"), active("R/B")], trail, new Set());
   expect(written(marks)).toBe("R running 1\nR/A trail\nR/B running leaf");
-  expect(marks.get("R/B")?.seconds).toBe(2);
+  expect(marks.get("R/B")?.since_ms).toBe(2_500);
 });
 
 test("a held branch shows which state comes next", () => {

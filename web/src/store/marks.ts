@@ -35,8 +35,8 @@ export interface RunMark {
   readonly lanes: number;
   /** How many states of its branch have ended since it did; 0 if it did not. */
   readonly age: number;
-  /** For how many whole seconds it has been active; null if it is not. */
-  readonly seconds: number | null;
+  /** How long it had been active when that was said; null if it is not. */
+  readonly since_ms: number | null;
   /** Whether it failed and nobody has acknowledged it. */
   readonly failed: boolean;
   /** More than its phase says: for what it waits. */
@@ -168,7 +168,7 @@ function activeMarks(active: readonly Active[], mark: (path: string, phase: Mark
       phase,
       isLeaf: !inner.has(state.path),
       age: 0,
-      seconds: Math.floor(state.since_ms / 1_000),
+      since_ms: state.since_ms,
       detail: state.detail,
     });
     for (const { next } of state.held) if (next !== null) mark(next, "next");
@@ -185,7 +185,7 @@ function newMark(): Draft {
     isLeaf: false,
     lanes: 0,
     age: 0,
-    seconds: null,
+    since_ms: null,
     failed: false,
     detail: null,
   };

@@ -56,6 +56,8 @@ export interface SceneInput {
   readonly runs: ReadonlyMap<string, RunMark>;
   /** Transitions that were taken lately or come next. */
   readonly taken: ReadonlyMap<ElementKey, LineMarkOfRun>;
+  /** How much later it is than the marks were said, in ms. */
+  readonly later_ms: number;
   /** How often a state was entered. */
   readonly visits: (path: string) => number;
   /** Values at ports. */
@@ -79,6 +81,7 @@ export const PLAIN = {
   hits: new Set<ElementKey>(),
   runs: new Map<string, RunMark>(),
   taken: new Map<ElementKey, LineMarkOfRun>(),
+  later_ms: 0,
   visits: (_path: string) => 0,
   values: new Map<ElementKey, ValueChip>(),
   heat: null,

@@ -28,7 +28,7 @@ const MARK: RunMark = {
   isLeaf: true,
   lanes: 0,
   age: 0,
-  seconds: null,
+  since_ms: null,
   failed: false,
   detail: null,
 };
@@ -65,7 +65,7 @@ const shown = (marked: Marked, scale?: number, more?: Partial<SceneInput>) =>
 
 describe("phases are told apart by colour, shape and word", () => {
   test("what runs glows, and says for how long and how often", () => {
-    const text = shown({ "R/A": { seconds: 65 } }, 1, { visits: () => 3 });
+    const text = shown({ "R/A": { since_ms: 64_000 } }, 1, { visits: () => 3, later_ms: 1_200 });
     expect(text).toContain("run glow");
     expect(text).toContain("|running|");
     expect(text).toContain('"1:05 · 3×"');
@@ -90,7 +90,7 @@ describe("phases are told apart by colour, shape and word", () => {
   });
 
   test("what failed before and runs again says both", () => {
-    const text = shown({ "R/A": { failed: true, loudest: "failed", seconds: 2 } }, 2);
+    const text = shown({ "R/A": { failed: true, loudest: "failed", since_ms: 2_000 } }, 2);
     expect(text).toContain("icon state:R/A run running");
     expect(text).toContain("icon state:R/A run failed");
     expect(text).toContain('"failed · running · 2 s"');

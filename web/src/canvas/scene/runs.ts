@@ -59,12 +59,17 @@ export function runMarks(drawing: Drawing, spot: Spot, mark: RunMark, isOpen: bo
   }
   if (spot.extent < FILLED) return;
   const side = signMarks(drawing, layer, spot, phase, { ...mark, failed: hasFailed });
-  plateMarks(drawing, spot, wordsOf(phase, { ...mark, failed: hasFailed }), side);
+  plateMarks(
+    drawing,
+    spot,
+    wordsOf(phase, { ...mark, failed: hasFailed }, drawing.input.later_ms),
+    side,
+  );
 }
 
 /** Of a state whose content does not show: the loudest inside; what runs is not hidden by what failed before. */
-export function closedPhase({ phase, loudest, seconds, isLeaf }: RunMark): MarkPhase {
-  return isLeaf || (loudest === "failed" && seconds !== null) ? phase : loudest;
+export function closedPhase({ phase, loudest, since_ms, isLeaf }: RunMark): MarkPhase {
+  return isLeaf || (loudest === "failed" && since_ms !== null) ? phase : loudest;
 }
 
 /** States that neither run nor ran lately say how often they did. */
@@ -128,8 +133,8 @@ function ringMarks(
   const isQuiet = phase === "running" && !isLeaf;
   const glows = isLeaf && phase !== "next" && phase !== "preempted";
   if (glows) layer.boxes.push(...GLOW.map((part) => glow(spot, ink, part)));
-  const mark = ring(spot, ink, isQuiet ? 1.75 : line, 0, whatOf(spot));
-  layer.boxes.push({ ...mark, dash, alpha: isQuiet ? 0.75 : 1 });
+  const mark = ring(spot, ink, isQuiet ? 2 : line, 0, whatOf(spot));
+  layer.boxes.push({ ...mark, dash });
 }
 
 const GLOW = [
@@ -227,9 +232,14 @@ function signMarks(
 }
 
 /** From all that can be said to the least. */
-function wordsOf(phase: MarkPhase, { seconds, detail, failed }: RunMark): readonly string[] {
+function wordsOf(
+  phase: MarkPhase,
+  { since_ms, detail, failed }: RunMark,
+  later_ms: number,
+): readonly string[] {
   const word = WORDS[phase] ?? "";
-  const time = seconds === null || seconds < 1 ? "" : shortTime(seconds);
+  const seconds = since_ms === null ? 0 : Math.floor((since_ms + later_ms) / 1_000);
+  const time = seconds < 1 ? "" : shortTime(seconds);
   const more = detail === null ? word : `${word}: ${detail}`;
   const also = failed ? "failed" : "";
   return [[also, more, time], [also, word, time], [word, time], [time], [word]].map((parts) =>
