@@ -61,7 +61,9 @@ test("a run waits only if nothing of it is at work", () => {
   const root = { path: "R" } as const;
   expect(inShort(live("running", [root, waits]))).toBe("waiting: a transition");
   expect(inShort(live("running", [root, waits, {}]))).toBe("running");
-  expect(inShort(live("running", [{ phase: "interrupted" }]))).toMatch(/^waiting: for a decision/);
+  expect(inShort(live("stepping", [{ phase: "interrupted" }, {}]))).toMatch(
+    /^waiting: for a decision/,
+  );
 });
 
 test("what is held says by what, each reason once", () => {

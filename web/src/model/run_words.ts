@@ -43,11 +43,19 @@ export function summaryStand(run: RunSummary): RunStand {
   }
 }
 
+const UNDECIDED: RunStand = {
+  word: "waiting",
+  tone: "waiting",
+  detail: "for a decision after the crash",
+};
+
 /** How the run stands by all that is known about it. */
 export function runStand(now: RunNow): RunStand {
   const { run, snapshot } = now;
   if (run.phase !== "live" || !snapshot) return summaryStand(run);
   const held = heldInWords(snapshot.active);
+  const isUndecided = snapshot.active.some(({ phase }) => phase === "interrupted");
+  if (isUndecided && snapshot.status !== "stopping") return UNDECIDED;
   switch (snapshot.status) {
     case "running":
       return runningStand(snapshot.active);
@@ -63,12 +71,10 @@ export function runStand(now: RunNow): RunStand {
 }
 
 function runningStand(active: readonly ActiveState[]): RunStand {
-  const waits = active.filter(({ phase }) => phase === "waiting" || phase === "interrupted");
+  const [first] = active.filter(({ phase }) => phase === "waiting");
   const isAtWork = leaves(active).some(({ phase }) => phase === "running" || phase === "preempted");
-  const [first] = waits;
   if (!first || isAtWork) return { word: "running", tone: "running", detail: "" };
-  const detail = first.phase === "interrupted" ? "for a decision after the crash" : first.detail;
-  return { word: "waiting", tone: "waiting", detail: detail ?? "" };
+  return { word: "waiting", tone: "waiting", detail: first.detail ?? "" };
 }
 
 function leaves(active: readonly ActiveState[]): readonly ActiveState[] {
