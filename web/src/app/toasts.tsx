@@ -17,7 +17,9 @@ export function Toasts() {
   const notices = useSignal(page.notices);
   const [first] = useState(() => page.notices.peek().at(-1)?.id ?? 0);
   const [gone, setGone] = useState<ReadonlySet<number>>(new Set());
-  const shown = notices.filter(({ id }) => id > first && !gone.has(id)).slice(-SHOWN_MAX);
+  const shown = notices
+    .filter(({ id, isQuiet }) => id > first && !isQuiet && !gone.has(id))
+    .slice(-SHOWN_MAX);
   const drop = (id: number) => setGone((before) => new Set(before).add(id));
   return (
     <section className="toasts" aria-label="Notices" aria-live="polite">

@@ -1,4 +1,5 @@
-/** The way of a command from the user to the run in front. What became of it is told if it is not what was wanted. */
+/** The way of a command from the user to the run in front. What became of it is shown over the canvas, and kept in the
+ * log if it is not what was wanted. */
 
 import type { Command as Order } from "../model/generated/protocol.ts";
 import type { Sent, Watch } from "../store/run.ts";
@@ -17,7 +18,7 @@ export async function giveTo(
   order: Order,
 ): Promise<boolean> {
   const why = failureOf(await watch.command(order));
-  if (why !== null) page.tell({ level: "warning", text: `${title}: ${why}` });
+  if (why !== null) page.tell({ level: "warning", text: `${title}: ${why}`, isQuiet: true });
   return why === null;
 }
 

@@ -40,6 +40,8 @@ export interface Notice {
   };
   /** What it is about: clicks lead there. */
   readonly about?: { readonly machine: string; readonly element: ElementRef };
+  /** It is shown where it happened, and only kept in the log. */
+  readonly isQuiet?: boolean;
   readonly at_ms: number;
 }
 

@@ -40,7 +40,9 @@ export function Log() {
   const here = shown === null ? undefined : hereOf(rows, shown);
   const columns = useMemo(() => columnsOf(watch !== null, nameOf), [watch, nameOf]);
   const entry = rows.find(({ id }) => id === chosen);
+  const stay = () => setFilter((before) => ({ ...before, follows: false }));
   const choose = (next: Entry) => {
+    stay();
     setChosen(next.id);
     show(host, tab, next);
   };
@@ -61,7 +63,7 @@ export function Log() {
         <Older watch={watch} onCame={() => setCame((before) => before + 1)} />
       )}
       <div className="log-body">
-        <div className="log-rows">
+        <div className="log-rows" onWheel={({ deltaY }) => deltaY < 0 && filter.follows && stay()}>
           {rows.length === 0 ? (
             <Nothing isFiltered={filter.query !== "" || filter.isOfSelection} />
           ) : (
