@@ -103,6 +103,42 @@ journey("what runs now is listed, and leads there", waiting(), async ({ app }) =
   await app.sheet.getByText("Nothing runs").first().waitFor();
 });
 
+journey(
+  "each branch has its own steps at the place where it is held",
+  { open: "preemptive_with_timer" },
+  async ({ app, server }) => {
+    const looker = await app.path("Look around");
+    const look = await app.path("Look");
+    const machine = { project: "missions", path: "preemptive_with_timer" };
+    const inputs = { limit_s: 600, hidden_at_deg: 45 };
+    const breakpoint = {
+      id: 1,
+      path: look,
+      when: "before",
+      condition: null,
+      hit_count: 0,
+      scope: "branch",
+      unattended: "hold",
+      enabled: true,
+    };
+    const run = await server.ask<{ id: string }>("POST", "/runs", {
+      id: "by-hand",
+      machine,
+      inputs,
+      breakpoints: [breakpoint],
+    });
+    await perform(app, "run.show", run.id);
+    await heldBefore(app, look);
+    const timer = await app.path("Timer");
+    await ringed(app, timer, "running");
+    await ringed(app, looker, "held");
+    await app.sheet.getByRole("button", { name: "Step over: Look around only" }).click();
+    await heldBefore(app, await app.path("Turn"));
+    await ringed(app, timer, "running");
+    await stopRun(app);
+  },
+);
+
 const scale = (app: App) =>
   app.sheet.evaluate(() => window.__rafcon.context().tab?.view.camera.value.scale ?? 0);
 
