@@ -4,6 +4,7 @@ import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { type Browser, type BrowserContextOptions, chromium } from "playwright-core";
 import { afterAll, test } from "vitest";
+import type { Role } from "../../src/model/generated/protocol.ts";
 import { App } from "./app.ts";
 import { CHROMIUM, examples, newPlace, type Place, RESULTS } from "./places.ts";
 import { Server } from "./server.ts";
@@ -22,8 +23,8 @@ export interface Setting {
 export interface Hands {
   readonly app: App;
   readonly server: Server;
-  /** One more person with a name, an engineer, in a browser of their own. */
-  readonly colleague: (name: string) => Promise<App>;
+  /** One more person with a name in a browser of their own: an engineer, if nothing else is said. */
+  readonly colleague: (name: string, role?: Role) => Promise<App>;
   /** One more tab of the same browser. */
   readonly tab: (app: App) => Promise<App>;
 }
@@ -80,8 +81,8 @@ async function hands(server: Server, people: App[], setting: Setting): Promise<H
     people.push(app);
     return app;
   };
-  const colleague = async (name: string) => {
-    await server.ask("POST", "/users", { name, role: "engineer", password: PASSWORD });
+  const colleague = async (name: string, role: Role = "engineer") => {
+    await server.ask("POST", "/users", { name, role, password: PASSWORD });
     const app = await fresh();
     await app.logIn(name, PASSWORD);
     return app;

@@ -1,0 +1,273 @@
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { expect } from "vitest";
+import type { App } from "./house/app.ts";
+import { journey } from "./house/journey.ts";
+import {
+  control,
+  endRun,
+  eventually,
+  isOver,
+  missionFolder,
+  missionOf,
+  openMission,
+  startRun,
+} from "./house/mission.ts";
+import type { Server } from "./house/server.ts";
+
+const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(600)"] };
+const ASKS = {
+  id: "WEIGHT",
+  name: "Weigh the box",
+  script: [
+    "from rafcon import dialog",
+    'answer = dialog.number("How heavy is the box, in kg?", 0, 30, timeout=600, default=10)',
+    'self.logger.info("%s kg" % answer.number)',
+  ],
+};
+const FAILS = {
+  id: "LOADIN",
+  name: "Load the box",
+  script: ['self.logger.warning("the left gripper slips")', 'raise RuntimeError("no box here")'],
+};
+const MACHINES = {
+  asks: missionFolder("asks", [ASKS, DRIVE]),
+  drives: missionFolder("drives", [DRIVE]),
+  fails: missionFolder("fails", [FAILS, DRIVE]),
+};
+
+/** With a run of one of the machines, which ends in any case. */
+async function during(server: Server, machine: string, go: () => Promise<void>): Promise<void> {
+  const run = await startRun(server, machine);
+  try {
+    await go();
+  } finally {
+    await endRun(server, run);
+  }
+}
+
+journey(
+  "one of two people answers a question, and the other sees by whom",
+  { machines: MACHINES, open: "asks" },
+  async ({ app, server, colleague }) => {
+    await during(server, "asks", async () => {
+      const anna = await colleague("anna", "operator");
+      await openMission(app, "asks");
+      await openMission(anna, "asks");
+      const [mine, hers] = [missionOf(app), missionOf(anna)];
+      await mine.getByText("How heavy is the box, in kg?").waitFor();
+      await app.sheet.getByRole("button", { name: "1 question" }).waitFor();
+      await hers.getByLabel("Your answer").fill("31");
+      await hers.getByText("31 is too large; the most is 30.").waitFor();
+      expect(await hers.getByRole("button", { name: "OK" }).isDisabled()).toBe(true);
+      await hers.getByLabel("Your answer").fill("12.5");
+      await hers.getByRole("button", { name: "OK" }).click();
+      await mine.getByText("anna answered “OK: 12.5”").waitFor();
+      await mine.getByRole("form").waitFor({ state: "detached" });
+      await mine.getByRole("button", { name: "Drive to the bay" }).waitFor();
+      await control(app).getByText("anna is").waitFor();
+    });
+  },
+);
+
+journey(
+  "two operators hand over control",
+  { machines: MACHINES, open: "drives" },
+  async ({ server, colleague }) => {
+    await during(server, "drives", async () => {
+      const anna = await colleague("anna", "operator");
+      const bob = await colleague("bob", "operator");
+      await openMission(anna, "drives");
+      await openMission(bob, "drives");
+      await control(anna).getByRole("button", { name: "Take control" }).click();
+      await control(anna).getByText("You are in control").waitFor();
+      await control(bob).getByText("anna is in control").waitFor();
+      await control(bob).getByRole("button", { name: "Ask for control" }).click();
+      await control(bob).getByText("You ask for control").waitFor();
+      await control(anna).getByText("bob asks for control").waitFor();
+      await control(anna).getByRole("button", { name: "Hand over to bob" }).click();
+      await control(bob).getByText("You are in control").waitFor();
+      await control(anna).getByText("bob is in control").waitFor();
+      await control(bob).getByRole("button", { name: "Release" }).click();
+      await control(anna).getByText("Nobody is in control").waitFor();
+    });
+  },
+);
+
+journey(
+  "who is silent for long loses control to whoever takes it over",
+  { machines: MACHINES, open: "drives" },
+  async ({ server, colleague }) => {
+    await during(server, "drives", async () => {
+      const anna = await colleague("anna", "operator");
+      const bob = await colleague("bob", "operator");
+      await openMission(anna, "drives");
+      await openMission(bob, "drives");
+      await control(anna).getByRole("button", { name: "Take control" }).click();
+      await control(bob).getByText("anna is in control").waitFor();
+      const takeOver = control(bob).getByRole("button", { name: "Take over" });
+      await control(bob).getByText("possible once anna was silent for").waitFor();
+      expect(await takeOver.isDisabled()).toBe(true);
+      await anna.sheet.close();
+      await eventually(() => takeOver.isEnabled());
+      await takeOver.click();
+      await control(bob).getByText("You are in control").waitFor();
+    });
+  },
+);
+
+journey(
+  "a viewer sees all of it, and why there is nothing to press",
+  { machines: MACHINES, open: "asks" },
+  async ({ server, colleague }) => {
+    await during(server, "asks", async () => {
+      const vera = await colleague("vera", "viewer");
+      await openMission(vera, "asks");
+      const mission = missionOf(vera);
+      await mission.getByText("How heavy is the box, in kg?").waitFor();
+      await mission.getByText("You are vera: viewer").waitFor();
+      await mission.getByText(/^Only operators, engineers and admins command runs/).waitFor();
+      await mission.getByText("You cannot answer: only operators").waitFor();
+      await mission.getByText("You cannot be in control: only operators").waitFor();
+      for (const name of ["Stop", "Hold", "Resume", "Step", "Cancel"]) {
+        const button = mission.getByRole("button", { name, exact: true });
+        expect(await button.isDisabled(), name).toBe(true);
+      }
+    });
+  },
+);
+
+journey(
+  "hold and stop ask once, by a second press in the same place",
+  { machines: MACHINES, open: "drives" },
+  async ({ app, server }) => {
+    await during(server, "drives", async () => {
+      await openMission(app, "drives");
+      const mission = missionOf(app);
+      const press = (name: string) => mission.getByRole("button", { name, exact: true }).click();
+      await press("Hold");
+      await press("Press again: hold");
+      await mission.getByText("Hold was carried out").waitFor();
+      await mission.getByText("Paused").waitFor();
+      await press("Resume");
+      await mission.getByText("Running").waitFor();
+      await press("Stop");
+      await mission.getByRole("button", { name: "Stop", exact: true }).waitFor();
+      await app.until(({ tab }) => tab?.run.value?.now.value?.snapshot?.status === "running", null);
+      await press("Stop");
+      await press("Press again: stop");
+      await isOver(app);
+    });
+  },
+);
+
+journey(
+  "what went wrong stays until somebody has seen it",
+  { machines: MACHINES, open: "fails" },
+  async ({ app, server }) => {
+    await during(server, "fails", async () => {
+      await openMission(app, "fails");
+      const events = missionOf(app).getByRole("region", { name: "Events to acknowledge" });
+      await events.getByText("To acknowledge: 2").waitFor();
+      await events.getByText("RuntimeError: no box here").waitFor();
+      await app.until(() => document.title.startsWith("❗"), null);
+      await events.getByRole("button", { name: "Acknowledge", exact: true }).first().click();
+      await events.getByText("To acknowledge: 1").waitFor();
+      await events.getByText("RuntimeError: no box here").waitFor({ state: "detached" });
+      await app.sheet.reload();
+      await app.connected();
+      await openMission(app, "fails");
+      await events.getByText("To acknowledge: 1").waitFor();
+      await events.getByRole("button", { name: "Acknowledge", exact: true }).click();
+      await events.getByText("Nothing to acknowledge").waitFor();
+      await app.until(() => document.title.startsWith("▶"), null);
+      await events.getByRole("button", { name: "All 2" }).click();
+      await events.getByText("RuntimeError: no box here").waitFor();
+    });
+  },
+);
+
+journey(
+  "an operator comes to mission control, and is told what matters elsewhere",
+  { machines: MACHINES, open: "asks" },
+  async ({ server, colleague }) => {
+    await during(server, "asks", async () => {
+      const anna = await colleague("anna", "operator");
+      await missionOf(anna).getByText("Which mission?").waitFor();
+      await openMission(anna, "asks");
+      await anna.menu("View", "Layout");
+      await anna.sheet
+        .getByRole("menu")
+        .getByRole("menuitem", { name: "Edit", exact: true })
+        .click();
+      await missionOf(anna).waitFor({ state: "detached" });
+      await anna.sheet.getByRole("button", { name: "1 question" }).click();
+      await missionOf(anna).getByText("How heavy is the box, in kg?").waitFor();
+    });
+  },
+);
+
+const AXE = readFileSync(join(process.cwd(), "node_modules/axe-core/axe.min.js"), "utf8");
+
+/** What axe finds wrong in mission control, in words. */
+async function findings(app: App): Promise<readonly string[]> {
+  await app.sheet.evaluate(AXE);
+  return app.sheet.evaluate(async () => {
+    interface Found {
+      readonly id: string;
+      readonly nodes: readonly { readonly target: readonly unknown[] }[];
+    }
+    const { axe } = window as unknown as {
+      axe: { run: (place: string) => Promise<{ violations: readonly Found[] }> };
+    };
+    const { violations } = await axe.run(".mission");
+    return violations.map(
+      ({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target.join(" "))}`,
+    );
+  });
+}
+
+/** What is too small for a finger, or sticks out to the side. */
+async function unfit(app: App): Promise<readonly string[]> {
+  return app.sheet.evaluate(() => {
+    const place = document.querySelector(".mission");
+    if (!place) return ["mission control is not there"];
+    const edge = place.getBoundingClientRect().right + 0.5;
+    const wide = document.documentElement.scrollWidth > window.innerWidth ? ["the page"] : [];
+    const out = [...place.querySelectorAll("*")].filter(
+      (part) => part.getBoundingClientRect().right > edge && !part.matches(".visually-hidden"),
+    );
+    const small = [...place.querySelectorAll("button, select, input")].filter((part) => {
+      const { width, height } = (part.closest("label") ?? part).getBoundingClientRect();
+      return !part.matches(".mission-event-where") && (height < 43.5 || width < 43.5);
+    });
+    const named = (part: Element) => `${part.tagName} ${part.className} ${part.textContent}`;
+    return [...wide, ...out.map(named), ...small.map(named)];
+  });
+}
+
+for (const colorScheme of ["dark", "light"] as const) {
+  journey(
+    `a ${colorScheme} tablet shows mission control for fingers, held either way`,
+    {
+      machines: MACHINES,
+      open: "asks",
+      browser: { colorScheme, hasTouch: true, viewport: { width: 1024, height: 768 } },
+    },
+    async ({ app, server }) => {
+      await during(server, "asks", async () => {
+        await openMission(app, "asks");
+        const mission = missionOf(app);
+        await mission.getByText("How heavy is the box, in kg?").waitFor();
+        expect(await unfit(app)).toEqual([]);
+        expect(await findings(app)).toEqual([]);
+        await app.sheet.setViewportSize({ width: 768, height: 1024 });
+        await eventually(async () => ((await mission.boundingBox())?.width ?? 0) > 760);
+        expect(await unfit(app)).toEqual([]);
+        expect(await findings(app)).toEqual([]);
+        await mission.getByRole("button", { name: "Cancel" }).tap();
+        await mission.getByText("owner answered “Cancel: 0”").waitFor();
+      });
+    },
+  );
+}
