@@ -257,3 +257,22 @@ journey(
     await ended(app, "success");
   },
 );
+
+journey(
+  "a start whose answer got lost is said again, and starts one run",
+  { open: "hierarchy_and_data" },
+  async ({ app, server }) => {
+    let count = 0;
+    await app.sheet.route("**/api/v1/runs", async (route) => {
+      if (route.request().method() !== "POST") return route.continue();
+      count += 1;
+      if (count > 1) return route.continue();
+      await route.fetch();
+      return route.abort("connectionreset");
+    });
+    await press(app, "Start");
+    await ended(app, "success");
+    expect(count).toBe(2);
+    expect(await server.ask<unknown[]>("GET", "/runs")).toHaveLength(1);
+  },
+);

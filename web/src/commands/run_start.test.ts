@@ -1,0 +1,73 @@
+import { signal } from "@preact/signals-core";
+import { expect, test } from "vitest";
+import type { Right } from "../model/generated/protocol.ts";
+import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
+import type { Start, Watch } from "../store/run.ts";
+import { startRun } from "./run_start.ts";
+import { type StandOptions, stand } from "./stand.ts";
+
+const MACHINE = "R hierarchy outcome done\n  A execution outcome ok";
+const FILE = { project: "p", path: "drill" };
+
+/** A machine in front of a server that notes what is started. */
+function setUp(options: StandOptions & { readonly live?: boolean } = {}) {
+  const context = stand(MACHINE, options);
+  const started: Start[] = [];
+  const watch = { id: "r1", now: signal({ run: { id: "r1", name: "Drill", phase: "live" } }) };
+  if (options.live) context.tab.run.value = watch as unknown as Watch;
+  const runs = {
+    all: signal([]),
+    start: (start: Start) => {
+      started.push(start);
+      return Promise.resolve("r2");
+    },
+    watch: (id: string) => ({ id }),
+  };
+  const showRun = (id: string) => void context.record.push(`show ${id}`);
+  Object.assign(context.page, { runs, showRun });
+  keptBreakpoints(context.tab).value = [];
+  return { context, started };
+}
+
+test("what lies on disk is started, with what was asked for, and shown", async () => {
+  const { context, started } = setUp();
+  expect(await startRun(context, { hold: true })).toEqual({ id: "r2" });
+  expect(started).toEqual([{ machine: FILE, hold: true, breakpoints: [] }]);
+  expect(context.record).toEqual(["show r2"]);
+});
+
+test("edits that are not saved are saved first, left out, or nothing is started", async () => {
+  const saved = setUp({ changed: true, answers: ["save"] });
+  await startRun(saved.context);
+  expect(saved.context.record).toEqual([
+    "ask Save before the start?",
+    'POST /machines/m1/save {"overwrite":false}',
+    "show r2",
+  ]);
+  const asIs = setUp({ changed: true, answers: ["as-is"] });
+  await startRun(asIs.context);
+  expect([asIs.started.length, asIs.context.record.length]).toEqual([1, 2]);
+  const none = setUp({ changed: true });
+  expect(await startRun(none.context)).toBeNull();
+  expect(none.started).toEqual([]);
+});
+
+test("beside a run that goes on another one is started only if it is meant", async () => {
+  const { context, started } = setUp({ live: true, answers: [false, true] });
+  expect(await startRun(context)).toBeNull();
+  await startRun(context);
+  expect(started.length).toBe(1);
+});
+
+test("breakpoints that are kept for the machine go along; conditions only with the right to edit", async () => {
+  const plain = newBreakpoint(1, "R/A");
+  const code = { ...newBreakpoint(2, "R/A"), condition: "True" };
+  const idsWith = async (rights: readonly Right[]) => {
+    const { context, started } = setUp({ rights });
+    keptBreakpoints(context.tab).value = [plain, code];
+    await startRun(context);
+    return started[0]?.breakpoints?.map(({ id }) => id);
+  };
+  expect(await idsWith(["observe", "start", "edit"])).toEqual([1, 2]);
+  expect(await idsWith(["observe", "start"])).toEqual([1]);
+});
