@@ -1,0 +1,206 @@
+/** Values of a run as people look at them: structured, at a moment, as they change, over time, and counted. */
+
+import { execFileSync } from "node:child_process";
+import { join } from "node:path";
+import { expect } from "vitest";
+import type { RunSummary } from "../src/model/generated/protocol.ts";
+import { duration } from "../src/panels/parts/duration.ts";
+import type { App } from "./house/app.ts";
+import { type Hands, journey } from "./house/journey.ts";
+import { binary } from "./house/places.ts";
+import { ended, perform, stopRun } from "./house/runs.ts";
+import { sensing } from "./house/values.ts";
+
+const LOOK = "SENSES/LOOKIN";
+const GRASP = "SENSES/GRASPS";
+
+const few = (rounds: number) => ({
+  machines: { sensing: sensing({ rounds, pause_s: 0 }) },
+  open: "sensing",
+});
+
+/** Starts a run of the machine and shows it in its tab. */
+async function run({ app, server }: Hands): Promise<string> {
+  const machine = { project: "missions", path: "sensing" };
+  const start = {
+    id: "values",
+    machine,
+    inputs: {},
+    start_from: null,
+    keeping: "full",
+    strict: false,
+    hold: false,
+    breakpoints: [],
+    on_crash: null,
+    size_max: null,
+  };
+  const { id } = await server.ask<RunSummary>("POST", "/runs", start);
+  await app.sheet.evaluate(async (of) => {
+    await window.__rafcon.page.showRun(of);
+  }, id);
+  return id;
+}
+
+/** The part of the inspector about the run. */
+function inRun(app: App, group: "Inputs" | "Outputs") {
+  return app.sheet.getByRole("region", { name: new RegExp(`^${group}\\b.* in the run$`) });
+}
+
+function value(app: App, group: "Inputs" | "Outputs", name: string, shown: string) {
+  const row = inRun(app, group).locator(".value-row", { hasText: new RegExp(`^${name}`) });
+  return row.locator(".value-short", { hasText: shown });
+}
+
+journey(
+  "a nested dict and an array are opened, at the end and at a moment",
+  few(6),
+  async (hands) => {
+    const { app } = hands;
+    await run(hands);
+    await ended(app, "aborted");
+    await app.select(LOOK);
+    await value(app, "Outputs", "count", "6").waitFor();
+    const outputs = inRun(app, "Outputs");
+    await outputs.getByRole("button", { name: /^pose:/ }).click();
+    await outputs.getByRole("button", { name: /^position:/ }).click();
+    await value(app, "Outputs", "0", "6").waitFor();
+
+    await outputs.getByRole("button", { name: /^ranges:/ }).click();
+    await outputs.getByText("of float64, 500; shown is one in 2").waitFor();
+    await outputs.getByRole("img", { name: "ranges: 250 numbers from 0 to 2988" }).waitFor();
+    await outputs.getByRole("group", { name: "Show ranges as" }).getByText("Table").click();
+    await outputs.getByRole("row", { name: "498 2988" }).waitFor();
+
+    await outputs.getByRole("button", { name: "Copy pose as Python" }).click();
+    const copied = await app.sheet.evaluate(() => navigator.clipboard.readText());
+    expect(copied).toBe('{"frame": "map", "joints": {"elbow": 1.5}, "position": [6, 2.5, -1]}');
+
+    await inRun(app, "Inputs")
+      .getByRole("button", { name: "Show the moment when count came" })
+      .click();
+    await app.until(({ tab }) => (tab?.run.value?.moment.value ?? null) !== null, null);
+    await app.sheet.getByText("Outputs of its last end").waitFor();
+    await value(app, "Outputs", "count", "5").waitFor();
+    await value(app, "Outputs", "0", "5").waitFor();
+  },
+);
+
+journey(
+  "values of a run that goes on change where they are open",
+  { machines: { sensing: sensing({ rounds: 3_000, pause_s: 0.05 }) }, open: "sensing" },
+  async (hands) => {
+    const { app } = hands;
+    await run(hands);
+    await app.select(LOOK);
+    const outputs = inRun(app, "Outputs");
+    await outputs.getByRole("button", { name: /^pose:/ }).click();
+    await outputs.getByRole("button", { name: /^position:/ }).click();
+    const first = outputs.locator(".value-inside .value-inside .value-short").first();
+    const before = Number(await first.textContent());
+    await expect.poll(async () => Number(await first.textContent()), POLL).toBeGreaterThan(before);
+    const then = Number(await first.textContent());
+    await expect.poll(async () => Number(await first.textContent()), POLL).toBeGreaterThan(then);
+    await stopRun(app);
+  },
+);
+
+const POLL = { timeout: 60_000, interval: 50 };
+
+journey("an expression is watched, plotted, and leads to its moments", few(8), async (hands) => {
+  const { app } = hands;
+  await run(hands);
+  await ended(app, "aborted");
+  await app.select(LOOK);
+  await inRun(app, "Outputs").getByRole("button", { name: "Watch pose" }).click();
+  const panel = app.sheet.getByRole("region", { name: "Watched values" });
+  const field = panel.getByLabel("What of pose is watched");
+  await field.fill("value.speed");
+  await field.press("Enter");
+  await panel.getByText('there is no "speed"').waitFor();
+  await field.fill("value.joints.");
+  await panel.getByText("a name is missing behind the point").waitFor();
+  await field.fill("value.joints.elbow * 100");
+  await field.press("Enter");
+  const now = (number: string) =>
+    panel.locator(".value-short", { hasText: new RegExp(`^${number}$`) }).waitFor();
+  await now("200");
+  await panel.getByRole("img", { name: "pose over time: 8 points" }).waitFor();
+
+  await panel.getByRole("button", { name: "Show the value of pose before" }).click();
+  await panel.getByRole("button", { name: "Show the value of pose before" }).click();
+  await now("175");
+  const moment = () =>
+    app.sheet.evaluate(() => window.__rafcon.page.active.value?.run.value?.moment.value ?? null);
+  const before = await moment();
+  const plot = await panel.locator(".u-over").boundingBox();
+  if (!plot || before === null) throw new Error("there is no plot, or no moment is shown");
+  await app.sheet.mouse.move(plot.x + 3, plot.y + 20);
+  await app.click({ x: plot.x + 2, y: plot.y + 20 });
+  await app.until(({ tab }, late) => (tab?.run.value?.moment.value ?? late) < late, before);
+  await now("25");
+
+  await app.sheet.reload();
+  await app.connected();
+  await perform(app, "view.panel", "watches");
+  await panel.getByLabel("What of pose is watched").waitFor();
+  expect(await panel.getByLabel("What of pose is watched").inputValue()).toBe(
+    "value.joints.elbow * 100",
+  );
+});
+
+/** An event as the command line prints it. */
+interface Line {
+  readonly t_ns: number;
+  readonly event: {
+    readonly type: string;
+    readonly path: string;
+    readonly outcome?: { readonly name: string };
+  };
+}
+
+journey("statistics are what the command line tells of the run", few(12), async (hands) => {
+  const { app, server } = hands;
+  const id = await run(hands);
+  await ended(app, "aborted");
+  await perform(app, "view.panel", "statistics");
+  const words = ["history", id, "--json", "--kind", "entered", "--kind", "left"];
+  const runs = ["--runs", join(server.place.folder, "runs")];
+  const lines = execFileSync(binary(), [...words, ...runs], { encoding: "utf8" })
+    .trim()
+    .split("\n");
+  const told = lines.map((line) => JSON.parse(line) as Line);
+  const lengths = lengthsOf(told, LOOK);
+  expect(lengths).toHaveLength(12);
+  const table = app.sheet.getByRole("grid", { name: "Statistics of the run" });
+  const row = table.getByRole("row", { name: "Look" });
+  await row.getByText("again 11, done 1").waitFor();
+  const cells = await row.getByRole("gridcell").allTextContents();
+  const total = lengths.reduce((all, each) => all + each, 0);
+  const shown = [total, Math.min(...lengths), Math.max(...lengths)].map((ns) => duration(ns / 1e6));
+  expect([cells[1], cells[2], cells[3], cells[6]]).toEqual(["12", ...shown]);
+
+  await app.sheet.getByLabel("Filter states").fill("aborted grasp");
+  await row.waitFor({ state: "detached" });
+  await table.getByRole("row", { name: "Grasp" }).click();
+  await app.selected(`state:${GRASP}`);
+});
+
+/** How long a state was active, each time. */
+function lengthsOf(lines: readonly Line[], path: string): readonly number[] {
+  const times = lines.filter(({ event }) => event.path === path).map(({ t_ns }) => t_ns);
+  return times.flatMap((t_ns, index) => (index % 2 === 1 ? [t_ns - (times[index - 1] ?? 0)] : []));
+}
+
+journey("an error says where in the script it came up", few(2), async (hands) => {
+  const { app } = hands;
+  await run(hands);
+  await ended(app, "aborted");
+  await app.select(GRASP);
+  const error = app.sheet.getByRole("note", { name: "Error" });
+  await error.getByText("ValueError: the cup is out of reach").waitFor();
+  await error.getByText('raise ValueError("the cup is out of reach")').waitFor();
+  await error.getByRole("button", { name: "Grasp, line 2" }).click();
+  await app.sheet.locator(".cm-activeLine", { hasText: "raise ValueError" }).waitFor();
+  await error.getByRole("button", { name: "Whole traceback (2 frames)" }).click();
+  await error.getByText("Traceback (most recent call last)").waitFor();
+});
