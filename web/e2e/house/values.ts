@@ -23,7 +23,10 @@ function outcomes(...names: readonly string[]): Json {
   );
 }
 
-function ports(of: "InputDataPort" | "OutputDataPort", names: Readonly<Record<string, string>>): Json {
+function ports(
+  of: "InputDataPort" | "OutputDataPort",
+  names: Readonly<Record<string, string>>,
+): Json {
   return Object.fromEntries(
     Object.entries(names).map(([name, type], id) => [
       String(id + (of === "OutputDataPort" ? 10 : 0)),
@@ -38,7 +41,11 @@ function ports(of: "InputDataPort" | "OutputDataPort", names: Readonly<Record<st
   );
 }
 
-function transition(id: number, from: readonly [string | null, number | null], to: readonly [string, number | null]): Json {
+function transition(
+  id: number,
+  from: readonly [string | null, number | null],
+  to: readonly [string, number | null],
+): Json {
   return {
     __jsonqualname__: `${ELEMENTS}.transition.Transition`,
     transition_id: id,
@@ -136,15 +143,29 @@ export function sensing({ rounds, pause_s }: Sensing): string {
   });
   write("", "core_data.json", root());
   const inside = (name: string, id: string) => `${name}_${id}`;
-  write(inside("Look", "LOOKIN"), "core_data.json", execution("Look", "LOOKIN", ["again", "done"], { count: "int" }, {
-    count: "int",
-    pose: "dict",
-    ranges: "object",
-    found: "list",
-  }));
+  write(
+    inside("Look", "LOOKIN"),
+    "core_data.json",
+    execution(
+      "Look",
+      "LOOKIN",
+      ["again", "done"],
+      { count: "int" },
+      {
+        count: "int",
+        pose: "dict",
+        ranges: "object",
+        found: "list",
+      },
+    ),
+  );
   const script = SENSE.replace("ROUNDS", String(rounds)).replace("PAUSE", String(pause_s));
   write(inside("Look", "LOOKIN"), "script.py", script);
-  write(inside("Grasp", "GRASPS"), "core_data.json", execution("Grasp", "GRASPS", ["success"], { pose: "dict" }, {}));
+  write(
+    inside("Grasp", "GRASPS"),
+    "core_data.json",
+    execution("Grasp", "GRASPS", ["success"], { pose: "dict" }, {}),
+  );
   write(inside("Grasp", "GRASPS"), "script.py", FAIL);
   return folder;
 }
