@@ -134,6 +134,11 @@ test("what runs is louder than what ran, and containers tell what runs inside", 
   expect(marks.get("R/B")?.since_ms).toBe(2_500);
 });
 
+test("what ended because it was preempted says so", () => {
+  const marks = stateMarks([], trailOf(">R >R/A <R/A:-2"), new Set());
+  expect(marks.get("R/A")).toMatchObject({ phase: "trail", preempted: true });
+});
+
 test("a held branch shows which state comes next", () => {
   const marks = stateMarks([active("R", "held", "R/B")], trailOf(">R >R/A <R/A"), new Set());
   expect(written(marks)).toBe("R held leaf\nR/A trail\nR/B next");

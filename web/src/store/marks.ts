@@ -3,7 +3,7 @@
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import { type ElementKey, keyOf } from "../model/element.ts";
-import { isConcurrent, type Machine, startOf, transitionsOf } from "../model/machine.ts";
+import { isConcurrent, type Machine, PREEMPTED, startOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { openFailures } from "./acknowledged.ts";
 import { type Active, activeStates, lanes } from "./active.ts";
@@ -37,6 +37,8 @@ export interface RunMark {
   readonly age: number;
   /** How long it had been active when that was said; null if it is not. */
   readonly since_ms: number | null;
+  /** Whether it ended because it was preempted. */
+  readonly preempted: boolean;
   /** Whether it failed and nobody has acknowledged it. */
   readonly failed: boolean;
   /** More than its phase says: for what it waits. */
@@ -146,8 +148,9 @@ export function stateMarks(
     if (louder(phase, found.phase)) found.phase = phase;
     return found;
   };
-  for (const { path, age } of trail.past()) {
-    if (path !== null) mark(path, "trail").age = age;
+  for (const { path, age, outcome } of trail.past()) {
+    if (path !== null)
+      Object.assign(mark(path, "trail"), { age, preempted: outcome === PREEMPTED });
   }
   for (const path of failed) mark(path, "failed").failed = true;
   activeMarks(active, mark);
@@ -168,6 +171,7 @@ function activeMarks(active: readonly Active[], mark: (path: string, phase: Mark
       phase,
       isLeaf: !inner.has(state.path),
       age: 0,
+      preempted: false,
       since_ms: state.since_ms,
       detail: state.detail,
     });
@@ -186,6 +190,7 @@ function newMark(): Draft {
     lanes: 0,
     age: 0,
     since_ms: null,
+    preempted: false,
     failed: false,
     detail: null,
   };

@@ -25,6 +25,8 @@ export interface Past {
   /** The state that ended, or null if it is a transition alone. */
   readonly path: string | null;
   readonly taken: Taken | null;
+  /** The outcome by which the state ended; 0 of a transition alone. */
+  readonly outcome: number;
   readonly sequence: number;
   /** How many states of the branch have ended since. */
   readonly age: number;
@@ -33,6 +35,7 @@ export interface Past {
 interface Item {
   readonly path: string | null;
   readonly taken: Taken | null;
+  readonly outcome: number;
   readonly sequence: number;
   /** How many states of the branch had ended by then. */
   readonly at: number;
@@ -72,7 +75,7 @@ export class Trail {
   /** What lies behind, of all branches, the oldest first. */
   past(): readonly Past[] {
     return [...this.#ways.values()].flatMap(({ ends, items }) =>
-      items.map(({ path, taken, sequence, at }) => ({ path, taken, sequence, age: ends - at })),
+      items.map(({ at, ...item }) => ({ ...item, age: ends - at })),
     );
   }
 
@@ -103,7 +106,8 @@ export class Trail {
     if (parent === null || this.#isConcurrent(parent)) return;
     const way = this.#way(this.branch(path));
     const taken = this.from(parent);
-    put(way, { path: null, taken, sequence: journal.sequence(index), at: way.ends });
+    const sequence = journal.sequence(index);
+    put(way, { path: null, taken, outcome: 0, sequence, at: way.ends });
   }
 
   #left(journal: Journal, index: number): void {
@@ -119,8 +123,9 @@ export class Trail {
     if (isConcurrent) this.#join(path, way);
     way.ends += 1;
     const taken = isConcurrent || !this.#ends.has(path) ? null : this.from(path);
-    put(way, { path, taken, sequence, at: way.ends });
-    if (parent !== null) this.#ended(parent, path, journal.outcome(index)?.id ?? 0);
+    const outcome = journal.outcome(index)?.id ?? 0;
+    put(way, { path, taken, outcome, sequence, at: way.ends });
+    if (parent !== null) this.#ended(parent, path, outcome);
   }
 
   #ended(parent: string, path: string, outcome: number): void {

@@ -189,8 +189,8 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
 /** Half the height of a label, in CSS pixels. */
 const HALF = 7;
 
-/** Whether a label lies beside all states. */
-function isClear({ at: state, x, y, scale }: Spot, at: Point, width: number): boolean {
+/** Whether a text of this width lies beside all states inside. */
+export function isClear({ at: state, x, y, scale }: Spot, at: Point, width: number): boolean {
   const area = {
     x: (at.x - width / 2 - x) / scale,
     y: (at.y - HALF - y) / scale,

@@ -6,6 +6,7 @@ import type { JsonValue, StateDocument } from "../../model/generated/protocol.ts
 import { sideOf } from "../../model/geometry.ts";
 import { ABORTED, type PortKind, PREEMPTED, portsOf } from "../../model/machine.ts";
 import { python } from "../../model/value.ts";
+import { isClear } from "./connections.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { ValueChip } from "./input.ts";
@@ -103,12 +104,25 @@ function words(
   const chip = drawing.input.values.get(port.key);
   if (place.alpha > 0) {
     const text = portText(drawing, spot, port, chip);
-    label(drawing, spot, port, { ...place, text }, taken);
+    const isShort = text === port.name || hasRoom(drawing, spot, place, text);
+    label(drawing, spot, port, { ...place, text: isShort ? text : port.name }, taken);
   } else if (chip && spot.extent >= CHIPS) {
     label(drawing, spot, port, { ...place, alpha: 1, open: true, text: chip.short }, taken);
   }
   if (!chip || !isHovered(drawing, port)) return;
   drawing.pointed = { x: place.x, y: place.y, text: chip.full };
+}
+
+/** Whether a text lies beside all states inside: values are no reason to cover them. */
+function hasRoom(
+  drawing: Drawing,
+  spot: Spot,
+  { x, y, side, open }: Omit<LabelPlace, "text">,
+  text: string,
+): boolean {
+  if (!open || side === "top" || side === "bottom") return true;
+  const width = drawing.input.measure(text, TEXT.small, false) + 16;
+  return isClear(spot, { x: side === "left" ? x + width / 2 : x - width / 2, y }, width);
 }
 
 interface LabelPlace {

@@ -29,6 +29,7 @@ const MARK: RunMark = {
   lanes: 0,
   age: 0,
   since_ms: null,
+  preempted: false,
   failed: false,
   detail: null,
 };
@@ -94,6 +95,11 @@ describe("phases are told apart by colour, shape and word", () => {
     expect(text).toContain("icon state:R/A run running");
     expect(text).toContain("icon state:R/A run failed");
     expect(text).toContain('"failed · running · 2 s"');
+  });
+
+  test("what ended because it was preempted is dashed in its colour", () => {
+    const text = shown({ "R/A": { phase: "trail", preempted: true } });
+    expect(text).toContain("|preempted| dashed");
   });
 
   test("a trail fades from step to step", () => {

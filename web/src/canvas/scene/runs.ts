@@ -50,7 +50,7 @@ export function runMarks(drawing: Drawing, spot: Spot, mark: RunMark, isOpen: bo
     visitMarks(drawing, spot);
     return;
   }
-  if (phase === "trail") trailMarks(layer, spot, mark.age);
+  if (phase === "trail") trailMarks(layer, spot, mark);
   else if (spot.extent < FILLED) smallMarks(layer, spot, phase, hasFailed);
   else {
     ringMarks(layer, spot, phase, mark.isLeaf);
@@ -87,9 +87,15 @@ export function faded(age: number): number {
   return Math.max(0.25, 1 - (0.8 * age) / STEPS);
 }
 
-function trailMarks(layer: Layer, spot: Spot, age: number): void {
-  const mark = ring(spot, "trail", spot.extent < FILLED ? 1.5 : 2, 0, whatOf(spot));
-  layer.boxes.push({ ...mark, alpha: faded(age), fill: spot.extent < FILLED ? "trail" : null });
+function trailMarks(layer: Layer, spot: Spot, { age, preempted }: RunMark): void {
+  const ink = preempted ? "preempted" : "trail";
+  const mark = ring(spot, ink, spot.extent < FILLED ? 1.5 : 2, 0, whatOf(spot));
+  layer.boxes.push({
+    ...mark,
+    alpha: faded(age),
+    dash: preempted,
+    fill: spot.extent < FILLED ? ink : null,
+  });
 }
 
 /** What is too small for signs is told by what is filled, dashed or hollow. */

@@ -151,6 +151,19 @@ describe("what is picked out", () => {
   });
 });
 
+test("breakpoints show on the border, hollow where they are off; the pointer shows where one would be", () => {
+  const breakpoints = new Map([
+    ["R/A", "on"],
+    ["R/B", "off"],
+  ] as const);
+  const lines = seen(1, { breakpoints });
+  expect(about(lines, "dot state:R/A breakpoint on")).toHaveLength(1);
+  expect(about(lines, "dot state:R/B breakpoint off")).toHaveLength(1);
+  expect(about(lines, "breakpoint none")).toHaveLength(0);
+  const hovered = { kind: "state", path: "R/A" } as const;
+  expect(about(seen(1, { hovered }), "dot state:R/A breakpoint none")).toHaveLength(1);
+});
+
 test("what a gesture holds is drawn where it is held, with what it says", () => {
   const overlay = {
     ...NO_OVERLAY,
