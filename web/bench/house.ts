@@ -1,7 +1,8 @@
 /** The page under measurement: a browser without a GPU, the real server with the two machines, and how they are opened. */
 
 import { spawnSync } from "node:child_process";
-import { existsSync, rmSync } from "node:fs";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import {
   type Browser,
@@ -9,8 +10,9 @@ import {
   chromium,
   type Page as Sheet,
 } from "playwright-core";
-import { binary, CHROMIUM, newPlace, REPOSITORY } from "../e2e/house/places.ts";
+import { binary, CHROMIUM, newPlace } from "../e2e/house/places.ts";
 import { Server } from "../e2e/house/server.ts";
+import { makeEndless } from "./endless.ts";
 import { writeLarge } from "./large.ts";
 
 export const VIEW = { width: 1600, height: 1000 };
@@ -18,16 +20,20 @@ export const VIEW = { width: 1600, height: 1000 };
 /** What the canvas calls its frames on the browser's time line. */
 export const FRAME = "rafcon:frame";
 
-/** The machines by name: the mission that `rafcon new` makes, and ours. */
-export type Size = "mission_750" | "large_10000";
+/** The machines by name: the mission that `rafcon new` makes, the same without an end, and ours. */
+export type Size = "mission_750" | "endless_750" | "large_10000";
+
+/** So many states change in a second in the mission that does not end, if nothing else is said. */
+const LIVE_RATE = 1_000;
 
 export interface House {
   readonly server: Server;
   readonly browser: Browser;
 }
 
-export async function begin(): Promise<House> {
-  const server = await Server.start(newPlace(machines()));
+/** With these machines; so many states change in a second in the one that does not end. */
+export async function begin(sizes: readonly Size[], rate = LIVE_RATE): Promise<House> {
+  const server = await Server.start(newPlace(made(sizes, rate)));
   const browser = await chromium.launch({
     executablePath: CHROMIUM,
     args: ["--no-sandbox", "--disable-gpu", "--force-device-scale-factor=1"],
@@ -40,15 +46,27 @@ export async function end({ server, browser }: House): Promise<void> {
   await server.dispose();
 }
 
-/** Both are made afresh: they say what is measured. */
-function machines(): Record<Size, string> {
-  const folder = join(REPOSITORY, "target", "bench-web");
-  const [mission, large] = [join(folder, "mission_750"), join(folder, "large_10000")];
-  rmSync(folder, { recursive: true, force: true });
-  const made = spawnSync(binary(), ["new", "--template", "mission", "--states", "750", mission]);
+/** How each machine is made. Afresh: that says what is measured. */
+const MAKING: Readonly<Record<Size, (folder: string, rate: number) => void>> = {
+  mission_750: newMission,
+  endless_750: (folder, rate) => {
+    newMission(folder);
+    makeEndless(folder, rate);
+  },
+  large_10000: writeLarge,
+};
+
+function made(sizes: readonly Size[], rate: number): Record<string, string> {
+  const folder = mkdtempSync(join(tmpdir(), "rafcon-bench-"));
+  process.once("exit", () => rmSync(folder, { recursive: true, force: true }));
+  const machines = sizes.map((size) => [size, join(folder, size)] as const);
+  for (const [size, place] of machines) MAKING[size](place, rate);
+  return Object.fromEntries(machines);
+}
+
+function newMission(folder: string): void {
+  const made = spawnSync(binary(), ["new", "--template", "mission", "--states", "750", folder]);
   if (made.status !== 0) throw new Error(`no mission was made: ${made.stderr}`);
-  if (!existsSync(large)) writeLarge(large);
-  return { mission_750: mission, large_10000: large };
 }
 
 /** A fresh page in a profile of its own, let in and waiting for a machine. */
@@ -60,7 +78,10 @@ export async function freshPage(
   const sheet = await context.newPage();
   sheet.on("pageerror", (error) => process.stderr.write(`the page: ${error.message}\n`));
   await sheet.goto(server.link);
-  await sheet.getByRole("treeitem", { name: "mission_750" }).waitFor();
+  await sheet
+    .getByRole("treeitem", { name: /_(750|10000)$/ })
+    .first()
+    .waitFor();
   return sheet;
 }
 

@@ -5,6 +5,7 @@ import { editToPicture, memoryGrowth } from "./edits.ts";
 import { asLines, asTable, type Figures } from "./figures.ts";
 import { lookAround } from "./gestures.ts";
 import { begin, end, forget, freshPage, type House, open, type Size } from "./house.ts";
+import { notedAges, whileShown } from "./live.ts";
 import { median, presentedIntervals, quantile, scriptingPerFrame, traced } from "./trace.ts";
 
 /** How often a machine is opened; the middle one counts. */
@@ -16,7 +17,7 @@ interface Frames {
 }
 
 async function main(json: boolean): Promise<void> {
-  const house = await begin();
+  const house = await begin(["mission_750", "endless_750", "large_10000"]);
   try {
     const figures = await measured(house);
     process.stdout.write(json ? asLines(figures) : asTable(figures));
@@ -31,6 +32,7 @@ async function measured(house: House): Promise<Figures> {
   const open_750_ms = await opening(house, "mission_750");
   const open_10000_ms = await opening(house, "large_10000");
   const edits = await edited(house);
+  const shown = await live(house);
   return {
     frame_750_median_ms: median(small.scripting),
     frame_750_p95_ms: quantile(small.scripting, 0.95),
@@ -42,6 +44,10 @@ async function measured(house: House): Promise<Figures> {
     presented_750_median_ms: median(small.presented),
     presented_10000_median_ms: median(large.presented),
     memory_growth_percent: edits.growth_percent,
+    live_1000_frame_median_ms: median(shown.scripting),
+    live_1000_frame_p95_ms: quantile(shown.scripting, 0.95),
+    live_1000_presented_median_ms: median(shown.presented),
+    live_1000_age_ms: median(shown.ages),
   };
 }
 
@@ -65,6 +71,33 @@ async function showAllFlows(sheet: Sheet): Promise<void> {
     const view = window.__rafcon.context().tab?.view;
     if (view) view.modes.value = { ...view.modes.value, dataFlows: "all" };
   });
+}
+
+/** Looks around in a mission while it runs, and says how old what is painted was meanwhile. */
+async function live(house: House): Promise<Frames & { readonly ages: readonly number[] }> {
+  const sheet = await freshPage(house);
+  const found = await whileShown(sheet, house.server, "endless_750", async () => {
+    await lookAround(sheet);
+    const session = await sheet.context().newCDPSession(sheet);
+    const ages = await notedAges(sheet);
+    const before = await told(sheet);
+    const events = await traced(session, () => lookAround(sheet));
+    const after = await told(sheet);
+    const rate = Math.round(((after.events - before.events) / (after.at - before.at)) * 1_000);
+    process.stderr.write(`endless_750: ${rate} events a second\n`);
+    const [scripting, presented] = [scriptingPerFrame(events), presentedIntervals(events)];
+    return { scripting, presented, ages: await ages() };
+  });
+  await forget(sheet, house.server);
+  return found;
+}
+
+/** How many events the page was told, and when. */
+function told(sheet: Sheet): Promise<{ readonly events: number; readonly at: number }> {
+  return sheet.evaluate(() => ({
+    events: window.__rafcon.page.active.value?.run.value?.journal.length ?? 0,
+    at: performance.now(),
+  }));
 }
 
 async function opening(house: House, size: Size): Promise<number> {

@@ -12,7 +12,7 @@ const FOLDER = join(REPOSITORY, "docs", "pictures");
 
 async function main(): Promise<void> {
   mkdirSync(FOLDER, { recursive: true });
-  const house = await begin();
+  const house = await begin(["mission_750"]);
   try {
     await taken(house, "light");
     await taken(house, "dark");

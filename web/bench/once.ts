@@ -1,0 +1,73 @@
+/** Whether a page was told every event of a run once: what it has in its columns against what the server has on disk. */
+
+import type { Page as Sheet } from "playwright-core";
+import type { Server } from "../e2e/house/server.ts";
+import type { EventPage } from "../src/model/generated/protocol.ts";
+
+/** An event in short. */
+export interface Told {
+  readonly sequence: number;
+  /** `entered`, `left`, or another type. */
+  readonly kind: string;
+  /** The state that was entered or left. */
+  readonly path: string;
+}
+
+/** All events of a run as the server has them on disk, without those that are only about values. */
+export async function theJournal(server: Server, run: string): Promise<readonly Told[]> {
+  const events: Told[] = [];
+  for (let from = 1; ; ) {
+    const page = await server.ask<EventPage>("GET", `/runs/${run}/events?from=${from}`);
+    for (const { sequence, event } of page.events) {
+      const isState = event.type === "entered" || event.type === "left";
+      events.push({ sequence, kind: event.type, path: isState ? event.path : "" });
+    }
+    if (page.next > page.last) return events;
+    from = page.next;
+  }
+}
+
+/** All events that the page has, once it has the last. */
+export async function thePage(sheet: Sheet, last: number): Promise<readonly Told[]> {
+  await sheet.waitForFunction(
+    (wanted) => (window.__rafcon.page.active.value?.run.value?.journal.next ?? 0) > wanted,
+    last,
+  );
+  return sheet.evaluate(() => {
+    const journal = window.__rafcon.page.active.value?.run.value?.journal;
+    return Array.from({ length: journal?.length ?? 0 }, (_, index) => {
+      const found = journal?.at(index);
+      const sequence = journal?.sequence(index) ?? 0;
+      if (!found) return { sequence, kind: "", path: "" };
+      if (found.kind === "other") return { sequence, kind: found.event.type, path: "" };
+      return { sequence, kind: found.kind, path: found.path };
+    });
+  });
+}
+
+/** Each difference in words. */
+export function compared(page: readonly Told[], journal: readonly Told[]): readonly string[] {
+  const differences: string[] = [];
+  const known = new Map<number, Told>();
+  for (const told of page) {
+    if (known.has(told.sequence)) differences.push(`event ${told.sequence} was told twice`);
+    known.set(told.sequence, told);
+  }
+  for (const kept of journal) {
+    const told = known.get(kept.sequence);
+    known.delete(kept.sequence);
+    if (!told) differences.push(`event ${kept.sequence} is missing: ${inWords(kept)}`);
+    // Of what is neither entry nor end the page keeps the newest only.
+    else if (told.kind !== "" && inWords(told) !== inWords(kept)) {
+      differences.push(`event ${kept.sequence} is ${inWords(told)} instead of ${inWords(kept)}`);
+    }
+  }
+  for (const told of known.values()) {
+    differences.push(`event ${told.sequence} never was: ${inWords(told)}`);
+  }
+  return differences;
+}
+
+function inWords({ kind, path }: Told): string {
+  return `${kind} ${path}`.trim();
+}
