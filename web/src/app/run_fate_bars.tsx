@@ -136,6 +136,7 @@ function DiffersBar({ tab, watch }: RunBarProps) {
     const command = commands.get("run.reload");
     return command !== undefined && refusalOf(command, context()) === null;
   }, [commands, context]);
+  const isLive = useDerived(() => liveRun(tab) === watch, [tab, watch]);
   const [closed, setClosed] = useState(false);
   if (!differs || closed) return null;
   return (
@@ -155,7 +156,7 @@ function DiffersBar({ tab, watch }: RunBarProps) {
         </>
       }
     >
-      This machine was edited since: the run goes by another one.
+      This machine was edited since: the run {isLive ? "goes" : "went"} by another one.
     </Bar>
   );
 }

@@ -1,0 +1,79 @@
+import { signal } from "@preact/signals-core";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { machineOf } from "../model/plain.ts";
+import { sketch } from "../model/sketch.ts";
+import { Journal } from "./journal.ts";
+import type { OpenTab } from "./page.ts";
+import type { Runs, Watch } from "./run.ts";
+import { differsFromRun } from "./run_difference.ts";
+
+const RAN = "R hierarchy outcome done\n  A execution 10 10 80 60 outcome ok";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+/** A tab whose machine is this text, beside a run that goes by `RAN` and, from root `h` on, by `reloaded`. */
+function setUp(text: string, reloaded = RAN) {
+  let changed = () => {};
+  const room = {
+    fixed: null,
+    machine: machineOf(sketch(text)),
+    onChange: (listener: () => void) => {
+      changed = listener;
+      return () => {};
+    },
+  };
+  const asked: string[] = [];
+  const runs = {
+    get: (_run: string, what: string) => {
+      asked.push(what);
+      return Promise.resolve(sketch(what === "machine" ? RAN : reloaded));
+    },
+  } as unknown as Runs;
+  const journal = new Journal();
+  const grown = signal(0);
+  const watch = { id: "r", journal, grown } as unknown as Watch;
+  const differs = differsFromRun({ room } as unknown as OpenTab, watch, runs);
+  const edit = (next: string) => {
+    room.machine = machineOf(sketch(next));
+    changed();
+  };
+  const reload = () => {
+    const sequence = journal.next;
+    const event = { type: "root", hash: "h", change: "Rename" } as const;
+    journal.add([{ sequence, t_ns: 1, event }], sequence + 1);
+    grown.value = journal.length;
+  };
+  return { differs, edit, reload, asked };
+}
+
+async function settle(): Promise<void> {
+  await vi.advanceTimersByTimeAsync(500);
+}
+
+test("an edit makes the machine another one than that of the run; to move a state does not", async () => {
+  const { differs, edit } = setUp(RAN);
+  const stop = differs.subscribe(() => {});
+  await settle();
+  expect(differs.value).toBe(false);
+  edit(RAN.replace("10 10", "40 10"));
+  await settle();
+  expect(differs.value).toBe(false);
+  edit(RAN.replace("outcome ok", "outcome well"));
+  await settle();
+  expect(differs.value).toBe(true);
+  stop();
+});
+
+test("once the run has taken the edits the two are the same", async () => {
+  const now = RAN.replace("outcome ok", "outcome well");
+  const { differs, reload, asked } = setUp(now, now);
+  const stop = differs.subscribe(() => {});
+  await settle();
+  expect(differs.value).toBe(true);
+  reload();
+  await settle();
+  expect(differs.value).toBe(false);
+  expect(asked).toEqual(["machine", "machine?root=h"]);
+  stop();
+});
