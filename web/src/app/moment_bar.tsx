@@ -1,10 +1,11 @@
 /** The page shows an earlier moment of a run: which one, how long ago, and the ways on from it. */
 
 import { ChevronFirst, ChevronLast, ChevronLeft, ChevronRight, History, Radio } from "lucide-react";
-import type { ReactNode } from "react";
+import { type ReactNode, useEffect } from "react";
 import { clockTime, duration } from "../panels/parts/duration.ts";
 import { useMoment } from "../panels/parts/moment_words.ts";
 import { timelineOf } from "../panels/timeline/model.ts";
+import { gapsOf } from "../store/gaps.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
 import { Button, IconButton } from "../ui/button.tsx";
@@ -24,6 +25,9 @@ interface OfRunProps {
 }
 
 function OfRun({ tab, watch }: OfRunProps) {
+  const { page } = useSession();
+  // From now on it is known when the page was not told, whether or not the time line shows it.
+  useEffect(() => void gapsOf(page, watch), [page, watch]);
   const moment = useSignal(watch.moment);
   return moment === null ? null : <OfMoment tab={tab} watch={watch} moment={moment} />;
 }

@@ -2,6 +2,7 @@
 
 import { effect } from "@preact/signals-core";
 import { NONE } from "../../store/calls.ts";
+import type { Gap } from "../../store/gaps.ts";
 import { lanesOf } from "../../store/lanes.ts";
 import { showIndex, showTime } from "../../store/moments.ts";
 import { notesOf } from "../../store/notes.ts";
@@ -27,6 +28,8 @@ export interface ChartOptions {
   readonly model: TimelineModel;
   /** When what is shown parts from the run that it is compared with. */
   readonly parted_ns: () => number | null;
+  /** When the page was not told. */
+  readonly gaps: () => readonly Gap[];
 }
 
 /** Paints and listens until the returned function is called. */
@@ -75,7 +78,8 @@ class Chart {
 
   /** All that the picture depends on. */
   #read(): void {
-    const { tab, model, parted_ns } = this.#options;
+    const { tab, model, parted_ns, gaps } = this.#options;
+    gaps();
     model.watch.grown.value;
     model.watch.now.value;
     model.watch.moment.value;
@@ -107,7 +111,7 @@ class Chart {
   #paint(): void {
     this.#frame = 0;
     const { ruler, rows, scroller } = this.#places;
-    const { tab, model, parted_ns } = this.#options;
+    const { tab, model, parted_ns, gaps } = this.#options;
     const { calls } = model;
     const found = model.found.peek();
     found?.follow();
@@ -124,6 +128,7 @@ class Chart {
       selected: new Set(selectedStates(tab.view)),
       hovered: model.pointed.peek()?.call ?? null,
       parted_ns: parted_ns(),
+      gaps: gaps(),
       nameOf: namesOf(tab.room),
       inks: this.#inks,
       font: this.#font,

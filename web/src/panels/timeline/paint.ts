@@ -2,6 +2,7 @@
 
 import type { Calls } from "../../store/calls.ts";
 import type { Found } from "../../store/found.ts";
+import type { Gap } from "../../store/gaps.ts";
 import type { Look } from "../../store/lanes.ts";
 import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/notes.ts";
 import type { Inks } from "../../ui/inks.ts";
@@ -28,6 +29,8 @@ export interface Scene {
   readonly hovered: number | null;
   /** When what is shown parts from another run. */
   readonly parted_ns: number | null;
+  /** When the page was not told. */
+  readonly gaps: readonly Gap[];
   readonly nameOf: NameOf;
   readonly inks: Inks;
   readonly font: string;
@@ -61,7 +64,38 @@ export function paintRows(context: CanvasRenderingContext2D, scene: Scene): void
     context.fillStyle = inks("--border");
     context.fillRect(0, laneY + laneHeight - top + 2.5, scale.width, 1);
   }
+  paintGaps(context, scene, 0, height);
   paintMoment(context, scene, height);
+}
+
+const HATCH_PX = 7;
+
+/** Hatched: what happened there was told afterwards, or not yet. */
+function paintGaps(
+  context: CanvasRenderingContext2D,
+  { gaps, scale, inks }: Scene,
+  top: number,
+  height: number,
+): void {
+  context.strokeStyle = inks("--text-faint");
+  context.lineWidth = 1;
+  for (const { from_ns, to_ns } of gaps) {
+    const left = Math.max(0, xOf(scale, from_ns));
+    const right = Math.min(scale.width, xOf(scale, to_ns ?? scale.end_ns));
+    if (right < 0 || left > scale.width) continue;
+    context.save();
+    context.globalAlpha = 0.5;
+    context.beginPath();
+    context.rect(left, top, Math.max(2, right - left), height);
+    context.clip();
+    context.beginPath();
+    for (let x = left - height; x < right; x += HATCH_PX) {
+      context.moveTo(x, top + height);
+      context.lineTo(x + height, top);
+    }
+    context.stroke();
+    context.restore();
+  }
 }
 
 function paintTicks(context: CanvasRenderingContext2D, { scale, height, inks }: Scene): void {
@@ -172,7 +206,7 @@ function paintMoment(context: CanvasRenderingContext2D, scene: Scene, height: nu
   }
   const x = Math.round(xOf(scale, calls.journal.t_ns(moment)));
   context.fillStyle = inks("--sunken");
-  context.globalAlpha = 0.55;
+  context.globalAlpha = 0.4;
   context.fillRect(x, 0, Math.max(0, scale.width - x), height);
   context.globalAlpha = 1;
   context.fillStyle = inks("--accent");
@@ -195,6 +229,7 @@ export function paintRuler(context: CanvasRenderingContext2D, scene: Scene): voi
   }
   context.fillStyle = inks("--border");
   context.fillRect(0, RULER_PX - 1, scale.width, 1);
+  paintGaps(context, scene, 20, RULER_PX - 20);
   paintHits(context, scene);
   paintNotes(context, scene);
   paintFlag(context, scene);

@@ -13,6 +13,7 @@ import {
 } from "lucide-react";
 import { useEffect, useRef } from "react";
 import { callsOf } from "../../store/calls.ts";
+import { gapsOf } from "../../store/gaps.ts";
 import { lanesOf } from "../../store/lanes.ts";
 import { shownIndex, toEnd } from "../../store/moments.ts";
 import type { OpenTab } from "../../store/page.ts";
@@ -176,11 +177,17 @@ function Chart({ tab, watch, model }: OfRunProps) {
   const ruler = useRef<HTMLCanvasElement>(null);
   const rows = useRef<HTMLCanvasElement>(null);
   const scroller = useRef<HTMLDivElement>(null);
+  const { page } = useHost().context();
   useEffect(() => {
     if (!ruler.current || !rows.current || !scroller.current) return;
     const places = { ruler: ruler.current, rows: rows.current, scroller: scroller.current };
-    return mountChart(places, { tab, model, parted_ns: () => partedAt(watch) });
-  }, [tab, model, watch]);
+    return mountChart(places, {
+      tab,
+      model,
+      parted_ns: () => partedAt(watch),
+      gaps: () => gapsOf(page, watch).value,
+    });
+  }, [tab, model, page, watch]);
   const { when, what } = useMoment(tab, watch);
   return (
     <>

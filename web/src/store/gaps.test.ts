@@ -1,0 +1,54 @@
+import { signal } from "@preact/signals-core";
+import { expect, test } from "vitest";
+import type { RunNow } from "../model/generated/protocol.ts";
+import { gapsOf } from "./gaps.ts";
+import { Journal } from "./journal.ts";
+import type { Link } from "./server.ts";
+import { events } from "./testing/events.ts";
+
+const UP: Link = { state: "connecting" };
+
+function truth(elapsed_ms: number, link: RunNow["link"] = "up"): RunNow {
+  return { run: { phase: "live" }, link, snapshot: { elapsed_ms } } as unknown as RunNow;
+}
+
+function watched() {
+  const up = { ...UP, state: "up" } as unknown as Link;
+  const link = signal<Link>(up);
+  const now = signal<RunNow | null>(truth(100));
+  const gaps = gapsOf({ server: { link } }, { now, journal: new Journal() });
+  return { link, now, gaps, up };
+}
+
+test("a gap lasts from what was heard last to what is heard first again", () => {
+  const { link, now, gaps, up } = watched();
+  expect(gaps.value).toEqual([]);
+  link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
+  expect(gaps.value).toEqual([{ from_ns: 100e6, to_ns: null }]);
+  link.value = up;
+  expect(gaps.value.at(-1)?.to_ns).toBeNull();
+  now.value = truth(900);
+  expect(gaps.value).toEqual([{ from_ns: 100e6, to_ns: 900e6 }]);
+});
+
+test("a server that lost the run is a gap as well, a run that is over has none", () => {
+  const { link, now, gaps } = watched();
+  now.value = truth(200, "down");
+  now.value = truth(200, "down");
+  now.value = truth(450);
+  expect(gaps.value).toEqual([{ from_ns: 200e6, to_ns: 450e6 }]);
+  now.value = { ...truth(500), run: { phase: "finished" } } as unknown as RunNow;
+  link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
+  expect(gaps.value.length).toBe(1);
+});
+
+test("what the journal was told counts, if it is later", () => {
+  const journal = new Journal();
+  const told = events("> R\n> R/A");
+  journal.add(told, 3);
+  const now = signal<RunNow | null>(truth(0, "down"));
+  const link = signal({ state: "up" } as unknown as Link);
+  expect(gapsOf({ server: { link } }, { now, journal }).value).toEqual([
+    { from_ns: 2e6, to_ns: null },
+  ]);
+});

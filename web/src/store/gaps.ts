@@ -1,0 +1,52 @@
+/** Times of a run during which this page was not told: no connection to the server, or the server had none to the run. What happened
+ * then was told afterwards. */
+
+import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
+import type { RunNow } from "../model/generated/protocol.ts";
+import type { Page } from "./page.ts";
+import type { Watch } from "./run.ts";
+
+export interface Gap {
+  /** In ns since the start of the run. */
+  readonly from_ns: number;
+  /** Null while it goes on. */
+  readonly to_ns: number | null;
+}
+
+type Told = Pick<Watch, "now" | "journal">;
+
+const KNOWN = new WeakMap<Told, ReadonlySignal<readonly Gap[]>>();
+
+/** So many are kept, the newest. */
+const GAPS_MAX = 200;
+
+/** The gaps since this was asked for first. A gap ends with the first truth that is told after it. */
+export function gapsOf(
+  page: { readonly server: Pick<Page["server"], "link"> },
+  watch: Told,
+): ReadonlySignal<readonly Gap[]> {
+  const known = KNOWN.get(watch);
+  if (known) return known;
+  const gaps = signal<readonly Gap[]>([]);
+  KNOWN.set(watch, gaps);
+  let before: RunNow | null = null;
+  effect(() => {
+    const now = watch.now.value;
+    const isAway = page.server.link.value.state !== "up" || now?.link === "down";
+    const last = gaps.peek().at(-1);
+    const open = last?.to_ns === null ? last : null;
+    if (isAway && !open && now?.run.phase === "live") {
+      before = now;
+      gaps.value = [...gaps.peek(), { from_ns: comeTo(watch), to_ns: null }].slice(-GAPS_MAX);
+    } else if (!isAway && open && now !== before) {
+      gaps.value = gaps.peek().with(-1, { ...open, to_ns: comeTo(watch) });
+    }
+  });
+  return gaps;
+}
+
+/** How far the run had come when it was heard last. */
+function comeTo({ now, journal }: Told): number {
+  const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
+  return Math.max(told, (now.peek()?.snapshot?.elapsed_ms ?? 0) * 1e6);
+}
