@@ -20,6 +20,7 @@ import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { AtMoment } from "./at_moment.tsx";
 import { breakpointInWords } from "./words.ts";
 import "./breakpoints.css";
 
@@ -42,6 +43,7 @@ function OfTab({ tab }: { tab: OpenTab }) {
   const all = useComputed(() => breakpointsOf(tab), [tab]);
   const live = useComputed(() => liveRun(tab), [tab]);
   const refusal = useComputed(() => cannotSetBreakpoints(host.context()), [host]);
+  const shown = useSignal(tab.run);
   useSignal(tab.room.version);
   return (
     <div className="breakpoints">
@@ -63,6 +65,7 @@ function OfTab({ tab }: { tab: OpenTab }) {
           </ul>
         </>
       )}
+      {shown && <AtMoment tab={tab} watch={shown} />}
     </div>
   );
 }

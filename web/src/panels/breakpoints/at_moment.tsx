@@ -1,0 +1,36 @@
+/** The breakpoints that the run had at the earlier moment that is shown: to look at, they cannot be changed any more. */
+
+import type { OpenTab } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { Section } from "../../ui/section.tsx";
+import { useSignal } from "../../ui/signals.ts";
+import { namesOf } from "../parts/happened.ts";
+import { breakpointInWords } from "./words.ts";
+
+export interface AtMomentProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+}
+
+export function AtMoment({ tab, watch }: AtMomentProps) {
+  const moment = useSignal(watch.moment);
+  const seen = useSignal(watch.seen);
+  if (moment === null) return null;
+  const isHere = seen?.picture.sequence === moment;
+  const all = isHere ? seen.picture.breakpoints : [];
+  const nameOf = namesOf(tab.room);
+  return (
+    <Section title={`At event ${moment}`} count={isHere ? all.length : undefined}>
+      {!isHere && <p className="breakpoints-whose">On their way.</p>}
+      {isHere && all.length === 0 && <p className="breakpoints-whose">There were none then.</p>}
+      <ul className="breakpoints-then">
+        {all.map((breakpoint) => (
+          <li key={breakpoint.id}>
+            <strong>{nameOf(breakpoint.path)}</strong> {breakpointInWords(breakpoint)}
+            {!breakpoint.enabled && " (off)"}
+          </li>
+        ))}
+      </ul>
+    </Section>
+  );
+}
