@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals-core";
 import { MoreVertical, RefreshCw } from "lucide-react";
-import { useState } from "react";
+import { memo, useState } from "react";
 import { lacks } from "../../commands/run_rules.ts";
 import type { RunSummary } from "../../model/generated/protocol.ts";
 import { startedInWords, summaryStand } from "../../model/run_words.ts";
@@ -70,15 +70,26 @@ export function Runs() {
   );
 }
 
-function Row({ run }: { run: RunSummary }) {
+/** While a run goes on its length and size change all the time: what the row shows does not. */
+const Row = memo(RunRow, (one, other) => rowText(one.run) === rowText(other.run));
+
+function rowText(run: RunSummary): string {
+  const { word, detail } = summaryStand(run);
+  return `${run.id} ${run.name} ${word} ${detail} ${isLive(run) ? "" : run.length_ms}`;
+}
+
+function isLive({ phase }: RunSummary): boolean {
+  return phase === "live" || phase === "starting";
+}
+
+function RunRow({ run }: { run: RunSummary }) {
   const command = useCommand();
   const tab = useActiveTab();
   const watch = useShownRun(tab);
   const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
-  const items = useItems(run);
+  const items = useItems(run, watch);
   const stand = summaryStand(run);
   const started = startedInWords(run.started_ms, Date.now());
-  const isLive = run.phase === "live" || run.phase === "starting";
   const by = run.author === null ? "" : ` · ${run.author}`;
   const isShown = watch === run.id;
   return (
@@ -100,7 +111,7 @@ function Row({ run }: { run: RunSummary }) {
         <RunStandView stand={stand} />
         <span className="runs-when">
           {started}
-          {isLive ? "" : ` · ${duration(run.length_ms)}`}
+          {isLive(run) ? "" : ` · ${duration(run.length_ms)}`}
           {by}
         </span>
       </button>
@@ -125,12 +136,11 @@ function useShownRun(tab: ReturnType<typeof useActiveTab>): string | null {
   return useSignal(tab?.run ?? NO_RUN)?.id ?? null;
 }
 
-function useItems(run: RunSummary): () => readonly MenuItem[] {
+function useItems(run: RunSummary, inFront: string | null): () => readonly MenuItem[] {
   const command = useCommand();
   const { page } = useHost().context();
-  const isLive = run.phase === "live" || run.phase === "starting";
-  const refusal = isLive ? "the run goes on: stop it first" : lacks(page, "administer");
-  const item = (id: string, title: string, name: string, argument: unknown = run.id): MenuItem => ({
+  const refusal = isLive(run) ? "the run goes on: stop it first" : lacks(page, "administer");
+  const item = (id: string, title: string, name: string, argument: unknown = run.id) => ({
     id,
     title,
     run: () => command(name, argument),
@@ -138,7 +148,10 @@ function useItems(run: RunSummary): () => readonly MenuItem[] {
   return () => [
     item("show", "Show", "run.show"),
     item("ran", "Show the machine as it ran", "run.show-as-ran"),
-    item("compare", "Compare with the run in front", "run.compare"),
+    {
+      ...item("compare", "Compare with the run in front", "run.compare"),
+      disabled: inFront === null || inFront === run.id,
+    },
     "separator",
     ...EXPORTS.map((format) =>
       item(format, `Export as ${format.toUpperCase()}`, "run.export", [run.id, format]),
