@@ -15,7 +15,7 @@ export interface RunLine {
 }
 
 /** So many lines are kept; then the older half goes, and can be asked for again. */
-const LINES_MAX = 40_000;
+const LINES_MAX = 30_000;
 /** So many events are looked through for older lines at once. */
 const OLDER_EVENTS = 5_000;
 const PAGE = 1_000;

@@ -6,9 +6,13 @@ import { idOf } from "../../model/path.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import { runLog } from "../../store/run_log.ts";
+import { usePaced } from "../../ui/paced.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { type Entry, entryOf, isWanted, merged, type Source, type Wanted } from "./entries.ts";
 import { Sieve } from "./sieve.ts";
+
+/** Nobody reads faster. */
+const PACE_MS = 250;
 
 const NEVER = signal(0);
 const NONE: readonly Entry[] = [];
@@ -27,7 +31,7 @@ export function useRows(
   wanted: Wanted,
 ): Rows {
   const notices = useSignal(page.notices);
-  useSignal(watch?.grown ?? NEVER);
+  usePaced(watch?.grown ?? NEVER, PACE_MS);
   const nameOf = useCallback(
     (path: string) => tab?.room.machine.state(path)?.name ?? idOf(path),
     [tab],
