@@ -51,11 +51,11 @@ export class ValueHistory {
 
   /** Goes on with the run until the returned function is called. */
   follow(): () => void {
+    this.#soon(0);
     const stop = effect(() => {
       this.#watch.grown.value;
       this.#soon(PACE_MS);
     });
-    this.#soon(0);
     return () => {
       this.#isOver = true;
       stop();

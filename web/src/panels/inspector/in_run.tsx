@@ -55,7 +55,9 @@ function Globals({ seen, watch }: { seen: SeenState; watch: Watch }) {
   if (!globals || count === 0) return null;
   return (
     <Fold title="Global variables in the run" count={count}>
-      <GlobalValues seen={seen} watch={watch} values={globals} />
+      <div className="shows-run">
+        <GlobalValues seen={seen} watch={watch} values={globals} />
+      </div>
     </Fold>
   );
 }
@@ -80,11 +82,11 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
     );
   }
   return (
-    <>
+    <div className="shows-run">
       <Facts watch={watch} standing={standing} />
       {left && <RunError seen={seen} watch={watch} left={left} detail={end.detail} />}
       <RunValues seen={seen} watch={watch} standing={standing} entry={entry} end={end} />
-    </>
+    </div>
   );
 }
 

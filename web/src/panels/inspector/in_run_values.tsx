@@ -146,6 +146,14 @@ function Line({ seen, watch, target, value, origin }: LineProps) {
     addWatched(seen.tab, target);
     seen.run("view.panel", "watches");
   };
+  const eye = (
+    <IconButton
+      className="inspector-mini"
+      label={`Watch ${target.name}`}
+      icon={<Eye size={13} />}
+      onClick={watchIt}
+    />
+  );
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging does what the button beside it does
     <div className="in-run-value" draggable onDragStart={(event) => dragValue(event, target)}>
@@ -153,20 +161,14 @@ function Line({ seen, watch, target, value, origin }: LineProps) {
         name={target.name}
         value={value}
         keep={`${target.path} ${target.kind} ${target.name}`}
+        actions={origin ? null : eye}
       />
-      <div className="in-run-origin">
-        {origin ? (
+      {origin && (
+        <div className="in-run-origin">
           <From seen={seen} watch={watch} target={target} origin={origin} />
-        ) : (
-          <span className="in-run-when" />
-        )}
-        <IconButton
-          className="inspector-mini"
-          label={`Watch ${target.name}`}
-          icon={<Eye size={13} />}
-          onClick={watchIt}
-        />
-      </div>
+          {eye}
+        </div>
+      )}
     </div>
   );
 }

@@ -1,7 +1,7 @@
 /** How often the states of a run ran, how long, and how they ended. */
 
 import { Flame, RefreshCw } from "lucide-react";
-import { useMemo, useRef, useState } from "react";
+import { type RefObject, useLayoutEffect, useMemo, useRef, useState } from "react";
 import type { StateStatistics, Statistics as Told } from "../../model/generated/protocol.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
@@ -44,6 +44,7 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
   const { statistics, refusal, refresh } = useStatistics(page.runs, watch, place);
   const [query, setQuery] = useState("");
   const heat = useSignal(tab.view.heat);
+  const isNarrow = useNarrow(place);
   return (
     <div className="statistics" ref={place}>
       <div className="statistics-bar">
@@ -68,7 +69,9 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
         <IconButton label="Count again" icon={<RefreshCw size={14} />} onClick={refresh} />
       </div>
       {refusal !== null && <p className="statistics-refusal">{refusal}</p>}
-      {statistics && <Rows tab={tab} states={statistics.states} query={query} />}
+      {statistics && (
+        <Rows tab={tab} states={statistics.states} query={query} isNarrow={isNarrow} />
+      )}
     </div>
   );
 }
@@ -83,14 +86,15 @@ interface RowsProps {
   readonly tab: OpenTab;
   readonly states: readonly StateStatistics[];
   readonly query: string;
+  readonly isNarrow: boolean;
 }
 
-function Rows({ tab, states, query }: RowsProps) {
+function Rows({ tab, states, query, isNarrow }: RowsProps) {
   const host = useHost();
   const selection = useSignal(tab.view.selection);
   const [sort, setSort] = useState<Sort>({ key: "total", down: true });
   const rows = useMemo(() => rowsOf(states, query, sort), [states, query, sort]);
-  const columns = useMemo(() => columnsOf(states), [states]);
+  const columns = useMemo(() => columnsOf(states, isNarrow), [states, isNarrow]);
   const selected = new Set(
     rows.flatMap(({ path }) => (selection.has(`state:${path}`) ? [path] : [])),
   );
@@ -117,13 +121,36 @@ function Rows({ tab, states, query }: RowsProps) {
   );
 }
 
-function columnsOf(states: readonly StateStatistics[]): readonly Column<StateStatistics>[] {
+/** Below this width columns that say the least give way. */
+const NARROW_PX = 720;
+
+function useNarrow(place: RefObject<HTMLElement | null>): boolean {
+  const [isNarrow, setNarrow] = useState(false);
+  useLayoutEffect(() => {
+    const element = place.current;
+    if (!element) return;
+    const sizes = new ResizeObserver(() => setNarrow(element.clientWidth < NARROW_PX));
+    sizes.observe(element);
+    return () => sizes.disconnect();
+  }, [place]);
+  return isNarrow;
+}
+
+function columnsOf(
+  states: readonly StateStatistics[],
+  isNarrow: boolean,
+): readonly Column<StateStatistics>[] {
+  const all = allColumns(states);
+  return isNarrow ? all.filter(({ key }) => key !== "min" && key !== "spread") : all;
+}
+
+function allColumns(states: readonly StateStatistics[]): readonly Column<StateStatistics>[] {
   const scale = scaleOf(states);
   const time = (key: string, title: string, ns: (row: StateStatistics) => number) =>
     ({
       key,
       title,
-      width: "76px",
+      width: "68px",
       align: "right",
       sortable: true,
       cell: (row: StateStatistics) => duration(ns(row) / 1e6),
@@ -132,14 +159,14 @@ function columnsOf(states: readonly StateStatistics[]): readonly Column<StateSta
     {
       key: "names",
       title: "State",
-      width: "minmax(140px, 2fr)",
+      width: "minmax(120px, 2fr)",
       sortable: true,
       cell: ({ names }) => <Names names={names} />,
     },
     {
       key: "count",
       title: "Count",
-      width: "64px",
+      width: "56px",
       align: "right",
       sortable: true,
       cell: ({ count }) => count,

@@ -110,10 +110,10 @@ function InRun({ tab, watched, watch, expression }: InRunProps) {
     [target, watch, history],
   );
   return (
-    <>
+    <div className="watches-run shows-run">
       <Now tab={tab} watched={watched} watch={watch} expression={expression} />
       <Over watched={shown} />
-    </>
+    </div>
   );
 }
 

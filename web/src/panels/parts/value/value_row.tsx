@@ -1,7 +1,7 @@
 /** One value in a line, and what is in it below, if it is open. */
 
 import { ChevronRight, Copy } from "lucide-react";
-import { useState } from "react";
+import { type ReactNode, useState } from "react";
 import { numbersOf, recordsOf } from "../../../model/numbers.ts";
 import { pythonOf } from "../../../model/python_of.ts";
 import { shortValue } from "../../../model/short_value.ts";
@@ -24,12 +24,14 @@ export interface ValueRowProps {
   readonly value: unknown;
   readonly way: string;
   readonly tree: ValueTree;
+  /** Buttons at the end of the line. */
+  readonly actions?: ReactNode;
 }
 
 /** A line has room for so much. */
 const LINE_MAX = 60;
 
-export function ValueRow({ name, value, way, tree }: ValueRowProps) {
+export function ValueRow({ name, value, way, tree, actions }: ValueRowProps) {
   const found = read(value);
   const isOpen = tree.isOpen(way) && hasInside(found);
   const short = shortValue(value, LINE_MAX);
@@ -60,6 +62,7 @@ export function ValueRow({ name, value, way, tree }: ValueRowProps) {
         )}
         <TypeOf found={found} short={short} />
         <CopyButton name={name} value={value} />
+        {actions}
       </div>
       {isOpen && (
         <div className="value-inside">

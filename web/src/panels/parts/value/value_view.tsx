@@ -1,6 +1,6 @@
 /** Any value of a run, structured: a tree that folds, with types and sizes. What is folded is not made. */
 
-import { useState } from "react";
+import { type ReactNode, useState } from "react";
 import { keepOpen, openParts } from "./kept_choice.ts";
 import { ValueRow } from "./value_row.tsx";
 import "./value.css";
@@ -14,12 +14,14 @@ export interface ValueViewProps {
   readonly keep?: string | undefined;
   /** Whether it is open if nobody has folded it. */
   readonly openAtFirst?: boolean | undefined;
+  /** Buttons at the end of its line. */
+  readonly actions?: ReactNode;
 }
 
 /** The parts of a value by their ways from it; the value itself has the empty way. */
 const ROOT = "";
 
-export function ValueView({ value, name, keep, openAtFirst = false }: ValueViewProps) {
+export function ValueView({ value, name, keep, openAtFirst = false, actions }: ValueViewProps) {
   const [parts, setParts] = useState<ReadonlySet<string>>(
     () => openParts(keep ?? ROOT) ?? new Set(openAtFirst ? [ROOT] : []),
   );
@@ -35,6 +37,7 @@ export function ValueView({ value, name, keep, openAtFirst = false }: ValueViewP
         name={name}
         value={value}
         way={ROOT}
+        actions={actions}
         tree={{ isOpen: (way) => parts.has(way), toggle }}
       />
     </div>
