@@ -58,10 +58,11 @@ export function Log() {
         onClear={() => {
           page.notices.value = [];
         }}
-      />
-      {watch && filter.source !== "page" && (
-        <Older watch={watch} onCame={() => setCame((before) => before + 1)} />
-      )}
+      >
+        {watch && filter.source !== "page" && (
+          <Older watch={watch} onCame={() => setCame((before) => before + 1)} />
+        )}
+      </LogBar>
       <div className="log-body">
         <div className="log-rows" onWheel={({ deltaY }) => deltaY < 0 && filter.follows && stay()}>
           {rows.length === 0 ? (
@@ -131,12 +132,15 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
     }
   };
   return (
-    <div className="log-older">
-      <span>Lines before event {log.from.toLocaleString("en")} are not here.</span>
-      <Button icon={<ArrowUp size={14} />} disabled={isAsking} onClick={() => void ask()}>
-        {isAsking ? "Asking…" : "Show older ones"}
-      </Button>
-    </div>
+    <Button
+      kind="quiet"
+      icon={<ArrowUp size={14} />}
+      title={`Lines before event ${log.from.toLocaleString("en")} are not here`}
+      disabled={isAsking}
+      onClick={() => void ask()}
+    >
+      {isAsking ? "Asking…" : "Show older ones"}
+    </Button>
   );
 }
 

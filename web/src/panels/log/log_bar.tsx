@@ -1,6 +1,7 @@
 /** What of the log is shown. */
 
 import { Eraser } from "lucide-react";
+import type { ReactNode } from "react";
 import type { LogLevel } from "../../model/generated/protocol.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
@@ -42,9 +43,11 @@ interface Props {
   readonly onChange: (filter: LogFilter) => void;
   readonly hasRun: boolean;
   readonly onClear: () => void;
+  /** What else stands there. */
+  readonly children?: ReactNode;
 }
 
-export function LogBar({ filter, onChange, hasRun, onClear }: Props) {
+export function LogBar({ filter, onChange, hasRun, onClear, children }: Props) {
   const change = (part: Partial<LogFilter>) => onChange({ ...filter, ...part });
   return (
     <div className="log-bar">
@@ -85,6 +88,7 @@ export function LogBar({ filter, onChange, hasRun, onClear }: Props) {
         onChange={(follows) => change({ follows })}
       />
       <span className="log-gap" />
+      {children}
       <IconButton label="Clear what the page said" icon={<Eraser size={15} />} onClick={onClear} />
     </div>
   );
