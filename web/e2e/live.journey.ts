@@ -90,6 +90,26 @@ journey(
   },
 );
 
+journey(
+  "at an earlier moment the canvas shows that moment, and now again when asked",
+  { open: "hierarchy_and_data" },
+  async ({ app }) => {
+    await perform(app, "run.start", undefined);
+    await ended(app, "success");
+    await unringed(app, PACKER, "running");
+    const list = await panel(app);
+    await app.press("f");
+    await app.press(",");
+    await app.until(({ tab }) => tab?.run.value?.moment.value != null, null);
+    await app.press(",");
+    await ringed(app, PACKER, "running");
+    await list.getByRole("button").first().waitFor();
+    await perform(app, "run.live", undefined);
+    await unringed(app, PACKER, "running");
+    await app.sheet.getByText("Nothing runs", { exact: true }).waitFor();
+  },
+);
+
 journey("what runs now is listed, and leads there", waiting(), async ({ app }) => {
   const list = await panel(app);
   await app.sheet.getByText("No run is shown").first().waitFor();

@@ -2,6 +2,7 @@ import { expect, test } from "vitest";
 import type { ElementRef } from "../model/element.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
+import type { RunMark } from "../store/marks.ts";
 import { described } from "./describe.ts";
 import { ARM } from "./testing/driver.ts";
 
@@ -20,5 +21,9 @@ test("elements are said in words", () => {
   expect(say({ kind: "input", path: "R/B", id: 0 })).toBe("input pose of Grasp, type int");
   expect(say({ kind: "income", path: "R/B" })).toBe("income of Grasp");
   expect(say({ kind: "transition", path: "R", id: 1 })).toBe("transition Scan.ok → Grasp");
+  const run = { phase: "waiting", failed: true, detail: "an answer" } as RunMark;
+  expect(described(machine, { kind: "state", path: "R/C" }, run)).toBe(
+    "Box, waits for an answer, failed before, hierarchy, 1 state, 1 outcome",
+  );
   expect(say({ kind: "state", path: "R/X" })).toBe("no longer there");
 });

@@ -6,12 +6,13 @@ import type { StateDocument } from "../model/generated/protocol.ts";
 import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { KIND_WORDS } from "../plan/legal.ts";
+import type { RunMark } from "../store/marks.ts";
 
-/** What is said of an element. */
-export function described(machine: Machine, element: ElementRef): string {
+/** What is said of an element; of a state also what it does in a run. */
+export function described(machine: Machine, element: ElementRef, run?: RunMark): string {
   const state = machine.state(element.path);
   if (!state) return "no longer there";
-  if (element.kind === "state") return stateInWords(machine, element.path, state);
+  if (element.kind === "state") return stateInWords(machine, element.path, state, run);
   if (isConnection(element)) {
     const word = element.kind === "transition" ? "transition" : "data flow";
     return `${word} ${connectionInWords(machine, element)}`;
@@ -23,12 +24,18 @@ export function described(machine: Machine, element: ElementRef): string {
   return `${element.kind.replace("_", " ")} ${name} of ${state.name}, type ${port?.data_type ?? "unknown"}`;
 }
 
-function stateInWords(machine: Machine, path: string, state: StateDocument): string {
+function stateInWords(
+  machine: Machine,
+  path: string,
+  state: StateDocument,
+  run: RunMark | undefined,
+): string {
   const kind = KIND_WORDS[state.kind];
   const children = machine.children(path).length;
   const own = outcomesOf(state).filter(({ id }) => id >= 0);
   const parts = [
     state.name,
+    run ? runInWords(run) : "",
     kind,
     isStart(machine, path) ? "start state" : "",
     children > 0 && state.kind !== "library" ? several(children, "state") : "",
@@ -36,6 +43,21 @@ function stateInWords(machine: Machine, path: string, state: StateDocument): str
     leadsTo(machine, path),
   ];
   return parts.filter((part) => part !== "").join(", ");
+}
+
+const RUN_WORDS: Readonly<Partial<Record<RunMark["phase"], string>>> = {
+  running: "runs",
+  waiting: "waits",
+  held: "held",
+  next: "comes next",
+  preempted: "is being preempted",
+  failed: "failed",
+};
+
+function runInWords({ phase, failed, detail }: RunMark): string {
+  const word = RUN_WORDS[phase] ?? "";
+  const whole = phase === "waiting" && detail !== null ? `waits for ${detail}` : word;
+  return failed && phase !== "failed" ? `${whole}, failed before` : whole;
 }
 
 function several(count: number, word: string): string {

@@ -71,7 +71,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   const minimap = minimapIn(place, tab, picture);
   const stopFollowing = followRun(tab, page, picture, flight);
   const reader = new Reader(root, `rafcon-canvas-${++mounted}`);
-  const stopReading = keepReading(reader, hand, tab);
+  const stopReading = keepReading(reader, hand, tab, picture);
   const stopLooking = firstLook(root, tab, hand);
   const stopCursor = effect(() => {
     root.style.cursor = hand.cursor.value;
@@ -211,12 +211,26 @@ function openField(
   return close;
 }
 
+/** What runs is told to those who hear the page this often. */
+const READ_RUN_MS = 1_000;
+
 /** Keeps the hidden tree as the canvas is, once a frame at most. */
-function keepReading(reader: Reader, hand: Hand, { room, view }: OpenTab): () => void {
+function keepReading(
+  reader: Reader,
+  hand: Hand,
+  { room, view }: OpenTab,
+  picture: Picture,
+): () => void {
   let frame = 0;
+  let rest = 0;
   const show = () => {
     frame = 0;
-    reader.show(treeLines(room.machine, hand.places(), hand.stage.peek(), selected(view)));
+    const [places, stage] = [hand.places(), hand.stage.peek()];
+    reader.show(treeLines(room.machine, places, stage, selected(view), picture.runs()));
+  };
+  const showRun = () => {
+    rest = 0;
+    show();
   };
   const stop = effect(() => {
     room.version.value;
@@ -224,12 +238,18 @@ function keepReading(reader: Reader, hand: Hand, { room, view }: OpenTab): () =>
     hand.stage.value;
     if (frame === 0) frame = requestAnimationFrame(show);
   });
+  const stopRunning = effect(() => {
+    picture.runs();
+    if (rest === 0) rest = window.setTimeout(showRun, READ_RUN_MS);
+  });
   const stopSaying = effect(() => {
     reader.say(hand.overlay.value.message?.text ?? "");
   });
   return () => {
     cancelAnimationFrame(frame);
+    window.clearTimeout(rest);
     stop();
+    stopRunning();
     stopSaying();
   };
 }

@@ -6,7 +6,13 @@ import { driver } from "./testing/driver.ts";
 
 function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): readonly TreeLine[] {
   const selection = keys.flatMap((key) => elementOf(key) ?? []);
-  return treeLines(canvas.room.machine, canvas.hand.places(), canvas.hand.stage.value, selection);
+  return treeLines(
+    canvas.room.machine,
+    canvas.hand.places(),
+    canvas.hand.stage.value,
+    selection,
+    new Map(),
+  );
 }
 
 function short(all: readonly TreeLine[]): readonly string[] {

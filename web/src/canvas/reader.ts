@@ -4,6 +4,7 @@
 import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
+import type { RunMark } from "../store/marks.ts";
 import { described } from "./describe.ts";
 import type { Places } from "./places.ts";
 
@@ -26,6 +27,7 @@ export function treeLines(
   places: Places,
   stage: string,
   selection: readonly ElementRef[],
+  runs: ReadonlyMap<string, RunMark>,
 ): readonly TreeLine[] {
   const active = selection.at(-1);
   const container = levelOf(places, stage, active);
@@ -37,7 +39,7 @@ export function treeLines(
     count: number,
   ): TreeLine => ({
     element,
-    text: described(machine, element),
+    text: described(machine, element, runs.get(element.path)),
     level,
     selected: chosen.has(keyOf(element)),
     number,
@@ -61,6 +63,22 @@ function levelOf(places: Places, stage: string, active: ElementRef | undefined):
   if (!active || !places.box(active.path)) return stage;
   if (active.kind === "transition" || active.kind === "data_flow") return active.path;
   return parentOf(active.path) ?? active.path;
+}
+
+function isSame(lines: readonly TreeLine[], others: readonly TreeLine[]): boolean {
+  return (
+    lines.length === others.length &&
+    lines.every((line, index) => {
+      const other = others[index];
+      return (
+        other?.text === line.text &&
+        keyOf(other.element) === keyOf(line.element) &&
+        other.selected === line.selected &&
+        other.count === line.count &&
+        other.number === line.number
+      );
+    })
+  );
 }
 
 /** Out of sight, but not for screen readers. */
@@ -91,6 +109,7 @@ export class Reader {
   }
 
   show(lines: readonly TreeLine[]): void {
+    if (isSame(lines, this.#lines)) return;
     this.#lines = lines;
     const items = lines.map((line, index) => this.#item(line, index));
     this.tree.replaceChildren(...items);
