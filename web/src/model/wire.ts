@@ -10,7 +10,8 @@ export type Read =
       readonly kind: "number";
       readonly value: number;
       readonly text: string;
-      readonly of: "int" | "float";
+      /** A float without a fraction comes as a whole number: which of both it was cannot be told. */
+      readonly of: "int" | "float" | "number";
     }
   | { readonly kind: "text"; readonly text: string; readonly count: number }
   | {
@@ -62,7 +63,7 @@ function number(value: number): Read {
     kind: "number",
     value,
     text: String(value),
-    of: Number.isInteger(value) ? "int" : "float",
+    of: Number.isInteger(value) ? "number" : "float",
   };
 }
 

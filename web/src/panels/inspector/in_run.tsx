@@ -5,6 +5,7 @@ import { useEffect, useMemo } from "react";
 import type { Phase } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
 import { isGoingOn } from "../../store/age.ts";
+import type { Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import { seconds } from "../../store/seconds.ts";
 import { pictureOf, type Standing, standingOf } from "../../store/standing.ts";
@@ -12,6 +13,7 @@ import { usePaced } from "../../ui/paced.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration } from "../parts/duration.ts";
 import { useDetail } from "../parts/value/use_detail.ts";
+import { useRunAge } from "../run_age.ts";
 import { Fold } from "./fold.tsx";
 import { RunError } from "./in_run_error.tsx";
 import { GlobalValues, RunValues } from "./in_run_values.tsx";
@@ -83,7 +85,7 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
   }
   return (
     <div className="shows-run">
-      <Facts watch={watch} standing={standing} />
+      <Facts page={seen.page} watch={watch} standing={standing} />
       {left && <RunError seen={seen} watch={watch} left={left} detail={end.detail} />}
       <RunValues seen={seen} watch={watch} standing={standing} entry={entry} end={end} />
     </div>
@@ -95,7 +97,13 @@ function wanted(sequence: number | undefined, values: unknown, always = false): 
   return sequence === undefined || (values !== undefined && !always) ? null : sequence;
 }
 
-function Facts({ watch, standing }: { watch: Watch; standing: Standing }) {
+interface FactsProps {
+  readonly page: Page;
+  readonly watch: Watch;
+  readonly standing: Standing;
+}
+
+function Facts({ page, watch, standing }: FactsProps) {
   const { active, visits, left, entered } = standing;
   return (
     <dl className="in-run-facts">
@@ -104,7 +112,7 @@ function Facts({ watch, standing }: { watch: Watch; standing: Standing }) {
         {active ? PHASE_WORDS[active.phase] : "not active"}
         {active?.detail ? ` for ${active.detail}` : ""}
       </dd>
-      {active ? <Since watch={watch} standing={standing} /> : null}
+      {active ? <Since page={page} watch={watch} standing={standing} /> : null}
       {!active && entered && left && left.sequence > entered.sequence ? (
         <>
           <dt>Took</dt>
@@ -125,12 +133,13 @@ function Facts({ watch, standing }: { watch: Watch; standing: Standing }) {
   );
 }
 
-/** How long it has been active; while live it goes on between two truths. */
-function Since({ watch, standing }: { watch: Watch; standing: Standing }) {
+/** How long it has been active. Between two truths it goes on, as long as these are heard. */
+function Since({ page, watch, standing }: FactsProps) {
   const now_ms = useSignal(seconds);
   const now = useSignal(watch.now);
   const heard_ms = useSignal(watch.heard_ms);
-  const isLive = standing.until === null && now !== null && isGoingOn(now) && now.link === "up";
+  const { isOld } = useRunAge(page, watch);
+  const isLive = standing.until === null && now !== null && isGoingOn(now) && !isOld;
   const more_ms = isLive && heard_ms !== null ? Math.max(0, now_ms - heard_ms) : 0;
   return (
     <>

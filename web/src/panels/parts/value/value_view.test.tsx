@@ -28,7 +28,7 @@ test("a dict folds open level by level, and what is folded is not made", () => {
   click(fold(place, "deep"));
   click(fold(place, "er"));
   expect(place.querySelector(".value-inside .value-inside .value-inside")?.textContent).toBe(
-    "still1int",
+    "still1number",
   );
 });
 
