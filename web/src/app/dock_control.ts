@@ -18,6 +18,9 @@ const OPPOSITE: Readonly<Record<Side, "left" | "right" | "below">> = {
   bottom: "below",
 };
 
+/** The dock remembers where the canvas stands for a picture or two: what is measured earlier may be out of date. */
+const CALM_MS = 100;
+
 export class DockControl implements DockPort {
   readonly #api: DockviewApi;
   readonly #shed: Shed;
@@ -56,7 +59,8 @@ export class DockControl implements DockPort {
     this.#isNarrow = isNarrow;
     const isMoved = placeMission(this.#api, isNarrow);
     if (isMoved) this.#show("bottom", !isNarrow);
-    if (isMoved) sizeMission(this.#api, isNarrow);
+    // The place of the canvas is measured when its size has changed: so that comes last, when all else stands.
+    if (isMoved) setTimeout(() => sizeMission(this.#api, isNarrow), CALM_MS);
     return isMoved;
   }
 

@@ -70,7 +70,7 @@ export function newSession(page: Page, commands: Commands): AppSession {
     openPalette: (query = "") => {
       palette.value = query;
     },
-    overview: () => afterPictures(PICTURES, () => canvas.peek()?.fit([])),
+    overview: () => void setTimeout(() => canvas.peek()?.fit([]), STANDING_MS),
     get layouts() {
       return dock.peek().layouts;
     },
@@ -79,13 +79,8 @@ export function newSession(page: Page, commands: Commands): AppSession {
   return { page, commands, context, canvas, dialogs, palette, dock };
 }
 
-/** Panels that were put elsewhere, and the canvas between them, have their sizes after so many pictures. */
-const PICTURES = 4;
-
-function afterPictures(count: number, call: () => void): void {
-  if (count === 0) call();
-  else requestAnimationFrame(() => afterPictures(count - 1, call));
-}
+/** Panels that were put elsewhere, and the canvas between them, have their sizes after so long. */
+const STANDING_MS = 200;
 
 /** Opens dialogs one upon the other, and closes each when it is answered. */
 function dialogOpener(dialogs: Signal<readonly OpenDialog[]>) {

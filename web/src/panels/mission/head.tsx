@@ -25,7 +25,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
   const asked = useComputed(() => askedInWords(openQuestions(watch).length), [watch]);
   const stand = now ? runStand(now) : summary && summaryStand(summary);
   return (
-    <header className="mission-head">
+    <div className="mission-head">
       <div className="mission-title">
         <h2 title={watch.id}>{summary?.name ?? watch.id}</h2>
         <OtherRuns watch={watch} />
@@ -50,7 +50,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
       )}
       <LinkAge watch={watch} />
       <Identity />
-    </header>
+    </div>
   );
 }
 
