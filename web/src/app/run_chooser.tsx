@@ -61,10 +61,11 @@ function Stand({ watch }: { watch: Watch }) {
   }, [watch]);
   const elapsed = useDerived(() => {
     const now = watch.now.value;
+    const isTicking = now !== null && isGoingOn(now) && watch.moment.value === null;
     // Nothing is reckoned on from what may be old.
-    const at_ms =
-      now && isGoingOn(now) ? seconds.value - runAge(page, watch, seconds.value).age_ms : 0;
-    return duration(Math.floor(elapsedAt(page, watch, at_ms) / 1_000) * 1_000);
+    const at_ms = isTicking ? seconds.value - runAge(page, watch, seconds.value).age_ms : 0;
+    const ms = elapsedAt(page, watch, at_ms);
+    return duration(isTicking ? Math.floor(ms / 1_000) * 1_000 : ms);
   }, [page, watch]);
   const { isOld, age_ms } = useRunAge(page, watch);
   if (text === null) return <span>Run …</span>;
