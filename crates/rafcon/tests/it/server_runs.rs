@@ -5,7 +5,7 @@ use crate::harness::{Place, Run, assert_extension};
 use crate::served::{Door, Line, Served};
 use expect_test::{Expect, expect};
 use rafcon_model::notation;
-use rafcon_protocol::api::{Role, RunNow, RunPhase, RunSummary};
+use rafcon_protocol::api::{HistoryEntry, Role, RunNow, RunPhase, RunSummary};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_protocol::{Command, Event};
 use rafcon_server::access::Users;
@@ -275,6 +275,68 @@ fn without_a_policy_a_dead_runner_waits_for_somebody_to_take_its_run_up() {
         life 2 Abort
         finished done"]],
     );
+}
+
+#[test]
+fn the_machine_of_a_run_can_be_had_as_soon_as_it_has_begun() {
+    let many: String =
+        (0..400).map(|number| format!("  execution S{number:05}\n    outcome ok\n")).collect();
+    let site = Site::new(&format!("{WAITS}{many}"));
+    let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
+    let machine = site.door().ask("GET", &format!("/api/v1/runs/{run}/machine"), None).unwrap();
+    assert_eq!(machine["states"].as_array().unwrap().len(), 403);
+    let start = json!({ "keeping": "status" });
+    let other = site.start("r2", &start)["id"].as_str().unwrap().to_owned();
+    assert_eq!(
+        said(site.door(), "GET", &format!("/api/v1/runs/{other}/machine"), None),
+        "404 no_such_machine"
+    );
+}
+
+/// All that is told from a cursor on until the run is over, and the cursor to go on with.
+fn told(mut line: Line) -> (Vec<HistoryEntry>, u64) {
+    let (mut told, mut cursor) = (Vec::new(), 0);
+    loop {
+        match line.hear().unwrap() {
+            ToClient::Events { events, next, .. } => {
+                told.extend(events);
+                cursor = next;
+            }
+            ToClient::Ended { refusal: None, .. } => return (told, cursor),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_history_goes_on_over_a_crash_and_is_told_further_when_a_run_that_was_over_is_taken_up() {
+    let site = Site::new(WAITS);
+    let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
+    let follow = |from| site.line(Topic::RunHistory { run: run.clone(), from, values: true });
+    let resume =
+        |body: &Value| said(site.door(), "POST", &format!("/api/v1/runs/{run}/resume"), Some(body));
+    let from_the_start = follow(1);
+    site.until(&run, is_running);
+    site.kill_runner(&run);
+    site.until(&run, |now| now.run.phase == RunPhase::Crashed);
+    let since_the_crash = follow(1);
+    assert_eq!(resume(&json!({ "id": "u1", "policy": "abort" })), "200 -");
+    let (mut events, cursor) = told(from_the_start);
+    assert_eq!(told(since_the_crash), (events.clone(), cursor));
+    let entry = events
+        .iter()
+        .find(|entry| matches!(&entry.event, Event::Entered { path, .. } if path.ends_with("/A")));
+    let from = entry.unwrap().sequence;
+    assert_eq!(resume(&json!({ "id": "u2", "policy": "restart", "from": from })), "200 -");
+    site.until(&run, |now| now.run.phase == RunPhase::Live);
+    assert_eq!(command(site.door(), &run, "go", &json!({ "type": "resume" })), "200 applied");
+    site.until(&run, is_running);
+    let further = follow(cursor);
+    assert_eq!(command(site.door(), &run, "stop", &json!({ "type": "stop" })), "200 applied");
+    events.extend(told(further).0);
+    let sequences: Vec<u64> = events.iter().map(|entry| entry.sequence).collect();
+    assert_eq!(sequences, (1..=sequences.len() as u64).collect::<Vec<_>>());
+    assert_eq!(told(follow(1)).0, events);
 }
 
 #[test]

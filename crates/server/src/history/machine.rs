@@ -11,15 +11,17 @@ use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::StatusCode;
 use parking_lot::Mutex;
-use rafcon_protocol::Event;
 use rafcon_protocol::api::{KeptMachineQuery, Refusal};
 use rafcon_protocol::document::Document;
+use rafcon_protocol::{Event, Keeping};
 use rafcon_storage::journal::{Filter, Found, Hash, Reader, Search, unpack};
 use rafcon_storage::{Libraries, load};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
+use tokio::time::{Instant, sleep};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -27,6 +29,9 @@ use utoipa_axum::routes;
 const COUNT_MAX: usize = 64;
 /// So many bytes of them, but the last one whatever it takes.
 const BYTES_MAX: usize = 64 << 20;
+/// So long is waited for the machine of a run that has just begun, and looked for it so often.
+const PATIENCE: Duration = Duration::from_secs(10);
+const AGAIN: Duration = Duration::from_millis(50);
 
 /// Machines of runs as JSON.
 #[derive(Debug, Default)]
@@ -74,15 +79,38 @@ async fn machine(
 ) -> Result<Json, Failure> {
     let wanted = query.root.as_deref().map(parse).transpose()?;
     let folder = folder(&house, &run).await?;
+    let hash = match wanted {
+        Some(hash) => hash,
+        None => began_with(&house, &run, &folder).await?,
+    };
     let History { readers, machines, .. } = &house.history;
     let (machines, scratch) = (Arc::clone(machines), house.settings.state.clone());
     readers
         .read_slowly(folder, move |reader| {
-            let hash = wanted.map_or_else(|| first(reader), Ok)?;
             let folder = reader.folder().to_owned();
             machines.document(&Which { folder, hash, library: query.library }, &scratch).map(Json)
         })
         .await
+}
+
+/// The machine that a run began with. Whoever asks for that of a run that has just begun waits until it is told.
+async fn began_with(house: &House, run: &str, folder: &FilePath) -> Result<Hash, Failure> {
+    let run = house.runs.get(run).await?;
+    let patience = Instant::now() + PATIENCE;
+    loop {
+        // Asked first: of a run that is over all is told.
+        let is_kept = run.is_live() && run.summary().keeping == Keeping::Full;
+        let may_come = is_kept && Instant::now() < patience;
+        let found = house.history.readers.read(folder.to_owned(), first).await?;
+        match found {
+            Some(hash) => return Ok(hash),
+            None if may_come => sleep(AGAIN).await,
+            None => {
+                let message = "the run has not kept its machine: runs that keep everything do";
+                return Err(Failure::not_found("no_such_machine", message));
+            }
+        }
+    }
 }
 
 fn parse(text: &str) -> Result<Hash, Failure> {
@@ -94,7 +122,7 @@ fn parse(text: &str) -> Result<Hash, Failure> {
 }
 
 /// The machine that the run began with. Of a large one it is told a little later.
-fn first(reader: &mut Reader) -> Result<Hash, Failure> {
+fn first(reader: &mut Reader) -> Result<Option<Hash>, Failure> {
     let filter = Filter { kinds: vec!["root".to_owned()], ..Filter::default() };
     let search = Search { filter: &filter, from: 1, look: LOOK, values: true };
     let mut first = None;
@@ -104,10 +132,7 @@ fn first(reader: &mut Reader) -> Result<Hash, Failure> {
         }
         Ok(ControlFlow::Break(()))
     })?;
-    first.ok_or_else(|| {
-        let message = "the run has not kept its machine: runs that keep everything do";
-        Failure::not_found("no_such_machine", message)
-    })
+    Ok(first)
 }
 
 impl Machines {
