@@ -13,14 +13,19 @@ export interface Told {
   readonly path: string;
 }
 
+/** The same with its time since the run began. */
+export interface Kept extends Told {
+  readonly t_ns: number;
+}
+
 /** All events of a run as the server has them on disk, without those that are only about values. */
-export async function theJournal(server: Server, run: string): Promise<readonly Told[]> {
-  const events: Told[] = [];
+export async function theJournal(server: Server, run: string): Promise<readonly Kept[]> {
+  const events: Kept[] = [];
   for (let from = 1; ; ) {
     const page = await server.ask<EventPage>("GET", `/runs/${run}/events?from=${from}`);
-    for (const { sequence, event } of page.events) {
+    for (const { sequence, t_ns, event } of page.events) {
       const isState = event.type === "entered" || event.type === "left";
-      events.push({ sequence, kind: event.type, path: isState ? event.path : "" });
+      events.push({ sequence, t_ns, kind: event.type, path: isState ? event.path : "" });
     }
     if (page.next > page.last) return events;
     from = page.next;

@@ -45,7 +45,7 @@ async function watched(house: House, wanted: Wanted): Promise<void> {
   ];
   const isFine = printed(wanted, {
     events: journal.length,
-    events_per_second: journal.length / wanted.seconds,
+    events_per_second: journal.length / ((journal.at(-1)?.t_ns ?? 0) / 1e9),
     differences: differences.length,
     page_growth_percent: growth(warm.map(({ page }) => page)),
     browser_growth_percent: growth(warm.map(({ browser }) => browser)),

@@ -1,5 +1,5 @@
-//! The page in a browser without a GPU: its speed (frames, opening, edits, memory), and its pictures for the documents. What is
-//! measured how stands in `web/bench`.
+//! The page in a browser without a GPU: its speed (frames, opening, edits, memory, runs), a long watch of a run, and its pictures
+//! for the documents. What is measured how stands in `web/bench`.
 
 use std::process::Command;
 
@@ -16,9 +16,26 @@ pub(crate) struct Options {
     json: bool,
 }
 
+/// What `cargo xtask soak-web` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct Watch {
+    /// How many minutes the run is watched.
+    #[arg(long, default_value_t = 10.0)]
+    minutes: f64,
+    /// How many states change in a second.
+    #[arg(long, default_value_t = 20)]
+    rate: u32,
+    /// Print one JSON object a line instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What the tests do of it: every event comes once.
+const BRIEFLY: Watch = Watch { minutes: 0.4, rate: 100, json: false };
+
 /// Builds page and program in release, and measures.
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let mut bench = program("main")?;
+    let mut bench = released("main")?;
     if options.json {
         bench.arg("--json");
     }
@@ -27,13 +44,35 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 
 /// Builds page and program in release, and takes pictures into `docs/pictures`.
 pub(crate) fn pictures() -> Result<()> {
-    process::run(&mut program("pictures")?)
+    process::run(&mut released("pictures")?)
+}
+
+/// Builds page and program in release, and watches a mission of 750 states that does not end.
+pub(crate) fn soak(options: &Watch) -> Result<()> {
+    watch(released("soak")?, options)
+}
+
+/// Watches it briefly, with the page as it is built and a program that is there.
+pub(crate) fn soak_briefly(product: &Product) -> Result<()> {
+    watch(program("soak", product)?, &BRIEFLY)
+}
+
+fn watch(mut soak: Command, Watch { minutes, rate, json }: &Watch) -> Result<()> {
+    soak.args(["--seconds", &(minutes * 60.0).to_string(), "--rate", &rate.to_string()]);
+    if *json {
+        soak.arg("--json");
+    }
+    process::run(&mut soak)
+}
+
+/// One of the programs in `web/bench`, with page and program built for it.
+fn released(name: &str) -> Result<Command> {
+    web::build()?;
+    program(name, &Product::build(Profile::Release)?)
 }
 
 /// One of the programs in `web/bench`, ready to be started.
-fn program(name: &str) -> Result<Command> {
-    web::build()?;
-    let product = Product::build(Profile::Release)?;
+fn program(name: &str, product: &Product) -> Result<Command> {
     // Beside the packages that it needs.
     let bundle = workspace::path(format!("web/node_modules/.rafcon-{name}.mjs"));
     let source = format!("bench/{name}.ts");

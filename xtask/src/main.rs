@@ -53,6 +53,8 @@ enum Task {
     Bench(bench::Options),
     /// Measure the speed of the page in a browser, against what we promise.
     BenchWeb(bench_web::Options),
+    /// Watch a run in the page for long: memory stays, every event comes once, frames keep their pace.
+    SoakWeb(bench_web::Watch),
     /// Take the pictures of the page that stand in `docs/pictures`.
     Pictures,
     /// Build everything and show a generated mission: in the page, or run live in this terminal.
@@ -91,6 +93,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Conformance(options) => conformance::run(&options),
         Task::Bench(options) => bench::run(&options),
         Task::BenchWeb(options) => bench_web::run(&options),
+        Task::SoakWeb(options) => bench_web::soak(&options),
         Task::Pictures => bench_web::pictures(),
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),

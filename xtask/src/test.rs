@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result};
 use crate::conformance;
 use crate::product::{Product, Profile};
 use crate::reference::Reference;
-use crate::{process, python, types, web, workspace};
+use crate::{bench_web, process, python, types, web, workspace};
 
 /// What the Python-side tests need besides the extension.
 const CONTENTS: python::Contents = python::Contents { bare: &[], full: &["numpy"] };
@@ -108,7 +108,7 @@ fn interface(product: &Product) -> Result<()> {
     process::run(&mut discover(&python, "crates/server/tests/api", product))
 }
 
-/// `web/e2e`: a browser, the page as it is built, the real server and the reference's core.
+/// `web/e2e`: a browser, the page as it is built, the real server and the reference's core. And a run that is watched for a while.
 fn browser(product: &Product) -> Result<()> {
     web::build()?;
     let reference = Reference::installed()?;
@@ -116,7 +116,8 @@ fn browser(product: &Product) -> Result<()> {
     journeys.args(["run", "--config", "e2e/vitest.config.ts"]);
     journeys.env("RAFCON_BINARY", &product.binary).env("RAFCON_EXTENSION", &product.extension);
     journeys.env("RAFCON_REFERENCE_PYTHON", &reference.python);
-    process::run(journeys.env("RAFCON_REFERENCE_SHARE", &reference.share))
+    process::run(journeys.env("RAFCON_REFERENCE_SHARE", &reference.share))?;
+    bench_web::soak_briefly(product)
 }
 
 /// All tests in a folder.
