@@ -10,6 +10,7 @@ import { listenToKeys } from "./keyboard.ts";
 import { guardLeaving } from "./leaving.ts";
 import { Login, Unreachable } from "./login.tsx";
 import { Palette } from "./palette.tsx";
+import { PanelGuard } from "./panel_guard.tsx";
 import { SessionProvider, useSession } from "./provided.tsx";
 import { tellOfRuns } from "./run_notices.ts";
 import type { AppSession } from "./session.ts";
@@ -64,7 +65,9 @@ function Inside() {
   }, [session]);
   return (
     <div className="app">
-      <TopBar />
+      <PanelGuard name="The upper edge">
+        <TopBar />
+      </PanelGuard>
       <div className="app-dock">
         <Dock />
       </div>

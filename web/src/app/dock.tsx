@@ -85,7 +85,7 @@ export function Dock() {
   }, [api, session]);
   const components = useMemo(
     () => ({
-      canvas: Centre,
+      canvas: CanvasPlace,
       ...Object.fromEntries(PANELS.map(({ id }) => [id, PanelPlace])),
     }),
     [],
@@ -100,6 +100,14 @@ export function Dock() {
       defaultRenderer="onlyWhenVisible"
       onReady={(event) => setApi(event.api)}
     />
+  );
+}
+
+function CanvasPlace() {
+  return (
+    <PanelGuard name="The canvas">
+      <Centre />
+    </PanelGuard>
   );
 }
 
