@@ -280,3 +280,47 @@ journey(
     expect(await server.ask<unknown[]>("GET", "/runs")).toHaveLength(1);
   },
 );
+
+journey(
+  "two runs of a machine go on at once, are switched between, and are found and deleted in the panel",
+  { open: "hierarchy_and_data" },
+  async ({ app, server }) => {
+    await app.menu("Run", "Start held");
+    await heldBefore(app, `${PACKER}/ISFULL`);
+    const first = await runInFront(app);
+    await app.menu("Run", "Start held");
+    await answer(app, "Start another run?", "Start another");
+    await app.until(({ tab }, id) => tab?.run.value?.id !== id, first);
+    await heldBefore(app, `${PACKER}/ISFULL`);
+    await press(app, "Resume");
+    await ended(app, "success");
+    const second = await runInFront(app);
+    await app.panel("Runs");
+    const rows = app.sheet.getByRole("list", { name: "Runs" }).getByRole("listitem");
+    expect(await rows.count()).toBe(2);
+    await app.sheet.getByLabel("Find runs").fill("running");
+    await rows.nth(1).waitFor({ state: "detached" });
+    await rows
+      .first()
+      .getByRole("button", { name: /Pack an order/ })
+      .click();
+    await app.until(({ tab }, id) => tab?.run.value?.id === id, first);
+    await stands(app, "stepping");
+    await stopRun(app);
+    await app.sheet.getByLabel("Find runs").fill("success");
+    await app.sheet
+      .getByRole("button", { name: new RegExp(`done with the run ${second}`) })
+      .click();
+    await app.sheet.getByRole("menuitem", { name: "Show the machine as it ran" }).click();
+    await app.until(({ tab }) => tab?.room.fixed !== null, null);
+    await app.sheet
+      .getByRole("button", { name: new RegExp(`done with the run ${second}`) })
+      .click();
+    await app.sheet.getByRole("menuitem", { name: "Delete…" }).click();
+    await answer(app, "Delete this run?", "Delete");
+    await app.until(({ page }) => page.tabs.value.length === 1, null);
+    await app.until(({ page }) => page.runs.all.value.length === 1, null);
+    const left = await server.ask<readonly { id: string }[]>("GET", "/runs");
+    expect(left.map(({ id }) => id)).toEqual([first]);
+  },
+);

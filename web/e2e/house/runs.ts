@@ -1,6 +1,6 @@
 /** Runs as a person drives them in the page: by the buttons, seen by the words. And machines for it: examples with other scripts. */
 
-import { cpSync, mkdtempSync, writeFileSync } from "node:fs";
+import { cpSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { App } from "./app.ts";
@@ -8,7 +8,9 @@ import { EXAMPLES } from "./places.ts";
 
 /** A copy of an example in which some files have other texts. */
 export function exampleWith(name: string, files: Readonly<Record<string, string>>): string {
-  const folder = join(mkdtempSync(join(tmpdir(), "rafcon-e2e-machine-")), name);
+  const place = mkdtempSync(join(tmpdir(), "rafcon-e2e-machine-"));
+  process.once("exit", () => rmSync(place, { recursive: true, force: true }));
+  const folder = join(place, name);
   cpSync(join(EXAMPLES, name), folder, { recursive: true });
   for (const [file, text] of Object.entries(files)) writeFileSync(join(folder, file), text);
   return folder;
