@@ -40,7 +40,7 @@ test("what is narrow is drawn together, and failures are not lost in it", () => 
 });
 
 test("each call that shows is drawn once, and a row costs no more than it is wide", () => {
-  const { journal, calls, rows } = rowsOf(randomRun(3, 6_000));
+  const { journal, calls, rows } = rowsOf(randomRun(3, 2_500));
   const end_ns = journal.t_ns(journal.length - 1);
   for (const [from, to] of [
     [0, 1],

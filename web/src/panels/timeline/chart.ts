@@ -3,7 +3,6 @@
 import { effect } from "@preact/signals-core";
 import { NONE } from "../../store/calls.ts";
 import type { Gap } from "../../store/gaps.ts";
-import { lanesOf } from "../../store/lanes.ts";
 import { showIndex, showTime } from "../../store/moments.ts";
 import { notesOf } from "../../store/notes.ts";
 import type { OpenTab } from "../../store/page.ts";
@@ -11,7 +10,7 @@ import { select, selectedStates } from "../../store/view.ts";
 import { inksOf, onTheme } from "../../ui/inks.ts";
 import { namesOf } from "../parts/happened.ts";
 import { barsOf, type Scale, timeAt, xOf } from "./bars.ts";
-import { layoutOf, rowAt } from "./layout.ts";
+import { rowAt } from "./layout.ts";
 import type { Pointed, TimelineModel } from "./model.ts";
 import { paintRows, paintRuler, RULER_PX, type Scene } from "./paint.ts";
 import { panned, zoomed } from "./span.ts";
@@ -85,6 +84,7 @@ class Chart {
     model.watch.moment.value;
     model.wanted.value;
     model.folded.value;
+    model.isOnlyInSight.value;
     model.found.value;
     model.hit.value;
     model.pointed.value;
@@ -103,11 +103,6 @@ class Chart {
     return { span: model.span, width, end_ns: model.end_ns };
   }
 
-  #layout() {
-    const { model } = this.#options;
-    return layoutOf(lanesOf(model.calls).all(), model.folded.peek());
-  }
-
   #paint(): void {
     this.#frame = 0;
     const { ruler, rows, scroller } = this.#places;
@@ -119,7 +114,7 @@ class Chart {
       calls,
       notes: notesOf(calls.journal),
       found,
-      layout: this.#layout(),
+      layout: model.layout,
       scale: this.#scale,
       top: scroller.scrollTop,
       height: scroller.clientHeight,
@@ -256,7 +251,7 @@ class Chart {
     const scale = this.#scale;
     const t_ns = timeAt(scale, x);
     const nothing = { x, y, t_ns, call: null, many: 0, failed: 0 };
-    const found = rowAt(this.#layout(), y + this.#places.scroller.scrollTop);
+    const found = rowAt(model.layout, y + this.#places.scroller.scrollTop);
     if (!found) return nothing;
     const bar = barsOf(model.calls, found.row, scale).find(
       (each) => x >= each.x - 1 && x <= each.x + each.width + 1,

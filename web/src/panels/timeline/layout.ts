@@ -1,6 +1,8 @@
 /** Where lanes and their rows stand on the time line: a folded lane shows one row, what worked in it. */
 
+import type { Calls } from "../../store/calls.ts";
 import type { Lane, Row } from "../../store/lanes.ts";
+import type { Span } from "./span.ts";
 
 export const ROW_PX = 18;
 const GAP_PX = 6;
@@ -35,6 +37,15 @@ export function layoutOf(lanes: readonly Lane[], folded: ReadonlySet<string>): T
     return box;
   });
   return { lanes: boxes, height: y };
+}
+
+/** Lanes in which something ran in a part of the run's time. Those around them did, too. */
+export function lanesIn(calls: Calls, lanes: readonly Lane[], span: Span): readonly Lane[] {
+  const from = calls.journal.indexAt(span.from_ns);
+  const until = calls.journal.indexAt(span.to_ns + 1);
+  return lanes.filter(
+    ({ rows: [row] }) => row && row.firstOpenAfter(from - 1) < row.firstFrom(until),
+  );
 }
 
 /** The row at a height; undefined between lanes. */

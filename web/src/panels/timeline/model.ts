@@ -4,9 +4,11 @@
 import { type Signal, signal } from "@preact/signals-core";
 import { type Calls, callsOf, NONE } from "../../store/calls.ts";
 import { Found } from "../../store/found.ts";
+import { lanesOf } from "../../store/lanes.ts";
 import { showIndex, shownIndex } from "../../store/moments.ts";
 import type { Watch } from "../../store/run.ts";
 import type { NameOf } from "../parts/happened.ts";
+import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
 import { fitted, type Span, spanOf, type Wanted, withTime, zoomed } from "./span.ts";
 
 /** What the pointer is at. */
@@ -26,6 +28,8 @@ export class TimelineModel {
   readonly watch: Watch;
   readonly wanted: Signal<Wanted> = signal<Wanted>(null);
   readonly folded: Signal<ReadonlySet<string>> = signal<ReadonlySet<string>>(new Set());
+  /** Whether only branches show that ran in the part of time that shows. */
+  readonly isOnlyInSight = signal(false);
   readonly found: Signal<Found | null> = signal<Found | null>(null);
   readonly query = signal("");
   /** The event of the journal that the search stands at. */
@@ -56,6 +60,14 @@ export class TimelineModel {
   /** The index of the event that is shown; null: live. */
   get shown(): number | null {
     return this.watch.moment.value === null ? null : shownIndex(this.watch);
+  }
+
+  /** Where lanes and rows stand. */
+  get layout(): TimelineLayout {
+    const { calls } = this;
+    const all = lanesOf(calls).all();
+    const lanes = this.isOnlyInSight.value ? lanesIn(calls, all, this.span) : all;
+    return layoutOf(lanes, this.folded.value);
   }
 
   /** Around the moment that is shown; live, at the end. */

@@ -6,15 +6,14 @@ import {
   ChevronRight,
   ChevronUp,
   Crosshair,
+  ListFilter,
   Maximize2,
   Radio,
   ZoomIn,
   ZoomOut,
 } from "lucide-react";
 import { useEffect, useRef } from "react";
-import { callsOf } from "../../store/calls.ts";
 import { gapsOf } from "../../store/gaps.ts";
-import { lanesOf } from "../../store/lanes.ts";
 import { shownIndex, toEnd } from "../../store/moments.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
@@ -31,7 +30,6 @@ import { partedAt } from "../parts/parted.ts";
 import { reveal } from "../reveal.ts";
 import { mountChart } from "./chart.ts";
 import { timelineKey } from "./keys.ts";
-import { layoutOf } from "./layout.ts";
 import { type TimelineModel, timelineOf } from "./model.ts";
 import { Pointed } from "./pointed.tsx";
 import "./timeline.css";
@@ -69,6 +67,7 @@ function OfRun({ tab, watch, model }: OfRunProps) {
 function Bar({ tab, watch, model }: OfRunProps) {
   const isLive = useSignal(watch.moment) === null;
   const isOver = useSignal(watch.now)?.link === "over";
+  const isOnlyInSight = useSignal(model.isOnlyInSight);
   useSignal(model.wanted);
   const [state] = useSelectedStates(tab);
   return (
@@ -86,6 +85,14 @@ function Bar({ tab, watch, model }: OfRunProps) {
       <span className="timeline-gap" />
       <SearchField tab={tab} model={model} />
       <span className="timeline-group">
+        <IconButton
+          label="Only branches that ran in this time"
+          icon={<ListFilter size={15} />}
+          pressed={isOnlyInSight}
+          onClick={() => {
+            model.isOnlyInSight.value = !isOnlyInSight;
+          }}
+        />
         <IconButton
           label="Zoom in on the timeline"
           keys="+"
@@ -225,11 +232,12 @@ function Chart({ tab, watch, model }: OfRunProps) {
 
 function Labels({ tab, watch, model }: OfRunProps) {
   const host = useHost();
-  const folded = useSignal(model.folded);
+  useSignal(model.folded);
+  useSignal(model.isOnlyInSight);
+  useSignal(model.wanted);
   useSignal(watch.grown);
   useSignal(tab.room.version);
-  const lanes = lanesOf(callsOf(watch.journal)).all();
-  const layout = layoutOf(lanes, folded);
+  const { layout } = model;
   const nameOf = namesOf(tab.room);
   return (
     <ul className="timeline-labels" aria-label="Branches" style={{ height: layout.height }}>
