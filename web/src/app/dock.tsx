@@ -47,9 +47,10 @@ export function Dock() {
       api,
       shedOf(() => window.localStorage),
     );
+    const narrow = window.matchMedia(NARROW);
+    control.stack(narrow.matches);
     control.restore(wantedLayout(session.page));
     session.dock.value = control;
-    const narrow = window.matchMedia(NARROW);
     const stack = () => {
       if (control.stack(narrow.matches)) session.context().shell.overview();
     };

@@ -58,7 +58,7 @@ export class DockControl implements DockPort {
   stack(isNarrow: boolean): boolean {
     this.#isNarrow = isNarrow;
     const isMoved = placeMission(this.#api, isNarrow);
-    if (isMoved) this.#show("bottom", !isNarrow);
+    if (isMoved && this.#groups("bottom").length > 0) this.#show("bottom", !isNarrow);
     // The place of the canvas is measured when its size has changed: so that comes last, when all else stands.
     if (isMoved) setTimeout(() => sizeMission(this.#api, isNarrow), CALM_MS);
     return isMoved;
@@ -177,7 +177,9 @@ export class DockControl implements DockPort {
   }
 
   #build(wanted: Layout): void {
-    const layout = withPanels(wanted, (id) => panelOf(id) !== undefined);
+    const known = withPanels(wanted, (id) => panelOf(id) !== undefined);
+    const { bottom: _, ...stacked } = known;
+    const layout: Layout = this.#isNarrow && known.left?.isTall ? stacked : known;
     this.#api.clear();
     const canvas = this.#api.addPanel({ id: CANVAS, component: CANVAS, renderer: "always" });
     for (const side of ["bottom", "left", "right"] as const) {
@@ -185,7 +187,7 @@ export class DockControl implements DockPort {
     }
     this.#settleCanvas();
     this.#size(layout);
-    if (!this.stack(this.#isNarrow)) sizeMission(this.#api, this.#isNarrow);
+    sizeMission(this.#api, this.#isNarrow);
     canvas.api.setActive();
   }
 
@@ -227,6 +229,7 @@ export class DockControl implements DockPort {
 
   /** At the edge of the page, or beside the canvas alone. */
   #firstPlace(side: Side, isTall: boolean, centre: DockviewGroupPanel) {
+    if (isTall && this.#isNarrow) return { direction: "above" as const };
     if (side === "right" || isTall) return { direction: OPPOSITE[side] };
     return { referenceGroup: centre, direction: OPPOSITE[side] };
   }
