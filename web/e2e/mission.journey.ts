@@ -263,7 +263,7 @@ for (const colorScheme of ["dark", "light"] as const) {
         expect(await findings(app)).toEqual([]);
         await app.sheet.setViewportSize({ width: 768, height: 1024 });
         await eventually(async () => ((await mission.boundingBox())?.width ?? 0) > 760);
-        expect(await unfit(app)).toEqual([]);
+        await eventually(async () => (await unfit(app)).length === 0);
         expect(await findings(app)).toEqual([]);
         await mission.getByRole("button", { name: "Cancel" }).tap();
         await mission.getByText("owner answered “Cancel: 0”").waitFor();
