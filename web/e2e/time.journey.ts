@@ -109,6 +109,43 @@ journey(
 );
 
 journey(
+  "a press on a bar shows its moment and selects its state; the wheel zooms, a lane folds",
+  { open: "preemptive_with_timer" },
+  async ({ app, server }) => {
+    const run = await finished(server, "preemptive_with_timer");
+    await shown(app, run);
+    await app.panel("Timeline");
+    const rows = await app.sheet.getByRole("slider", { name: "Moment of the run" }).boundingBox();
+    if (!rows) throw new Error("there is no time line");
+    const { x, y } = await ruler(app);
+    const middle = x + rows.width * 0.5;
+    await app.click({ x: middle, y: rows.y + 30 });
+    await app.selected("state:SEARCH/ORTIME");
+    const moment = await momentShown(app);
+    if (moment === null) throw new Error("the page shows what is now");
+    await samePicture(app, server, run, moment);
+    expect(await activeShown(app)).toContain("SEARCH/ORTIME");
+    const fold = app.sheet.getByRole("button", { name: "One row of Look around" });
+    await fold.click();
+    await app.sheet.getByRole("button", { name: "All levels of Look around" }).waitFor();
+    await app.click({ x: x + rows.width * 0.3, y: rows.y + 3 + 36 + 6 + 9 });
+    await app.until(
+      ({ tab }) =>
+        [...(tab?.view.selection.value ?? [])][0]?.startsWith("state:SEARCH/ORTIME/LOOKER/") ??
+        false,
+      null,
+    );
+    await app.sheet.mouse.move(middle, y);
+    for (let turn = 0; turn < 5; turn++) await app.sheet.mouse.wheel(0, -300);
+    await app.click({ x: x + rows.width * 0.02, y });
+    const early = await momentShown(app);
+    await app.sheet.getByRole("button", { name: "Fit the whole run" }).click();
+    await app.click({ x: x + rows.width * 0.02, y });
+    expect(await momentShown(app)).toBeLessThan(early ?? 0);
+  },
+);
+
+journey(
   "the search of the time line steps through what it finds",
   { open: "hierarchy_and_data" },
   async ({ app, server }) => {
