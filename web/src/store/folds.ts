@@ -61,7 +61,9 @@ export class Folds {
 
   /** Makes a loop of the last calls if they are twice the same. */
   #findLoop(): void {
+    const last = this.#callAt(1);
     for (let period = 1; period <= LONGEST; period++) {
+      if (last === null || !this.#isSame(this.#callAt(1 + period) ?? undefined, last)) continue;
       const calls = this.#last(2 * period);
       if (!calls) return;
       if (!calls.slice(period).every((call, at) => this.#isSame(calls[at], call))) continue;
@@ -69,6 +71,12 @@ export class Folds {
       this.#all.push({ kind: "loop", calls: [...calls], period });
       return;
     }
+  }
+
+  /** The call so many places before the end; null if there is none outside of loops. */
+  #callAt(place: number): number | null {
+    const fold = this.#all.at(-place);
+    return fold?.kind === "call" ? fold.call : null;
   }
 
   /** The last calls; null if there are fewer outside of loops. */
