@@ -112,6 +112,7 @@ journey("an expression is watched, plotted, and leads to its moments", few(8), a
   await ended(app, "aborted");
   await app.select(LOOK);
   await inRun(app, "Outputs").getByRole("button", { name: "Watch pose" }).click();
+  await app.sheet.getByRole("button", { name: "Show watches" }).click();
   const panel = app.sheet.getByRole("region", { name: "Watched values" });
   const field = panel.getByLabel("What of pose is watched");
   await field.fill("value.speed");

@@ -1,6 +1,8 @@
 /** The values of a state in a run: each with the moment at which it came there, and from where. */
 
+import { computed } from "@preact/signals-core";
 import { Clock, Eye } from "lucide-react";
+import { useMemo } from "react";
 import type { Event } from "../../model/generated/protocol.ts";
 import type { PortKind } from "../../model/machine.ts";
 import { portsOf } from "../../model/machine.ts";
@@ -8,8 +10,15 @@ import { type Origin, originOf } from "../../store/origin.ts";
 import type { Watch } from "../../store/run.ts";
 import type { Standing, Values } from "../../store/standing.ts";
 import { visitsOf } from "../../store/visits.ts";
-import { addWatched, type Target } from "../../store/watched_values.ts";
+import {
+  addWatched,
+  isSameTarget,
+  removeWatched,
+  type Target,
+  watchedOf,
+} from "../../store/watched_values.ts";
 import { IconButton } from "../../ui/button.tsx";
+import { useSignal } from "../../ui/signals.ts";
 import { sinceStart } from "../parts/duration.ts";
 import { dragValue } from "../parts/value/dragged_value.ts";
 import type { Detailed } from "../parts/value/use_detail.ts";
@@ -142,18 +151,7 @@ interface LineProps {
 }
 
 function Line({ seen, watch, target, value, origin }: LineProps) {
-  const watchIt = () => {
-    addWatched(seen.tab, target);
-    seen.run("view.panel", "watches");
-  };
-  const eye = (
-    <IconButton
-      className="inspector-mini"
-      label={`Watch ${target.name}`}
-      icon={<Eye size={13} />}
-      onClick={watchIt}
-    />
-  );
+  const eye = <WatchButton seen={seen} target={target} />;
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging does what the button beside it does
     <div className="in-run-value" draggable onDragStart={(event) => dragValue(event, target)}>
@@ -170,6 +168,30 @@ function Line({ seen, watch, target, value, origin }: LineProps) {
         </div>
       )}
     </div>
+  );
+}
+
+/** Puts the value among those that are watched, or takes it away. */
+function WatchButton({ seen, target }: { seen: SeenState; target: Target }) {
+  const { tab, page } = seen;
+  const all = useSignal(useMemo(() => computed(() => watchedOf(tab).value), [tab]));
+  const here = all.filter((each) => isSameTarget(each.target, target));
+  const toggle = () => {
+    for (const { id } of here) removeWatched(tab, id);
+    if (here.length > 0) return;
+    addWatched(tab, target);
+    if (all.length > 0) return;
+    const action = { title: "Show watches", command: "view.panel", argument: "watches" };
+    page.tell({ level: "info", text: `${target.name} is watched.`, action });
+  };
+  return (
+    <IconButton
+      className="inspector-mini"
+      label={`Watch ${target.name}`}
+      icon={<Eye size={13} />}
+      pressed={here.length > 0}
+      onClick={toggle}
+    />
   );
 }
 
