@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { Command as Order, Right } from "../model/generated/protocol.ts";
-import { newBreakpoint } from "../store/breakpoints.ts";
+import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
@@ -150,4 +150,49 @@ test("interrupted scripts are decided about one by one, or all at once", () => {
     { path: "R/A", policy: "restart" },
     { path: "R/A", policy: "abort" },
   ]);
+});
+
+test("edits that touch an active state are taken once it is left, if the user wants", async () => {
+  const answer = { answer: "refused", reason: "R/A is active" };
+  const unwanted = running({ answer, answers: [false] });
+  COMMANDS.run("run.reload", unwanted);
+  await settle();
+  expect(unwanted.record).toContain("ask The run cannot take the edits now");
+  expect(unwanted.orders).toEqual([{ type: "reload", wait: false }]);
+  const wanted = running({ answer, answers: [true] });
+  COMMANDS.run("run.reload", wanted);
+  await settle();
+  expect(wanted.orders.at(-1)).toEqual({ type: "reload", wait: true });
+});
+
+test("a run that crashed is taken up by the rule that was chosen", async () => {
+  const crashed = running({ phase: "crashed", answers: ["abort", null] });
+  const policies: string[] = [];
+  const resume = (policy: string) => Promise.resolve(void policies.push(policy));
+  Object.assign(crashed.tab.run.peek() ?? {}, { resume });
+  COMMANDS.run("run.take-up", crashed);
+  await settle();
+  COMMANDS.run("run.take-up", crashed, "restart");
+  await settle();
+  COMMANDS.run("run.take-up", crashed);
+  await settle();
+  expect(policies).toEqual(["abort", "restart"]);
+});
+
+test("breakpoints are edited in a dialog, all removed at once, and switched for a state by a path alone", async () => {
+  const kept = newBreakpoint(1, "R/A");
+  const context = running({ phase: "finished", answers: [{ ...kept, when: "after" }] });
+  const all = keptBreakpoints(context.tab);
+  all.value = [];
+  COMMANDS.run("run.breakpoint", context, "R/A");
+  await settle();
+  expect(all.value).toEqual([kept]);
+  COMMANDS.run("run.edit-breakpoint", context, kept);
+  await settle();
+  expect(all.value).toEqual([{ ...kept, when: "after" }]);
+  COMMANDS.run("run.clear-breakpoints", context);
+  await settle();
+  expect(all.value).toEqual([]);
+  expect(why(context, "run.clear-breakpoints")).toMatch(/no breakpoints/);
+  expect(context.orders).toEqual([]);
 });

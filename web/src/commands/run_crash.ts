@@ -94,7 +94,7 @@ async function reload(context: Context): Promise<void> {
   }
   const waits = await shell.confirm({
     title: "The run cannot take the edits now",
-    text: `${why} The run can take them as soon as nothing of it is in the way.`,
+    text: `${why.replace(/\.$/, "")}. The run can take them as soon as that state is left.`,
     yes: "Take them then",
     no: "Not at all",
   });
