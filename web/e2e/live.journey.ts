@@ -43,7 +43,7 @@ journey(
     await unringed(app, PART, "running");
     await stopRun(app);
     await unringed(app, FULL, "running");
-    await ringed(app, FULL, "canvas-trail");
+    await ringed(app, FULL, "preempted");
   },
 );
 

@@ -13,16 +13,19 @@ export type Tone = "running" | "waiting" | "held" | "aborted" | "preempted" | "c
 
 /** Waits until the ring around a state has a colour. */
 export async function ringed(app: App, path: string, tone: Tone): Promise<void> {
-  await vi.waitUntil(async () => (await ringPart(app, path, tone)) > 0.3, PATIENCE);
+  await vi.waitUntil(async () => ((await ringPart(app, path, tone)) ?? 0) > 0.3, PATIENCE);
 }
 
 /** Waits until the ring around a state has none of this colour any more. */
 export async function unringed(app: App, path: string, tone: Tone): Promise<void> {
-  await vi.waitUntil(async () => (await ringPart(app, path, tone)) < 0.05, PATIENCE);
+  await vi.waitUntil(async () => {
+    const part = await ringPart(app, path, tone);
+    return part !== null && part < 0.05;
+  }, PATIENCE);
 }
 
-/** The part of the middle third of each side of a state that has the colour on its edge. */
-async function ringPart(app: App, path: string, tone: Tone): Promise<number> {
+/** The part of the middle third of a state's lower edge that has the colour; null of a state out of sight. */
+async function ringPart(app: App, path: string, tone: Tone): Promise<number | null> {
   const box = await app.box(path);
   const around = {
     x: Math.round(box.x) - NEAR,
@@ -30,11 +33,17 @@ async function ringPart(app: App, path: string, tone: Tone): Promise<number> {
     width: Math.round(box.width) + 2 * NEAR,
     height: Math.round(box.height) + 2 * NEAR,
   };
+  if (!isInSight(app, around)) return null;
   const png = await app.sheet.screenshot({ clip: around });
   return coloured(app, png, tone, around);
 }
 
-/** How much of the upper and lower edge shows the colour, faded or not, within a few pixels of where the edge is. */
+function isInSight(app: App, { x, y, width, height }: Box): boolean {
+  const size = app.sheet.viewportSize();
+  return size !== null && x >= 0 && y >= 0 && x + width <= size.width && y + height <= size.height;
+}
+
+/** How much of the middle of the lower edge shows the colour, faded or not, within a few pixels of where the edge is. */
 async function coloured(app: App, png: Buffer, tone: Tone, { width }: Box): Promise<number> {
   const [base64, name, near, columns] = [png.toString("base64"), `--${tone}`, NEAR, width];
   return app.sheet.evaluate(
@@ -67,10 +76,4 @@ async function coloured(app: App, png: Buffer, tone: Tone, { width }: Box): Prom
     },
     { base64, name, near, columns },
   );
-}
-
-/** Waits until the whole machine is in sight. */
-export async function fitted(app: App): Promise<void> {
-  await app.press("f");
-  await app.settled();
 }
