@@ -47,8 +47,22 @@ export function RunChooser({ tab }: { tab: OpenTab }) {
         {watch ? <Stand watch={watch} /> : <span>{count === 1 ? "1 run" : `${count} runs`}</span>}
         <ChevronDown size={14} aria-hidden />
       </button>
+      {watch && <Announced watch={watch} />}
       {at && <ContextMenu label="runs" at={at} items={items()} onClose={() => setAt(null)} />}
     </>
+  );
+}
+
+/** For those who hear the page: how the run stands, whenever that is another, without its length. */
+function Announced({ watch }: { watch: Watch }) {
+  const text = useDerived(() => {
+    const now = watch.now.value;
+    return now ? `Run ${standInWords(runStand(now))}` : "";
+  }, [watch]);
+  return (
+    <span className="visually-hidden" role="status">
+      {text}
+    </span>
   );
 }
 
@@ -69,9 +83,11 @@ function Stand({ watch }: { watch: Watch }) {
   }, [page, watch]);
   const { isOld, age_ms } = useRunAge(page, watch);
   if (text === null) return <span>Run …</span>;
+  const stand = JSON.parse(text) as RunStand;
   return (
-    <span className={`run-chooser-stand shows-run ${isOld ? "is-old" : ""}`} role="status">
-      <RunStandView stand={JSON.parse(text) as RunStand} />
+    <span className={`run-chooser-stand shows-run ${isOld ? "is-old" : ""}`}>
+      <span className="visually-hidden">Run:</span>
+      <RunStandView stand={stand} />
       <span className="run-elapsed">{elapsed}</span>
       {isOld && <span className="run-elapsed">{agePhrase(age_ms)} old</span>}
     </span>
