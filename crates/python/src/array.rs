@@ -77,39 +77,3 @@ fn flatten<'py>(
     }
     list.iter().try_for_each(|item| flatten(item, inner, items))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::steps;
-
-    #[track_caller]
-    fn check(shape: &[u64], expected: &[u64]) {
-        let steps = steps(shape, 256);
-        assert_eq!(steps, expected);
-        let count: u64 =
-            shape.iter().zip(&steps).map(|(size, step)| size.div_ceil(*step)).product();
-        assert!(count <= 256, "{count} numbers of {shape:?}");
-    }
-
-    #[test]
-    fn small_arrays_are_taken_whole() {
-        check(&[], &[]);
-        check(&[0], &[1]);
-        check(&[256], &[1]);
-        check(&[16, 16], &[1, 1]);
-        check(&[5, 0, 7], &[1, 1, 1]);
-    }
-
-    #[test]
-    fn of_large_ones_numbers_are_taken_evenly_along_each_axis() {
-        check(&[257], &[2]);
-        check(&[480, 640, 3], &[54, 72, 1]);
-        check(&[3, 1_000_000], &[1, 11_765]);
-        check(&[u64::MAX / 2, u64::MAX / 2], &[u64::MAX / 32 + 1, u64::MAX / 32 + 1]);
-    }
-
-    #[test]
-    fn however_many_axes_there_are() {
-        check(&[2; 40], &[2; 40]);
-    }
-}

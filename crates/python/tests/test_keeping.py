@@ -336,6 +336,17 @@ class Arrays(unittest.TestCase):
         items = {"__items__": [float(row) for row in range(0, 1000, 63) for _ in range(16)]}
         self.check("Array((1000, 10**12), lambda row, column: float(row))", dict(sampled, **items), head=ARRAY)
 
+    def test_short_axes_are_kept_whole_and_long_ones_share_what_is_left(self):
+        for shape, sampled, steps in (
+            ("(257,)", [129], [2]),
+            ("(480, 640, 3)", [9, 9, 3], [54, 72, 1]),
+            ("(3, 10**6)", [3, 85], [1, 11765]),
+            ("(5, 0, 7)", [5, 0, 7], [1, 1, 1]),
+            ("(2,) * 12", [1] * 12, [2] * 12),
+        ):
+            view = {"__sampled__": sampled, "__steps__": steps}
+            self.check(f"Array({shape}, lambda *at: 1.0)", view, head=ARRAY)
+
     def test_numbers_that_json_does_not_have(self):
         special = [{"__repr__": text, "__class__": "float"} for text in ("nan", "inf", "-inf")]
         values = "(float('nan'), float('inf'), float('-inf'))"

@@ -124,7 +124,19 @@ function Now({ tab, watched, watch, expression }: InRunProps) {
   if (now.state === "none") return <p className="watches-faint">No value: {now.why}.</p>;
   const worked = expression.of(now.value);
   if ("refused" in worked) return <p className="watches-refusal">{worked.refused}</p>;
-  return <ValueView value={worked.value} keep={`watched ${watched.id} ${watched.expression}`} />;
+  return (
+    <ValueView
+      value={worked.value}
+      keep={`watched ${watched.id} ${watched.expression}`}
+      actions={now.sequence === null ? null : <Since watch={watch} sequence={now.sequence} />}
+    />
+  );
+}
+
+/** When the value came. */
+function Since({ watch: { journal }, sequence }: { watch: Watch; sequence: number }) {
+  const at_ms = journal.t_ns(journal.indexOf(sequence)) / 1e6;
+  return <span className="watches-when">{sinceStart(at_ms, 1)}</span>;
 }
 
 /** Numbers as a plot, all else as its last changes. */
