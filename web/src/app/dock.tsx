@@ -86,7 +86,7 @@ export function Dock() {
   }, [api, session]);
   const components = useMemo(
     () => ({
-      canvas: CanvasPlace,
+      canvas: Middle,
       ...Object.fromEntries(PANELS.map(({ id }) => [id, PanelPlace])),
     }),
     [],
@@ -104,7 +104,7 @@ export function Dock() {
   );
 }
 
-function CanvasPlace() {
+function Middle() {
   return (
     <PanelGuard name="The canvas">
       <Centre />

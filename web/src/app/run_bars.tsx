@@ -29,13 +29,17 @@ export function RunBars({ tab }: { tab: OpenTab }) {
 function OldBar({ watch }: { watch: Watch }) {
   const { page } = useSession();
   const link = useSignal(page.server.link);
+  const isHeard = useSignal(watch.isHeard);
   const { age_ms, isOld, why } = useRunAge(page, watch);
   // Of a broken connection there is a bar already.
   if (!isOld || (why === "link" && link.state === "down")) return null;
+  const age = agePhrase(age_ms);
   const text =
     why === "runner"
-      ? `The server has lost the program that runs the machine, and looks for it. What is shown of the run is ${agePhrase(age_ms)} old; the robot may be elsewhere.`
-      : `The server was not heard for ${agePhrase(age_ms)}, and is asked whether it is there. What is shown of the run is as old.`;
+      ? `The server has lost the program that runs the machine, and looks for it. What is shown of the run is ${age} old; the robot may be elsewhere.`
+      : isHeard
+        ? `The server was not heard for ${age}, and is asked whether it is there. What is shown of the run is as old.`
+        : `The connection is back, and the server is asked how the run stands. What is shown of it is ${age} old.`;
   return (
     <Bar kind="warning" icon={<Unplug size={16} aria-hidden />}>
       {text}

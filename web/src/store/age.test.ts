@@ -17,6 +17,7 @@ interface Given {
   readonly heard_ms?: number;
   readonly ahead_ms?: number;
   readonly moment?: number;
+  readonly isHeard?: boolean;
 }
 
 function age(given: Given) {
@@ -34,7 +35,8 @@ function age(given: Given) {
   );
   const watch = {
     now: signal(now),
-    heard_ms: signal(heard_ms),
+    heard_ms: signal(given.isHeard === false ? NOW_MS - 7_000 : heard_ms),
+    isHeard: signal(given.isHeard ?? true),
     moment: signal(given.moment ?? null),
     grown: signal(3),
     journal,
@@ -53,6 +55,10 @@ describe("what is shown of a run", () => {
     expect(age({ link: DOWN })).toEqual({ age_ms: 500, isOld: true, why: "link" });
     const silent = { heard_ms: NOW_MS - 9_000 };
     expect(age(silent)).toEqual({ age_ms: 9_000, isOld: true, why: "link" });
+  });
+
+  it("is old until the server has told it over the connection that there is now", () => {
+    expect(age({ isHeard: false })).toEqual({ age_ms: 7_000, isOld: true, why: "link" });
   });
 
   it("is as old as the runner was heard last by the server, by the server's clock", () => {

@@ -29,6 +29,7 @@ export function runAge(page: Pick<Page, "server">, watch: Watch, now_ms: number)
   const heard_ms = Math.max(pulse?.heard_ms ?? 0, watch.heard_ms.value ?? 0);
   const silent_ms = Math.max(0, now_ms - heard_ms);
   if (isLost(link, silent_ms)) return { age_ms: silent_ms, isOld: true, why: "link" };
+  if (!watch.isHeard.value) return { age_ms: unheard(watch, now_ms), isOld: true, why: "link" };
   if (now.link === "up") return FRESH;
   return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why: "runner" };
 }
@@ -40,6 +41,11 @@ export function isGoingOn(now: RunNow): boolean {
 
 function isLost(link: Link, silent_ms: number): boolean {
   return link.state !== "up" || silent_ms >= SILENCE_MS;
+}
+
+/** The server is there again, and has not told yet how the run stands. */
+function unheard({ heard_ms }: Watch, now_ms: number): number {
+  return Math.max(0, now_ms - (heard_ms.value ?? now_ms));
 }
 
 /** Since the runner said something, by the server's clock. */

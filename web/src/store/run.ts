@@ -40,6 +40,8 @@ export interface Watch {
   readonly now: ReadonlySignal<RunNow | null>;
   /** When `now` came: ms since 1970 by this browser's clock. */
   readonly heard_ms: ReadonlySignal<number | null>;
+  /** Whether it came over the connection that there is now: not yet in the first moments after a break. */
+  readonly isHeard: ReadonlySignal<boolean>;
   /** All that happened, as far as it was told. The object stays. */
   readonly journal: Journal;
   /** Another number whenever the journal has grown: ten times a second at most. */

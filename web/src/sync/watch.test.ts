@@ -137,6 +137,19 @@ describe("the history of a run", () => {
   });
 });
 
+describe("the truth about a run", () => {
+  it("counts as heard once it came over the connection that there is", () => {
+    const { server, watch } = setUp();
+    expect(watch.isHeard.value).toBe(false);
+    server.stand(now("live", 0));
+    expect(watch.isHeard.value).toBe(true);
+    server.breakUp();
+    expect(watch.isHeard.value).toBe(false);
+    server.stand(now("live", 0));
+    expect(watch.isHeard.value).toBe(true);
+  });
+});
+
 describe("a command", () => {
   const PAUSE = { type: "pause" } as const;
   const APPLIED = { id: "id1", answer: "applied" };

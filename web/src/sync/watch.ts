@@ -34,6 +34,7 @@ const FOR_GOOD = new Set(["no_such_run", "no_history", "journal_too_short"]);
 export class RunWatch implements Watch {
   readonly now = signal<RunNow | null>(null);
   readonly heard_ms = signal<number | null>(null);
+  readonly isHeard = signal(false);
   readonly journal = new Journal();
   readonly grown = signal(0);
   readonly isCaughtUp = signal(false);
@@ -121,7 +122,10 @@ export class RunWatch implements Watch {
 
   #followStatus(): void {
     this.#unfollowStatus = this.#ports.server.follow({
-      topic: () => ({ topic: "run_status", run: this.id }),
+      topic: () => {
+        this.isHeard.value = false;
+        return { topic: "run_status", run: this.id };
+      },
       frame: (frame) => {
         if (frame.frame === "run_status") this.#stands(frame.status);
         else if (frame.frame === "ended") this.#again(frame.refusal, () => this.#followStatus());
@@ -156,6 +160,7 @@ export class RunWatch implements Watch {
     batch(() => {
       this.now.value = now;
       this.heard_ms.value = this.#ports.clock.now();
+      this.isHeard.value = true;
     });
     const isLive = now.run.phase === "live" || now.run.phase === "starting";
     if (this.#isTold && (isLive || this.#written() >= this.journal.next)) this.#followHistory();
