@@ -1,5 +1,5 @@
-/** Where the run that is shown parts from the one that it is compared with: asked for once for each pair, and again when the run has
- * grown and the two had not parted. */
+/** Where the run that is shown parts from the one that it is compared with: asked for when that is chosen, and once more when the run
+ * is over. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Comparison } from "../../model/generated/protocol.ts";
