@@ -242,7 +242,11 @@ async function unfit(app: App): Promise<readonly string[]> {
       return !part.matches(".mission-event-where") && (height < 43.5 || width < 43.5);
     });
     const named = (part: Element) => `${part.tagName} ${part.className} ${part.textContent}`;
-    return [...wide, ...out.map(named), ...small.map(named)];
+    const canvas = document.querySelector(".canvas-place")?.getBoundingClientRect();
+    const panel = place.closest(".panel")?.getBoundingClientRect();
+    const covered =
+      canvas && panel && canvas.left < panel.right - 1 && canvas.top < panel.bottom - 1;
+    return [...wide, ...(covered ? ["the canvas"] : []), ...out.map(named), ...small.map(named)];
   });
 }
 
