@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import { MODES } from "../store/view.ts";
-import { isLost, lookAtAll } from "./follow.ts";
+import { findAgain, lookAtAll } from "./follow.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { placesOf } from "./placed.ts";
 
@@ -44,10 +44,16 @@ test("branches far apart are shown together, what is inside of what does not sho
   expect(shown("R/B/C/deeper")).toBe(shown("R/B/C"));
 });
 
-test("it is lost when it is out of sight or too small, and only then", () => {
+test("the camera stays until something is out of sight, or could be much larger", () => {
   const near = { x: 2000, y: 1500, scale: 1 };
-  expect(isLost(PLACES, ["R/B/C"], near, SIZE)).toBe(false);
-  expect(isLost(PLACES, ["R/A"], near, SIZE)).toBe(true);
-  expect(isLost(PLACES, ["R/A"], { x: 0, y: 0, scale: 0.1 }, SIZE)).toBe(true);
-  expect(isLost(PLACES, ["Gone"], near, SIZE)).toBe(false);
+  expect(findAgain(PLACES, ["R/B/C"], near, SIZE)).toBe(null);
+  expect(findAgain(PLACES, ["R/A"], near, SIZE)).not.toBe(null);
+  expect(findAgain(PLACES, ["R/A"], { x: 0, y: 0, scale: 0.1 }, SIZE)).not.toBe(null);
+  expect(findAgain(PLACES, ["Gone"], near, SIZE)).toBe(null);
+});
+
+test("what cannot be shown any larger is not looked at again and again", () => {
+  const both = ["R/A", "R/B/C"];
+  const camera = lookAtAll(PLACES, both, SIZE);
+  expect(camera && findAgain(PLACES, both, camera, SIZE)).toBe(null);
 });

@@ -18,6 +18,8 @@ import type { Places } from "./places.ts";
 /** What runs is to be seen in this size, in CSS pixels, and no smaller than this. */
 const GOOD = 56;
 const LEAST = 26;
+/** The camera goes closer if that makes things so many times larger: what moves all the time is not looked at. */
+const LARGER = 1.5;
 /** So long the camera rests between two flights, however much happens. */
 const REST_MS = 900;
 
@@ -30,7 +32,7 @@ export function lookAtAll(places: Places, paths: readonly string[], size: Size):
   const wide = outer && filling([outer], size);
   if (wide && boxes.every((box) => extentOn(wide, box) >= GOOD)) return wide;
   const close = filling(boxes.map(withRoom), size);
-  return close && wide && close.scale < wide.scale ? wide : close;
+  return close && wide && close.scale < wide.scale * LARGER ? wide : close;
 }
 
 /** Half of itself on each side. */
@@ -38,21 +40,26 @@ function withRoom({ x, y, width, height }: Box): Box {
   return { x: x - width / 2, y: y - height / 2, width: 2 * width, height: 2 * height };
 }
 
-/** Whether a place is out of sight, or too small, while it could be larger. */
-export function isLost(
+/** Where to go if a place is out of sight, or too small while it could be much larger; null if the camera is fine. */
+export function findAgain(
   places: Places,
   paths: readonly string[],
   camera: Camera,
   size: Size,
-): boolean {
-  const view = { x: 0, y: 0, ...size };
-  return paths.some((path) => {
-    const box = innermost(places, path)?.box;
-    if (!box) return false;
-    const on = screenBox(camera, box);
-    const middle = { x: on.x + on.width / 2, y: on.y + on.height / 2, width: 0, height: 0 };
-    return !intersects(middle, view) || extentOn(camera, box) < LEAST;
-  });
+): Camera | null {
+  const boxes = paths.flatMap((path) => innermost(places, path)?.box ?? []);
+  const isOut = boxes.some((box) => !isInSight(box, camera, size));
+  const isTiny = boxes.some((box) => extentOn(camera, box) < LEAST);
+  if (!isOut && !isTiny) return null;
+  const wanted = lookAtAll(places, paths, size);
+  const isWorthIt = wanted !== null && (isOut || wanted.scale > camera.scale * LARGER);
+  return isWorthIt ? wanted : null;
+}
+
+function isInSight(box: Box, camera: Camera, size: Size): boolean {
+  const on = screenBox(camera, box);
+  const middle = { x: on.x + on.width / 2, y: on.y + on.height / 2, width: 0, height: 0 };
+  return intersects(middle, { x: 0, y: 0, ...size });
 }
 
 /** The state, or the innermost one around it that is shown. */
@@ -83,9 +90,10 @@ export function followRun(
     if (!watch || !follows.peek()) return;
     const paths = lanes(activeStates(watch)).map(placeOfLane);
     const places = picture.places();
-    if (paths.length === 0 || !(isFirst || isLost(places, paths, flight.goal, picture.size())))
-      return;
-    const wanted = lookAtAll(places, paths, picture.size());
+    const at = picture.size();
+    const wanted = isFirst
+      ? lookAtAll(places, paths, at)
+      : findAgain(places, paths, flight.goal, at);
     if (!wanted) return;
     isFirst = false;
     goal = wanted;
