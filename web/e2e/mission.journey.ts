@@ -34,6 +34,10 @@ const MACHINES = {
   asks: missionFolder("asks", [ASKS, DRIVE]),
   drives: missionFolder("drives", [DRIVE]),
   fails: missionFolder("fails", [FAILS, DRIVE]),
+  weighs: missionFolder("weighs", [
+    { id: "WEIGHT", name: "Weigh", script: ['gvm.set_variable("weight", 12.5)'] },
+    DRIVE,
+  ]),
 };
 
 /** With a run of one of the machines, which ends in any case. */
@@ -203,6 +207,25 @@ journey(
       await missionOf(anna).waitFor({ state: "detached" });
       await anna.sheet.getByRole("button", { name: "1 question" }).click();
       await missionOf(anna).getByText("How heavy is the box, in kg?").waitFor();
+    });
+  },
+);
+
+journey(
+  "values that are watched stand beside what runs",
+  { machines: MACHINES, open: "weighs" },
+  async ({ app, server }) => {
+    const [project] = await server.ask<readonly { readonly id: string }[]>("GET", "/projects");
+    const target = { kind: "global", path: "", name: "weight" };
+    const watched = [{ id: 1, target, expression: "value" }];
+    const kept = JSON.stringify({ [`${project?.id}/weighs`]: watched });
+    await app.sheet.evaluate((text) => localStorage.setItem("rafcon.watched", text), kept);
+    await app.sheet.reload();
+    await app.connected();
+    await during(server, "weighs", async () => {
+      await openMission(app, "weighs");
+      const values = missionOf(app).getByRole("region", { name: "Watched values" });
+      await values.getByText("12.5").waitFor();
     });
   },
 );

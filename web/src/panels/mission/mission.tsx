@@ -10,6 +10,7 @@ import { Crash } from "./crash.tsx";
 import { Events } from "./events.tsx";
 import { Head } from "./head.tsx";
 import { NoRun } from "./no_run.tsx";
+import { Pinned } from "./pinned.tsx";
 import { Questions } from "./questions.tsx";
 import { Steering } from "./steering.tsx";
 import "./mission.css";
@@ -36,6 +37,7 @@ function Shown({ watch }: { readonly watch: Watch }) {
         <Crash watch={watch} />
         <ControlPart watch={watch} />
         <Branches watch={watch} />
+        <Pinned watch={watch} />
         <Events watch={watch} />
       </div>
     </>
