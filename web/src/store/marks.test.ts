@@ -61,8 +61,8 @@ function trailOf(text: string): Trail {
 function told(trail: Trail): string {
   return trail
     .past()
-    .map(({ path, taken, age }) => {
-      const line = taken && transitionOf(MACHINE, taken);
+    .map(({ path, taken, age, goal }) => {
+      const line = taken && transitionOf(MACHINE, taken, goal);
       return `${age} ${[path, line?.replace("transition:", "")].filter(Boolean).join(" ")}`;
     })
     .join("\n");
@@ -88,6 +88,15 @@ test("states that ended and transitions that were taken stay for a while", () =>
       .map((what, index) => `${[2, 1, 1, 0][index]} ${what.replace("transition:", "")}`)
       .join("\n"),
   );
+});
+
+test("a transition is not taken where the run went on elsewhere", () => {
+  const jump = told(trailOf(">R >R/A <R/A >R/C"));
+  expect(jump).toBe(`1 ${START.replace("transition:", "")}\n0 R/A\n0 `);
+  const stopped = told(trailOf(">R >R/A <R/A <R:-2"));
+  expect(stopped.split("\n").at(-1)).toBe("0 R");
+  const done = told(trailOf(">R >R/C <R/C <R"));
+  expect(done.split("\n").at(-1)).toBe("0 R R:3");
 });
 
 test("each branch has its own way, and what ended of it stays in the one around", () => {

@@ -3,6 +3,7 @@
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import { type ElementKey, keyOf } from "../model/element.ts";
+import type { TransitionDocument } from "../model/generated/protocol.ts";
 import { isConcurrent, type Machine, PREEMPTED, startOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { openFailures } from "./acknowledged.ts";
@@ -11,7 +12,7 @@ import { EntriesUntil } from "./entries_until.ts";
 import type { Failure } from "./failures.ts";
 import type { Room } from "./room.ts";
 import type { Watch } from "./run.ts";
-import { type Taken, Trail } from "./trail.ts";
+import { type Goal, type Taken, Trail } from "./trail.ts";
 
 /** `next`: a held branch will enter it. `inside`: it is quiet itself. */
 export type MarkPhase =
@@ -217,8 +218,8 @@ function lineMarks(
   machine: Machine,
 ): ReadonlyMap<ElementKey, LineMarkOfRun> {
   const marks = new Map<ElementKey, LineMarkOfRun>();
-  for (const { taken, age, sequence } of trail.past()) {
-    const key = taken && transitionOf(machine, taken);
+  for (const { taken, goal, age, sequence } of trail.past()) {
+    const key = taken && transitionOf(machine, taken, goal);
     if (key) marks.set(key, { isNext: false, age, sequence });
   }
   for (const { path, held } of active) {
@@ -234,7 +235,7 @@ function lineMarks(
 export function transitionOf(
   machine: Machine,
   { container, from, outcome }: Taken,
-  next?: string | null,
+  goal: Goal | null = null,
 ): ElementKey | null {
   const state = machine.state(container);
   if (!state) return null;
@@ -244,6 +245,12 @@ export function transitionOf(
       : transitionsOf(state).find(
           (each) => each.from_state === idOf(from) && each.from_outcome === outcome,
         );
-  if (!found || (next && found.to_state !== idOf(next))) return null;
+  if (!found || (goal !== null && !leads(found, goal))) return null;
   return keyOf({ kind: "transition", path: container, id: found.id });
+}
+
+function leads({ to_state, to_outcome }: TransitionDocument, goal: Goal): boolean {
+  return typeof goal === "string"
+    ? to_outcome == null && to_state === idOf(goal)
+    : to_outcome === goal;
 }

@@ -20,11 +20,16 @@ export interface Taken {
   readonly outcome: number;
 }
 
+/** The path of a child, or an outcome of its container. */
+export type Goal = string | number;
+
 /** What lies behind on a branch. */
 export interface Past {
   /** The state that ended, or null if it is a transition alone. */
   readonly path: string | null;
   readonly taken: Taken | null;
+  /** Where the transition must have led: to this child, or to this outcome of its container. */
+  readonly goal: Goal;
   /** The outcome by which the state ended; 0 of a transition alone. */
   readonly outcome: number;
   readonly sequence: number;
@@ -35,6 +40,7 @@ export interface Past {
 interface Item {
   readonly path: string | null;
   readonly taken: Taken | null;
+  readonly goal: Goal;
   readonly outcome: number;
   readonly sequence: number;
   /** How many states of the branch had ended by then. */
@@ -107,7 +113,7 @@ export class Trail {
     const way = this.#way(this.branch(path));
     const taken = this.from(parent);
     const sequence = journal.sequence(index);
-    put(way, { path: null, taken, outcome: 0, sequence, at: way.ends });
+    put(way, { path: null, taken, goal: path, outcome: 0, sequence, at: way.ends });
   }
 
   #left(journal: Journal, index: number): void {
@@ -124,7 +130,7 @@ export class Trail {
     way.ends += 1;
     const taken = isConcurrent || !this.#ends.has(path) ? null : this.from(path);
     const outcome = journal.outcome(index)?.id ?? 0;
-    put(way, { path, taken, outcome, sequence, at: way.ends });
+    put(way, { path, taken, goal: outcome, outcome, sequence, at: way.ends });
     if (parent !== null) this.#ended(parent, path, outcome);
   }
 
