@@ -11,7 +11,7 @@ interface Transition {
 }
 
 /** So many entries and ends come with each turn of a script: its own two, and those of the states around it. */
-const CHANGES_A_TURN = 2.6;
+const CHANGES_A_TURN = 2.4;
 
 /** Lets the mission in the folder begin again instead of ending, and its scripts wait for their turns. */
 export function makeEndless(folder: string, changesPerSecond: number): void {
