@@ -12,6 +12,7 @@ import {
 } from "playwright-core";
 import { binary, CHROMIUM, newPlace } from "../e2e/house/places.ts";
 import { Server } from "../e2e/house/server.ts";
+import { makeAsking } from "./asking.ts";
 import { makeEndless } from "./endless.ts";
 import { writeLarge } from "./large.ts";
 
@@ -20,8 +21,8 @@ export const VIEW = { width: 1600, height: 1000 };
 /** What the canvas calls its frames on the browser's time line. */
 export const FRAME = "rafcon:frame";
 
-/** The machines by name: the mission that `rafcon new` makes, the same without an end, and ours. */
-export type Size = "mission_750" | "endless_750" | "large_10000";
+/** The machines by name: the mission that `rafcon new` makes, the same with a question, and without an end, and ours. */
+export type Size = "mission_750" | "rover_750" | "endless_750" | "large_10000";
 
 /** So many states change in a second in the mission that does not end, if nothing else is said. */
 const LIVE_RATE = 1_000;
@@ -49,6 +50,10 @@ export async function end({ server, browser }: House): Promise<void> {
 /** How each machine is made. Afresh: that says what is measured. */
 const MAKING: Readonly<Record<Size, (folder: string, rate: number) => void>> = {
   mission_750: newMission,
+  rover_750: (folder) => {
+    newMission(folder);
+    makeAsking(folder);
+  },
   endless_750: (folder, rate) => {
     newMission(folder);
     makeEndless(folder, rate);

@@ -1,24 +1,33 @@
-/** Takes the pictures of the page that stand in the documents: `cargo xtask pictures`. The mission at five depths, and one state
- * of it at work, in both themes. */
+/** Takes the pictures of the page that stand in the documents: `cargo xtask pictures`. The mission at five depths, one state of it
+ * in the editor, and a run of it, in both themes. */
 
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import type { Page as Sheet } from "playwright-core";
 import { REPOSITORY } from "../e2e/house/places.ts";
 import { begin, end, freshPage, type House, open } from "./house.ts";
+import { ofRun, runBefore } from "./run_pictures.ts";
+import { settled } from "./settled.ts";
 
 const DEPTHS = 5;
 const FOLDER = join(REPOSITORY, "docs", "pictures");
 
 async function main(): Promise<void> {
   mkdirSync(FOLDER, { recursive: true });
-  const house = await begin(["mission_750"]);
+  const house = await begin(["mission_750", "rover_750"]);
   try {
-    await taken(house, "light");
-    await taken(house, "dark");
+    await runBefore(house);
+    for (const theme of ["light", "dark"] as const) {
+      await taken(house, theme);
+      await ofRun(house, theme, take);
+    }
   } finally {
     await end(house);
   }
+}
+
+function take(sheet: Sheet, name: string): Promise<unknown> {
+  return sheet.screenshot({ path: join(FOLDER, `${name}.png`) });
 }
 
 async function taken(house: House, theme: "light" | "dark"): Promise<void> {
@@ -27,10 +36,10 @@ async function taken(house: House, theme: "light" | "dark"): Promise<void> {
   await sheet.evaluate(() => document.fonts.ready.then(() => undefined));
   for (let depth = 1; depth <= DEPTHS; depth++) {
     await lookInto(sheet, depth);
-    await sheet.screenshot({ path: join(FOLDER, `mission-${depth}-${theme}.png`) });
+    await take(sheet, `mission-${depth}-${theme}`);
   }
   await lookAtWork(sheet);
-  await sheet.screenshot({ path: join(FOLDER, `editor-${theme}.png`) });
+  await take(sheet, `editor-${theme}`);
   await sheet.context().close();
 }
 
@@ -67,28 +76,6 @@ async function lookInto(sheet: Sheet, depth: number): Promise<void> {
     [depth, DEPTHS] as const,
   );
   await settled(sheet);
-}
-
-/** Waits until nothing was drawn for a while: nothing moves any more, and all ways of lines are found. */
-async function settled(sheet: Sheet): Promise<void> {
-  await sheet.evaluate(
-    () =>
-      new Promise<void>((done) => {
-        let last = performance.now();
-        const seen = new PerformanceObserver(() => {
-          last = performance.now();
-        });
-        seen.observe({ type: "measure" });
-        const look = () => {
-          if (performance.now() - last < 400) requestAnimationFrame(look);
-          else {
-            seen.disconnect();
-            done();
-          }
-        };
-        requestAnimationFrame(look);
-      }),
-  );
 }
 
 await main();
