@@ -2,7 +2,7 @@
 
 import type { ControlMove, JsonValue, Question } from "../model/generated/protocol.ts";
 import { acknowledge, openFailures } from "../store/acknowledged.ts";
-import { runOf } from "../store/page.ts";
+import { type Page, runOf } from "../store/page.ts";
 import { sessionOfPage } from "../store/running.ts";
 import type { Choice, Command, Context } from "./command.ts";
 import { give } from "./give.ts";
@@ -36,8 +36,7 @@ export const MISSION: readonly Command[] = [
     title: "Show what wants a human",
     detail: "Brings mission control into sight, in whatever layout.",
     run: async ({ page, shell }, argument) => {
-      const isOther = typeof argument === "string" && runOf(page)?.id !== argument;
-      if (isOther) await page.showRun(argument);
+      if (typeof argument === "string") await toRun(page, argument);
       shell.showPanel(MISSION_PANEL);
     },
   },
@@ -104,6 +103,14 @@ export const MISSION: readonly Command[] = [
   },
 ];
 
+/** Where the run is shown already, else where runs of its machine are. */
+async function toRun(page: Page, run: string): Promise<void> {
+  if (runOf(page)?.id === run) return;
+  const there = page.tabs.peek().find((tab) => tab.run.peek()?.id === run);
+  if (there) page.active.value = there;
+  else await page.showRun(run);
+}
+
 function sequenceOf({ sequence }: { readonly sequence: number }): number {
   return sequence;
 }
@@ -112,16 +119,17 @@ async function move({ tab }: Context, wanted: ControlMove): Promise<void> {
   await tab?.run.peek()?.control(wanted);
 }
 
-async function handOver(context: Context, argument: unknown): Promise<void> {
+async function handOver({ tab, shell }: Context, argument: unknown): Promise<void> {
+  const watch = tab?.run.peek();
   const to =
     typeof argument === "string"
       ? argument
-      : await context.shell.prompt({
+      : await shell.prompt({
           title: "Hand control over",
           label: "To the user",
           check: (text) => (text.trim() === "" ? "Control is handed over to somebody." : null),
         });
-  if (to) await move(context, { move: "hand_over", to: to.trim() });
+  if (to) await watch?.control({ move: "hand_over", to: to.trim() });
 }
 
 function askers({ tab }: Context): readonly Choice[] {

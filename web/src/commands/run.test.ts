@@ -115,6 +115,33 @@ test("a stop asks once; who was asked already is not asked again", async () => {
   expect(doubtful.orders).toEqual([{ type: "stop" }]);
 });
 
+test("a stop and a kill go to the run that the user was asked about, whatever is shown by then", async () => {
+  const stopped = running({ answers: [true, true] });
+  const [own, later] = [stopped.tab.run.peek(), running()];
+  for (const id of ["run.stop", "run.kill"]) {
+    COMMANDS.run(id, stopped);
+    stopped.tab.run.value = later.tab.run.peek();
+    await settle();
+    stopped.tab.run.value = own;
+  }
+  expect(later.orders).toEqual([]);
+  expect(stopped.orders).toEqual([{ type: "stop" }, { type: "kill" }]);
+});
+
+test("what wants a human is shown on the tab that shows its run already", async () => {
+  const context = running();
+  const { page, tab, record } = context;
+  const own = { ...tab, run: signal({ ...tab.run.peek(), id: "other" } as Watch) };
+  const showRun = (id: string) => Promise.resolve(void record.push(`run ${id}`));
+  Object.assign(page, { tabs: signal([tab, own]), active: signal(tab), showRun });
+  COMMANDS.run("mission.show", context, "other");
+  await settle();
+  expect(page.active.value).toBe(own);
+  COMMANDS.run("mission.show", context, "third");
+  await settle();
+  expect(record).toEqual(["show mission", "run third", "show mission"]);
+});
+
 test("a command that is refused by the run says so", async () => {
   const refused = running({ answer: { answer: "refused", reason: "a script runs" } });
   COMMANDS.run("run.start-here", refused);

@@ -1,8 +1,8 @@
 /** What the Run menu does first: runs begin, pause, go on and end. */
 
-import type { Start } from "../store/run.ts";
+import type { Start, Watch } from "../store/run.ts";
 import type { Command, Context } from "./command.ts";
-import { give } from "./give.ts";
+import { give, giveTo } from "./give.ts";
 import { cannotCommand, cannotStart, cannotWhile } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";
 
@@ -73,9 +73,9 @@ export const RUN: readonly Command[] = [
     menu: "Run/2",
     refusal: (context) => cannotCommand(context, { rest: true }),
     run: async (context, argument) => {
-      if (argument === SURE || (await confirmStop(context))) {
-        await give(context, "Stop", { type: "stop" });
-      }
+      const watch = context.tab?.run.peek();
+      if (!watch || (argument !== SURE && !(await confirmStop(context, watch)))) return;
+      await giveTo(context, watch, "Stop", { type: "stop" });
     },
   },
   {
@@ -85,13 +85,15 @@ export const RUN: readonly Command[] = [
     menu: "Run/2",
     refusal: (context) => cannotCommand(context),
     run: async (context) => {
+      const watch = context.tab?.run.peek();
+      if (!watch) return;
       const isSure = await context.shell.confirm({
         title: "Kill the runner?",
         text: "Its program ends at once: no handler runs, and devices stay as they are. The run can be taken up again.",
         yes: "Kill",
         danger: true,
       });
-      if (isSure) await give(context, "Kill", { type: "kill" });
+      if (isSure) await giveTo(context, watch, "Kill", { type: "kill" });
     },
   },
 ];
@@ -118,8 +120,8 @@ function cannotResume(context: Context): string | null {
   return status === "stopping" ? "the run is being stopped" : "the run goes on already";
 }
 
-function confirmStop({ tab, shell }: Context): Promise<boolean> {
-  const isAgain = tab?.run.value?.now.value?.snapshot?.status === "stopping";
+function confirmStop({ shell }: Context, watch: Watch): Promise<boolean> {
+  const isAgain = watch.now.peek()?.snapshot?.status === "stopping";
   return shell.confirm({
     title: isAgain ? "Stop once more?" : "Stop the run?",
     text: isAgain

@@ -5,7 +5,7 @@ import { activeStates } from "../store/active.ts";
 import { fileOfTab, liveRun } from "../store/running.ts";
 import type { Command, Context } from "./command.ts";
 import { isChanged, saveTab } from "./file.ts";
-import { failureOf, give } from "./give.ts";
+import { failureOf, give, giveTo } from "./give.ts";
 import { cannotCommand, lacks } from "./run_rules.ts";
 import { anyOnlyState, canEdit } from "./subject.ts";
 
@@ -98,5 +98,6 @@ async function reload(context: Context): Promise<void> {
     yes: "Take them then",
     no: "Not at all",
   });
-  if (waits) await give(context, "Take edits into the run", { type: "reload", wait: true });
+  if (!waits) return;
+  await giveTo(context, watch, "Take edits into the run", { type: "reload", wait: true });
 }
