@@ -7,7 +7,7 @@ function line(text: string): Event {
   return { type: "log", path: "R/A", level: "info", stream: "stdout", message: text };
 }
 
-function setUp() {
+function setUp(count = 2) {
   const journal = new Journal();
   const all: Event[] = [];
   const happen = (...events: readonly Event[]) => {
@@ -18,20 +18,20 @@ function setUp() {
     }
   };
   const asked: string[] = [];
-  /** The server: at most two lines a page. */
+  /** The server: at most so many lines a page. */
   const get = <T>(_: string, what: string): Promise<T> => {
     asked.push(what);
     const from = Number(/from=(\d+)/.exec(what)?.[1]);
     const lines = all.flatMap((event, index) =>
       event.type === "log" && index + 1 >= from ? [{ event, sequence: index + 1 }] : [],
     );
-    const page = lines.slice(0, 2).map(({ event, sequence }) => ({
+    const page = lines.slice(0, count).map(({ event, sequence }) => ({
       ...event,
       sequence,
       t_ns: sequence,
       names: "Root/A",
     }));
-    const next = lines[2]?.sequence ?? all.length + 1;
+    const next = lines[count]?.sequence ?? all.length + 1;
     return Promise.resolve({ lines: page, next, last: all.length } as LogPage as T);
   };
   const log = new RunLog({ id: "r", journal });
@@ -79,4 +79,20 @@ test("a long log loses its older half, and can have it again", () => {
     log.update();
   }
   expect([texts().length, log.from, texts()[0]]).toEqual([21_000, 15_001, "1.6000"]);
+});
+
+test("older lines that somebody asked for stay until as many new ones have come", async () => {
+  const { happen, get, log, texts } = setUp(1_000);
+  for (let part = 0; part < 4; part += 1) {
+    happen(...Array.from({ length: 8_000 }, (_, index) => line(`${part}.${index}`)));
+    log.update();
+  }
+  const { from } = log;
+  while (log.lines.length <= 30_000) await log.older({ get });
+  expect(log.from).toBeLessThan(from);
+  const first = texts()[0];
+  log.update();
+  happen(line("new"));
+  log.update();
+  expect([texts()[0], texts().at(-1)]).toEqual([first, "new"]);
 });

@@ -14,7 +14,7 @@ export interface RunLine {
   readonly message: string;
 }
 
-/** So many lines are kept; then the older half goes, and can be asked for again. */
+/** So many lines are kept, and those that were asked for beside; then all but the newest half go, and can be asked for again. */
 const LINES_MAX = 30_000;
 /** So many events are looked through for older lines at once. */
 const OLDER_EVENTS = 5_000;
@@ -26,6 +26,8 @@ export class RunLog {
   #index = 0;
   #from = 1;
   #age = 0;
+  /** How many of the lines were asked for. */
+  #asked = 0;
 
   constructor(watch: Pick<Watch, "id" | "journal">) {
     this.#watch = watch;
@@ -52,7 +54,7 @@ export class RunLog {
     for (; this.#index < journal.length; this.#index += 1) {
       if (journal.kind(this.#index) === OTHER) this.#take(this.#index);
     }
-    if (this.#lines.length > LINES_MAX) this.#forget(LINES_MAX / 2);
+    if (this.#lines.length > LINES_MAX + this.#asked) this.#forget();
   }
 
   /** Asks for lines before those that are here. Throws a `RefusalError`. */
@@ -68,6 +70,7 @@ export class RunLog {
     if (this.#from !== to) return;
     this.#lines = [...found, ...this.#lines];
     this.#from = begin;
+    this.#asked += found.length;
     this.#age += 1;
   }
 
@@ -86,11 +89,13 @@ export class RunLog {
   #missed(sequence: number): void {
     if (this.#lines.length > 0) this.#age += 1;
     this.#lines = [];
+    this.#asked = 0;
     this.#from = sequence + 1;
   }
 
-  #forget(count: number): void {
-    this.#lines = this.#lines.slice(count);
+  #forget(): void {
+    this.#lines = this.#lines.slice(LINES_MAX / 2 + this.#asked);
+    this.#asked = 0;
     this.#from = this.#lines[0]?.sequence ?? this.#from;
     this.#age += 1;
   }
