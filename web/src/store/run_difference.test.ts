@@ -6,6 +6,7 @@ import { Journal } from "./journal.ts";
 import type { OpenTab } from "./page.ts";
 import type { Runs, Watch } from "./run.ts";
 import { differsFromRun } from "./run_difference.ts";
+import { RefusalError } from "./server.ts";
 
 const RAN = "R hierarchy outcome done\n  A execution 10 10 80 60 outcome ok";
 
@@ -24,9 +25,17 @@ function setUp(text: string, reloaded = RAN) {
     },
   };
   const asked: string[] = [];
+  let refusals = 0;
+  const refuse = (count: number) => {
+    refusals = count;
+  };
   const runs = {
     get: (_run: string, what: string) => {
       asked.push(what);
+      refusals -= 1;
+      if (refusals >= 0) {
+        return Promise.reject(new RefusalError({ code: "down", message: "no" }, 503));
+      }
       return Promise.resolve(sketch(what === "machine" ? RAN : reloaded));
     },
   } as unknown as Runs;
@@ -44,7 +53,10 @@ function setUp(text: string, reloaded = RAN) {
     journal.add([{ sequence, t_ns: 1, event }], sequence + 1);
     grown.value = journal.length;
   };
-  return { differs, edit, reload, asked };
+  const grow = () => {
+    grown.value += 1;
+  };
+  return { differs, edit, reload, asked, refuse, grow };
 }
 
 async function settle(): Promise<void> {
@@ -76,4 +88,19 @@ test("once the run has taken the edits the two are the same", async () => {
   expect(differs.value).toBe(false);
   expect(asked).toEqual(["machine", "machine?root=h"]);
   stop();
+});
+
+test("a machine that cannot be had is asked for again after a while, however fast the run grows", async () => {
+  const { differs, asked, refuse, grow } = setUp(RAN.replace("outcome ok", "outcome well"));
+  refuse(1);
+  const stop = differs.subscribe(() => {});
+  for (let times = 0; times < 5; times += 1) grow();
+  await settle();
+  for (let times = 0; times < 5; times += 1) grow();
+  expect(asked).toHaveLength(1);
+  await vi.advanceTimersByTimeAsync(2_000);
+  expect([asked.length, differs.value]).toEqual([2, true]);
+  stop();
+  await vi.advanceTimersByTimeAsync(60_000);
+  expect(asked).toHaveLength(2);
 });

@@ -11,6 +11,8 @@ import { RefusalError } from "./server.ts";
 
 /** Compared when nothing has changed for so long. */
 const SETTLED_MS = 300;
+/** What could not be had is asked for again after so long. */
+const AGAIN_MS = 2_000;
 
 const KNOWN = new WeakMap<OpenTab, WeakMap<Watch, ReadonlySignal<boolean>>>();
 
@@ -28,7 +30,10 @@ export function differsFromRun(tab: OpenTab, watch: Watch, runs: Runs): Readonly
 
 function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
   let ran: Machine | null = null;
-  let root = "";
+  /** The machine that is here, and the one that was asked for last; null: none. */
+  let known: string | null = null;
+  let asked: string | null = null;
+  let again: ReturnType<typeof setTimeout> | undefined;
   let timer: ReturnType<typeof setTimeout> | undefined;
   let stops: readonly (() => void)[] = [];
   const compare = () => {
@@ -43,18 +48,25 @@ function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<b
     const query = wanted === "" ? "" : `?root=${encodeURIComponent(wanted)}`;
     try {
       const document = await runs.get<Document>(watch.id, `machine${query}`);
-      if (root !== wanted) return;
+      if (asked !== wanted) return;
       ran = machineOf(document);
+      known = wanted;
       compare();
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
+      if (asked === wanted) again = setTimeout(lookAgain, AGAIN_MS);
     }
   };
   const look = () => {
-    const now = rootOf(watch);
-    if (now === root && ran !== null) return;
-    root = now;
-    void get(now);
+    const wanted = rootOf(watch);
+    if (wanted === asked) return;
+    clearTimeout(again);
+    asked = wanted;
+    void get(wanted);
+  };
+  const lookAgain = () => {
+    asked = null;
+    look();
   };
   const differs = signal(false, {
     watched: () => {
@@ -64,6 +76,8 @@ function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<b
     },
     unwatched: () => {
       clearTimeout(timer);
+      clearTimeout(again);
+      asked = known;
       for (const stop of stops) stop();
     },
   });
