@@ -279,8 +279,9 @@ fn without_a_policy_a_dead_runner_waits_for_somebody_to_take_its_run_up() {
 
 #[test]
 fn the_machine_of_a_run_can_be_had_as_soon_as_it_has_begun() {
-    let many: String =
+    let many: Vec<_> =
         (0..400).map(|number| format!("  execution S{number:05}\n    outcome ok\n")).collect();
+    let many = many.concat();
     let site = Site::new(&format!("{WAITS}{many}"));
     let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
     let machine = site.door().ask("GET", &format!("/api/v1/runs/{run}/machine"), None).unwrap();
