@@ -8,13 +8,14 @@ const SESSION: Session = {
   tabs: [
     {
       file: FILE,
+      run: "machine-1",
       camera: { x: 1, y: 2, scale: 3 },
       selection: ["state:R/A"],
       modes: { ...MODES, grid: true },
       contents: [["R/L", true]],
     },
   ],
-  active: FILE,
+  active: 0,
 };
 
 describe("a session", () => {

@@ -8,7 +8,10 @@ import { kept, type Shed } from "./shed.ts";
 import { type Camera, FIRST_CAMERA, MODES, type RoomView, type ViewModes } from "./view.ts";
 
 export interface KeptTab {
-  readonly file: MachineFile;
+  /** Null of a machine as a run went by it. */
+  readonly file: MachineFile | null;
+  /** The run that is shown on it. */
+  readonly run: string | null;
   readonly camera: Camera;
   readonly selection: readonly ElementKey[];
   readonly modes: ViewModes;
@@ -17,15 +20,20 @@ export interface KeptTab {
 
 export interface Session {
   readonly tabs: readonly KeptTab[];
-  /** The folder of the machine in front. */
-  readonly active: MachineFile | null;
+  /** The place of the one in front; null: none of them. */
+  readonly active: number | null;
 }
 
 const KEY = "rafcon.session";
 
 /** What is open now. Machines without a folder are not kept. Reads signals: an effect is told when anything is different. */
 export function sessionOf(tabs: readonly OpenTab[], active: OpenTab | null): Session {
-  return { tabs: tabs.flatMap(keptTab), active: (active && fileOf(active)) ?? null };
+  const all = tabs.flatMap((tab) => {
+    const kept = keptTab(tab);
+    return kept ? [{ tab, kept }] : [];
+  });
+  const at = all.findIndex(({ tab }) => tab === active);
+  return { tabs: all.map(({ kept }) => kept), active: at < 0 ? null : at };
 }
 
 export function keepSession(shed: Shed, session: Session): void {
@@ -37,7 +45,7 @@ export function readSession(shed: Shed): Session | null {
   const session = kept<Partial<Session>>(shed, KEY);
   if (!Array.isArray(session?.tabs)) return null;
   const tabs = (session.tabs as Partial<KeptTab>[]).flatMap(readTab);
-  return { tabs, active: session.active ?? null };
+  return { tabs, active: typeof session.active === "number" ? session.active : null };
 }
 
 /** Looks at a machine as it was looked at before. */
@@ -52,23 +60,23 @@ function fileOf({ room }: OpenTab): MachineFile | null {
   return room.status.value?.summary.file ?? null;
 }
 
-function keptTab(tab: OpenTab): readonly KeptTab[] {
-  const file = fileOf(tab);
-  if (!file) return [];
+function keptTab(tab: OpenTab): KeptTab | null {
+  const [file, run] = [fileOf(tab), tab.run.value?.id ?? null];
+  if (!file && (tab.room.fixed === null || run === null)) return null;
   const { camera, selection, modes, contents } = tab.view;
-  return [
-    {
-      file,
-      camera: camera.value,
-      selection: [...selection.value],
-      modes: modes.value,
-      contents: [...contents.value],
-    },
-  ];
+  return {
+    file,
+    run,
+    camera: camera.value,
+    selection: [...selection.value],
+    modes: modes.value,
+    contents: [...contents.value],
+  };
 }
 
-function readTab({ file, camera, selection, modes, contents }: Partial<KeptTab>): KeptTab[] {
-  if (!file) return [];
+function readTab(tab: Partial<KeptTab>): KeptTab[] {
+  const { file = null, run = null, camera, selection, modes, contents } = tab;
+  if (!file && !run) return [];
   const isCamera =
     camera &&
     [camera.x, camera.y, camera.scale].every(Number.isFinite) &&
@@ -76,6 +84,7 @@ function readTab({ file, camera, selection, modes, contents }: Partial<KeptTab>)
   return [
     {
       file,
+      run,
       camera: isCamera ? camera : FIRST_CAMERA,
       selection: selection ?? [],
       modes: { ...MODES, ...modes },

@@ -9,6 +9,7 @@ import type {
   EditMachine,
   MachineSummary,
   Revision,
+  RunSummary,
   StateDocument,
   ToClient,
 } from "../model/generated/protocol.ts";
@@ -53,6 +54,8 @@ export class FakeServer implements Server {
   readonly said: unknown[] = [];
   /** Documents of libraries by the route that gives them. */
   readonly libraries = new Map<string, Document>();
+  /** The runs of the house; all went by the machine. */
+  runs: readonly RunSummary[] = [];
   readonly model: Mirror;
   revision = 1;
   isOpen = true;
@@ -74,6 +77,8 @@ export class FakeServer implements Server {
   request: Server["request"] = async <T>(method: string, path: string): Promise<T> => {
     this.asked.push(`${method} ${path}`);
     if (path.startsWith("/libraries/")) return this.#library(path) as T;
+    if (path === "/runs") return this.runs as T;
+    if (/^\/runs\/.*\/machine/.test(path)) return this.document() as T;
     if (path === "/machines/open") this.isOpen = true;
     if (path === "/machines/open") return { ...MACHINE, revision: this.revision } as T;
     if (!this.isOpen) throw this.#closed(404);

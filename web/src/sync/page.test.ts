@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { HouseStatus } from "../model/generated/protocol.ts";
+import type { HouseStatus, RunSummary } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
 import type { Follower } from "../store/server.ts";
 import { memoryShed } from "../store/shed.ts";
@@ -9,10 +9,15 @@ import { FakeServer, MACHINE } from "./fake_server.ts";
 import { startPage } from "./page.ts";
 
 const FILE = { project: "p", path: "machine" };
+const RUN = { id: "r", machine: FILE, started_ms: 1, phase: "finished" } as unknown as RunSummary;
 const HOUSE: HouseStatus = { files_revision: 1, machines: [MACHINE], runs: [] };
 
-function setUp(sheds = { own: memoryShed(), shared: memoryShed() }) {
+function setUp(
+  sheds = { own: memoryShed(), shared: memoryShed() },
+  runs: readonly RunSummary[] = [],
+) {
   const server = new FakeServer(sketch("R hierarchy\n  A execution"));
+  server.runs = runs;
   const followers: Follower[] = [];
   const { follow } = server;
   server.follow = (follower) => {
@@ -66,6 +71,35 @@ describe("the page", () => {
     const view = again.active.value?.view;
     expect([...(view?.selection.value ?? [])]).toEqual(["state:R/A"]);
     expect(view?.camera.value).toEqual({ x: 1, y: 2, scale: 3 });
+  });
+
+  it("shows the machine as it ran once, however often that is wanted", async () => {
+    const { server, page } = setUp();
+    server.runs = [RUN];
+    const [one, other] = await Promise.all([page.showAsRan("r"), page.showAsRan("r")]);
+    expect(one).toBe(other);
+    expect(page.tabs.value).toEqual([one]);
+  });
+
+  it("comes back with the runs that it showed, but for those that were deleted since", async () => {
+    const { server, page, clock, sheds } = setUp();
+    server.runs = [RUN];
+    await page.runs.refresh();
+    await page.open(FILE);
+    await settle();
+    await page.showRun("r");
+    const ran = await page.showAsRan("r");
+    await page.open(FILE);
+    clock.pass(1_000);
+    expect(page.active.value).not.toBe(ran);
+    const again = setUp({ own: memoryShed(), shared: sheds.shared }, [RUN]).page;
+    await settle();
+    expect(again.tabs.value.map(({ run }) => run.value?.id)).toEqual(["r", "r"]);
+    expect(again.tabs.value.map(({ room }) => room.fixed !== null)).toEqual([false, true]);
+    expect(again.active.value).toBe(again.tabs.value[0]);
+    const later = setUp({ own: memoryShed(), shared: sheds.shared }).page;
+    await settle();
+    expect(later.tabs.value.map(({ run }) => run.value)).toEqual([null]);
   });
 
   it("remembers a machine as soon as it is open", async () => {

@@ -55,7 +55,9 @@ export function startPage(options: PageOptions = {}): Page {
   const tell: Page["tell"] = (notice) => {
     told += 1;
     const at_ms = clock.now();
-    notices.value = [...notices.peek(), { ...notice, id: told, at_ms }].slice(-NOTICES_MAX);
+    const topic = notice.passing?.topic;
+    const before = notices.peek().filter(({ passing }) => !passing || passing.topic !== topic);
+    notices.value = [...before, { ...notice, id: told, at_ms }].slice(-NOTICES_MAX);
   };
   const house = signal<HouseStatus | null>(null);
   server.follow({
@@ -71,7 +73,7 @@ export function startPage(options: PageOptions = {}): Page {
   const ports = { server, shelf, clock, newId: newIds(), tell };
   const runs = followRuns(ports, house);
   const machines = openMachines(ports, settings, runs);
-  const isRestoring = followSession({ ...ports, ...sheds, ...machines, leaving });
+  const isRestoring = followSession({ ...ports, ...sheds, ...machines, runs, leaving });
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
   const known = { house, projects, libraries, isRestoring };
@@ -181,6 +183,14 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) 
     const room = runRoomId(id);
     const there = tabs.peek().find((tab) => tab.room.id === room);
     if (there) return front(there);
+    const before = coming.get(room);
+    if (before) return before;
+    const entering = enterRun(id).finally(() => coming.delete(room));
+    coming.set(room, entering);
+    return entering;
+  };
+
+  const enterRun = async (id: string) => {
     const watch = runs.watch(id);
     const tab = put(await RunRoom.enter(watch, runs, ports));
     tab.run.value = watch;

@@ -3,9 +3,11 @@
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../model/generated/protocol.ts";
 import type { Notice, OpenTab } from "../store/page.ts";
+import type { Runs } from "../store/run.ts";
 import { forgetGone } from "../store/selection.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import {
+  type KeptTab,
   keepSession,
   readSession,
   restoreView,
@@ -25,6 +27,8 @@ export interface SessionPorts {
   readonly tabs: Signal<readonly OpenTab[]>;
   readonly active: Signal<OpenTab | null>;
   readonly open: (file: MachineFile) => Promise<OpenTab>;
+  readonly showAsRan: (run: string) => Promise<OpenTab>;
+  readonly runs: Pick<Runs, "all" | "refresh" | "watch">;
   /** Calls when the page is about to end. */
   readonly leaving: (call: () => void) => void;
   readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
@@ -65,16 +69,34 @@ function keep({ clock, own, shared, tabs, active, leaving }: SessionPorts): void
 async function restore(ports: SessionPorts, session: Session | null): Promise<void> {
   if (!session) return;
   await isUp(ports.server);
-  const opened = new Map<string, OpenTab>();
+  if (session.tabs.some(({ run }) => run !== null)) await ports.runs.refresh();
+  const opened: (OpenTab | null)[] = [];
   for (const kept of session.tabs) {
-    const tab = await openAgain(ports, kept.file);
+    const tab = kept.file ? await openAgain(ports, kept.file) : await showAgain(ports, kept);
+    opened.push(tab);
     if (!tab) continue;
+    if (isThere(ports, kept)) tab.run.value ??= ports.runs.watch(kept.run);
     restoreView(tab.view, kept);
     forgetGone(tab.view, tab.room.machine);
-    opened.set(nameOf(kept.file), tab);
   }
-  const front = session.active && opened.get(nameOf(session.active));
+  const front = session.active === null ? null : opened[session.active];
   if (front) ports.active.value = front;
+}
+
+/** Whether the run that was shown was not given up since. */
+function isThere({ runs }: SessionPorts, kept: KeptTab): kept is KeptTab & { run: string } {
+  return runs.all.peek().some(({ id }) => id === kept.run);
+}
+
+/** The machine as it ran, if it can still be had. */
+async function showAgain(ports: SessionPorts, kept: KeptTab): Promise<OpenTab | null> {
+  if (!isThere(ports, kept)) return null;
+  try {
+    return await ports.showAsRan(kept.run);
+  } catch (error) {
+    if (!(error instanceof RefusalError)) throw error;
+    return null;
+  }
 }
 
 async function openAgain(ports: SessionPorts, file: MachineFile): Promise<OpenTab | null> {
@@ -97,8 +119,4 @@ function isUp(server: Server): Promise<void> {
       queueMicrotask(() => stop());
     });
   });
-}
-
-function nameOf({ project, path }: MachineFile): string {
-  return `${project}/${path}`;
 }
