@@ -12,16 +12,16 @@ import {
 } from "playwright-core";
 import { binary, CHROMIUM, newPlace } from "../e2e/house/places.ts";
 import { Server } from "../e2e/house/server.ts";
-import { makeAsking } from "./asking.ts";
 import { makeEndless } from "./endless.ts";
 import { writeLarge } from "./large.ts";
+import { makePosing } from "./posing.ts";
 
 export const VIEW = { width: 1600, height: 1000 };
 
 /** What the canvas calls its frames on the browser's time line. */
 export const FRAME = "rafcon:frame";
 
-/** The machines by name: the mission that `rafcon new` makes, the same with a question, and without an end, and ours. */
+/** The machines by name: the mission that `rafcon new` makes, the same for pictures and without an end, and ours. */
 export type Size = "mission_750" | "rover_750" | "endless_750" | "large_10000";
 
 /** So many states change in a second in the mission that does not end, if nothing else is said. */
@@ -52,7 +52,7 @@ const MAKING: Readonly<Record<Size, (folder: string, rate: number) => void>> = {
   mission_750: newMission,
   rover_750: (folder) => {
     newMission(folder);
-    makeAsking(folder);
+    makePosing(folder);
   },
   endless_750: (folder, rate) => {
     newMission(folder);

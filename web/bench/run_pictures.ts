@@ -3,17 +3,17 @@
 
 import type { Page as Sheet } from "playwright-core";
 import type { ElementKey } from "../src/model/element.ts";
-import { ASKER } from "./asking.ts";
 import { freshPage, type House, open } from "./house.ts";
+import { ASKER, SLOW } from "./posing.ts";
 import { settled } from "./settled.ts";
 
 const MACHINE = "rover_750";
 /** Seconds that a simulated second takes: twice as many as by itself, so that there is time to look. */
 const TIME_SCALE = 0.12;
+/** So long the values of what just began may be on their way. */
+const VALUES_MS = 2_000;
 /** So long lines may look for their ways while a run goes on. */
 const ROUTES_MS = 5_000;
-/** Two branches run here, beside those that watch battery and link. */
-const WORK = ["Explore", "Survey", "Sector 2", "Visit the waypoints", "Waypoint 10", "Look around"];
 /** It ends by aborted, and its container goes on by another way. */
 const FAILED = [
   "Explore",
@@ -43,9 +43,10 @@ export async function ofRun(house: House, theme: "light" | "dark", take: Take): 
   await sheet.evaluate(() => document.fonts.ready.then(() => undefined));
   await open(sheet, MACHINE);
   await laidOut(sheet, "Debug");
-  await lookAt(sheet, WORK.slice(0, -1), WORK);
+  await lookAt(sheet, SLOW.slice(0, -1), SLOW);
   await begun(sheet);
-  await isActive(sheet, WORK);
+  await isActive(sheet, SLOW);
+  await settled(sheet, VALUES_MS);
   await withoutNotices(sheet);
   await take(sheet, `live-${theme}`);
   await toMissionControl(sheet);
@@ -132,14 +133,14 @@ async function withoutNotices(sheet: Sheet): Promise<void> {
 }
 
 async function asked(sheet: Sheet): Promise<void> {
-  await sheet.getByRole("form").getByRole("button", { name: ASKER[5] }).waitFor({ timeout: 0 });
+  await sheet.getByRole("form").getByRole("button", { name: ASKER }).waitFor({ timeout: 0 });
 }
 
 /** Answers in mission control, once there is something to answer. */
 async function answered(sheet: Sheet): Promise<void> {
   await toMissionControl(sheet);
   await asked(sheet);
-  await sheet.getByRole("form").getByRole("button", { name: ASKER[5] }).click();
+  await sheet.getByRole("form").getByRole("button", { name: ASKER }).click();
 }
 
 async function isOver(sheet: Sheet): Promise<void> {
