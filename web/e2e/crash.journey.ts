@@ -5,7 +5,15 @@ import { join } from "node:path";
 import { expect } from "vitest";
 import type { App } from "./house/app.ts";
 import { journey } from "./house/journey.ts";
-import { ended, exampleWith, isActive, press, runInFront, stands } from "./house/runs.ts";
+import {
+  ended,
+  exampleWith,
+  isActive,
+  press,
+  runInFront,
+  stands,
+  toldToTheEnd,
+} from "./house/runs.ts";
 import type { Server } from "./house/server.ts";
 
 /** The first attempt takes until somebody ends it. */
@@ -51,6 +59,7 @@ function holds(pid: string, folder: string): boolean {
 
 async function isOver(app: App): Promise<readonly string[]> {
   await ended(app, "success");
+  await toldToTheEnd(app);
   return app.sheet.evaluate(() => {
     const journal = window.__rafcon.page.active.value?.run.value?.journal;
     const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));

@@ -1,6 +1,5 @@
 /** The live view: what the canvas shows of a run, what runs now, and how the camera follows. */
 
-import { expect } from "vitest";
 import type { App } from "./house/app.ts";
 import { journey } from "./house/journey.ts";
 import { ringed, unringed } from "./house/live.ts";
@@ -187,11 +186,11 @@ journey("the camera follows what runs, until somebody moves it", waiting(), asyn
   await follow.click();
   await app.until(({ tab }, was) => (tab?.view.camera.value.scale ?? 0) > was * 3, small);
   await ringed(app, FULL, "running");
-  expect(await follow.getAttribute("aria-pressed")).toBe("true");
+  await app.sheet.getByRole("button", { name: "Follow what runs", pressed: true }).waitFor();
   await app.sheet.mouse.move(700, 400);
   await app.sheet.mouse.wheel(0, 200);
   await app.told(/no longer follows what runs/);
-  expect(await follow.getAttribute("aria-pressed")).toBe("false");
+  await app.sheet.getByRole("button", { name: "Follow what runs", pressed: false }).waitFor();
   await app.sheet.getByRole("button", { name: "Follow again" }).click();
   await app.sheet.getByRole("button", { name: "Follow what runs", pressed: true }).waitFor();
   await stopRun(app);

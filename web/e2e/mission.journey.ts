@@ -286,7 +286,7 @@ for (const colorScheme of ["dark", "light"] as const) {
         await openMission(app, "asks");
         const mission = missionOf(app);
         await mission.getByText("How heavy is the box, in kg?").waitFor();
-        expect(await unfit(app)).toEqual([]);
+        await expect.poll(() => unfit(app), { timeout: 20_000 }).toEqual([]);
         expect(await findings(app)).toEqual([]);
         await app.sheet.setViewportSize({ width: 768, height: 1024 });
         await eventually(async () => ((await mission.boundingBox())?.width ?? 0) > 760);

@@ -15,6 +15,7 @@ import {
   runInFront,
   stands,
   stopRun,
+  toldToTheEnd,
 } from "./house/runs.ts";
 import type { Server } from "./house/server.ts";
 
@@ -167,7 +168,7 @@ journey(
     await isActive(app, "SEARCH/ORTIME/LOOKER");
     await app.select("SEARCH/ORTIME/LOOKER");
     await app.command("Preempt state");
-    await app.until(({ tab }) => tab?.run.value?.now.value?.run.phase === "finished", null);
+    await toldToTheEnd(app);
     const ends = await app.sheet.evaluate(() => {
       const journal = window.__rafcon.page.active.value?.run.value?.journal;
       const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
@@ -220,6 +221,7 @@ journey(
       const watch = tab?.run.value;
       return watch != null && watch.id !== before && watch.now.value?.run.phase === "finished";
     }, first);
+    await toldToTheEnd(app);
     const entered = await app.sheet.evaluate(() => {
       const journal = window.__rafcon.page.active.value?.run.value?.journal;
       const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
@@ -297,6 +299,7 @@ journey(
     const second = await runInFront(app);
     await app.panel("Runs");
     const rows = app.sheet.getByRole("list", { name: "Runs" }).getByRole("listitem");
+    await rows.nth(1).waitFor();
     expect(await rows.count()).toBe(2);
     await app.sheet.getByLabel("Find runs").fill("running");
     await rows.nth(1).waitFor({ state: "detached" });

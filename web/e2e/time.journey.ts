@@ -13,6 +13,7 @@ import {
   replayed,
   ruler,
   shown,
+  showsMoment,
   started,
   told,
 } from "./house/time.ts";
@@ -49,11 +50,12 @@ journey(
     await scrub(app, async (moment) => {
       await samePicture(app, server, run, moment);
       const rows = app.sheet.getByRole("list", { name: "What runs now" });
-      const names = await rows.locator(".running-name").allTextContents();
-      expect(names.sort()).toEqual(innermost(replayed(server, run, moment)));
+      const names = async () => (await rows.locator(".running-name").allTextContents()).sort();
+      const wanted = innermost(replayed(server, run, moment));
+      await expect.poll(names, { timeout: 20_000 }).toEqual(wanted);
     });
     await app.sheet.getByRole("button", { name: "Back to the end" }).click();
-    expect(await momentShown(app)).toBeNull();
+    await showsMoment(app, null);
   },
 );
 
@@ -82,12 +84,12 @@ journey(
     await slider.focus();
     await app.sheet.keyboard.press("Home");
     for (const { sequence } of moves.slice(0, 12)) {
-      expect(await momentShown(app)).toBe(sequence);
+      await showsMoment(app, sequence);
       await samePicture(app, server, run, sequence);
       await app.sheet.keyboard.press("ArrowRight");
     }
     await app.sheet.keyboard.press("ArrowLeft");
-    expect(await momentShown(app)).toBe(moves[11]?.sequence);
+    await showsMoment(app, moves[11]?.sequence);
     await app.sheet.evaluate(() => {
       const view = window.__rafcon.page.active.value?.view;
       if (view) view.selection.value = new Set(["state:PACKER/ONEPAR"]);
@@ -98,13 +100,14 @@ journey(
     await app.sheet.keyboard.press("Home");
     for (const { sequence } of entries.slice(0, 3)) {
       await app.sheet.keyboard.press("Control+ArrowRight");
-      expect(await momentShown(app)).toBe(sequence);
+      await showsMoment(app, sequence);
     }
     await app.sheet.keyboard.press("Control+ArrowLeft");
-    expect(await momentShown(app)).toBe(entries[1]?.sequence);
-    expect(await slider.getAttribute("aria-valuetext")).toMatch(/Pack one part entered$/);
+    await showsMoment(app, entries[1]?.sequence);
+    const inWords = () => slider.getAttribute("aria-valuetext");
+    await expect.poll(inWords, { timeout: 20_000 }).toMatch(/Pack one part entered$/);
     await app.sheet.keyboard.press("End");
-    expect(await momentShown(app)).toBeNull();
+    await showsMoment(app, null);
   },
 );
 
@@ -166,11 +169,11 @@ journey(
     await app.sheet.getByText(`– of ${entries.length}`, { exact: true }).waitFor();
     for (const { sequence } of entries.slice(0, 3)) {
       await field.press("Enter");
-      expect(await momentShown(app)).toBe(sequence);
+      await showsMoment(app, sequence);
     }
     await app.sheet.getByText(`3 of ${entries.length}`, { exact: true }).waitFor();
     await field.press("Shift+Enter");
-    expect(await momentShown(app)).toBe(entries[1]?.sequence);
+    await showsMoment(app, entries[1]?.sequence);
     await field.fill("no such words");
     await app.sheet.getByText("Nothing", { exact: true }).waitFor();
   },
@@ -199,14 +202,14 @@ journey(
     const turns = told(server, run).filter(
       ({ event }) => event.type === "entered" && event.path.endsWith("/TURNIT"),
     );
-    expect(await momentShown(app)).toBe(turns[1]?.sequence);
+    await showsMoment(app, turns[1]?.sequence);
     await app.sheet.getByRole("searchbox", { name: /^Search the history/ }).fill("seen");
     const hit = app.sheet.getByRole("treeitem", { name: /Look ended by seen/ });
     await hit.dblclick();
     const seen = told(server, run).find(
       ({ event }) => event.type === "left" && event.outcome.name === "seen",
     );
-    expect(await momentShown(app)).toBe(seen?.sequence);
+    await showsMoment(app, seen?.sequence);
   },
 );
 
@@ -249,7 +252,7 @@ journey(
         ([, event]) => event.type === "went_back" && event.sequence === sequence,
       );
     }, second);
-    expect(await momentShown(app)).toBeNull();
+    await showsMoment(app, null);
     await app.panel("Run history");
     await app.sheet
       .getByRole("treeitem", { name: /broken off/ })
@@ -281,14 +284,14 @@ journey(
       expect.stringContaining("Look ended by nothing here"),
     ]);
     await part.first().click();
-    expect(await momentShown(app)).toBe(parted.one.sequence);
+    await showsMoment(app, parted.one.sequence);
     await part.last().click();
     await app.until(({ tab }, id) => tab?.run.value?.id === id, far);
-    expect(await momentShown(app)).toBe(parted.other.sequence);
-    const marks = await app.sheet.evaluate(() => [
-      ...(window.__rafcon.page.active.value?.view.marks.value?.keys() ?? []),
-    ]);
-    expect(marks).toContain(`state:${parted.other.path}`);
+    await showsMoment(app, parted.other.sequence);
+    await app.until(
+      ({ tab }, key) => tab?.view.marks.value?.has(key) ?? false,
+      `state:${parted.other.path}`,
+    );
     const times = app.sheet.getByRole("grid", { name: "Time in states, in both runs" });
     await times.getByText("Look", { exact: true }).waitFor();
   },

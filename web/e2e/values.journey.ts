@@ -72,8 +72,9 @@ journey(
     await outputs.getByRole("row", { name: "498 2988" }).waitFor();
 
     await outputs.getByRole("button", { name: "Copy pose as Python" }).click();
-    const copied = await app.sheet.evaluate(() => navigator.clipboard.readText());
-    expect(copied).toBe('{"frame": "map", "joints": {"elbow": 1.5}, "position": [6, 2.5, -1]}');
+    await expect
+      .poll(() => app.copied(), POLL)
+      .toBe('{"frame": "map", "joints": {"elbow": 1.5}, "position": [6, 2.5, -1]}');
 
     await inRun(app, "Inputs")
       .getByRole("button", { name: "Show the moment when count came" })
@@ -106,7 +107,10 @@ journey(
 
 const POLL = { timeout: 60_000, interval: 50 };
 
-journey("an expression is watched, plotted, and leads to its moments", few(8), async (hands) => {
+/** Slow enough that its values stand apart in a plot, however long the run then takes to end. */
+const slow = { machines: { sensing: sensing({ rounds: 8, pause_s: 0.1 }) }, open: "sensing" };
+
+journey("an expression is watched, plotted, and leads to its moments", slow, async (hands) => {
   const { app } = hands;
   await run(hands);
   await ended(app, "aborted");

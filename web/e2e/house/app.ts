@@ -232,6 +232,11 @@ export class App {
     );
   }
 
+  /** The text that the clipboard has. */
+  async copied(): Promise<string> {
+    return this.sheet.evaluate(() => navigator.clipboard.readText());
+  }
+
   async click(at: Point, button: "left" | "right" = "left"): Promise<void> {
     await this.sheet.mouse.click(at.x, at.y, { button });
   }

@@ -77,6 +77,15 @@ export async function stopRun(app: App): Promise<void> {
   await app.until(({ tab }) => tab?.run.value?.now.value?.run.phase === "finished", null);
 }
 
+/** Waits until the page has been told of the end of the run in front, and so of all that happened in it. */
+export async function toldToTheEnd(app: App): Promise<void> {
+  await app.until(({ tab }) => {
+    const journal = tab?.run.value?.journal;
+    const last = journal?.at(journal.length - 1);
+    return last?.kind === "other" && last.event.type === "finished";
+  }, null);
+}
+
 /** Waits until the state has ended in the run in front. */
 export async function left(app: App, path: string): Promise<void> {
   await app.until(({ tab }, wanted) => {

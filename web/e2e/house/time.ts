@@ -2,7 +2,7 @@
 
 import { spawnSync } from "node:child_process";
 import { join } from "node:path";
-import { vi } from "vitest";
+import { expect, vi } from "vitest";
 import type { HistoryEntry, Picture, RunSummary } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
 import { binary } from "./places.ts";
@@ -72,6 +72,11 @@ export async function momentShown(app: App): Promise<number | null> {
   return app.sheet.evaluate(
     () => window.__rafcon.page.active.value?.run.value?.moment.value ?? null,
   );
+}
+
+/** Waits until the page shows this moment, with its values; null: live. */
+export async function showsMoment(app: App, moment: number | null | undefined): Promise<void> {
+  await expect.poll(() => momentShown(app), { timeout: 20_000 }).toBe(moment);
 }
 
 /** Paths of the active states of the moment that the page shows. */
