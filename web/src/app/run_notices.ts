@@ -1,11 +1,11 @@
 /** Tells what matters of the runs that are shown while nobody looks at mission control: questions, failures, crashes, who is in
- * control. Each thing once. */
+ * control. Each thing once; all failures in one notice, that counts. Warnings only count in the badges. */
 
 import { effect } from "@preact/signals-core";
 import { MISSION_PANEL } from "../commands/mission.ts";
-import { namesTo } from "../model/machine.ts";
 import { openFailures } from "../store/acknowledged.ts";
 import type { Failure } from "../store/failures.ts";
+import { nameSoon } from "../store/name_soon.ts";
 import type { Notice, OpenTab } from "../store/page.ts";
 import { openQuestions } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
@@ -40,15 +40,24 @@ export function tellOfRuns(session: AppSession): () => void {
   };
 }
 
-type Tell = (level: Notice["level"], text: string, title: string) => void;
+interface News {
+  readonly topic: string;
+  readonly level: Notice["level"];
+  readonly text: string;
+  /** Of the button. */
+  readonly title: string;
+}
+
+type Tell = (news: News) => void;
 
 function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void {
   const { page, dock } = session;
-  const tell: Tell = (level, text, title) => {
+  const tell: Tell = ({ topic, level, text, title }) => {
     const isSeen = page.active.peek()?.run.peek() === watch && dock.peek().isInSight(MISSION_PANEL);
     if (isSeen) return;
     const action = { title, command: "mission.show", argument: watch.id };
-    page.tell({ level, text, action });
+    const passing = { topic: `${watch.id} ${topic}`, machine: tab.room.id };
+    page.tell({ level, text, action, passing });
   };
   const name = () => summaryOf(page, watch)?.name ?? watch.id;
   const stops = [
@@ -62,47 +71,43 @@ function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void 
   };
 }
 
-/** The name of the state alone. */
-function nameOf({ room }: OpenTab, path: string): string {
-  return namesTo(room.machine, path).at(-1)?.split("/").at(-1) ?? path;
-}
-
-function tellQuestions(watch: Watch, tab: OpenTab, tell: Tell): () => void {
+function tellQuestions(watch: Watch, { room }: OpenTab, tell: Tell): () => void {
   const known = new Set<number>();
   return effect(() => {
     for (const { id, path, message } of openQuestions(watch)) {
       if (known.has(id)) continue;
       known.add(id);
-      tell("warning", `${nameOf(tab, path)} asks: ${message}`, "Answer");
+      void nameSoon(room, path).then((name) => {
+        const text = `${name} asks: ${message}`;
+        tell({ topic: `question ${id}`, level: "warning", text, title: "Answer" });
+      });
     }
   });
 }
 
 /** What happened before the page had caught up is no news. */
-function tellFailures(watch: Watch, tab: OpenTab, tell: Tell): () => void {
+function tellFailures(watch: Watch, { room }: OpenTab, tell: Tell): () => void {
   let from = Number.POSITIVE_INFINITY;
-  let waiting: readonly Failure[] = [];
+  let told = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
-  const say = () => {
-    const [first, ...others] = waiting;
+  const say = async () => {
     timer = undefined;
-    waiting = [];
-    if (!first) return;
-    const isError = [first, ...others].some(({ level }) => level === "error");
-    const more = others.length === 0 ? "" : ` (and ${others.length} more)`;
-    tell(isError ? "error" : "warning", `${failureInWords(first, tab)}${more}`, "Look");
+    const fresh = failuresSince(openFailures(watch).peek(), from);
+    const last = fresh.at(-1);
+    if (!last || last.sequence === told) return;
+    told = last.sequence;
+    const name = last.path === "" ? "" : await nameSoon(room, last.path);
+    const text = failuresInWords(last, fresh.length, name);
+    tell({ topic: "failures", level: "error", text, title: "Look" });
   };
   const stop = effect(() => {
     const all = openFailures(watch).value;
-    const last = all.at(-1)?.sequence ?? 0;
     if (from === Number.POSITIVE_INFINITY) {
       if (watch.isCaughtUp.value) from = watch.journal.next;
       return;
     }
-    if (last < from) return;
-    waiting = [...waiting, ...all.filter(({ sequence }) => sequence >= from)];
-    from = last + 1;
-    timer ??= setTimeout(say, TOGETHER_MS);
+    const last = failuresSince(all, from).at(-1);
+    if (last && last.sequence !== told) timer ??= setTimeout(() => void say(), TOGETHER_MS);
   });
   return () => {
     stop();
@@ -110,11 +115,22 @@ function tellFailures(watch: Watch, tab: OpenTab, tell: Tell): () => void {
   };
 }
 
-function failureInWords({ kind, path, text }: Failure, tab: OpenTab): string {
-  if (path === "") return text;
-  const what = kind === "aborted" ? "aborted" : "";
-  const said = [what, text].filter((part) => part !== "").join(": ");
-  return `${nameOf(tab, path)} ${kind === "log" ? `says: ${text}` : said}`;
+/** Those that are told: a warning is not, nor what a crash did, which has its own notice. */
+export function failuresSince(all: readonly Failure[], from: number): readonly Failure[] {
+  return all.filter(
+    ({ sequence, level, kind }) => sequence >= from && level === "error" && kind !== "crash",
+  );
+}
+
+/** The newest one, and how many there are. */
+export function failuresInWords(
+  { kind, text }: Pick<Failure, "kind" | "text">,
+  count: number,
+  name: string,
+): string {
+  const did = [name, kind === "aborted" ? "aborted" : ""].filter((part) => part !== "").join(" ");
+  const last = [did, text].filter((part) => part !== "").join(": ");
+  return count === 1 ? last : `${count} failures, the last: ${last}`;
 }
 
 function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {
@@ -122,7 +138,8 @@ function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {
   return effect(() => {
     const phase = watch.now.value?.run.phase ?? null;
     if (phase === "crashed" && before !== null && before !== "crashed") {
-      tell("error", `The program of ${name()} died: the run can be taken up`, "Mission control");
+      const text = `The program of ${name()} died: the run can be taken up`;
+      tell({ topic: "crash", level: "error", text, title: "Mission control" });
     }
     before = phase;
   });
@@ -143,12 +160,14 @@ function tellControl(
     const { holder, requests } = control;
     const asker = requests.find((other) => !before?.requests.includes(other));
     if (holder === user && asker !== undefined) {
-      tell("warning", `${asker} asks for control of ${name()}`, "Mission control");
+      const text = `${asker} asks for control of ${name()}`;
+      tell({ topic: "request", level: "warning", text, title: "Mission control" });
     }
     if (before && before.holder !== holder && (holder === user || before.holder === user)) {
       const who = holder === user ? "You are" : holder === null ? "Nobody is" : `${holder} is`;
+      const text = `${who} in control of ${name()} now`;
       if (before.holder !== null)
-        tell("info", `${who} in control of ${name()} now`, "Mission control");
+        tell({ topic: "control", level: "info", text, title: "Mission control" });
     }
     before = { holder, requests };
   });

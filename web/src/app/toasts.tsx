@@ -1,4 +1,4 @@
-/** Notices for some seconds at the lower edge. All of them stay in the log. */
+/** Notices for some seconds at the lower edge. They stay in the log, but for news of a run, which has lines of its own there. */
 
 import { CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
@@ -8,8 +8,9 @@ import { useSignal } from "../ui/signals.ts";
 import { useSession } from "./provided.tsx";
 import "./toasts.css";
 
-/** So long a notice stays, by how much it matters; the pointer holds it. */
+/** So long a notice stays, by how much it matters; the pointer holds it. News of a run goes sooner: it stands in mission control. */
 const SHOWN_MS = { info: 5_000, warning: 10_000, error: 30_000 };
+const PASSING_MS = 8_000;
 const SHOWN_MAX = 4;
 
 export function Toasts() {
@@ -21,13 +22,37 @@ export function Toasts() {
     .filter(({ id, isQuiet }) => id > first && !isQuiet && !gone.has(id))
     .slice(-SHOWN_MAX);
   const drop = (id: number) => setGone((before) => new Set(before).add(id));
+  useLeaving((machine) => {
+    const left = shown.filter((notice) => machineOf(notice) === machine).map(({ id }) => id);
+    if (left.length > 0) setGone((before) => new Set([...before, ...left]));
+  });
   return (
     <section className="toasts" aria-label="Notices" aria-live="polite">
       {shown.map((notice) => (
-        <Toast key={notice.id} notice={notice} onClose={() => drop(notice.id)} />
+        <Toast
+          key={notice.passing?.topic ?? notice.id}
+          notice={notice}
+          onClose={() => drop(notice.id)}
+        />
       ))}
     </section>
   );
+}
+
+function machineOf({ about, passing }: Notice): string | undefined {
+  return passing?.machine ?? about?.machine;
+}
+
+/** Tells which machine was in front when another comes there: what was said about it would stand over the other one. */
+function useLeaving(left: (machine: string) => void): void {
+  const { page } = useSession();
+  const machine = useSignal(page.active)?.room.id;
+  const before = useRef(machine);
+  useEffect(() => {
+    const was = before.current;
+    before.current = machine;
+    if (was !== undefined && was !== machine) left(was);
+  });
 }
 
 const ICONS = { info: Info, warning: TriangleAlert, error: CircleAlert };
@@ -39,9 +64,10 @@ function Toast({ notice, onClose }: { notice: Notice; onClose: () => void }) {
   last.current = onClose;
   useEffect(() => {
     if (held) return;
-    const timer = setTimeout(() => last.current(), SHOWN_MS[notice.level]);
+    const shown_ms = notice.passing ? PASSING_MS : SHOWN_MS[notice.level];
+    const timer = setTimeout(() => last.current(), shown_ms);
     return () => clearTimeout(timer);
-  }, [notice.level, held]);
+  }, [notice, held]);
   const Icon = ICONS[notice.level];
   const { action } = notice;
   return (

@@ -42,6 +42,8 @@ export interface Notice {
   readonly about?: { readonly machine: string; readonly element: ElementRef };
   /** It is shown where it happened, and only kept in the log. */
   readonly isQuiet?: boolean;
+  /** It is news of what happens anyway: not kept in the log, and it takes the place of the one before on the same topic. */
+  readonly passing?: { readonly topic: string; readonly machine: string };
   readonly at_ms: number;
 }
 

@@ -39,6 +39,17 @@ async function settle(): Promise<void> {
 }
 
 describe("the page", () => {
+  it("keeps one notice on each passing topic", () => {
+    const { page } = setUp();
+    const passing = { topic: "failures", machine: "m" };
+    page.tell({ level: "error", text: "1 failure", passing });
+    page.tell({ level: "info", text: "saved" });
+    page.tell({ level: "error", text: "2 failures", passing });
+    page.tell({ level: "error", text: "a crash", passing: { ...passing, topic: "crash" } });
+    const texts = page.notices.value.map(({ text }) => text);
+    expect(texts).toEqual(["saved", "2 failures", "a crash"]);
+  });
+
   it("opens a machine once, and remembers its folder", async () => {
     const { server, page } = setUp();
     const [one, other] = await Promise.all([page.open(FILE), page.open(FILE)]);

@@ -38,7 +38,8 @@ export function useRows(
   );
   const ofPage = useMemo(() => {
     if (source === "run") return NONE;
-    return notices.map(entryOf).filter((entry) => isWanted(entry, wanted, nameOf));
+    const kept = notices.filter(({ passing }) => !passing);
+    return kept.map(entryOf).filter((entry) => isWanted(entry, wanted, nameOf));
   }, [notices, source, wanted, nameOf]);
   const began_ms = useBegan(page, watch);
   const sieve = useMemo(() => {

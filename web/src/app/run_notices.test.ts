@@ -1,0 +1,35 @@
+import { expect, test } from "vitest";
+import type { Failure } from "../store/failures.ts";
+import { failuresInWords, failuresSince } from "./run_notices.ts";
+
+const at = (sequence: number, some: Partial<Failure>): Failure => ({
+  sequence,
+  t_ns: 0,
+  kind: "aborted",
+  level: "error",
+  path: "R/A",
+  text: "",
+  reach: "R/A",
+  count: 1,
+  ...some,
+});
+
+test("warnings, crashes and what is known are not told", () => {
+  const all = [
+    at(1, {}),
+    at(5, { kind: "log", level: "warning" }),
+    at(6, { kind: "crash" }),
+    at(7, { kind: "log" }),
+    at(8, {}),
+  ];
+  expect(failuresSince(all, 5).map(({ sequence }) => sequence)).toEqual([7, 8]);
+});
+
+test("the newest failure is told, with how many there are", () => {
+  const failure = at(1, { text: "NoPath: none" });
+  expect(failuresInWords(failure, 1, "Plan")).toBe("Plan aborted: NoPath: none");
+  expect(failuresInWords(failure, 3, "Plan")).toBe(
+    "3 failures, the last: Plan aborted: NoPath: none",
+  );
+  expect(failuresInWords(at(1, { kind: "log", text: "no link" }), 1, "Plan")).toBe("Plan: no link");
+});
