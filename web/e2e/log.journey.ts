@@ -98,8 +98,8 @@ journey(
         ) ?? [],
     );
     expect(active).toContain(await app.path("Turn"));
-    expect(await log(app).locator(".log-here").textContent()).toContain("the wheel sticks");
-    expect(await log(app).locator(".log-later").first().textContent()).toContain("KeyError");
+    await log(app).locator(".log-here", { hasText: "the wheel sticks" }).waitFor();
+    await log(app).locator(".log-later", { hasText: "KeyError" }).first().waitFor();
     expect(await log(app).locator(".log-later", { hasText: "hello" }).count()).toBe(0);
     await log(app).getByText("hello").dblclick();
     await app.until(({ tab }, before) => {

@@ -98,8 +98,9 @@ journey(
     await heldBefore(app, `${PACKER}/ISFULL`);
     await expect.poll(count, { timeout: 20_000 }).toBe(2);
     await press(app, "Back");
-    await isActive(app, ONE_PART);
+    await heldBefore(app, `${ONE_PART}/PLACEI`);
     await app.press("F9");
+    await heldBefore(app, `${ONE_PART}/PICKIT`);
     await app.press("F9");
     await heldBefore(app, ONE_PART);
     await expect.poll(count, { timeout: 20_000 }).toBe(1);

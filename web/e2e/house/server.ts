@@ -2,7 +2,7 @@
 
 import { type ChildProcess, spawn } from "node:child_process";
 import { once } from "node:events";
-import { rmSync } from "node:fs";
+import { readdirSync, readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { binary, type Place } from "./places.ts";
@@ -47,6 +47,10 @@ export class Server {
     return new URL(this.#link).searchParams.get("token") ?? "";
   }
 
+  get #state(): string {
+    return join(this.place.folder, "state");
+  }
+
   /** Asks the interface below `/api/v1` as the owner; the answer as JSON. */
   async ask<T>(method: string, path: string, body?: unknown): Promise<T> {
     const headers = { authorization: `Bearer ${this.token}`, "content-type": "application/json" };
@@ -86,9 +90,10 @@ export class Server {
     await this.#begin(Number(new URL(this.#link).port));
   }
 
-  /** Ends it and forgets its folders. */
+  /** Ends it with the runs that go on without it, as they do, and forgets its folders. */
   async dispose(): Promise<void> {
     await this.end("SIGKILL");
+    for (const pid of begunBy(this.#state)) kill(pid);
     rmSync(this.place.folder, { recursive: true, force: true });
   }
 
@@ -101,7 +106,7 @@ export class Server {
     }
     const env = {
       ...process.env,
-      RAFCON_STATE: join(folder, "state"),
+      RAFCON_STATE: this.#state,
       RAFCON_RUNS: join(folder, "runs"),
     };
     const child = spawn(binary(), words, { env, stdio: ["ignore", "pipe", "inherit"] });
@@ -109,6 +114,29 @@ export class Server {
     running.add(child);
     child.once("exit", () => running.delete(child));
     this.#link = await firstLine(child);
+  }
+}
+
+/** The processes that were begun by a server with this folder for its state, and whatever they began. */
+function begunBy(state: string): readonly number[] {
+  const all = readdirSync("/proc").filter((pid) => /^\d+$/.test(pid));
+  return all.filter((pid) => settingsOf(pid).includes(`RAFCON_STATE=${state}`)).map(Number);
+}
+
+function kill(pid: number): void {
+  try {
+    process.kill(pid, "SIGKILL");
+  } catch {
+    // It ended by itself.
+  }
+}
+
+function settingsOf(pid: string): readonly string[] {
+  try {
+    return readFileSync(`/proc/${pid}/environ`, "utf8").split("\0");
+  } catch {
+    // It ended meanwhile, or it is somebody else's.
+    return [];
   }
 }
 
