@@ -14,7 +14,7 @@ beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
 /** A tab whose machine is this text, beside a run that goes by `RAN` and, from root `h` on, by `reloaded`. */
-function setUp(text: string, reloaded = RAN) {
+function setUp(text: string, reloaded = RAN, hasBegun = true) {
   let changed = () => {};
   const room = {
     fixed: null,
@@ -42,6 +42,12 @@ function setUp(text: string, reloaded = RAN) {
   const journal = new Journal();
   const grown = signal(0);
   const watch = { id: "r", journal, grown } as unknown as Watch;
+  const begin = () => {
+    const event = { type: "paused", paused: false } as const;
+    journal.add([{ sequence: journal.next, t_ns: 0, event }], journal.next + 1);
+    grown.value = journal.length;
+  };
+  if (hasBegun) begin();
   const differs = differsFromRun({ room } as unknown as OpenTab, watch, runs);
   const edit = (next: string) => {
     room.machine = machineOf(sketch(next));
@@ -56,7 +62,7 @@ function setUp(text: string, reloaded = RAN) {
   const grow = () => {
     grown.value += 1;
   };
-  return { differs, edit, reload, asked, refuse, grow };
+  return { differs, edit, reload, asked, refuse, grow, begin };
 }
 
 async function settle(): Promise<void> {
@@ -103,4 +109,15 @@ test("a machine that cannot be had is asked for again after a while, however fas
   stop();
   await vi.advanceTimersByTimeAsync(60_000);
   expect(asked).toHaveLength(2);
+});
+
+test("the machine of a run is asked for when something was told of the run, and not before", async () => {
+  const { differs, asked, begin } = setUp(RAN, RAN, false);
+  const stop = differs.subscribe(() => {});
+  await settle();
+  expect(asked).toEqual([]);
+  begin();
+  await settle();
+  expect(asked).toEqual(["machine"]);
+  stop();
 });

@@ -59,7 +59,8 @@ function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<b
   };
   const look = () => {
     const wanted = rootOf(watch);
-    if (wanted === asked) return;
+    // Before anything is told of the run, its machine may not be kept yet.
+    if (wanted === asked || watch.journal.length === 0) return;
     clearTimeout(again);
     asked = wanted;
     void get(wanted);
