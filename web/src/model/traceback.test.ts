@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { readTraceback } from "./traceback.ts";
+import { readTraceback, withoutModule } from "./traceback.ts";
 
 const TEXT = `Traceback (most recent call last):
   File "/machines/arm/script.py", line 7, in execute
@@ -27,4 +27,19 @@ test("of a chain the last one; another text is none", () => {
   const chain = `${TEXT}\n\nDuring handling of the above exception, another exception occurred:\n\nTraceback (most recent call last):\n  File "/a/script.py", line 9, in execute\n    x\nKeyError: 'a'`;
   expect(readTraceback(chain)?.own?.line).toBe(9);
   expect(readTraceback("0 of 5 parts are in the box")).toBeNull();
+});
+
+test("the name of a script's module is no part of what its error says", () => {
+  const lines = [
+    "script160.NoPath: no way",
+    "script7.Done",
+    "script7.py is gone: no",
+    "KeyError: 'script1.x'",
+  ];
+  expect(lines.map(withoutModule)).toEqual([
+    "NoPath: no way",
+    "Done",
+    "script7.py is gone: no",
+    "KeyError: 'script1.x'",
+  ]);
 });

@@ -33,7 +33,13 @@ export function readTraceback(text: string): Traceback | null {
   }
   const script = frames[0]?.file;
   const own = frames.findLast(({ file }) => file === script) ?? null;
-  return { frames, own, message: lines.slice(at).join("\n") };
+  return { frames, own, message: lines.slice(at).map(withoutModule).join("\n") };
+}
+
+/** A line that tells an error, without the name that the module of a script happens to have: `NoPath: none` of
+ * `script160.NoPath: none`. */
+export function withoutModule(line: string): string {
+  return line.replace(/^script\d+\.(?=[^\s.:]+(?::|$))/, "");
 }
 
 function frameOf(found: RegExpExecArray, next: string): Frame {

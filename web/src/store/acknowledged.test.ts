@@ -53,6 +53,12 @@ test("a failed script is one failure with the last line of its traceback", () =>
   expect(words(watch)).toEqual(["2 aborted R/A ValueError: no box"]);
 });
 
+test("an error of a script's own class is told without the name of its module", () => {
+  const { watch, tell } = run("module");
+  tell(log("error", "Traceback (most recent call last):\nscript160.NoPath: none"), left("R/A"));
+  expect(words(watch)).toEqual(["2 aborted R/A NoPath: none"]);
+});
+
 test("the same warning in a row is told once, and wants another look each time", () => {
   const { watch, tell } = run("warns");
   tell(log("info", "fine"), log("warning", "slips"), log("warning", "slips"));

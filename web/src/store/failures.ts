@@ -4,6 +4,7 @@
 import type { Event } from "../model/generated/protocol.ts";
 import { ABORTED } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
+import { withoutModule } from "../model/traceback.ts";
 import { ENTERED, type Journal, LEFT, OTHER } from "./journal.ts";
 
 export interface Failure {
@@ -87,7 +88,7 @@ function isTracebackOf({ kind, level, path, sequence }: Failure, failure: Failur
 }
 
 function lastLine(text: string): string {
-  return text.trimEnd().split("\n").at(-1) ?? "";
+  return withoutModule(text.trimEnd().split("\n").at(-1) ?? "");
 }
 
 function at(journal: Journal, index: number): Failure | null {
