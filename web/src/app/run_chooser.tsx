@@ -11,7 +11,7 @@ import {
   startedInWords,
   summaryStand,
 } from "../model/run_words.ts";
-import { duration } from "../panels/parts/duration.ts";
+import { duration, growing } from "../panels/parts/duration.ts";
 import { RunStandView } from "../panels/parts/run_stand.tsx";
 import { useRunAge } from "../panels/run_age.ts";
 import { isGoingOn, runAge } from "../store/age.ts";
@@ -79,7 +79,7 @@ function Stand({ watch }: { watch: Watch }) {
     // Nothing is reckoned on from what may be old.
     const at_ms = isTicking ? seconds.value - runAge(page, watch, seconds.value).age_ms : 0;
     const ms = elapsedAt(page, watch, at_ms);
-    return duration(isTicking ? Math.floor(ms / 1_000) * 1_000 : ms);
+    return isTicking ? growing(ms) : duration(ms);
   }, [page, watch]);
   const { isOld, age_ms } = useRunAge(page, watch);
   if (text === null) return <span>Run …</span>;

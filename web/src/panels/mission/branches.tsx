@@ -19,7 +19,7 @@ import { earlierRuns, pastUsual, type Usual, usualOf } from "../../store/usual.t
 import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { useLater } from "../later.ts";
-import { duration } from "../parts/duration.ts";
+import { duration, growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
 
@@ -93,7 +93,7 @@ function Card({ lane, names, watch, usual, later_ms }: CardProps) {
         >
           {name}
         </button>
-        <span className="mission-card-time">{duration(Math.floor(since_ms / 1_000) * 1_000)}</span>
+        <span className="mission-card-time">{growing(since_ms)}</span>
       </div>
       <p className="mission-card-phase">
         <Sign size={16} aria-hidden />

@@ -2,7 +2,7 @@
 
 import { History, Unplug, Wifi } from "lucide-react";
 import { runStand, summaryStand } from "../../model/run_words.ts";
-import { type RunAge, runAge } from "../../store/age.ts";
+import { isGoingOn, type RunAge, runAge } from "../../store/age.ts";
 import { openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
 import { elapsedAt } from "../../store/run_clock.ts";
@@ -12,10 +12,10 @@ import { earlierRuns, expectedLength } from "../../store/usual.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { duration } from "../parts/duration.ts";
+import { duration, growing } from "../parts/duration.ts";
 import { useRunAge } from "../run_age.ts";
 import { Identity } from "./identity.tsx";
-import { isGoingOn } from "./no_run.tsx";
+import { isGoingOn as isSummaryGoingOn } from "./no_run.tsx";
 import { StatusWord } from "./status_word.tsx";
 
 export function Head({ watch }: { readonly watch: Watch }) {
@@ -61,7 +61,8 @@ function Times({ watch }: { readonly watch: Watch }) {
     const now_ms = seconds.value;
     const age = runAge(page, watch, now_ms);
     const elapsed_ms = elapsedAt(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
-    return duration(Math.floor(elapsed_ms / 1_000) * 1_000);
+    const now = watch.now.value;
+    return now && isGoingOn(now) ? growing(elapsed_ms) : duration(elapsed_ms);
   }, [page, watch]);
   const expected = useComputed(() => {
     const length_ms = expectedLength(earlierRuns(page, watch));
@@ -139,7 +140,7 @@ function OtherRuns({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const run = useCommand();
   const all = useSignal(page.runs.all);
-  const others = all.filter((one) => one.id !== watch.id && isGoingOn(one));
+  const others = all.filter((one) => one.id !== watch.id && isSummaryGoingOn(one));
   if (others.length === 0) return null;
   return (
     <label className="mission-switch">

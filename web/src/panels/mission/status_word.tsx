@@ -41,7 +41,9 @@ export function StatusWord({
     <span className={`mission-word mission-tone-${stand.tone}`}>
       <Sign size={size} aria-hidden />
       <span>{stand.word}</span>
-      {stand.word === "finished" && stand.detail && <span>: {stand.detail}</span>}
+      {stand.word === "finished" && stand.detail && (
+        <span className="mission-status-outcome">{stand.detail}</span>
+      )}
     </span>
   );
 }

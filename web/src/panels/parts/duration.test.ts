@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { clockTime, duration, sinceStart } from "./duration.ts";
+import { clockTime, duration, growing, sinceStart } from "./duration.ts";
 
 test("lengths are short, and told apart where it matters", () => {
   const lengths = [0, 0.004, 1.5, 42, 400, 999, 12_300, 59_400, 59_600, 185_000, 3_723_000, -1_500];
@@ -32,4 +32,14 @@ test("times since the start have as many digits as their step needs", () => {
 
 test("times of day have hours, minutes and seconds", () => {
   expect(clockTime(new Date(2026, 10, 22, 4, 3, 9).getTime())).toBe("04:03:09");
+});
+
+test("what still grows is told to the tenth at first, and never more than it is", () => {
+  expect([0, 676, 9_990, 12_900, 185_999].map(growing)).toEqual([
+    "0.0 s",
+    "0.6 s",
+    "9.9 s",
+    "12 s",
+    "3:05",
+  ]);
 });

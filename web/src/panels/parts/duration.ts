@@ -18,6 +18,12 @@ export function duration(ms: number): string {
   return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
 }
 
+/** A length that still grows, as far as it has come: `0.6 s`, `9.9 s`, `12 s`. */
+export function growing(ms: number): string {
+  if (ms < 10 * SECOND) return `${(Math.floor(Math.max(0, ms) / 100) / 10).toFixed(1)} s`;
+  return duration(Math.floor(ms / SECOND) * SECOND);
+}
+
 /** `14:03:27` by this browser's clock and zone. */
 export function clockTime(ms: number): string {
   const at = new Date(ms);

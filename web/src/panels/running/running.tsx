@@ -27,7 +27,7 @@ import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { useLater } from "../later.ts";
-import { duration } from "../parts/duration.ts";
+import { duration, growing } from "../parts/duration.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { reveal } from "../reveal.ts";
 import { inOrder } from "./order.ts";
@@ -132,9 +132,8 @@ function Row({ tab, watch, lane, later_ms, isLive }: RowProps) {
   );
 }
 
-/** Whole seconds: what changes every moment cannot be read. */
 function timeInWords(ms: number): string {
-  return duration(Math.floor(ms / 1_000) * 1_000);
+  return growing(ms);
 }
 
 function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {
