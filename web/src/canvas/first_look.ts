@@ -1,35 +1,33 @@
 /** Where the camera is when a machine is opened: where it was last in this browser tab, or with the whole machine in view. */
 
+import type { Box, Size } from "../model/geometry.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Camera, RoomView } from "../store/view.ts";
+import { screenBox } from "./camera.ts";
 import type { Hand } from "./hand.ts";
 import { filling } from "./looks.ts";
 
-/** Views whose camera has been set once: they keep it when their canvas comes back. */
-const LOOKED = new WeakSet<RoomView>();
+/** Views whose camera has been set once, and how large their canvas was last: they keep it when that comes back. */
+const LOOKED = new WeakMap<RoomView, Size>();
 
-/** Sets the camera as soon as the place has a size, keeps the middle of the view when that changes, and remembers the camera
- * when the page is left. Returns the way to stop. */
+/** Sets the camera as soon as the place has a size, keeps the middle of the view or the whole machine in it when that changes, and
+ * remembers the camera when the page is left. Returns the way to stop. */
 export function firstLook(root: HTMLElement, tab: OpenTab, hand: Hand): () => void {
   const { view, room } = tab;
   const key = `rafcon.camera.${room.id}`;
-  let [width, height] = [root.clientWidth, root.clientHeight];
-  const look = () => {
-    const known = LOOKED.has(view) ? view.camera.peek() : remembered(key);
-    const box = hand.places().box(room.machine.root);
-    const camera = known ?? (box && filling([box], { width, height }));
+  const box = () => hand.places().box(room.machine.root) ?? null;
+  const sized = () => {
+    const size = { width: root.clientWidth, height: root.clientHeight };
+    if (size.width === 0 || size.height === 0) return;
+    const before = LOOKED.get(view);
+    const camera = before
+      ? resized(view.camera.peek(), box(), before, size)
+      : (remembered(key) ?? lookAtMachine(box(), size));
     if (!camera) return;
-    LOOKED.add(view);
+    LOOKED.set(view, size);
     view.camera.value = camera;
   };
-  const sized = () => {
-    const before = { width, height };
-    [width, height] = [root.clientWidth, root.clientHeight];
-    if (width === 0 || height === 0) return;
-    if (!LOOKED.has(view)) look();
-    else if (before.width > 0) view.camera.value = recentred(view.camera.peek(), before, root);
-  };
-  if (width > 0 && height > 0) look();
+  sized();
   const observer = new ResizeObserver(sized);
   observer.observe(root);
   const remember = () => {
@@ -43,15 +41,33 @@ export function firstLook(root: HTMLElement, tab: OpenTab, hand: Hand): () => vo
   };
 }
 
-/** The camera with the same in the middle of a view of another size. */
-function recentred(
-  camera: Camera,
-  before: { readonly width: number; readonly height: number },
-  root: HTMLElement,
-): Camera {
-  const x = (before.width - root.clientWidth) / 2 / camera.scale;
-  const y = (before.height - root.clientHeight) / 2 / camera.scale;
-  return x === 0 && y === 0 ? camera : { ...camera, x: camera.x + x, y: camera.y + y };
+function lookAtMachine(machine: Box | null, size: Size): Camera | null {
+  return machine && filling([machine], size);
+}
+
+/** The camera for a view of another size: with the same in the middle; with the whole machine if that was in sight. */
+export function resized(camera: Camera, machine: Box | null, before: Size, after: Size): Camera {
+  if (before.width === after.width && before.height === after.height) return camera;
+  const fitted = lookAtMachine(machine, before);
+  if (fitted && isSame(fitted, camera)) return lookAtMachine(machine, after) ?? camera;
+  const x = (before.width - after.width) / 2 / camera.scale;
+  const y = (before.height - after.height) / 2 / camera.scale;
+  const middle = { ...camera, x: camera.x + x, y: camera.y + y };
+  const wasWhole = machine && isWhole(machine, camera, before);
+  return wasWhole && !isWhole(machine, middle, after)
+    ? (lookAtMachine(machine, after) ?? middle)
+    : middle;
+}
+
+function isSame(one: Camera, other: Camera): boolean {
+  const off = Math.hypot(one.x - other.x, one.y - other.y) * one.scale;
+  return off < 1 && Math.abs(one.scale / other.scale - 1) < 1e-3;
+}
+
+/** Whether all of a box is in the view. */
+function isWhole(box: Box, camera: Camera, size: Size): boolean {
+  const on = screenBox(camera, box);
+  return on.x >= 0 && on.y >= 0 && on.x + on.width <= size.width && on.y + on.height <= size.height;
 }
 
 function remembered(key: string): Camera | null {

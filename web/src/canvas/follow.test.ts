@@ -57,3 +57,8 @@ test("what cannot be shown any larger is not looked at again and again", () => {
   const camera = lookAtAll(PLACES, both, SIZE);
   expect(camera && findAgain(PLACES, both, camera, SIZE)).toBe(null);
 });
+
+test("what is cut off at an edge is out of sight", () => {
+  const cut = { x: 2150, y: 1500, scale: 1 };
+  expect(findAgain(PLACES, ["R/B/C"], cut, SIZE)).not.toBe(null);
+});

@@ -2,7 +2,7 @@
  * moves the camera takes it over. */
 
 import { effect } from "@preact/signals-core";
-import { type Box, intersects, type Size } from "../model/geometry.ts";
+import type { Box, Size } from "../model/geometry.ts";
 import { commonPath, parentOf } from "../model/path.ts";
 import { activeStates, lanes, placeOfLane } from "../store/active.ts";
 import { isFollowed } from "../store/following.ts";
@@ -18,10 +18,14 @@ import type { Places } from "./places.ts";
 /** What runs is to be seen in this size, in CSS pixels, and no smaller than this. */
 const GOOD = 56;
 const LEAST = 26;
+/** So many pixels may be out of sight. */
+const SLACK = 1;
 /** The camera goes closer if that makes things so many times larger: what moves all the time is not looked at. */
 const LARGER = 1.5;
 /** So long the camera rests between two flights, however much happens. */
 const REST_MS = 900;
+/** It looks again so soon after its place became larger or smaller. */
+const RESIZED_MS = 150;
 
 /** Where to look so that all these places can be seen: at what is around them all, or closer if they would be too small. */
 export function lookAtAll(places: Places, paths: readonly string[], size: Size): Camera | null {
@@ -56,10 +60,17 @@ export function findAgain(
   return isWorthIt ? wanted : null;
 }
 
+/** Whether all of a box is in the view; of one that is larger than the view, its middle. */
 function isInSight(box: Box, camera: Camera, size: Size): boolean {
   const on = screenBox(camera, box);
-  const middle = { x: on.x + on.width / 2, y: on.y + on.height / 2, width: 0, height: 0 };
-  return intersects(middle, { x: 0, y: 0, ...size });
+  const across = isWithin(on.x, on.width, size.width);
+  return across && isWithin(on.y, on.height, size.height);
+}
+
+function isWithin(start: number, length: number, whole: number): boolean {
+  const middle = start + length / 2;
+  if (length > whole) return middle >= 0 && middle <= whole;
+  return start >= -SLACK && start + length <= whole + SLACK;
 }
 
 /** The state, or the innermost one around it that is shown. */
@@ -116,6 +127,7 @@ export function followRun(
     last = camera;
     size = picture.size();
     const isResized = before.width !== size.width || before.height !== size.height;
+    if (isResized && follows.peek() && rest === 0) rest = window.setTimeout(look, RESIZED_MS);
     if (isMine || isResized || !follows.peek()) return;
     follows.value = false;
     page.tell({
