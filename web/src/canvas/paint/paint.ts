@@ -29,7 +29,12 @@ function paintShapes(context: Context, layer: Layer, colours: Colours): void {
 function paintSpecks(context: Context, specks: readonly BoxMark[], colours: Colours): void {
   context.globalAlpha = 1;
   let ink: string | null = null;
+  let alpha = 1;
   for (const speck of specks) {
+    if (speck.alpha !== alpha) {
+      alpha = speck.alpha;
+      context.globalAlpha = alpha;
+    }
     if (speck.fill !== ink) {
       ink = speck.fill;
       context.fillStyle = inkOf(colours, ink ?? "outline");

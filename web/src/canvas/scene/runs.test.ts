@@ -117,7 +117,9 @@ describe("the same at every size", () => {
 
   test("states that are too small to be seen have the colour of the loudest inside", () => {
     const marks = { "R/B": { phase: "running", loudest: "failed", isLeaf: false } } as const;
-    expect(about("speck state:R/B", marks, 0.15)).toEqual(["1 speck state:R/B 33 9 21 18 aborted"]);
+    expect(about("speck state:R/B", marks, 0.15)).toEqual([
+      "1 speck state:R/B 33 9 21 18 aborted 45%",
+    ]);
   });
 
   test("a closed container shows the loudest inside, and how many branches", () => {

@@ -114,8 +114,14 @@ function textureOf(drawing: Drawing, outer: Spot, child: PlacedState): void {
   const [width, height] = [box.width * outer.scale, box.height * outer.scale];
   if (width < SPECK || height < SPECK) return;
   const [x, y] = [outer.x + box.x * outer.scale, outer.y + box.y * outer.scale];
-  drawing.layer(outer.depth + 1).specks.push(speck(drawing, outer, child, x, y, width, height));
+  const mark = speck(drawing, outer, child, x, y, width, height);
+  drawing
+    .layer(outer.depth + 1)
+    .specks.push(drawing.input.runs.has(child.path) ? { ...mark, alpha: HINT } : mark);
 }
+
+/** Where something runs is told behind the name of the state that it lies in. */
+const HINT = 0.45;
 
 /** A state that is no more than a colour: that of how it runs, or of its depth. */
 function speck(
