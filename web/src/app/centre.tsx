@@ -1,24 +1,33 @@
 /** The middle of the page: the machine in front on its canvas, with where one is and what shows; or how to begin. */
 
+import { MISSION_PANEL } from "../commands/mission.ts";
+import { mayEdit } from "../commands/subject.ts";
 import { useSignal } from "../ui/signals.ts";
 import { Bars } from "./bars.tsx";
 import { Breadcrumb } from "./breadcrumb.tsx";
 import { CanvasPlace } from "./canvas_place.tsx";
 import { CanvasTools } from "./canvas_tools.tsx";
 import { InsertPalette } from "./insert_palette.tsx";
-import { useSession } from "./provided.tsx";
+import { useDerived, useSession } from "./provided.tsx";
 import { StartPage } from "./start_page.tsx";
 import "./centre.css";
 
 export function Centre() {
-  const { page } = useSession();
+  const { page, dock } = useSession();
   const tab = useSignal(page.active);
+  const draws = useDerived(
+    () =>
+      mayEdit(page) &&
+      page.active.value?.room.fixed === null &&
+      !dock.value.isInSight(MISSION_PANEL),
+    [page, dock],
+  );
   if (!tab) return <StartPage />;
   return (
     <main className="centre">
       <div className="centre-bar">
         <Breadcrumb tab={tab} />
-        <InsertPalette />
+        {draws && <InsertPalette />}
         <CanvasTools tab={tab} />
       </div>
       <Bars tab={tab} />
