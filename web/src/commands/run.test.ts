@@ -206,6 +206,20 @@ test("a run that crashed is taken up by the rule that was chosen", async () => {
   expect(policies).toEqual(["abort", "restart"]);
 });
 
+test("a run that is over begins again at an entry of its history, for whoever may start runs", async () => {
+  const over = running({ phase: "finished" });
+  const begun: unknown[] = [];
+  const resume = (...how: readonly unknown[]) => Promise.resolve(void begun.push(how));
+  Object.assign(over.tab.run.peek() ?? {}, { resume });
+  expect(why(over, "run.start-from-history")).toBeNull();
+  COMMANDS.run("run.start-from-history", over, 7);
+  await settle();
+  expect(begun).toEqual([["restart", 7]]);
+  const operator = running({ phase: "finished", rights: ["observe"] });
+  expect(why(operator, "run.start-from-history")).toMatch(/start runs/);
+  expect(why(running({ phase: "not_started" }), "run.start-from-history")).toMatch(/did not begin/);
+});
+
 test("breakpoints are edited in a dialog, all removed at once, and switched for a state by a path alone", async () => {
   const kept = newBreakpoint(1, "R/A");
   const context = running({ phase: "finished", answers: [{ ...kept, when: "after" }] });

@@ -78,12 +78,10 @@ export const RUN_SHOW: readonly Command[] = [
     detail:
       "The run begins again at an entry of its history, with the data it had then, and is held there.",
     refusal: (context) => {
-      if (liveRun(context.tab) || !context.tab?.run.value) {
-        return cannotWhile(context, ["running", "paused", "stepping"]);
-      }
-      return runOf(context.page)?.now.value?.run.phase === "crashed"
+      const phase = context.tab?.run.value?.now.value?.run.phase;
+      return phase === "crashed" || phase === "finished"
         ? lacks(context.page, "start")
-        : "the run is over: nothing of it can begin again";
+        : cannotWhile(context, ["running", "paused", "stepping"]);
     },
     run: startFromHistory,
   },
