@@ -186,7 +186,6 @@ journey(
       await events.getByText("RuntimeError: no box here").waitFor({ state: "detached" });
       await app.sheet.reload();
       await app.connected();
-      await openMission(app, "fails");
       await events.getByText("To acknowledge: 1").waitFor();
       await events.getByRole("button", { name: "Acknowledge", exact: true }).click();
       await events.getByText("Nothing to acknowledge").waitFor();
