@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals-core";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { dragged } from "../store/dragged.ts";
+import { isFollowed } from "../store/following.ts";
 import type { Page } from "../store/page.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
 import { newView, select } from "../store/view.ts";
@@ -10,11 +11,10 @@ import { ARM, PlainRoom } from "./testing/driver.ts";
 
 const SIZE = { width: 1000, height: 800 };
 
-function mount() {
+function mount(view = newView()) {
   const place = document.createElement("div");
   document.body.append(place);
   const room = new PlainRoom(ARM);
-  const view = newView();
   const told: string[] = [];
   const menus: string[] = [];
   const page = {
@@ -76,6 +76,19 @@ test("the whole machine is in view at first, and the camera comes back", () => {
   mounted.dispose();
   const again = mounting();
   expect(again.view.camera.value.x).toBeCloseTo(first.x - 50 / first.scale);
+});
+
+test("a canvas that comes back in another size has the same in its middle, and follows on", () => {
+  const { view, mounted } = mounting();
+  view.camera.value = { x: 100, y: 100, scale: 2 };
+  isFollowed(view).value = true;
+  mounted.dispose();
+  vi.spyOn(HTMLElement.prototype, "clientWidth", "get").mockReturnValue(SIZE.width / 2);
+  const again = mount(view);
+  open.push(again.mounted);
+  expect(view.camera.value).toEqual({ x: 225, y: 100, scale: 2 });
+  expect(isFollowed(view).value).toBe(true);
+  expect(again.told).toEqual([]);
 });
 
 test("a press that is dragged moves a state", () => {

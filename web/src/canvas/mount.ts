@@ -69,10 +69,11 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   picture.canvas.setAttribute("aria-hidden", "true");
   const pulses = pulsesOver(root, picture);
   const minimap = minimapIn(place, tab, picture);
+  // Where the camera stands at first is nobody's move.
+  const stopLooking = firstLook(root, tab, hand);
   const stopFollowing = followRun(tab, page, picture, flight);
   const reader = new Reader(root, `rafcon-canvas-${++mounted}`);
   const stopReading = keepReading(reader, hand, tab, picture);
-  const stopLooking = firstLook(root, tab, hand);
   const stopCursor = effect(() => {
     root.style.cursor = hand.cursor.value;
   });

@@ -11,7 +11,7 @@ import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { sinceStart } from "../parts/duration.ts";
+import { growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
 
@@ -91,7 +91,7 @@ function Line({ failure, watch, names, isDone }: LineProps) {
       <Sign size={18} aria-label={level} />
       <div className="mission-event-text">
         <p>
-          <time>{sinceStart(t_ns / 1e6, 1_000)}</time>{" "}
+          <time>{growing(t_ns / 1e6)}</time>{" "}
           {where !== "" && (
             <button
               type="button"

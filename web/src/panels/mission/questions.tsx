@@ -4,7 +4,7 @@ import { askedQuestions, type Closed, openQuestions } from "../../store/question
 import type { Watch } from "../../store/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { answerInWords } from "../parts/answer.ts";
-import { sinceStart } from "../parts/duration.ts";
+import { growing } from "../parts/duration.ts";
 import { QuestionForm } from "../parts/question.tsx";
 import { pathInWords, useMachineNames } from "./names.ts";
 
@@ -32,7 +32,7 @@ export function Questions({ watch }: { readonly watch: Watch }) {
         <ul className="mission-closed" aria-label="Questions that are closed">
           {ended.map((end) => (
             <li key={end.question.id}>
-              <span className="mission-soft">{sinceStart(end.t_ns / 1e6, 1_000)}</span>
+              <span className="mission-soft">{growing(end.t_ns / 1e6)}</span>
               <span>{end.question.message}</span>
               <strong>{endInWords(end)}</strong>
             </li>

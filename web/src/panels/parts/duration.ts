@@ -18,7 +18,7 @@ export function duration(ms: number): string {
   return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
 }
 
-/** A length that still grows, as far as it has come: `0.6 s`, `9.9 s`, `12 s`. */
+/** How far something has come, never more: to the tenth at first, `0.6 s`, `9.9 s`, `12 s`. */
 export function growing(ms: number): string {
   if (ms < 10 * SECOND) return `${(Math.floor(Math.max(0, ms) / 100) / 10).toFixed(1)} s`;
   return duration(Math.floor(ms / SECOND) * SECOND);
