@@ -32,10 +32,12 @@ export function gapsOf(
   let before: RunNow | null = null;
   effect(() => {
     const now = watch.now.value;
-    const isAway = page.server.link.value.state !== "up" || now?.link === "down";
+    // Of a run that is over the link is not followed: nothing keeps it when the page has left it.
+    const isLive = now?.run.phase === "live";
+    const isAway = isLive && (page.server.link.value.state !== "up" || now.link === "down");
     const last = gaps.peek().at(-1);
     const open = last?.to_ns === null ? last : null;
-    if (isAway && !open && now?.run.phase === "live") {
+    if (isAway && !open) {
       before = now;
       gaps.value = [...gaps.peek(), { from_ns: comeTo(watch), to_ns: null }].slice(-GAPS_MAX);
     } else if (!isAway && open && now !== before) {

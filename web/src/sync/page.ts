@@ -11,6 +11,7 @@ import type {
   Project,
 } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
+import { comparedRun } from "../store/compared_run.ts";
 import { drafts } from "../store/drafts.ts";
 import { followDrafts } from "../store/follow_drafts.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
@@ -71,7 +72,7 @@ export function startPage(options: PageOptions = {}): Page {
   const settings = signal(readSettings(sheds.shared));
   effect(() => keepSettings(sheds.shared, settings.value));
   const ports = { server, shelf, clock, newId: newIds(), tell };
-  const runs = followRuns(ports, house);
+  const runs = followRuns(ports, house, (run) => shownRuns(machines.tabs.peek()).has(run));
   const machines = openMachines(ports, settings, runs);
   const isRestoring = followSession({ ...ports, ...sheds, ...machines, runs, leaving });
   tellPresence(server, () => machines.active.value, clock);
@@ -87,6 +88,12 @@ function browserSheds(): { readonly own: Shed; readonly shared: Shed } {
 
 function leaving(call: () => void): void {
   if (typeof window !== "undefined") window.addEventListener("pagehide", call);
+}
+
+/** The runs that tabs show, and those that these are compared with. */
+function shownRuns(tabs: readonly OpenTab[]): ReadonlySet<string | null> {
+  const watches = tabs.flatMap(({ run }) => run.peek() ?? []);
+  return new Set(watches.flatMap((watch) => [watch.id, comparedRun(watch).peek()]));
 }
 
 /** Projects and libraries, asked for again when files have changed. */

@@ -16,7 +16,7 @@ function run(id: string, started_ms: number, events = 0): RunSummary {
   return { id, started_ms, events, phase: "live" } as RunSummary;
 }
 
-function setUp() {
+function setUp(isShown?: (run: string) => boolean) {
   const [server, clock] = [new FakeRun(), new FakeClock()];
   const house = signal<HouseStatus | null>(null);
   const tellHouse = (...all: readonly RunSummary[]) => {
@@ -27,7 +27,7 @@ function setUp() {
     ids += 1;
     return `id${ids}`;
   };
-  const runs = followRuns({ server, clock, newId }, house);
+  const runs = followRuns({ server, clock, newId }, house, isShown);
   const shown = () => runs.all.value.map(({ id, events }) => `${id} ${events}`);
   return { server, clock, tellHouse, runs, shown };
 }
@@ -96,6 +96,27 @@ describe("the runs of the house", () => {
     server.first().answer(run("m-1", 5));
     expect(await started).toBe("m-1");
     expect(shown()).toEqual(["m-1 0"]);
+  });
+
+  it("that nobody looks at any more are not watched for ever", () => {
+    const { server, runs } = setUp((id) => id === "shown");
+    const shown = runs.watch("shown");
+    const left = Array.from({ length: 7 }, (_, number) => runs.watch(`r${number}`));
+    expect(runs.watch("shown")).toBe(shown);
+    expect(runs.watch("r6")).toBe(left[6]);
+    expect([server.count("run_status"), server.count("run_history")]).toEqual([7, 7]);
+    expect(runs.watch("r0")).not.toBe(left[0]);
+    expect([server.count("run_status"), server.count("run_history")]).toEqual([7, 7]);
+  });
+
+  it("that were told something stay watched until they have answered", async () => {
+    const { server, runs } = setUp();
+    const first = runs.watch("first");
+    const told = first.command({ type: "stop" });
+    for (let number = 0; number < 7; number += 1) runs.watch(`r${number}`);
+    expect(runs.watch("first")).toBe(first);
+    server.first().answer({ id: "id1", answer: "applied" });
+    expect((await told).answer).toEqual({ answer: "applied" });
   });
 
   it("are watched once", () => {

@@ -21,11 +21,28 @@ const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
 /** A list that could not be had is asked for again after so long. */
 const AGAIN_MS = 2_000;
 
+/** So many runs are watched at once, beside those that are shown: the ones that were asked for last. */
+const WATCHED_MAX = 6;
+
 /** The runs, followed from now on. */
-export function followRuns(ports: WatchPorts, house: Signal<HouseStatus | null>): Runs {
+export function followRuns(
+  ports: WatchPorts,
+  house: Signal<HouseStatus | null>,
+  isShown: (run: string) => boolean = () => false,
+): Runs {
   const { server, clock } = ports;
   const all = signal<readonly RunSummary[]>([]);
+  /** Those that were asked for last at the end. */
   const watched = new Map<string, Watch>();
+  const unwatchSome = () => {
+    const unseen = [...watched.values()].filter(
+      ({ id, sent }) => !isShown(id) && sent.peek().every(({ answer }) => answer !== null),
+    );
+    for (const watch of unseen.slice(0, -WATCHED_MAX)) {
+      watch.close();
+      watched.delete(watch.id);
+    }
+  };
   const removed = new Set<string>();
   /** What comes later is the newer truth. */
   const take = (before: readonly RunSummary[], news: readonly RunSummary[]) => {
@@ -55,9 +72,10 @@ export function followRuns(ports: WatchPorts, house: Signal<HouseStatus | null>)
     refresh,
     watch: (id) => {
       const before = watched.get(id);
-      if (before) return before;
-      const watch = new RunWatch(id, ports);
+      const watch = before ?? new RunWatch(id, ports);
+      watched.delete(id);
       watched.set(id, watch);
+      if (!before) unwatchSome();
       return watch;
     },
     start: async (start: Start) => {
