@@ -4,10 +4,13 @@ import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockview-react";
 import type { Layouts, Side } from "../commands/command.ts";
 import { kept, type Shed } from "../store/shed.ts";
-import { type Layout, SHIPPED, withPanels } from "./layouts.ts";
+import { type Layout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
 import { placeMission, sizeMission } from "./mission_place.ts";
 import { PANELS, panelOf } from "./panels.tsx";
 import type { DockPort } from "./session.ts";
+
+/** In the order in which they are put beside the canvas. */
+const SIDES: readonly Side[] = ["bottom", "left", "right"];
 
 const NOW = "rafcon.layout";
 const OWN = "rafcon.layouts";
@@ -182,7 +185,7 @@ export class DockControl implements DockPort {
     const layout: Layout = this.#isNarrow && known.left?.isTall ? stacked : known;
     this.#api.clear();
     const canvas = this.#api.addPanel({ id: CANVAS, component: CANVAS, renderer: "always" });
-    for (const side of ["bottom", "left", "right"] as const) {
+    for (const side of SIDES) {
       this.#buildSide(side, layout[side], canvas.group);
     }
     this.#settleCanvas();
@@ -193,11 +196,12 @@ export class DockControl implements DockPort {
 
   /** Sides come one after the other, and each takes some room from those before it: so they are measured at last. */
   #size(layout: Layout): void {
-    for (const [side, wanted] of Object.entries(layout)) {
+    for (const side of SIDES) {
+      const wanted = layout[side];
       const group = this.#api.getPanel(wanted?.groups[0]?.[0] ?? "")?.group;
-      if (group && wanted) {
-        group.api.setSize(side === "bottom" ? { height: wanted.size } : { width: wanted.size });
-      }
+      if (!group || !wanted) continue;
+      const size = sizeOn(this.#api, side, wanted);
+      group.api.setSize(side === "bottom" ? { height: size } : { width: size });
     }
   }
 

@@ -45,6 +45,21 @@ export const SHIPPED: Readonly<Record<string, Layout>> = {
   },
 };
 
+/** What a side takes of the page at most: the canvas is what one looks at. */
+const SHARES: Readonly<Record<Side, number>> = { left: 0.22, right: 0.3, bottom: 0.4 };
+
+/** How big a side is on a page of this size. */
+export function sizeOn(
+  page: { readonly width: number; readonly height: number },
+  side: Side,
+  { size, isTall }: LayoutSide,
+): number {
+  const whole = side === "bottom" ? page.height : page.width;
+  // A page that has no size yet says nothing.
+  if (isTall || whole === 0) return size;
+  return Math.min(size, Math.round(whole * SHARES[side]));
+}
+
 /** The layout with the panels that there are, without what would be empty. */
 export function withPanels(layout: Layout, isPanel: (id: string) => boolean): Layout {
   const sides = Object.entries(layout).flatMap(([side, { groups, ...more }]) => {

@@ -17,6 +17,7 @@ const SIZE: Size = { width: 168, height: 104 };
 /** The small picture is drawn so much larger, for its detail, and then made smaller. */
 const FINER = 4;
 const MARGIN = 6;
+const TIGHT = { width: 520, height: 300 };
 /** After a change of the machine the small picture follows within so many ms. */
 const REST_MS = 200;
 /** A run changes all the time: it is followed less often. */
@@ -32,7 +33,8 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
   const map = canvasIn(box);
   const fold = buttonIn(box);
   const whole = document.createElement("canvas");
-  const folded = signal(false);
+  const folded = signal(isTight(place));
+  let isChosen = false;
   let rest = 0;
 
   const repaint = () => {
@@ -66,13 +68,19 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
     if (!isFolded) soon();
   });
   fold.addEventListener("click", () => {
+    isChosen = true;
     folded.value = !folded.peek();
   });
+  const observer = new ResizeObserver(() => {
+    if (!isChosen) folded.value = isTight(place);
+  });
+  observer.observe(place);
   listen(map, (at) => lookAt(tab, picture, at));
 
   return {
     dispose: () => {
       window.clearTimeout(rest);
+      observer.disconnect();
       stopFrames();
       stopFollowing();
       stopRunning();
@@ -80,6 +88,11 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
       box.remove();
     },
   };
+}
+
+/** Where it would hide much of the canvas it is folded, until somebody wants it. */
+function isTight({ clientWidth, clientHeight }: HTMLElement): boolean {
+  return clientWidth < TIGHT.width || clientHeight < TIGHT.height;
 }
 
 function frameIn(place: HTMLElement): HTMLElement {
