@@ -24,6 +24,8 @@ export interface Sent {
   readonly expiry_ms: number;
   /** What became of it; null while nobody knows. `lost` says that it cannot be asked for any more. */
   readonly answer: Answer | { readonly answer: "lost"; readonly reason: string } | null;
+  /** When that was known; null while nobody knows. */
+  readonly answered_ms: number | null;
 }
 
 /** How the run stood after an event, with values; of a run that goes on also the newest one that was asked for. */
@@ -75,7 +77,7 @@ export type Start = Pick<StartRun, "machine"> & Partial<Omit<StartRun, "id" | "m
 export interface Runs {
   /** The newest first. */
   readonly all: ReadonlySignal<readonly RunSummary[]>;
-  /** The run, watched from now on for as long as the page stands. */
+  /** The run, watched for as long as it is shown; of the others those that were asked for last. */
   readonly watch: (run: string) => Watch;
   /** Starts a run and gives its id. Throws a `RefusalError`. */
   readonly start: (start: Start) => Promise<string>;

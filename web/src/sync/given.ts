@@ -44,13 +44,13 @@ export class Given {
     const [id, sent_ms] = [newId(), clock.now()];
     const expiry_ms = sent_ms + patience_ms;
     const expiry = Math.round(expiry_ms + (server.pulse.peek()?.ahead_ms ?? 0));
-    const begun: Sent = { id, command, sent_ms, expiry_ms, answer: null };
+    const begun: Sent = { id, command, sent_ms, expiry_ms, answer: null, answered_ms: null };
     this.#put(begun);
     const recorded = new Promise<Fate>((known) => this.#open.set(id, known));
     const body = { id, author: "", decided_on: decidedOn(), expiry, command };
     const answer = await Promise.race([recorded, this.#answered(body, expiry_ms)]);
     this.#open.delete(id);
-    const sent = { ...begun, answer };
+    const sent = { ...begun, answer, answered_ms: clock.now() };
     this.#put(sent);
     return sent;
   }
@@ -62,7 +62,8 @@ export class Given {
     const id = event.envelope.id.slice(event.envelope.id.indexOf("/") + 1);
     this.#open.get(id)?.(event.answer);
     const before = this.sent.peek().find((each) => each.id === id);
-    if (before?.answer?.answer === "lost") this.#put({ ...before, answer: event.answer });
+    if (before?.answer?.answer !== "lost") return;
+    this.#put({ ...before, answer: event.answer, answered_ms: this.#ports.clock.now() });
   }
 
   close(): void {

@@ -160,15 +160,24 @@ describe("a command", () => {
     const sent_ms = clock.now();
     const given = watch.command(PAUSE, 3_000);
     const expiry_ms = sent_ms + 3_000;
-    const begun = { id: "id1", command: PAUSE, sent_ms, expiry_ms, answer: null };
+    const begun = {
+      id: "id1",
+      command: PAUSE,
+      sent_ms,
+      expiry_ms,
+      answer: null,
+      answered_ms: null,
+    };
     expect(watch.sent.value).toEqual([begun]);
     expect(server.first().path).toBe("/runs/r/commands");
     const expiry = expiry_ms + 5_000;
     const body = { id: "id1", author: "", decided_on: 0, expiry, command: PAUSE };
     expect(server.first().body).toEqual(body);
+    clock.pass(1_000);
     server.first().answer(APPLIED);
     expect((await given).answer).toEqual({ answer: "applied" });
-    expect(watch.sent.value).toEqual([{ ...begun, answer: { answer: "applied" } }]);
+    const answered_ms = sent_ms + 1_000;
+    expect(watch.sent.value).toEqual([{ ...begun, answer: { answer: "applied" }, answered_ms }]);
   });
 
   it("is said again with the same id until it is answered", async () => {

@@ -3,11 +3,13 @@ import type { Sent } from "../../store/run.ts";
 import { sentLines } from "./sent.ts";
 
 const NOW_MS = 100_000;
+const STOP = { id: "1", command: { type: "stop" } } as const;
 
 function line(answer: Sent["answer"], ago_ms = 800, dismissed: readonly string[] = []) {
   const sent_ms = NOW_MS - ago_ms;
-  const sent = { id: "1", command: { type: "stop" }, sent_ms, expiry_ms: sent_ms + 10_000, answer };
-  const [found] = sentLines([sent as Sent], new Set(dismissed), NOW_MS);
+  const answered_ms = answer && sent_ms;
+  const sent: Sent = { ...STOP, sent_ms, expiry_ms: sent_ms + 10_000, answer, answered_ms };
+  const [found] = sentLines([sent], new Set(dismissed), NOW_MS);
   return found && `${found.kind}: ${found.words}`;
 }
 
@@ -21,6 +23,18 @@ test("a command under way says since when, and never that it is done", () => {
 test("what was carried out is shown for a glance", () => {
   expect(line({ answer: "applied" })).toBe("applied: was carried out");
   expect(line({ answer: "applied" }, 2_500)).toBe(undefined);
+});
+
+test("what was carried out late is shown as long as what was at once", () => {
+  const late: Sent = {
+    ...STOP,
+    sent_ms: NOW_MS - 9_000,
+    expiry_ms: NOW_MS + 1_000,
+    answer: { answer: "applied" },
+    answered_ms: NOW_MS - 100,
+  };
+  expect(sentLines([late], new Set(), NOW_MS)).toHaveLength(1);
+  expect(sentLines([late], new Set(), NOW_MS + 2_400)).toHaveLength(0);
 });
 
 test("what was not carried out stays until it was seen", () => {

@@ -11,7 +11,7 @@ export interface SentLine {
   readonly words: string;
 }
 
-/** Carried out: shown for so long after it was given. */
+/** Carried out: shown for so long after that was known, however late. */
 const APPLIED_MS = 2_500;
 /** So many stand there at most, the newest. */
 const LINES_MAX = 5;
@@ -21,8 +21,10 @@ export function sentLines(
   dismissed: ReadonlySet<string>,
   now_ms: number,
 ): readonly SentLine[] {
-  const wanted = sent.filter(({ id, answer, sent_ms }) =>
-    answer?.answer === "applied" ? now_ms - sent_ms < APPLIED_MS : !dismissed.has(id),
+  const wanted = sent.filter(({ id, answer, answered_ms, sent_ms }) =>
+    answer?.answer === "applied"
+      ? now_ms - (answered_ms ?? sent_ms) < APPLIED_MS
+      : !dismissed.has(id),
   );
   return wanted.slice(-LINES_MAX).map((each) => ({
     id: each.id,
