@@ -2,10 +2,11 @@
 
 import { CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
+import { MISSION_PANEL } from "../commands/mission.ts";
 import type { Notice } from "../store/page.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
-import { useSession } from "./provided.tsx";
+import { useDerived, useSession } from "./provided.tsx";
 import "./toasts.css";
 
 /** So long a notice stays, by how much it matters; the pointer holds it. News of a run goes sooner: it stands in mission control. */
@@ -14,12 +15,18 @@ const PASSING_MS = 8_000;
 const SHOWN_MAX = 4;
 
 export function Toasts() {
-  const { page } = useSession();
+  const { page, dock } = useSession();
+  /** The machine whose run mission control shows: its news stands there. */
+  const told = useDerived(() => {
+    const machine = page.active.value?.room.id ?? null;
+    return dock.value.isInSight(MISSION_PANEL) ? machine : null;
+  }, [page, dock]);
   const notices = useSignal(page.notices);
   const [first] = useState(() => page.notices.peek().at(-1)?.id ?? 0);
   const [gone, setGone] = useState<ReadonlySet<number>>(new Set());
   const shown = notices
     .filter(({ id, isQuiet }) => id > first && !isQuiet && !gone.has(id))
+    .filter(({ passing }) => !passing || passing.machine !== told)
     .slice(-SHOWN_MAX);
   const drop = (id: number) => setGone((before) => new Set(before).add(id));
   useLeaving((machine) => {
