@@ -30,7 +30,7 @@ export function useIsOld(page: Page): boolean {
 }
 
 /** The same as a signal. */
-export function isOldIn(page: Page) {
+function isOldIn(page: Page) {
   return computed(() => {
     const watch = runOf(page);
     return watch !== null && runAge(page, watch, seconds.value).isOld;

@@ -1,6 +1,6 @@
 /** Starts the page: connects, follows what the house tells, and opens machines as tabs. */
 
-import { batch, effect, type Signal, signal } from "@preact/signals-core";
+import { effect, type Signal, signal } from "@preact/signals-core";
 import type {
   HouseStatus,
   LibraryRoot,
@@ -15,13 +15,10 @@ import { comparedRun } from "../store/compared_run.ts";
 import { drafts } from "../store/drafts.ts";
 import { followDrafts } from "../store/follow_drafts.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
-import type { Room } from "../store/room.ts";
-import type { Runs, Watch } from "../store/run.ts";
-import { forgetGone } from "../store/selection.ts";
+import type { Runs } from "../store/run.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import { keepSettings, readSettings, withRecent } from "../store/settings.ts";
 import { memoryShed, type Shed, shedOf } from "../store/shed.ts";
-import { newView } from "../store/view.ts";
 import { type Clock, WALL_CLOCK } from "./clock.ts";
 import { connect } from "./connect.ts";
 import type { Address } from "./http.ts";
@@ -32,6 +29,7 @@ import { RunRoom, runRoomId } from "./run_room.ts";
 import { followRuns } from "./runs.ts";
 import { followSession } from "./session.ts";
 import { Shelf } from "./shelf.ts";
+import { newTabs } from "./tabs.ts";
 
 export interface PageOptions {
   /** Where the server is; left out: where the page comes from. */
@@ -122,43 +120,20 @@ function followFiles(server: Server, house: Signal<HouseStatus | null>, shelf: S
   return { projects, libraries };
 }
 
-/** The tabs, and how machines come into them. */
+/** How machines and runs come into the tabs. */
 function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) {
   const { request } = ports.server;
-  const tabs = signal<readonly OpenTab[]>([]);
-  const active = signal<OpenTab | null>(null);
-  const coming = new Map<string, Promise<OpenTab>>();
-
-  const enter = async (summary: MachineSummary): Promise<OpenTab> => {
-    const path = `/machines/${encodeURIComponent(summary.id)}/document`;
-    const room = new OpenRoom(summary, await request<MachineDocument>("GET", path), ports);
-    followDrafts(room, drafts);
-    return put(room);
-  };
-
-  const put = (room: Room): OpenTab => {
-    const tab: OpenTab = { room, view: newView(), run: signal<Watch | null>(null) };
-    room.onChange(() => forgetGone(tab.view, room.machine));
-    batch(() => {
-      tabs.value = [...tabs.peek(), tab];
-      active.value = tab;
-    });
-    return tab;
-  };
+  const { tabs, active, front, enter, leave } = newTabs();
 
   const come = (summary: MachineSummary): Promise<OpenTab> => {
     const { id, file } = summary;
     if (file) settings.value = withRecent(settings.peek(), file);
-    const there = tabs.peek().find(({ room }) => room.id === id);
-    if (there) {
-      active.value = there;
-      return Promise.resolve(there);
-    }
-    const before = coming.get(id);
-    if (before) return before;
-    const entering = enter(summary).finally(() => coming.delete(id));
-    coming.set(id, entering);
-    return entering;
+    return enter(id, async () => {
+      const path = `/machines/${encodeURIComponent(id)}/document`;
+      const room = new OpenRoom(summary, await request<MachineDocument>("GET", path), ports);
+      followDrafts(room, drafts);
+      return room;
+    });
   };
 
   const open = async (file: MachineFile) =>
@@ -169,39 +144,9 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) 
     return come((await request<MachineStatus>("GET", path)).summary);
   };
 
-  const leave = (tab: OpenTab) => {
-    const before = tabs.peek();
-    const at = before.indexOf(tab);
-    if (at < 0) return;
-    tab.room.close();
-    const kept = before.filter((other) => other !== tab);
-    batch(() => {
-      tabs.value = kept;
-      if (active.peek() === tab) active.value = kept[Math.min(at, kept.length - 1)] ?? null;
-    });
-  };
-
-  const front = (tab: OpenTab) => {
-    active.value = tab;
-    return tab;
-  };
-
-  const showAsRan = async (id: string) => {
-    const room = runRoomId(id);
-    const there = tabs.peek().find((tab) => tab.room.id === room);
-    if (there) return front(there);
-    const before = coming.get(room);
-    if (before) return before;
-    const entering = enterRun(id).finally(() => coming.delete(room));
-    coming.set(room, entering);
-    return entering;
-  };
-
-  const enterRun = async (id: string) => {
+  const showAsRan = (id: string) => {
     const watch = runs.watch(id);
-    const tab = put(await RunRoom.enter(watch, runs, ports));
-    tab.run.value = watch;
-    return tab;
+    return enter(runRoomId(id), () => RunRoom.enter(watch, runs, ports), watch);
   };
 
   const showRun = async (id: string) => {

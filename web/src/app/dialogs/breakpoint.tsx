@@ -18,7 +18,6 @@ export function BreakpointDialog({ asks, answer }: DialogProps<Breakpoint>) {
   const put = (change: Partial<Breakpoint>) => setWanted({ ...wanted, ...change });
   const machine = now.tab?.room.machine;
   const isCount = /^[1-9]\d*$/.test(count.trim());
-  const unfit = cannotSetConditions(now);
   const done = () => {
     if (isCount) answer({ ...wanted, hit_count: Number(count) });
   };
@@ -44,52 +43,62 @@ export function BreakpointDialog({ asks, answer }: DialogProps<Breakpoint>) {
         }}
       >
         <p className="form-note">{machine ? namesTo(machine, asks.path).join(" › ") : asks.path}</p>
-        <Select
-          label="Holds"
-          value={wanted.when}
-          options={WHEN}
-          onChange={(when) => put({ when })}
-        />
-        <TextField
-          label="Condition, in Python"
-          mono
-          value={wanted.condition ?? ""}
-          placeholder={wanted.when === "after" ? 'outputs["count"] == 3' : 'inputs["count"] == 3'}
-          disabled={unfit !== null}
-          hint={
-            unfit ??
-            "Knows inputs, scoped, gvm, and after the state outputs and outcome. Empty: always."
-          }
-          onInput={(text) => put({ condition: text.trim() === "" ? null : text })}
-        />
-        <TextField
-          label="From which time on"
-          type="number"
-          value={count}
-          refusal={isCount ? null : "a whole number from 1 on"}
-          hint="1: each time; 3: from the third time on that its condition is true"
-          onInput={setCount}
-        />
-        <Select
-          label="What is held"
-          value={wanted.scope}
-          options={SCOPE}
-          onChange={(scope) => put({ scope })}
-        />
-        <Select
-          label="While nobody is connected"
-          value={wanted.unattended}
-          options={UNATTENDED}
-          onChange={(unattended) => put({ unattended })}
-        />
-        <Checkbox
-          label="Enabled"
-          checked={wanted.enabled}
-          onChange={(enabled) => put({ enabled })}
-        />
+        <Parts wanted={wanted} put={put} count={count} isCount={isCount} onCount={setCount} />
         <button type="submit" hidden aria-hidden />
       </form>
     </Dialog>
+  );
+}
+
+interface PartsProps {
+  readonly wanted: Breakpoint;
+  readonly put: (change: Partial<Breakpoint>) => void;
+  /** As it was typed. */
+  readonly count: string;
+  readonly isCount: boolean;
+  readonly onCount: (text: string) => void;
+}
+
+function Parts({ wanted, put, count, isCount, onCount }: PartsProps) {
+  const { context } = useSession();
+  const unfit = cannotSetConditions(context());
+  return (
+    <>
+      <Select label="Holds" value={wanted.when} options={WHEN} onChange={(when) => put({ when })} />
+      <TextField
+        label="Condition, in Python"
+        mono
+        value={wanted.condition ?? ""}
+        placeholder={wanted.when === "after" ? 'outputs["count"] == 3' : 'inputs["count"] == 3'}
+        disabled={unfit !== null}
+        hint={
+          unfit ??
+          "Knows inputs, scoped, gvm, and after the state outputs and outcome. Empty: always."
+        }
+        onInput={(text) => put({ condition: text.trim() === "" ? null : text })}
+      />
+      <TextField
+        label="From which time on"
+        type="number"
+        value={count}
+        refusal={isCount ? null : "a whole number from 1 on"}
+        hint="1: each time; 3: from the third time on that its condition is true"
+        onInput={onCount}
+      />
+      <Select
+        label="What is held"
+        value={wanted.scope}
+        options={SCOPE}
+        onChange={(scope) => put({ scope })}
+      />
+      <Select
+        label="While nobody is connected"
+        value={wanted.unattended}
+        options={UNATTENDED}
+        onChange={(unattended) => put({ unattended })}
+      />
+      <Checkbox label="Enabled" checked={wanted.enabled} onChange={(enabled) => put({ enabled })} />
+    </>
   );
 }
 

@@ -23,7 +23,7 @@ import "./in_run.css";
 /** Numbers that run are read no faster. */
 const PACE_MS = 200;
 
-export const PHASE_WORDS: Readonly<Record<Phase, string>> = {
+const PHASE_WORDS: Readonly<Record<Phase, string>> = {
   running: "runs",
   waiting: "waits",
   interrupted: "interrupted by a crash",

@@ -18,7 +18,7 @@ const NUMBERS: Readonly<Record<Exclude<SortKey, "names">, (row: StateStatistics)
   max: ({ max_ns }) => max_ns,
 };
 
-export function isSortKey(key: string): key is SortKey {
+function isSortKey(key: string): key is SortKey {
   return key === "names" || key in NUMBERS;
 }
 

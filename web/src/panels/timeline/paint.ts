@@ -265,7 +265,7 @@ const NOTE_INKS: Readonly<Record<NoteKind, string>> = {
 };
 
 /** The letter of each kind, for those who cannot tell colours apart. */
-export const NOTE_SIGNS: Readonly<Record<NoteKind, string>> = {
+const NOTE_SIGNS: Readonly<Record<NoteKind, string>> = {
   command: "›",
   edit: "±",
   question: "?",

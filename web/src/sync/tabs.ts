@@ -1,0 +1,60 @@
+/** The tabs of the page: each machine comes into one, however often it is wanted. Knows nothing of how machines are got. */
+
+import { batch, signal } from "@preact/signals-core";
+import type { OpenTab } from "../store/page.ts";
+import type { Room } from "../store/room.ts";
+import type { Watch } from "../store/run.ts";
+import { forgetGone } from "../store/selection.ts";
+import { newView } from "../store/view.ts";
+
+export function newTabs() {
+  const tabs = signal<readonly OpenTab[]>([]);
+  const active = signal<OpenTab | null>(null);
+  const coming = new Map<string, Promise<OpenTab>>();
+
+  const put = (room: Room, run: Watch | null): OpenTab => {
+    const tab: OpenTab = { room, view: newView(), run: signal(run) };
+    room.onChange(() => forgetGone(tab.view, room.machine));
+    batch(() => {
+      tabs.value = [...tabs.peek(), tab];
+      active.value = tab;
+    });
+    return tab;
+  };
+
+  const front = (tab: OpenTab): OpenTab => {
+    active.value = tab;
+    return tab;
+  };
+
+  /** Brings the tab of a machine to the front, or makes one, with the run that is shown on it. */
+  const enter = (
+    id: string,
+    get: () => Promise<Room>,
+    run: Watch | null = null,
+  ): Promise<OpenTab> => {
+    const there = tabs.peek().find(({ room }) => room.id === id);
+    if (there) return Promise.resolve(front(there));
+    const before = coming.get(id);
+    if (before) return before;
+    const entering = get()
+      .then((room) => put(room, run))
+      .finally(() => coming.delete(id));
+    coming.set(id, entering);
+    return entering;
+  };
+
+  const leave = (tab: OpenTab): void => {
+    const before = tabs.peek();
+    const at = before.indexOf(tab);
+    if (at < 0) return;
+    tab.room.close();
+    const kept = before.filter((other) => other !== tab);
+    batch(() => {
+      tabs.value = kept;
+      if (active.peek() === tab) active.value = kept[Math.min(at, kept.length - 1)] ?? null;
+    });
+  };
+
+  return { tabs, active, front, enter, leave };
+}
