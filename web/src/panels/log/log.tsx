@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals-core";
 import { ArrowUp } from "lucide-react";
 import { useDeferredValue, useMemo, useState } from "react";
 import type { ElementRef } from "../../model/element.ts";
-import { type OpenTab, runOf } from "../../store/page.ts";
+import { type OpenTab, type Page, runOf } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import { runLog } from "../../store/run_log.ts";
 import { wantedLine } from "../../store/script_line.ts";
@@ -55,9 +55,7 @@ export function Log() {
         filter={filter}
         onChange={setFilter}
         hasRun={watch !== null}
-        onClear={() => {
-          page.notices.value = [];
-        }}
+        onClear={() => clear(page)}
       >
         {watch && filter.source !== "page" && (
           <Older watch={watch} onCame={() => setCame((before) => before + 1)} />
@@ -89,10 +87,7 @@ export function Log() {
             stateName={entry.line ? nameOf(entry.line.path) : ""}
             onMoment={watch && (() => showMoment(entry))}
             onState={() => show(host, tab, entry)}
-            onLine={(line) => {
-              if (entry.line) wantedLine.value = { path: entry.line.path, line };
-              show(host, tab, entry);
-            }}
+            onLine={(line) => showLine(host, tab, entry, line)}
             onClose={() => setChosen(null)}
           />
         )}
@@ -167,6 +162,16 @@ function show(host: PanelHost, tab: OpenTab | null, { line, about }: Entry): voi
   if (!line || line.path === "" || !tab) return;
   const element: ElementRef = { kind: "state", path: line.path };
   goTo(host, tab, element);
+}
+
+/** Shows a line of the state's script. */
+function showLine(host: PanelHost, tab: OpenTab | null, entry: Entry, line: number): void {
+  if (entry.line) wantedLine.value = { path: entry.line.path, line };
+  show(host, tab, entry);
+}
+
+function clear({ notices }: Page): void {
+  notices.value = [];
 }
 
 /** The last line of the moment that is shown. */
