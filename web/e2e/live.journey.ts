@@ -3,7 +3,16 @@
 import type { App } from "./house/app.ts";
 import { journey } from "./house/journey.ts";
 import { ringed, unringed } from "./house/live.ts";
-import { ended, exampleWith, heldBefore, isActive, perform, press, stopRun } from "./house/runs.ts";
+import {
+  ended,
+  exampleWith,
+  heldBefore,
+  isActive,
+  perform,
+  press,
+  stopRun,
+  toldToTheEnd,
+} from "./house/runs.ts";
 
 const PACKER = "PACKER";
 const FULL = "PACKER/ISFULL";
@@ -95,6 +104,7 @@ journey(
   async ({ app }) => {
     await perform(app, "run.start", undefined);
     await ended(app, "success");
+    await toldToTheEnd(app);
     await unringed(app, PACKER, "running");
     const list = await panel(app);
     await app.press("f");

@@ -8,6 +8,7 @@ import {
   answer,
   ended,
   heldBefore,
+  heldInside,
   isActive,
   left,
   perform,
@@ -98,9 +99,9 @@ journey(
     await heldBefore(app, `${PACKER}/ISFULL`);
     await expect.poll(count, { timeout: 20_000 }).toBe(2);
     await press(app, "Back");
-    await heldBefore(app, `${ONE_PART}/PLACEI`);
+    await heldInside(app, ONE_PART);
     await app.press("F9");
-    await heldBefore(app, `${ONE_PART}/PICKIT`);
+    await heldBefore(app, `${ONE_PART}/PLACEI`);
     await app.press("F9");
     await heldBefore(app, ONE_PART);
     await expect.poll(count, { timeout: 20_000 }).toBe(1);

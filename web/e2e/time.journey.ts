@@ -237,10 +237,12 @@ journey(
       );
     await isHeld();
     await app.panel("Timeline");
-    const entries = told(server, run).filter(
-      ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR",
-    );
-    const second = entries[1]?.sequence ?? 0;
+    const entries = () =>
+      told(server, run).filter(
+        ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR",
+      );
+    await expect.poll(() => entries().length, { timeout: 20_000 }).toBeGreaterThan(1);
+    const second = entries()[1]?.sequence ?? 0;
     await app.sheet.evaluate((sequence) => {
       const watch = window.__rafcon.page.active.value?.run.value;
       if (watch) watch.moment.value = sequence;

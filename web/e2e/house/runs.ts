@@ -54,6 +54,17 @@ export async function heldBefore(app: App, path: string): Promise<void> {
   );
 }
 
+/** Waits until the run is held in the state itself, at its end too. */
+export async function heldInside(app: App, path: string): Promise<void> {
+  await app.until(
+    ({ tab }, wanted) =>
+      tab?.run.value?.now.value?.snapshot?.active.some(
+        (state) => state.path === wanted && state.held.length > 0,
+      ) ?? false,
+    path,
+  );
+}
+
 /** Waits until the state is active. */
 export async function isActive(app: App, path: string): Promise<void> {
   await app.until(
