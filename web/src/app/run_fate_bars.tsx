@@ -4,6 +4,7 @@
 import { GitCompareArrows, Skull, TriangleAlert } from "lucide-react";
 import { useEffect, useState } from "react";
 import { refusalOf } from "../commands/command.ts";
+import { fewInWords } from "../model/few.ts";
 import { namesTo } from "../model/machine.ts";
 import { activeStates } from "../store/active.ts";
 import type { OpenTab } from "../store/page.ts";
@@ -74,8 +75,7 @@ function placesInWords(tab: OpenTab, watch: Watch): string {
   const leaves = active.filter(
     ({ path }) => !active.some((other) => other.path.startsWith(`${path}/`)),
   );
-  const names = leaves.map(({ path }) => namesTo(tab.room.machine, path).at(-1) ?? path);
-  return names.map((name) => `“${name}”`).join(", ");
+  return fewInWords(leaves.map(({ path }) => namesTo(tab.room.machine, path).at(-1) ?? path));
 }
 
 /** The last line that the program wrote, if it wrote any. */

@@ -63,7 +63,8 @@ function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void 
   const stops = [
     tellQuestions(watch, tab, tell),
     tellFailures(watch, tab, tell),
-    tellCrash(watch, name, tell),
+    // Over the machine in front, a bar says that its run crashed.
+    tellCrash(watch, name, (news) => page.active.peek() !== tab && tell(news)),
     tellControl(session, watch, name, tell),
   ];
   return () => {

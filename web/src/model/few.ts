@@ -1,0 +1,14 @@
+/** Many names in a line: the first ones, and how many more there are. */
+
+const SHOWN_MAX = 2;
+
+/** `“A”, “B”`, `“A”, “B” and 3 more`. */
+export function fewInWords(names: readonly string[]): string {
+  // “and 1 more” is no shorter than a name.
+  const count = names.length <= SHOWN_MAX + 1 ? names.length : SHOWN_MAX;
+  const shown = names
+    .slice(0, count)
+    .map((name) => `“${name}”`)
+    .join(", ");
+  return count === names.length ? shown : `${shown} and ${names.length - count} more`;
+}
