@@ -74,10 +74,13 @@ function OfRun({ tab, watch }: OfRunProps) {
 /** Asks when another run is chosen, and once more when one of the two is over. */
 function useComparison(page: Page, watch: Watch): void {
   useEffect(() => {
-    const isOver = computed(() => watch.now.value?.link === "over");
+    const both = computed(() => {
+      const other = comparedRun(watch).value;
+      const phase = page.runs.all.value.find(({ id }) => id === other)?.phase;
+      return `${other} ${phase} ${watch.now.value?.link === "over"}`;
+    });
     return effect(() => {
-      comparedRun(watch).value;
-      isOver.value;
+      both.value;
       void compareNow(page, watch);
     });
   }, [page, watch]);
