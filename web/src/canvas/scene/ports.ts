@@ -198,7 +198,9 @@ function portText(
 ): string {
   if (!drawing.input.modes.values) return port.name;
   if (chip) return `${port.name} = ${chip.short}`;
-  if (port.kind !== "input" && port.kind !== "scoped_variable") return port.name;
+  const hasPreset = port.kind === "input" || port.kind === "scoped_variable";
+  // Of a run only what was: a default is no value that anything had.
+  if (!hasPreset || drawing.input.runs.size > 0) return port.name;
   const value = presetOf(at.state, port.kind, port.id);
   if (value === undefined || value === null) return port.name;
   const text = python(value);

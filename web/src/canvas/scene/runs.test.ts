@@ -14,7 +14,7 @@ const MACHINE = machineOf(
   sketch(`
     R "Pick" hierarchy 0 0 400 300 outcome done
       A "Look" execution 40 60 100 90 outcome seen output pose:list
-      B "Grasp" hierarchy 220 60 140 120 outcome held input pose:list
+      B "Grasp" hierarchy 220 60 140 120 outcome held input pose:list input force:int=3
         C "Close" execution 30 40 60 50 outcome ok
         B > C
       R > A
@@ -159,6 +159,12 @@ describe("values at ports", () => {
     expect(about(`${key} name`, {}, 1, { values }).join()).toContain('"list ⟨9⟩"');
     expect(about(`${key} name`, {}, 3, { values }).join()).toContain('"pose = list ⟨9⟩"');
     expect(about(`${key} name`, {}, 0.5, { values })).toEqual([]);
+  });
+
+  test("are never defaults while a run is shown", () => {
+    const force = `input:R/B:${MACHINE.state("R/B")?.inputs?.[1]?.id} name`;
+    expect(about(force, {}, 3).join()).toContain('"force = 3"');
+    expect(about(force, { "R/A": {} }, 3).join()).toContain('"force"');
   });
 
   test("are told in full under the pointer", () => {
