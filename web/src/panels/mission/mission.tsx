@@ -14,6 +14,10 @@ import { Pinned } from "./pinned.tsx";
 import { Questions } from "./questions.tsx";
 import { Steering } from "./steering.tsx";
 import "./mission.css";
+import "./head.css";
+import "./steering.css";
+import "./cards.css";
+import "./events.css";
 
 const NO_RUN = signal<Watch | null>(null);
 
