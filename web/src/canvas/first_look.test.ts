@@ -7,18 +7,18 @@ const MACHINE = { x: 0, y: 0, width: 1000, height: 500 };
 const WIDE = { width: 1100, height: 700 };
 const NARROW = { width: 600, height: 700 };
 
-function fit(size: typeof WIDE): Camera {
+function whole(size: typeof WIDE): Camera {
   const camera = filling([MACHINE], size);
   if (!camera) throw new Error("no camera");
   return camera;
 }
 
 test("a view that showed the whole machine shows the whole machine in any size", () => {
-  const narrow = resized(fit(WIDE), MACHINE, WIDE, NARROW);
-  expect(narrow).toEqual(fit(NARROW));
-  expect(resized(narrow, MACHINE, NARROW, WIDE)).toEqual(fit(WIDE));
+  const narrow = resized(whole(WIDE), MACHINE, WIDE, NARROW);
+  expect(narrow).toEqual(whole(NARROW));
+  expect(resized(narrow, MACHINE, NARROW, WIDE)).toEqual(whole(WIDE));
   const near = { x: -20, y: -20, scale: 0.9 };
-  expect(resized(near, MACHINE, WIDE, NARROW)).toEqual(fit(NARROW));
+  expect(resized(near, MACHINE, WIDE, NARROW)).toEqual(whole(NARROW));
 });
 
 test("else what was in the middle stays there", () => {
