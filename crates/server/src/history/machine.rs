@@ -99,14 +99,14 @@ async fn began_with(house: &House, run: &str, folder: &FilePath) -> Result<Hash,
     let patience = Instant::now() + PATIENCE;
     loop {
         // Asked first: of a run that is over all is told.
-        let is_kept = run.is_live() && run.summary().keeping == Keeping::Full;
+        let is_kept = run.is_live() && run.summary().keeping != Keeping::Off;
         let may_come = is_kept && Instant::now() < patience;
         let found = house.history.readers.read(folder.to_owned(), first).await?;
         match found {
             Some(hash) => return Ok(hash),
             None if may_come => sleep(AGAIN).await,
             None => {
-                let message = "the run has not kept its machine: runs that keep everything do";
+                let message = "the run has not kept its machine: ask for a run that keeps its history";
                 return Err(Failure::not_found("no_such_machine", message));
             }
         }
