@@ -106,7 +106,8 @@ async fn began_with(house: &House, run: &str, folder: &FilePath) -> Result<Hash,
             Some(hash) => return Ok(hash),
             None if may_come => sleep(AGAIN).await,
             None => {
-                let message = "the run has not kept its machine: ask for a run that keeps its history";
+                let message =
+                    "the run has not kept its machine: ask for a run that keeps its history";
                 return Err(Failure::not_found("no_such_machine", message));
             }
         }
