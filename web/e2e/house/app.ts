@@ -56,12 +56,13 @@ export class App {
     await this.connected();
   }
 
-  /** Waits until the page is connected, as somebody. */
+  /** Waits until the page is connected, as somebody, and its panels stand: from then on it listens to keys. */
   async connected(): Promise<void> {
     await vi.waitUntil(
       () => this.sheet.evaluate(() => window.__rafcon?.page.server.link.value.state === "up"),
       PATIENCE,
     );
+    await this.sheet.locator(".dock-tab").first().waitFor({ state: "attached" });
   }
 
   /** Opens a machine of the project by the dialog, and waits until it is shown. */
