@@ -54,6 +54,17 @@ journey("the theme changes, and stays after the page is loaded again", HERE, asy
   expect(await ground()).toContain("dark");
 });
 
+journey("the theme goes by the system's while nobody chose one", HERE, async ({ app }) => {
+  const root = app.sheet.locator(":root");
+  const text = () => app.sheet.evaluate(() => getComputedStyle(document.body).color);
+  await app.sheet.emulateMedia({ colorScheme: "dark" });
+  await root.and(app.sheet.locator("[data-theme=dark]")).waitFor();
+  const onDark = await text();
+  await app.sheet.emulateMedia({ colorScheme: "light" });
+  await root.and(app.sheet.locator("[data-theme=light]")).waitFor();
+  expect(await text()).not.toBe(onDark);
+});
+
 journey("the content of a library shows in place", { open: "library_reuse" }, async ({ app }) => {
   const square = await app.path("Drive a small square");
   await app.select(square);

@@ -65,7 +65,7 @@ export function Dock() {
       const stops = [
         listenToKeys(session, view),
         listenToClipboard(session, view.document),
-        wearTheme(session.page, view.document.documentElement),
+        wearTheme(session.page, view),
       ];
       view.addEventListener("pagehide", () => {
         for (const stop of stops) stop();

@@ -15,7 +15,7 @@ const place = document.getElementById("app");
 if (place) {
   const page = startPage();
   const session = newSession(page, allCommands());
-  wearTheme(page, document.documentElement);
+  wearTheme(page, window);
   keepTitle(page, document);
   const { commands, context } = session;
   // For tests and benches, to look and not to change.

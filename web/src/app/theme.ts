@@ -1,13 +1,23 @@
 /** Which theme the page wears: as the system does, or as the user says. */
 
-import { effect } from "@preact/signals-core";
+import { effect, signal } from "@preact/signals-core";
 import type { Page } from "../store/page.ts";
 
-/** Keeps the document's theme as settings have it. Styles go by `data-theme` and the system's wish. */
-export function wearTheme(page: Page, root: HTMLElement): () => void {
-  return effect(() => {
+/** Keeps the `data-theme` of the document in a window as settings, or else the system, have it: styles go by it alone. */
+export function wearTheme(page: Pick<Page, "settings">, view: Window): () => void {
+  const wish = view.matchMedia("(prefers-color-scheme: light)");
+  const wanted = signal(wish.matches);
+  const follow = () => {
+    wanted.value = wish.matches;
+  };
+  wish.addEventListener("change", follow);
+  const stop = effect(() => {
     const { theme } = page.settings.value;
-    if (theme === "system") delete root.dataset["theme"];
-    else root.dataset["theme"] = theme;
+    const own = wanted.value ? "light" : "dark";
+    view.document.documentElement.dataset["theme"] = theme === "system" ? own : theme;
   });
+  return () => {
+    stop();
+    wish.removeEventListener("change", follow);
+  };
 }

@@ -295,14 +295,9 @@ function backed(canvas: HTMLCanvasElement, size: Size): number {
 
 /** Tells when the colours of a place in the page may be others: by the theme, or by the class of what is around it. */
 function onTheme(place: HTMLElement, changed: () => void): () => void {
-  const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  dark.addEventListener("change", changed);
   const watcher = new MutationObserver(changed);
   watcher.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
   const around = place.parentElement;
   if (around) watcher.observe(around, { attributes: true, attributeFilter: ["class"] });
-  return () => {
-    dark.removeEventListener("change", changed);
-    watcher.disconnect();
-  };
+  return () => watcher.disconnect();
 }

@@ -19,12 +19,7 @@ export function inksOf(element: Element): Inks {
 
 /** Tells when the colours of the page may be others. Returns the way to stop. */
 export function onTheme(changed: () => void): () => void {
-  const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  dark.addEventListener("change", changed);
   const watcher = new MutationObserver(changed);
   watcher.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
-  return () => {
-    dark.removeEventListener("change", changed);
-    watcher.disconnect();
-  };
+  return () => watcher.disconnect();
 }
