@@ -2,8 +2,8 @@
 
 import { Plus, X } from "lucide-react";
 import { type KeyboardEvent, useState } from "react";
-import { isChanged } from "../commands/file.ts";
 import { entryOf } from "../commands/menus.ts";
+import { isChanged } from "../commands/save.ts";
 import type { OpenTab } from "../store/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";

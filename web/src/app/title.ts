@@ -1,7 +1,7 @@
 /** What the browser's tab says: the machine in front, how its run stands, and a dot while it has edits that do not lie on disk. */
 
 import { effect } from "@preact/signals-core";
-import { isChanged } from "../commands/file.ts";
+import { isChanged } from "../commands/save.ts";
 import { type RunWord, runStand } from "../model/run_words.ts";
 import { countWanting } from "../store/acknowledged.ts";
 import type { Page } from "../store/page.ts";

@@ -1,18 +1,13 @@
 /** What the File menu does: machines come from projects, go back there, and are closed. */
 
-import type {
-  LibraryName,
-  MachineFile,
-  MachineSummary,
-  SavedState,
-} from "../model/generated/protocol.ts";
-import { comparisonOf } from "../store/comparison.ts";
-import type { OpenTab, Page } from "../store/page.ts";
+import type { MachineFile, MachineSummary } from "../model/generated/protocol.ts";
+import type { OpenTab } from "../store/page.ts";
 import type { Link } from "../store/server.ts";
 import { RefusalError } from "../store/server.ts";
-import { wantedLibrary } from "../store/wanted_library.ts";
+import { closeTab } from "./close.ts";
 import type { Command, Context } from "./command.ts";
-import { applyDrafts } from "./drafts.ts";
+import { openLibrary, showLibrary } from "./library_machine.ts";
+import { compare, isChanged, requestId, saveElsewhere, saveState, saveTab } from "./save.ts";
 import { canEdit, libraryAround, mayEdit, onlyState } from "./subject.ts";
 
 const isOpen = (context: Context) => context.tab !== null;
@@ -204,11 +199,6 @@ function isLoggedIn(link: Link): boolean {
   return link.state === "up" && link.session.expires_ms !== null;
 }
 
-/** Whether the machine has edits that do not lie on disk. */
-export function isChanged(tab: OpenTab): boolean {
-  return tab.room.status.value?.summary.is_changed ?? false;
-}
-
 function forget(page: Context["page"], file: MachineFile): void {
   const before = page.settings.peek();
   const recent = before.recent.filter((each) => !isSame(each, file));
@@ -217,192 +207,4 @@ function forget(page: Context["page"], file: MachineFile): void {
 
 function isSame(one: MachineFile, other: MachineFile): boolean {
   return one.project === other.project && one.path === other.path;
-}
-
-/** An id for a request, as the server wants one with whatever changes something. */
-export function requestId(): string {
-  const bytes = crypto.getRandomValues(new Uint8Array(12));
-  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
-}
-
-/** Saves where the machine lies. What another program changed meanwhile is never lost without a word. */
-export async function saveTab(
-  context: Context,
-  tab: OpenTab | null,
-  overwrite = false,
-): Promise<boolean> {
-  if (!tab) return false;
-  if (tab.room.status.peek()?.summary.file === null) return saveElsewhere(context, false);
-  const { page, shell } = context;
-  if (!(await applyDrafts(page, tab))) return false;
-  try {
-    await page.server.request("POST", `/machines/${tab.room.id}/save`, { overwrite });
-    return true;
-  } catch (error) {
-    if (!(error instanceof RefusalError) || error.code !== "changed_on_disk") throw error;
-  }
-  const choice = await shell.choose({
-    title: "The files were changed by another program",
-    text: "Somebody changed this machine on disk since it was read: a git pull, perhaps, or another editor.",
-    choices: [
-      { value: "compare", title: "Compare first", detail: "Shows both side by side." },
-      {
-        value: "theirs",
-        title: "Take what lies on disk",
-        detail: "An undo brings back what is here.",
-      },
-      { value: "mine", title: "Save mine over it", detail: "What lies on disk is replaced." },
-    ],
-  });
-  if (choice === "compare") await compare(context);
-  if (choice === "theirs") {
-    await page.server.request("POST", `/machines/${tab.room.id}/reload`, { id: requestId() });
-  }
-  return choice === "mine" ? saveTab(context, tab, true) : false;
-}
-
-/** Compares with what lies on disk, unless something else was chosen already. */
-async function compare({ page, tab, shell }: Context): Promise<void> {
-  shell.showPanel("differences");
-  if (!tab) return;
-  const comparison = comparisonOf(tab, page.server);
-  if (comparison.against.peek() === null) await comparison.choose({ kind: "saved" });
-}
-
-async function saveElsewhere(context: Context, copy: boolean): Promise<boolean> {
-  const { page, tab, shell } = context;
-  if (!tab || !(await applyDrafts(page, tab))) return false;
-  const file = await shell.dialog("save-as", {
-    title: copy ? "Save a copy" : "Save as",
-    name: folderName(tab.room.machine.state(tab.room.machine.root)?.name ?? "machine"),
-    yes: copy ? "Save copy" : "Save",
-  });
-  if (!file) return false;
-  await page.server.request("POST", `/machines/${tab.room.id}/save`, { file, copy });
-  if (copy) {
-    page.tell({
-      level: "info",
-      text: `A copy lies in ${file.path}.`,
-      action: { title: "Open it", command: "file.open", argument: file },
-    });
-  }
-  return true;
-}
-
-async function saveState(context: Context): Promise<void> {
-  const { page, tab, shell } = context;
-  const path = onlyState(context);
-  if (!tab || path === null) return;
-  const name = tab.room.machine.state(path)?.name ?? "state";
-  const file = await shell.dialog("save-as", {
-    title: `Save “${name}” as a machine or library`,
-    name: folderName(name),
-    yes: "Save",
-  });
-  if (!file) return;
-  const saved = await page.server.request<SavedState>(
-    "POST",
-    `/machines/${tab.room.id}/save_state`,
-    { path, file },
-  );
-  const what = saved.library ? `library ${saved.library.path}/${saved.library.name}` : "machine";
-  page.tell({
-    level: "info",
-    text: `“${name}” is saved as the ${what} in ${file.path}.`,
-    action: saved.library
-      ? {
-          title: "Use it here",
-          command: "arrange.substitute",
-          argument: { path, library: saved.library },
-        }
-      : { title: "Open it", command: "file.open", argument: saved.file },
-  });
-}
-
-/** A folder's name from a state's: what every file system takes. */
-export function folderName(name: string): string {
-  const plain = name
-    .trim()
-    .replace(/[^\p{L}\p{N}._-]+/gu, "_")
-    .replace(/^[._]+|[_.]+$/g, "");
-  return plain === "" ? "machine" : plain.toLowerCase();
-}
-
-async function openLibrary(context: Context): Promise<void> {
-  const library = libraryAround(context)?.library;
-  if (library) await openLibraryMachine(context.page, library);
-}
-
-/** Shows which of all libraries a state runs; the user is told if it is not among them. */
-function showLibrary(context: Context): void {
-  const library = libraryAround(context)?.library;
-  if (!library) return;
-  const { path, name } = library;
-  const [rootName = "", ...folders] = path.split("/");
-  let nodes = context.page.libraries.peek().find((root) => root.name === rootName)?.children;
-  for (const folder of folders) nodes = nodes?.find((node) => node.name === folder)?.children;
-  if (!nodes?.some((node) => node.kind === "library" && node.name === name)) {
-    const text = `${path}/${name} is in none of the library roots: put it back, or name its root under LIBRARY_PATHS in config.yaml.`;
-    context.page.tell({ level: "warning", text });
-    return;
-  }
-  wantedLibrary.value = { path, name };
-  context.shell.showPanel("libraries");
-}
-
-/** Opens the machine of a library in a tab of its own, if it lies in a project; the user is told if it does not. */
-export async function openLibraryMachine(page: Page, library: LibraryName): Promise<void> {
-  const [rootName = "", ...folders] = library.path.split("/");
-  const root = page.libraries.peek().find((each) => each.name === rootName);
-  const place = root && [root.folder, ...folders, library.name].join("/");
-  const project = page.projects.peek().find((each) => place?.startsWith(`${each.folder}/`));
-  if (!place || !project) {
-    page.tell({
-      level: "warning",
-      text: `${library.path}/${library.name} lies in none of the projects that the server was started with: start it with that folder too to edit the library.`,
-    });
-    return;
-  }
-  const file = { project: project.id, path: place.slice(project.folder.length + 1) };
-  await page.open(file);
-}
-
-/** Closes the tab; what is not saved is asked for. True if it is closed. */
-async function closeTab(context: Context, tab: OpenTab): Promise<boolean> {
-  const { page, shell } = context;
-  const others = tab.room.people.peek().length > 0;
-  if (!isChanged(tab) || others || !mayEdit(page)) {
-    if (!isChanged(tab) && !others) await closeOnServer(context, tab, false);
-    page.leave(tab);
-    return true;
-  }
-  const name = tab.room.machine.state(tab.room.machine.root)?.name ?? "this machine";
-  const choice = await shell.choose({
-    title: `Save “${name}” before it is closed?`,
-    text: "It has edits that do not lie on disk.",
-    choices: [
-      { value: "save", title: "Save and close" },
-      {
-        value: "keep",
-        title: "Close and keep the edits",
-        detail: "The server keeps them; they are back when the machine is opened again.",
-      },
-      {
-        value: "discard",
-        title: "Close and give up the edits",
-        detail: "They cannot be had back.",
-      },
-    ],
-  });
-  if (choice === null) return false;
-  if (choice === "save" && !(await saveTab(context, tab))) return false;
-  if (choice !== "keep") await closeOnServer(context, tab, choice === "discard");
-  page.leave(tab);
-  return true;
-}
-
-/** Others may have the machine open: then it stays on the server. */
-async function closeOnServer({ page }: Context, tab: OpenTab, discard: boolean): Promise<void> {
-  if (!mayEdit(page)) return;
-  await page.server.request("POST", `/machines/${tab.room.id}/close`, { discard });
 }

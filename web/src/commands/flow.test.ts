@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { RefusalError } from "../store/server.ts";
 import { allCommands } from "./all.ts";
-import { folderName } from "./file.ts";
+import { folderName } from "./save.ts";
 import { type StandOptions, stand } from "./stand.ts";
 
 const MACHINE = `

@@ -4,9 +4,9 @@ import type { OnCrash } from "../model/generated/protocol.ts";
 import { activeStates } from "../store/active.ts";
 import { fileOfTab, liveRun } from "../store/running.ts";
 import type { Command, Context } from "./command.ts";
-import { isChanged, saveTab } from "./file.ts";
 import { failureOf, give, giveTo } from "./give.ts";
 import { cannotCommand, lacks } from "./run_rules.ts";
+import { isChanged, saveTab } from "./save.ts";
 import { anyOnlyState, canEdit } from "./subject.ts";
 
 /** The argument of `run.recover`. */

@@ -8,8 +8,8 @@ import type { OpenTab } from "../store/page.ts";
 import type { Start, Watch } from "../store/run.ts";
 import { fileOfTab, liveRun, summaryOf } from "../store/running.ts";
 import type { Context } from "./command.ts";
-import { isChanged, saveTab } from "./file.ts";
 import { lacks } from "./run_rules.ts";
+import { isChanged, saveTab } from "./save.ts";
 import { canEdit } from "./subject.ts";
 
 /** Starts a run of the machine in front and shows it; null if the user wanted none. */

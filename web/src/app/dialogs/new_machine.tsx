@@ -1,7 +1,7 @@
 /** What a new machine is called and where it lies. */
 
 import { useState } from "react";
-import { folderName } from "../../commands/file.ts";
+import { folderName } from "../../commands/save.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";

@@ -2,7 +2,7 @@
 
 import { ChevronsDownUp, Folder, FolderTree, Library as LibrarySign } from "lucide-react";
 import { type DragEvent, useEffect, useMemo, useState } from "react";
-import { openLibraryMachine } from "../../commands/file.ts";
+import { openLibraryMachine } from "../../commands/library_machine.ts";
 import type { LibraryName } from "../../model/generated/protocol.ts";
 import type { Point } from "../../model/geometry.ts";
 import { lineage } from "../../model/path.ts";

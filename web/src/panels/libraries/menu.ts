@@ -1,7 +1,7 @@
 /** What can be done with a library: added, opened, put in the place of the selected state, looked for where it is used. */
 
-import { openLibraryMachine } from "../../commands/file.ts";
 import { libraryStates } from "../../commands/insert.ts";
+import { openLibraryMachine } from "../../commands/library_machine.ts";
 import { performIn } from "../../commands/perform.ts";
 import { canEdit, onlyState } from "../../commands/subject.ts";
 import type { LibraryName, StateDocument } from "../../model/generated/protocol.ts";

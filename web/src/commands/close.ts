@@ -1,0 +1,46 @@
+/** How tabs are closed: nothing that is not saved goes without a word. */
+
+import type { OpenTab } from "../store/page.ts";
+import type { Context } from "./command.ts";
+import { isChanged, saveTab } from "./save.ts";
+import { mayEdit } from "./subject.ts";
+
+/** Closes the tab; what is not saved is asked for. True if it is closed. */
+export async function closeTab(context: Context, tab: OpenTab): Promise<boolean> {
+  const { page, shell } = context;
+  const others = tab.room.people.peek().length > 0;
+  if (!isChanged(tab) || others || !mayEdit(page)) {
+    if (!isChanged(tab) && !others) await closeOnServer(context, tab, false);
+    page.leave(tab);
+    return true;
+  }
+  const name = tab.room.machine.state(tab.room.machine.root)?.name ?? "this machine";
+  const choice = await shell.choose({
+    title: `Save “${name}” before it is closed?`,
+    text: "It has edits that do not lie on disk.",
+    choices: [
+      { value: "save", title: "Save and close" },
+      {
+        value: "keep",
+        title: "Close and keep the edits",
+        detail: "The server keeps them; they are back when the machine is opened again.",
+      },
+      {
+        value: "discard",
+        title: "Close and give up the edits",
+        detail: "They cannot be had back.",
+      },
+    ],
+  });
+  if (choice === null) return false;
+  if (choice === "save" && !(await saveTab(context, tab))) return false;
+  if (choice !== "keep") await closeOnServer(context, tab, choice === "discard");
+  page.leave(tab);
+  return true;
+}
+
+/** Others may have the machine open: then it stays on the server. */
+async function closeOnServer({ page }: Context, tab: OpenTab, discard: boolean): Promise<void> {
+  if (!mayEdit(page)) return;
+  await page.server.request("POST", `/machines/${tab.room.id}/close`, { discard });
+}

@@ -1,0 +1,47 @@
+/** From a library state to its library: as a machine of its own, and in the panel of libraries. */
+
+import type { LibraryName } from "../model/generated/protocol.ts";
+import type { Page } from "../store/page.ts";
+import { wantedLibrary } from "../store/wanted_library.ts";
+import type { Context } from "./command.ts";
+import { libraryAround } from "./subject.ts";
+
+/** Opens the machine of the library that is selected. */
+export async function openLibrary(context: Context): Promise<void> {
+  const library = libraryAround(context)?.library;
+  if (library) await openLibraryMachine(context.page, library);
+}
+
+/** Shows which of all libraries a state runs; the user is told if it is not among them. */
+export function showLibrary(context: Context): void {
+  const library = libraryAround(context)?.library;
+  if (!library) return;
+  const { path, name } = library;
+  const [rootName = "", ...folders] = path.split("/");
+  let nodes = context.page.libraries.peek().find((root) => root.name === rootName)?.children;
+  for (const folder of folders) nodes = nodes?.find((node) => node.name === folder)?.children;
+  if (!nodes?.some((node) => node.kind === "library" && node.name === name)) {
+    const text = `${path}/${name} is in none of the library roots: put it back, or name its root under LIBRARY_PATHS in config.yaml.`;
+    context.page.tell({ level: "warning", text });
+    return;
+  }
+  wantedLibrary.value = { path, name };
+  context.shell.showPanel("libraries");
+}
+
+/** Opens the machine of a library in a tab of its own, if it lies in a project; the user is told if it does not. */
+export async function openLibraryMachine(page: Page, library: LibraryName): Promise<void> {
+  const [rootName = "", ...folders] = library.path.split("/");
+  const root = page.libraries.peek().find((each) => each.name === rootName);
+  const place = root && [root.folder, ...folders, library.name].join("/");
+  const project = page.projects.peek().find((each) => place?.startsWith(`${each.folder}/`));
+  if (!place || !project) {
+    page.tell({
+      level: "warning",
+      text: `${library.path}/${library.name} lies in none of the projects that the server was started with: start it with that folder too to edit the library.`,
+    });
+    return;
+  }
+  const file = { project: project.id, path: place.slice(project.folder.length + 1) };
+  await page.open(file);
+}

@@ -1,0 +1,125 @@
+/** How machines and states come back to disk: where they lie, elsewhere, as copies, as libraries. */
+
+import type { SavedState } from "../model/generated/protocol.ts";
+import { comparisonOf } from "../store/comparison.ts";
+import type { OpenTab } from "../store/page.ts";
+import { RefusalError } from "../store/server.ts";
+import type { Context } from "./command.ts";
+import { applyDrafts } from "./drafts.ts";
+import { onlyState } from "./subject.ts";
+
+/** Whether the machine has edits that do not lie on disk. */
+export function isChanged(tab: OpenTab): boolean {
+  return tab.room.status.value?.summary.is_changed ?? false;
+}
+
+/** An id for a request, as the server wants one with whatever changes something. */
+export function requestId(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(12));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** Saves where the machine lies. What another program changed meanwhile is never lost without a word. */
+export async function saveTab(
+  context: Context,
+  tab: OpenTab | null,
+  overwrite = false,
+): Promise<boolean> {
+  if (!tab) return false;
+  if (tab.room.status.peek()?.summary.file === null) return saveElsewhere(context, false);
+  const { page, shell } = context;
+  if (!(await applyDrafts(page, tab))) return false;
+  try {
+    await page.server.request("POST", `/machines/${tab.room.id}/save`, { overwrite });
+    return true;
+  } catch (error) {
+    if (!(error instanceof RefusalError) || error.code !== "changed_on_disk") throw error;
+  }
+  const choice = await shell.choose({
+    title: "The files were changed by another program",
+    text: "Somebody changed this machine on disk since it was read: a git pull, perhaps, or another editor.",
+    choices: [
+      { value: "compare", title: "Compare first", detail: "Shows both side by side." },
+      {
+        value: "theirs",
+        title: "Take what lies on disk",
+        detail: "An undo brings back what is here.",
+      },
+      { value: "mine", title: "Save mine over it", detail: "What lies on disk is replaced." },
+    ],
+  });
+  if (choice === "compare") await compare(context);
+  if (choice === "theirs") {
+    await page.server.request("POST", `/machines/${tab.room.id}/reload`, { id: requestId() });
+  }
+  return choice === "mine" ? saveTab(context, tab, true) : false;
+}
+
+/** Compares with what lies on disk, unless something else was chosen already. */
+export async function compare({ page, tab, shell }: Context): Promise<void> {
+  shell.showPanel("differences");
+  if (!tab) return;
+  const comparison = comparisonOf(tab, page.server);
+  if (comparison.against.peek() === null) await comparison.choose({ kind: "saved" });
+}
+
+/** Saves in a folder that the user chooses: the machine itself, or a copy of it. */
+export async function saveElsewhere(context: Context, copy: boolean): Promise<boolean> {
+  const { page, tab, shell } = context;
+  if (!tab || !(await applyDrafts(page, tab))) return false;
+  const file = await shell.dialog("save-as", {
+    title: copy ? "Save a copy" : "Save as",
+    name: folderName(tab.room.machine.state(tab.room.machine.root)?.name ?? "machine"),
+    yes: copy ? "Save copy" : "Save",
+  });
+  if (!file) return false;
+  await page.server.request("POST", `/machines/${tab.room.id}/save`, { file, copy });
+  if (copy) {
+    page.tell({
+      level: "info",
+      text: `A copy lies in ${file.path}.`,
+      action: { title: "Open it", command: "file.open", argument: file },
+    });
+  }
+  return true;
+}
+
+/** Saves the selected state with all inside as a machine of its own. */
+export async function saveState(context: Context): Promise<void> {
+  const { page, tab, shell } = context;
+  const path = onlyState(context);
+  if (!tab || path === null) return;
+  const name = tab.room.machine.state(path)?.name ?? "state";
+  const file = await shell.dialog("save-as", {
+    title: `Save “${name}” as a machine or library`,
+    name: folderName(name),
+    yes: "Save",
+  });
+  if (!file) return;
+  const saved = await page.server.request<SavedState>(
+    "POST",
+    `/machines/${tab.room.id}/save_state`,
+    { path, file },
+  );
+  const what = saved.library ? `library ${saved.library.path}/${saved.library.name}` : "machine";
+  page.tell({
+    level: "info",
+    text: `“${name}” is saved as the ${what} in ${file.path}.`,
+    action: saved.library
+      ? {
+          title: "Use it here",
+          command: "arrange.substitute",
+          argument: { path, library: saved.library },
+        }
+      : { title: "Open it", command: "file.open", argument: saved.file },
+  });
+}
+
+/** A folder's name from a state's: what every file system takes. */
+export function folderName(name: string): string {
+  const plain = name
+    .trim()
+    .replace(/[^\p{L}\p{N}._-]+/gu, "_")
+    .replace(/^[._]+|[_.]+$/g, "");
+  return plain === "" ? "machine" : plain.toLowerCase();
+}
