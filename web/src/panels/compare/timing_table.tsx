@@ -6,7 +6,7 @@ import { callsOf } from "../../store/calls.ts";
 import type { Watch } from "../../store/run.ts";
 import { type Column, Table } from "../../ui/table.tsx";
 import { useHost } from "../context.tsx";
-import { duration } from "../parts/duration.ts";
+import { measured } from "../parts/duration.ts";
 import type { Show, Side } from "./show.ts";
 import { sorted, type TimingOrder, type TimingRow, timingRows } from "./timing.ts";
 
@@ -69,7 +69,7 @@ function columnsOf(show: (side: Side, row: TimingRow) => void): readonly Column<
           title={`${count} times, on average: show the first in ${title.toLowerCase()}`}
           onClick={() => show(side, row)}
         >
-          {duration(mean_ms)}
+          {measured(mean_ms)}
         </button>
       );
     },
@@ -99,7 +99,7 @@ function columnsOf(show: (side: Side, row: TimingRow) => void): readonly Column<
       width: "minmax(84px, 1fr)",
       align: "right",
       sortable: true,
-      cell: ({ more_ms }) => (more_ms === null ? "" : duration(more_ms)),
+      cell: ({ more_ms }) => (more_ms === null ? "" : measured(more_ms)),
     },
   ];
 }

@@ -17,7 +17,7 @@ import { ContextMenu } from "../../ui/menu.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import { useActiveTab, useHost } from "../context.tsx";
-import { duration, sinceStart } from "../parts/duration.ts";
+import { measured, sinceStart } from "../parts/duration.ts";
 import { happenedInWords, type NameOf, namesOf } from "../parts/happened.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { reveal } from "../reveal.ts";
@@ -198,7 +198,7 @@ function Row({ node, calls, nameOf }: RowProps) {
       <Sign node={node} calls={calls} />
       <span className="history-name">{nameOfNode(node, calls, nameOf)}</span>
       <span className="history-when">{sinceStart(began / 1e6, 1)}</span>
-      <span className="history-long">{duration(length / 1e6)}</span>
+      <span className="history-long">{measured(length / 1e6)}</span>
       <End call={last} calls={calls} />
     </span>
   );

@@ -4,16 +4,13 @@ import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
 import type { Phase } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
-import { isGoingOn } from "../../store/age.ts";
-import type { Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
-import { seconds } from "../../store/seconds.ts";
 import { pictureOf, type Standing, standingOf } from "../../store/standing.ts";
 import { usePaced } from "../../ui/paced.ts";
 import { useSignal } from "../../ui/signals.ts";
-import { duration } from "../parts/duration.ts";
+import { useLater } from "../later.ts";
+import { growing, measured } from "../parts/duration.ts";
 import { useDetail } from "../parts/value/use_detail.ts";
-import { useRunAge } from "../run_age.ts";
 import { Fold } from "./fold.tsx";
 import { RunError } from "./in_run_error.tsx";
 import { GlobalValues, RunValues } from "./in_run_values.tsx";
@@ -85,7 +82,7 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
   }
   return (
     <div className="shows-run">
-      <Facts page={seen.page} watch={watch} standing={standing} />
+      <Facts watch={watch} standing={standing} />
       {left && <RunError seen={seen} watch={watch} left={left} detail={end.detail} />}
       <RunValues seen={seen} watch={watch} standing={standing} entry={entry} end={end} />
     </div>
@@ -98,12 +95,11 @@ function wanted(sequence: number | undefined, values: unknown, always = false): 
 }
 
 interface FactsProps {
-  readonly page: Page;
   readonly watch: Watch;
   readonly standing: Standing;
 }
 
-function Facts({ page, watch, standing }: FactsProps) {
+function Facts({ watch, standing }: FactsProps) {
   const { active, visits, left, entered } = standing;
   return (
     <dl className="in-run-facts">
@@ -112,11 +108,11 @@ function Facts({ page, watch, standing }: FactsProps) {
         {active ? PHASE_WORDS[active.phase] : "not active"}
         {active?.detail ? ` for ${active.detail}` : ""}
       </dd>
-      {active ? <Since page={page} watch={watch} standing={standing} /> : null}
+      {active ? <Since watch={watch} standing={standing} /> : null}
       {!active && entered && left && left.sequence > entered.sequence ? (
         <>
           <dt>Took</dt>
-          <dd>{duration((left.t_ns - entered.t_ns) / 1e6)} the last time</dd>
+          <dd>{measured((left.t_ns - entered.t_ns) / 1e6)} the last time</dd>
         </>
       ) : null}
       <dt>Visits</dt>
@@ -134,17 +130,12 @@ function Facts({ page, watch, standing }: FactsProps) {
 }
 
 /** How long it has been active. Between two truths it goes on, as long as these are heard. */
-function Since({ page, watch, standing }: FactsProps) {
-  const now_ms = useSignal(seconds);
-  const now = useSignal(watch.now);
-  const heard_ms = useSignal(watch.heard_ms);
-  const { isOld } = useRunAge(page, watch);
-  const isLive = standing.until === null && now !== null && isGoingOn(now) && !isOld;
-  const more_ms = isLive && heard_ms !== null ? Math.max(0, now_ms - heard_ms) : 0;
+function Since({ watch, standing }: FactsProps) {
+  const later_ms = useLater(watch);
   return (
     <>
       <dt>Since</dt>
-      <dd>{duration((standing.active?.since_ms ?? 0) + more_ms)}</dd>
+      <dd>{growing((standing.active?.since_ms ?? 0) + later_ms)}</dd>
     </>
   );
 }

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { clockTime, duration, growing, sinceStart } from "./duration.ts";
+import { clockTime, duration, growing, measured, sinceStart } from "./duration.ts";
 
 test("lengths are short, and told apart where it matters", () => {
   const lengths = [0, 0.004, 1.5, 42, 400, 999, 12_300, 59_400, 59_600, 185_000, 3_723_000, -1_500];
@@ -16,6 +16,23 @@ test("lengths are short, and told apart where it matters", () => {
     "3:05",
     "1:02:03",
     "−1.5 s",
+  ]);
+});
+
+test("lengths that are compared have three figures", () => {
+  const lengths = [0, 0.004, 1.046, 42.34, 251.4, 999.6, 3_420, 12_340, 59_960, 185_000, -251];
+  expect(lengths.map(measured)).toEqual([
+    "0 s",
+    "4 µs",
+    "1.05 ms",
+    "42.3 ms",
+    "251 ms",
+    "1.00 s",
+    "3.42 s",
+    "12.3 s",
+    "1:00",
+    "3:05",
+    "−251 ms",
   ]);
 });
 

@@ -4,7 +4,7 @@ const SECOND = 1_000;
 const MINUTE = 60 * SECOND;
 const HOUR = 60 * MINUTE;
 
-/** `4 µs`, `0.12 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`. */
+/** At a glance: `4 µs`, `42 ms`, `0.1 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`. */
 export function duration(ms: number): string {
   if (ms < 0) return `−${duration(-ms)}`;
   if (ms === 0) return "0 s";
@@ -16,6 +16,17 @@ export function duration(ms: number): string {
   const [hours, minutes] = [Math.floor(seconds / 3_600), Math.floor(seconds / 60) % 60];
   const rest = two(seconds % 60);
   return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
+}
+
+/** To three figures, where lengths are compared: `4 µs`, `1.05 ms`, `251 ms`, `3.42 s`, `12.3 s`, `3:05`. */
+export function measured(ms: number): string {
+  if (ms < 0) return `−${measured(-ms)}`;
+  if (ms < 0.9995 || ms >= MINUTE - 50) return duration(ms);
+  return ms < 999.5 ? `${threeFigures(ms)} ms` : `${threeFigures(ms / SECOND)} s`;
+}
+
+function threeFigures(number: number): string {
+  return number.toFixed(number < 9.995 ? 2 : number < 99.95 ? 1 : 0);
 }
 
 /** How far something has come, never more: to the tenth at first, `0.6 s`, `9.9 s`, `12 s`. */

@@ -11,7 +11,7 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { type Column, Table } from "../../ui/table.tsx";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
-import { duration } from "../parts/duration.ts";
+import { measured } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { rowsOf, type Sort, scaleOf, sortedBy } from "./rows.ts";
 import { useStatistics } from "./use_statistics.ts";
@@ -153,7 +153,7 @@ function allColumns(states: readonly StateStatistics[]): readonly Column<StateSt
       width: "68px",
       align: "right",
       sortable: true,
-      cell: (row: StateStatistics) => duration(ns(row) / 1e6),
+      cell: (row: StateStatistics) => measured(ns(row) / 1e6),
     }) as const;
   return [
     {
@@ -210,7 +210,7 @@ interface SpreadProps {
 /** From the shortest to the longest, thick up to 95 of 100, with a mark at the median; beside each other by magnitude. */
 function Spread({ row, scale }: SpreadProps) {
   const percent = (ns: number) => `${(scale(ns) * 100).toFixed(1)}%`;
-  const words = `from ${duration(row.min_ns / 1e6)} to ${duration(row.max_ns / 1e6)}, half within ${duration(row.median_ns / 1e6)}`;
+  const words = `from ${measured(row.min_ns / 1e6)} to ${measured(row.max_ns / 1e6)}, half within ${measured(row.median_ns / 1e6)}`;
   return (
     <svg className="statistics-spread" role="img" aria-label={words}>
       <title>{words}</title>

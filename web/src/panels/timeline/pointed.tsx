@@ -4,7 +4,7 @@ import { NONE } from "../../store/calls.ts";
 import { type Look, lookOf } from "../../store/lanes.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { useSignal } from "../../ui/signals.ts";
-import { duration, sinceStart } from "../parts/duration.ts";
+import { measured, sinceStart } from "../parts/duration.ts";
 import { namesOf } from "../parts/happened.ts";
 import type { TimelineModel } from "./model.ts";
 
@@ -37,7 +37,7 @@ export function Pointed({ tab, model }: PointedProps) {
         </span>
       )}
       <span>
-        from {sinceStart(began / 1e6, 1)} for {duration(length / 1e6)}
+        from {sinceStart(began / 1e6, 1)} for {measured(length / 1e6)}
       </span>
       <span>{endInWords(lookOf(calls, call), calls.outcome(call)?.name ?? "")}</span>
       {calls.end(call) !== NONE && calls.journal.hasError(calls.end(call)) && (
