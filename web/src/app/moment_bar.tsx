@@ -67,10 +67,12 @@ function OfMoment({ tab, watch, moment }: OfRunProps & { readonly moment: number
 
 /** When it was: by the clock, unless the run was taken up after a crash, and how long before now or the end. */
 function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }) {
+  const { page } = useSession();
   const now = useSignal(watch.now);
   const seen = useSignal(watch.seen);
   const t_ms = watch.journal.t_ns(index) / 1e6;
-  const before = duration(Math.max(0, timelineOf(watch).end_ns / 1e6 - t_ms));
+  const come_ms = useDerived(() => timelineOf(page, watch).end_ns / 1e6, [page, watch]);
+  const before = duration(Math.max(0, come_ms - t_ms));
   const at =
     now && (seen?.picture.life ?? 1) <= 1 ? `, ${clockTime(now.run.started_ms + t_ms)}` : "";
   return `${at}, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;

@@ -22,8 +22,13 @@ const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };
 
 /** Reads signals: an effect or computed value is told when it may be another. */
 export function runAge(page: Pick<Page, "server">, watch: Watch, now_ms: number): RunAge {
-  const now = watch.now.value;
   if (watch.moment.value !== null) return momentAge(watch);
+  return truthAge(page, watch, now_ms);
+}
+
+/** The same of the latest truth about the run, whatever moment is shown. */
+export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: number): RunAge {
+  const now = watch.now.value;
   if (!now || !isGoingOn(now)) return FRESH;
   const [link, pulse] = [page.server.link.value, page.server.pulse.value];
   const heard_ms = Math.max(pulse?.heard_ms ?? 0, watch.heard_ms.value ?? 0);

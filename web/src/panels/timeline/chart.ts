@@ -46,21 +46,19 @@ class Chart {
   readonly #places: ChartPlaces;
   readonly #options: ChartOptions;
   readonly #stops: (() => void)[];
-  #inks: Scene["inks"];
-  #font: string;
+  /** The colours and the font as they are while it stands in the document; null: to be looked up. */
+  #looks: Pick<Scene, "inks" | "font"> | null = null;
   #frame = 0;
 
   constructor(places: ChartPlaces, options: ChartOptions) {
     this.#places = places;
     this.#options = options;
-    this.#inks = inksOf(places.rows);
-    this.#font = getComputedStyle(places.rows).fontFamily;
     const follow = effect(() => {
       this.#read();
       this.#soon();
     });
     const theme = onTheme(() => {
-      this.#inks = inksOf(places.rows);
+      this.#looks = null;
       this.#soon();
     });
     const resized = new ResizeObserver(() => this.#soon());
@@ -80,7 +78,7 @@ class Chart {
     const { tab, model, parted_ns, gaps } = this.#options;
     gaps();
     model.watch.grown.value;
-    model.watch.now.value;
+    model.end_ns;
     model.watch.moment.value;
     model.wanted.value;
     model.folded.value;
@@ -106,6 +104,9 @@ class Chart {
   #paint(): void {
     this.#frame = 0;
     const { ruler, rows, scroller } = this.#places;
+    // Behind another panel it has no size and no colours; it is painted when it comes to the front.
+    if (!rows.isConnected) return;
+    this.#looks ??= { inks: inksOf(rows), font: getComputedStyle(rows).fontFamily };
     const { tab, model, parted_ns, gaps } = this.#options;
     const { calls } = model;
     const found = model.found.peek();
@@ -125,8 +126,7 @@ class Chart {
       parted_ns: parted_ns(),
       gaps: gaps(),
       nameOf: namesOf(tab.room),
-      inks: this.#inks,
-      font: this.#font,
+      ...this.#looks,
     };
     const above = sized(ruler, scene.scale.width, RULER_PX);
     if (above) paintRuler(above, scene);
@@ -198,7 +198,7 @@ class Chart {
   #showAt(x: number): void {
     const { model } = this.#options;
     const t_ns = timeAt(this.#scale, x);
-    if (t_ns >= model.end_ns) model.watch.moment.value = null;
+    if (t_ns >= model.told_ns) model.watch.moment.value = null;
     else showTime(model.watch, t_ns);
   }
 
@@ -226,20 +226,26 @@ class Chart {
     rows.addEventListener("pointercancel", () => listening.abort(), { signal });
   }
 
-  /** Shows the moment, and selects the state that ran there. Of a bar the moment lies within it, however narrow it is. */
+  /** Shows the moment, and selects the state that ran there. */
   #click(event: PointerEvent): void {
     const { tab, model } = this.#options;
-    const { calls, watch } = model;
-    const call = this.#pointedAt(event).call;
-    if (call === null) {
-      this.#showAt(event.offsetX);
-      return;
-    }
-    const at = calls.journal.indexAt(timeAt(this.#scale, event.offsetX) + 1) - 1;
-    const last = calls.end(call) === NONE ? calls.read - 1 : calls.end(call) - 1;
-    showIndex(watch, Math.min(Math.max(at, calls.begin(call)), Math.max(last, calls.begin(call))));
+    const { calls } = model;
+    const { call } = this.#pointedAt(event);
+    const isNow = timeAt(this.#scale, event.offsetX) >= model.told_ns;
+    if (call === null || (isNow && calls.end(call) === NONE)) this.#showAt(event.offsetX);
+    else this.#showIn(call, event.offsetX);
+    if (call === null) return;
     const path = calls.path(call);
     if (tab.room.machine.state(path)) select(tab.view, [{ kind: "state", path }]);
+  }
+
+  /** Shows a moment within a call, however narrow its bar is. */
+  #showIn(call: number, x: number): void {
+    const { calls, watch } = this.#options.model;
+    const [begin, end] = [calls.begin(call), calls.end(call)];
+    const at = calls.journal.indexAt(timeAt(this.#scale, x) + 1) - 1;
+    const last = end === NONE ? calls.read - 1 : end - 1;
+    showIndex(watch, Math.min(Math.max(at, begin), Math.max(last, begin)));
   }
 
   #point(event: PointerEvent): void {

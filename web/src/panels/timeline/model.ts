@@ -3,10 +3,13 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import { type Calls, callsOf, NONE } from "../../store/calls.ts";
+import { comeAt } from "../../store/come.ts";
 import { Found } from "../../store/found.ts";
 import { lanesOf } from "../../store/lanes.ts";
 import { showIndex, shownIndex } from "../../store/moments.ts";
+import type { Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
+import { seconds } from "../../store/seconds.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
 import { fitted, type Span, spanOf, type Wanted, withTime, zoomed } from "./span.ts";
@@ -36,7 +39,10 @@ export class TimelineModel {
   readonly hit: Signal<number | null> = signal<number | null>(null);
   readonly pointed: Signal<Pointed | null> = signal<Pointed | null>(null);
 
-  constructor(watch: Watch) {
+  readonly #page: Pick<Page, "server">;
+
+  constructor(page: Pick<Page, "server">, watch: Watch) {
+    this.#page = page;
     this.watch = watch;
   }
 
@@ -44,13 +50,16 @@ export class TimelineModel {
     return callsOf(this.watch.journal);
   }
 
-  /** How far the run has come. */
+  /** How far the run has come. While it goes on, another number once a second. A signal's reader. */
   get end_ns(): number {
-    const { journal, now } = this.watch;
-    const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
-    const truth = now.value;
-    const isLive = truth?.run.phase === "live" && truth.link !== "over";
-    return Math.max(told, isLive ? (truth.snapshot?.elapsed_ms ?? 0) * 1e6 : 0);
+    const isLive = this.watch.now.value?.run.phase === "live";
+    return comeAt(this.#page, this.watch, isLive ? seconds.value : 0) * 1e6;
+  }
+
+  /** When the last event was: after it nothing has changed. */
+  get told_ns(): number {
+    const { journal } = this.watch;
+    return journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
   }
 
   get span(): Span {
@@ -138,10 +147,10 @@ export class TimelineModel {
 
 const OF = new WeakMap<Watch, TimelineModel>();
 
-export function timelineOf(watch: Watch): TimelineModel {
+export function timelineOf(page: Pick<Page, "server">, watch: Watch): TimelineModel {
   let model = OF.get(watch);
   if (!model) {
-    model = new TimelineModel(watch);
+    model = new TimelineModel(page, watch);
     OF.set(watch, model);
   }
   return model;

@@ -45,8 +45,9 @@ export function Timeline() {
 
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const watch = useSignal(tab.run);
+  const { page } = useHost().context();
   if (!watch) return <NoRun what="Its states stand here over time, a lane for each branch." />;
-  return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(watch)} />;
+  return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(page, watch)} />;
 }
 
 interface OfRunProps {
