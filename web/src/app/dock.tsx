@@ -19,10 +19,11 @@ import {
   PictureInPicture2,
   SquareArrowOutUpRight,
 } from "lucide-react";
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useMemo, useRef, useState } from "react";
 import { useIsOld } from "../panels/run_age.ts";
 import { shedOf } from "../store/shed.ts";
 import { IconButton } from "../ui/button.tsx";
+import { useKeptScroll } from "../ui/kept_scroll.ts";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { Centre } from "./centre.tsx";
@@ -115,10 +116,12 @@ function Middle() {
 function PanelPlace({ api }: IDockviewPanelProps) {
   const panel = panelOf(api.id);
   const isOld = useIsOld(useSession().page);
+  const place = useRef<HTMLDivElement>(null);
+  useKeptScroll(place);
   if (!panel) return null;
   const Component = panel.component;
   return (
-    <div className={isOld ? "panel is-old" : "panel"}>
+    <div ref={place} className={isOld ? "panel is-old" : "panel"}>
       <PanelGuard name={panel.title}>
         <Component />
       </PanelGuard>

@@ -5,6 +5,7 @@ import { ArrowDown, ArrowUp } from "lucide-react";
 import { type KeyboardEvent, type ReactNode, useEffect, useRef, useState } from "react";
 import { CellEditor, type CellStep } from "./cell_editor.tsx";
 import type { Commit } from "./field.tsx";
+import { isAtEnd, useScrolled } from "./scrolled.ts";
 import "./table.css";
 
 export interface Column<T> {
@@ -60,6 +61,8 @@ export interface TableProps<T> {
   readonly hideHead?: boolean | undefined;
   /** Stays at its end while rows come. */
   readonly follow?: boolean | undefined;
+  /** Somebody has scrolled it: to its end, or away from there. */
+  readonly onEnd?: ((isAtEnd: boolean) => void) | undefined;
   /** The id of a row that is brought into sight whenever it is another. */
   readonly inSight?: string | undefined;
   /** How a row looks beside others. */
@@ -74,7 +77,7 @@ interface Cell {
 const ROW_PX = 24;
 
 export function Table<T>(props: TableProps<T>) {
-  const { rows, columns, id, rowsMax, follow } = props;
+  const { rows, columns, id, rowsMax, follow = false } = props;
   const place = useRef<HTMLDivElement>(null);
   const [active, setActive] = useState<Cell | null>(null);
   const [editing, setEditing] = useState(false);
@@ -88,16 +91,16 @@ export function Table<T>(props: TableProps<T>) {
     },
     overscan: 8,
   });
-  useEffect(() => {
-    if (follow && rows.length > 0) virtual.scrollToIndex(rows.length - 1);
-  }, [follow, rows.length, virtual]);
+  const scrolled = useScrolled(place, follow, rows.length);
   const { inSight } = props;
   const latest = useRef(props);
   latest.current = props;
   useEffect(() => {
     const index = latest.current.rows.findIndex((row) => latest.current.id(row) === inSight);
-    if (inSight !== undefined && index >= 0) virtual.scrollToIndex(index, { align: "center" });
-  }, [inSight, virtual]);
+    if (inSight === undefined || index < 0) return;
+    virtual.scrollToIndex(index, { align: "center" });
+    scrolled.note();
+  }, [inSight, virtual, scrolled]);
   const at = rows.findIndex((row) => id(row) === active?.row);
   const go = (index: number, column: number, how = ALONE) => {
     const row = rows[Math.max(0, Math.min(rows.length - 1, index))];
@@ -105,6 +108,7 @@ export function Table<T>(props: TableProps<T>) {
     setEditing(false);
     setActive({ row: id(row), column: Math.max(0, Math.min(columns.length - 1, column)) });
     virtual.scrollToIndex(rows.indexOf(row), { align: "auto" });
+    scrolled.note();
     props.onSelect?.(row, how);
   };
   const template = columns.map((column) => column.width ?? "minmax(0, 1fr)").join(" ");
@@ -124,7 +128,11 @@ export function Table<T>(props: TableProps<T>) {
       aria-label={props.label}
       aria-rowcount={rows.length}
       tabIndex={0}
+      data-follow={follow}
       style={height === undefined ? undefined : { height }}
+      onScroll={({ currentTarget }) => {
+        if (scrolled.isSomebody()) props.onEnd?.(isAtEnd(currentTarget));
+      }}
       onKeyDown={(event) => tableKey(event, props, cursor, place.current)}
       onMouseLeave={() => props.onHover?.(null)}
     >

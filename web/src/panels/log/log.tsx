@@ -40,9 +40,10 @@ export function Log() {
   const here = shown === null ? undefined : hereOf(rows, shown);
   const columns = useMemo(() => columnsOf(watch !== null, nameOf), [watch, nameOf]);
   const entry = rows.find(({ id }) => id === chosen);
-  const stay = () => setFilter((before) => ({ ...before, follows: false }));
+  const follow = (follows: boolean) =>
+    setFilter((before) => (before.follows === follows ? before : { ...before, follows }));
   const choose = (next: Entry) => {
-    stay();
+    follow(false);
     setChosen(next.id);
     show(host, tab, next);
   };
@@ -62,7 +63,7 @@ export function Log() {
         )}
       </LogBar>
       <div className="log-body">
-        <div className="log-rows" onWheel={({ deltaY }) => deltaY < 0 && filter.follows && stay()}>
+        <div className="log-rows">
           {rows.length === 0 ? (
             <Nothing isFiltered={filter.query !== "" || filter.isOfSelection} />
           ) : (
@@ -75,6 +76,7 @@ export function Log() {
               onSelect={choose}
               onOpen={showMoment}
               follow={filter.follows && shown === null}
+              onEnd={follow}
               inSight={here?.id}
               rowClass={(row) => (here ? classOf(row, here) : undefined)}
               hideHead
