@@ -11,14 +11,21 @@ export function saidAt(page: Pick<Page, "server">, watch: Pick<Watch, "now">): n
   return said_ms === null ? null : said_ms - (page.server.pulse.value?.ahead_ms ?? 0);
 }
 
-/** The time since the start, in ms; of a past moment its own, of a run that is over its length. While the run goes on it is
- * reckoned on from what the runner said last. */
+/** The time since the start, in ms; of a past moment its own, else as it is now. */
 export function elapsedAt(page: Pick<Page, "server">, watch: Clocked, now_ms: number): number {
   const moment = watch.moment.value;
-  if (moment !== null) {
-    watch.grown.value;
-    return watch.journal.t_ns(watch.journal.indexOf(moment)) / 1e6;
-  }
+  if (moment === null) return elapsedNow(page, watch, now_ms);
+  watch.grown.value;
+  return watch.journal.t_ns(watch.journal.indexOf(moment)) / 1e6;
+}
+
+/** The time since the start, in ms, whatever moment is shown; of a run that is over its length. While the run goes on it is
+ * reckoned on from what the runner said last. */
+export function elapsedNow(
+  page: Pick<Page, "server">,
+  watch: Pick<Watch, "now">,
+  now_ms: number,
+): number {
   const now = watch.now.value;
   if (!now) return 0;
   const { run, snapshot } = now;
