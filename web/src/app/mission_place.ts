@@ -8,6 +8,9 @@ export const NARROW = "(max-width: 900px)";
 
 /** What of a narrow page's height it takes, and of a wide one's width at most. */
 const HEIGHT_SHARE = 0.64;
+/** On a low page it has the room for its buttons and some more first, but for what is left to the canvas. */
+const HEIGHT_MIN = 380;
+const CANVAS_MIN = 80;
 const WIDTH_SHARE = 0.55;
 const WIDTH = 600;
 
@@ -22,7 +25,7 @@ export function placeMission(api: DockviewApi, isNarrow: boolean): boolean {
 /** Gives it the size that it has at first. */
 export function sizeMission(api: DockviewApi, isNarrow: boolean): void {
   const size = isNarrow
-    ? { height: api.height * HEIGHT_SHARE }
+    ? { height: heightOn(api.height) }
     : { width: Math.min(WIDTH, api.width * WIDTH_SHARE) };
   groupOf(api)?.api.setSize(size);
 }
@@ -31,4 +34,8 @@ export function sizeMission(api: DockviewApi, isNarrow: boolean): void {
 function groupOf(api: DockviewApi) {
   const group = api.getPanel(MISSION_PANEL)?.group;
   return group?.api.location.type === "grid" && group.size === 1 ? group : null;
+}
+
+function heightOn(page: number): number {
+  return Math.max(page * HEIGHT_SHARE, Math.min(HEIGHT_MIN, page - CANVAS_MIN));
 }

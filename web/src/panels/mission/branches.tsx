@@ -21,6 +21,7 @@ import { useHost } from "../context.tsx";
 import { useLater } from "../later.ts";
 import { duration, growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
+import { inOrder } from "../running/order.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
 
 /** So many branches have a card; more are counted. */
@@ -28,7 +29,7 @@ const CARDS_MAX = 12;
 
 export function Branches({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
-  const shown = useComputed(() => lanes(activeStates(watch)), [watch]);
+  const shown = useComputed(() => inOrder(lanes(activeStates(watch))), [watch]);
   const names = useMachineNames();
   const past = useComputed(
     () => pastUsual(page, earlierRuns(page, watch)[0]?.id ?? null).value,
@@ -83,7 +84,13 @@ function Card({ lane, names, watch, usual, later_ms }: CardProps) {
   const name = around.pop() ?? lane.name;
   return (
     <li className={`mission-card shows-run mission-phase-${lane.phase}`}>
-      {around.length > 0 && <p className="mission-card-way">{around.join(" › ")}</p>}
+      <div className="mission-card-head">
+        <p className="mission-card-way">{around.join(" › ")}</p>
+        <p className="mission-card-phase">
+          <Sign size={16} aria-hidden />
+          <span>{phaseInWords(lane, word)}</span>
+        </p>
+      </div>
       <div className="mission-card-main">
         <button
           type="button"
@@ -95,12 +102,11 @@ function Card({ lane, names, watch, usual, later_ms }: CardProps) {
         </button>
         <span className="mission-card-time">{growing(since_ms)}</span>
       </div>
-      <p className="mission-card-phase">
-        <Sign size={16} aria-hidden />
-        <span>{phaseInWords(lane, word)}</span>
-      </p>
-      {lane.phase !== "held" && usual && <Against usual={usual} since_ms={since_ms} />}
-      <Before watch={watch} path={place} names={names} />
+      {lane.phase !== "held" && usual && <Bar usual={usual} since_ms={since_ms} />}
+      <div className="mission-card-foot">
+        {lane.phase !== "held" && usual && <UsualTime usual={usual} since_ms={since_ms} />}
+        <Before watch={watch} path={place} names={names} />
+      </div>
     </li>
   );
 }
@@ -123,24 +129,39 @@ function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): st
   return word;
 }
 
-/** The time in the state against how long it usually takes, as a bar and in words. */
-function Against({ usual, since_ms }: { readonly usual: Usual; readonly since_ms: number }) {
-  const { median_ms, max_ms, count } = usual;
-  const isLong = since_ms > max_ms * 1.1 && since_ms > max_ms + 1_000;
+interface AgainstProps {
+  readonly usual: Usual;
+  readonly since_ms: number;
+}
+
+/** The time in the state against how long it usually takes. */
+function Bar({ usual: { median_ms, max_ms }, since_ms }: AgainstProps) {
   const scale = Math.max(max_ms, since_ms, 1);
+  const width = (ms: number) => ({ width: `${(ms / scale) * 100}%` });
   return (
-    <div className={`mission-against ${isLong ? "mission-long" : ""}`}>
-      <span className="mission-bar" aria-hidden>
-        <span className="mission-bar-usual" style={{ width: `${(median_ms / scale) * 100}%` }} />
-        <span className="mission-bar-now" style={{ width: `${(since_ms / scale) * 100}%` }} />
-      </span>
-      <span>
-        {isLong ? "longer than ever: " : ""}usually {duration(median_ms)}, at most{" "}
-        {duration(max_ms)}
-        <span className="mission-soft"> ({count === 1 ? "once" : `${count} times`})</span>
-      </span>
-    </div>
+    <span
+      className={`mission-bar ${isLong(since_ms, max_ms) ? "mission-bar-long" : ""}`}
+      aria-hidden
+    >
+      <span className="mission-bar-now" style={width(since_ms)} />
+      <span className="mission-bar-usual" style={width(median_ms)} />
+    </span>
   );
+}
+
+/** The same in words. */
+function UsualTime({ usual: { median_ms, max_ms, count }, since_ms }: AgainstProps) {
+  return (
+    <p className={isLong(since_ms, max_ms) ? "mission-long" : undefined}>
+      {isLong(since_ms, max_ms) ? "longer than ever: " : ""}usually {duration(median_ms)}, at most{" "}
+      {duration(max_ms)}
+      <span className="mission-soft"> ({count === 1 ? "once" : `${count} times`})</span>
+    </p>
+  );
+}
+
+function isLong(since_ms: number, max_ms: number): boolean {
+  return since_ms > max_ms * 1.1 && since_ms > max_ms + 1_000;
 }
 
 function Before({ watch, path, names }: { watch: Watch; path: string; names: Names }) {

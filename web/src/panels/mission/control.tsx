@@ -12,6 +12,7 @@ import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
 import { clockTime, duration } from "../parts/duration.ts";
+import { Identity } from "./identity.tsx";
 import { isGoingOn } from "./no_run.tsx";
 
 export function ControlPart({ watch }: { readonly watch: Watch }) {
@@ -22,7 +23,13 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
     const run = watch.now.value?.run;
     return run !== undefined && isGoingOn(run);
   }, [watch]);
-  if (!control || !isOn) return null;
+  if (!control || !isOn) {
+    return (
+      <section className="mission-part" aria-label="Who is here">
+        <Identity />
+      </section>
+    );
+  }
   const { holder, requests } = control;
   const isMine = holder !== null && holder === user;
   return (
@@ -63,6 +70,7 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
         </ul>
       )}
       <Moves isMine={isMine} holder={holder} asks={requests.includes(user ?? "")} />
+      <Identity />
     </section>
   );
 }
@@ -106,7 +114,6 @@ function Moves({
           command="control.request"
           title={holder === null ? "Take control" : "Ask for control"}
           sign={<Hand size={16} aria-hidden />}
-          primary
         />
       )}
       {holder !== null && <TakeOver holder={holder} />}

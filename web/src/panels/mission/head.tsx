@@ -1,20 +1,15 @@
-/** What a glance has to tell: which mission, how it stands, how long, and how old all this is. */
+/** What a glance has to tell: which mission, how it stands, and how long. As high whatever it says: what stands below stays there. */
 
-import { History, Unplug, Wifi } from "lucide-react";
 import { runStand, summaryStand } from "../../model/run_words.ts";
-import { isGoingOn, type RunAge, runAge } from "../../store/age.ts";
-import { openQuestions } from "../../store/questions.ts";
+import { isGoingOn, runAge } from "../../store/age.ts";
 import type { Watch } from "../../store/run.ts";
-import { elapsedAt } from "../../store/run_clock.ts";
+import { elapsedNow } from "../../store/run_clock.ts";
 import { summaryOf } from "../../store/running.ts";
 import { seconds } from "../../store/seconds.ts";
 import { earlierRuns, expectedLength } from "../../store/usual.ts";
-import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
-import { useRunAge } from "../run_age.ts";
-import { Identity } from "./identity.tsx";
 import { isGoingOn as isSummaryGoingOn } from "./no_run.tsx";
 import { StatusWord } from "./status_word.tsx";
 
@@ -22,12 +17,12 @@ export function Head({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const now = useSignal(watch.now);
   const summary = useComputed(() => summaryOf(page, watch), [page, watch]);
-  const asked = useComputed(() => askedInWords(openQuestions(watch).length), [watch]);
   const stand = now ? runStand(now) : summary && summaryStand(summary);
+  const name = summary?.name ?? watch.id;
   return (
     <div className="mission-head">
       <div className="mission-title">
-        <h2 title={watch.id}>{summary?.name ?? watch.id}</h2>
+        <h2 title={`${name}, run ${watch.id}`}>{name}</h2>
         <OtherRuns watch={watch} />
       </div>
       <div className="mission-status shows-run">
@@ -36,20 +31,9 @@ export function Head({ watch }: { readonly watch: Watch }) {
             <StatusWord stand={stand} size={26} />
           </span>
         )}
+        <p className="mission-detail">{stand && stand.word !== "finished" && stand.detail}</p>
         <Times watch={watch} />
       </div>
-      {stand && stand.word !== "finished" && (
-        <p className="mission-detail">
-          {[stand.detail, asked].filter((text) => text !== "").join("; ")}
-        </p>
-      )}
-      {now?.snapshot?.journal_problem && (
-        <p className="mission-alert">
-          The journal cannot be written: {now.snapshot.journal_problem}
-        </p>
-      )}
-      <LinkAge watch={watch} />
-      <Identity />
     </div>
   );
 }
@@ -60,7 +44,7 @@ function Times({ watch }: { readonly watch: Watch }) {
   const elapsed = useComputed(() => {
     const now_ms = seconds.value;
     const age = runAge(page, watch, now_ms);
-    const elapsed_ms = elapsedAt(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
+    const elapsed_ms = elapsedNow(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
     const now = watch.now.value;
     return now && isGoingOn(now) ? growing(elapsed_ms) : duration(elapsed_ms);
   }, [page, watch]);
@@ -82,57 +66,6 @@ function Times({ watch }: { readonly watch: Watch }) {
       )}
     </dl>
   );
-}
-
-/** How the connection is, and how old what is shown may be. */
-function LinkAge({ watch }: { readonly watch: Watch }) {
-  const { page } = useHost().context();
-  const run = useCommand();
-  const pulse = useSignal(page.server.pulse);
-  const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
-  const age = useRunAge(page, watch);
-  if (age.why === "moment") {
-    return (
-      <p className="mission-link mission-link-past">
-        <History size={16} aria-hidden />
-        <span>
-          Branches show the past, {duration(age.age_ms)} before the newest event. Status, questions
-          and buttons are live.
-        </span>
-        <Button onClick={() => run("run.live")}>Back to now</Button>
-      </p>
-    );
-  }
-  if (age.isOld) {
-    return (
-      <p className="mission-link mission-link-old" role="alert">
-        <Unplug size={16} aria-hidden />
-        <span>{oldInWords(age)}</span>
-      </p>
-    );
-  }
-  const delay = pulse?.delay_ms == null ? "" : ` (${Math.max(1, Math.round(pulse.delay_ms))} ms)`;
-  const isLive = phase === "live" || phase === "starting";
-  return (
-    <p className="mission-link">
-      <Wifi size={16} aria-hidden />
-      <span>
-        {isLive
-          ? `Live: server and robot are heard${delay}`
-          : "The run is over: this stays as it is"}
-      </span>
-    </p>
-  );
-}
-
-function askedInWords(count: number): string {
-  if (count === 0) return "";
-  return count === 1 ? "a question waits for an answer" : `${count} questions wait for answers`;
-}
-
-function oldInWords({ why, age_ms }: RunAge): string {
-  const who = why === "link" ? "The server is not heard" : "The server does not hear the robot";
-  return `${who}: what you see is ${duration(age_ms)} old.`;
 }
 
 /** Other runs that go on, one press away. */

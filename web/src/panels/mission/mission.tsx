@@ -1,8 +1,9 @@
 /** Mission control: how the mission stands for somebody under stress, and the few things that such a person does. */
 
 import { signal } from "@preact/signals-core";
+import { HardDrive } from "lucide-react";
 import type { Watch } from "../../store/run.ts";
-import { useSignal } from "../../ui/signals.ts";
+import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab } from "../context.tsx";
 import { Branches } from "./branches.tsx";
 import { ControlPart } from "./control.tsx";
@@ -12,7 +13,9 @@ import { Head } from "./head.tsx";
 import { NoRun } from "./no_run.tsx";
 import { Pinned } from "./pinned.tsx";
 import { Questions } from "./questions.tsx";
-import { Steering } from "./steering.tsx";
+import { SentList } from "./sent_list.tsx";
+import { Steering, WhyNot } from "./steering.tsx";
+import { Wants } from "./wants.tsx";
 import "./mission.css";
 import "./head.css";
 import "./steering.css";
@@ -34,7 +37,13 @@ function Shown({ watch }: { readonly watch: Watch }) {
     <>
       <div className="mission-top">
         <Head watch={watch} />
-        <Steering watch={watch} />
+        <Steering />
+        <Wants watch={watch} />
+        <div className="mission-notes">
+          <WhyNot watch={watch} />
+          <JournalProblem watch={watch} />
+        </div>
+        <SentList watch={watch} />
       </div>
       <div className="mission-facts">
         <Questions watch={watch} />
@@ -45,5 +54,16 @@ function Shown({ watch }: { readonly watch: Watch }) {
         <Events watch={watch} />
       </div>
     </>
+  );
+}
+
+function JournalProblem({ watch }: { readonly watch: Watch }) {
+  const problem = useComputed(() => watch.now.value?.snapshot?.journal_problem ?? null, [watch]);
+  if (problem === null) return null;
+  return (
+    <p className="mission-band mission-band-old" role="alert">
+      <HardDrive size={16} aria-hidden />
+      <span>What happens cannot be written down any more: {problem}</span>
+    </p>
   );
 }

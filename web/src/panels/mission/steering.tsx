@@ -1,4 +1,4 @@
-/** Stop and Hold, always in the same place: asking once by a second press; Resume and Step beside; what became of each press. */
+/** Stop and Hold, always in the same place: asking once by a second press; Resume and Step beside. */
 
 import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from "lucide-react";
 import { type ReactNode, useEffect, useState } from "react";
@@ -8,12 +8,11 @@ import { otherHolder } from "../../commands/run_rules.ts";
 import type { Watch } from "../../store/run.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { SentList } from "./sent_list.tsx";
 
 /** A second press counts within so long. */
 const AGAIN_MS = 3_000;
 
-export function Steering({ watch }: { readonly watch: Watch }) {
+export function Steering() {
   const run = useCommand();
   const refusal = useRefusals();
   return (
@@ -34,8 +33,6 @@ export function Steering({ watch }: { readonly watch: Watch }) {
       />
       <Once name="Resume" sign={CirclePlay} refusal={refusal["run.resume"]} command="run.resume" />
       <Once name="Step" sign={Footprints} refusal={refusal["run.over"]} command="run.over" />
-      <Why refusal={refusal} watch={watch} />
-      <SentList watch={watch} />
     </section>
   );
 }
@@ -58,11 +55,14 @@ function useRefusals(): Refusals {
 }
 
 /** What keeps from steering, where that is not plain to see from the status. */
-function Why({ refusal, watch }: { readonly refusal: Refusals; readonly watch: Watch }) {
+export function WhyNot({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
+  const refusal = useRefusals();
   const other = useComputed(() => otherHolder(page, watch), [page, watch]);
+  const isCrashed = useComputed(() => watch.now.value?.run.phase === "crashed", [watch]);
   const why = refusal["run.stop"] ?? (other === null ? null : refusal["run.resume"]);
-  return why ? <p className="mission-why">{capital(why)}.</p> : null;
+  // Of a crash there is more to say, and it stands below.
+  return why && !isCrashed ? <p className="mission-why">{capital(why)}.</p> : null;
 }
 
 interface PressProps {

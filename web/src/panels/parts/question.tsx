@@ -4,13 +4,12 @@ import { CircleHelp, Timer } from "lucide-react";
 import { type FormEvent, useId, useState } from "react";
 import { refusalOf } from "../../commands/command.ts";
 import type { Form, Question } from "../../model/generated/protocol.ts";
-import { askedQuestions } from "../../store/questions.ts";
+import { timeLeft } from "../../store/question_time.ts";
 import type { Watch } from "../../store/run.ts";
-import { elapsedAt } from "../../store/run_clock.ts";
 import { seconds } from "../../store/seconds.ts";
 import { Button } from "../../ui/button.tsx";
 import { Checkbox, TextField } from "../../ui/field.tsx";
-import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
 import {
   answerOf,
@@ -22,6 +21,9 @@ import {
 } from "./answer.ts";
 import { duration } from "./duration.ts";
 import "./question.css";
+
+/** With less time an answer is wanted at once. */
+const SOON_MS = 15_000;
 
 export interface QuestionFormProps {
   readonly watch: Watch;
@@ -49,12 +51,14 @@ export function QuestionForm({ watch, question, asker }: QuestionFormProps) {
     if (buttons.length > 0 && fault === null) press(0);
   };
   return (
-    <form className="question" aria-labelledby={id} onSubmit={submit}>
+    <form className="question" data-question={question.id} aria-labelledby={id} onSubmit={submit}>
       <p className="question-asker">
         <CircleHelp size={16} aria-hidden />
-        <span>{asker} asks</span>
-        <TimeLeft watch={watch} question={question} />
+        <span>
+          {asker} asks{question.timeout_ms === null ? ", without a deadline" : ""}
+        </span>
       </p>
+      <TimeLeft watch={watch} question={question} />
       <p id={id} className="question-text">
         {question.message}
       </p>
@@ -125,28 +129,29 @@ function Entry({ form, filled, fault, onFill }: EntryProps) {
   );
 }
 
+/** Whether an answer is wanted at once, by the time that is left for it. */
+export function isSoon(left_ms: number | null): boolean {
+  return left_ms !== null && left_ms <= SOON_MS;
+}
+
 /** How long there is time to answer, and what happens then. */
 function TimeLeft({ watch, question }: Pick<QuestionFormProps, "watch" | "question">) {
   const { page } = useHost().context();
-  const { since_ns } = useSignal(askedQuestions(watch));
-  const asked_ns = since_ns.get(question.id);
   const { timeout_ms } = question;
-  const left = useComputed(() => {
-    if (timeout_ms === null || asked_ns === undefined) return null;
-    const left_ms = timeout_ms + asked_ns / 1e6 - elapsedAt(page, watch, seconds.value);
-    return Math.max(0, Math.ceil(left_ms / 1_000)) * 1_000;
-  }, [page, watch, timeout_ms, asked_ns]);
-  if (timeout_ms === null) return <span className="question-time">no deadline</span>;
-  if (left === null) return null;
+  const left = useComputed(
+    () => timeLeft(page, watch, question, seconds.value),
+    [page, watch, question],
+  );
+  if (timeout_ms === null || left === null) return null;
   const share = Math.min(1, left / timeout_ms);
   return (
-    <span className={`question-time ${left <= 10_000 ? "question-soon" : ""}`} role="timer">
+    <p className={`question-time ${isSoon(left) ? "question-soon" : ""}`} role="timer">
       <Timer size={16} aria-hidden />
       <strong>{left === 0 ? "time is over" : `${duration(left)} left`}</strong>
       <span>{deadlineInWords(question)}</span>
       <span className="question-bar" aria-hidden>
         <span style={{ width: `${share * 100}%` }} />
       </span>
-    </span>
+    </p>
   );
 }

@@ -1,0 +1,58 @@
+/** How the connection is, and how old what is shown may be. */
+
+import { History, Unplug, Wifi } from "lucide-react";
+import type { RunAge } from "../../store/age.ts";
+import type { Watch } from "../../store/run.ts";
+import { Button } from "../../ui/button.tsx";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useCommand, useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
+import { useRunAge } from "../run_age.ts";
+
+export function LinkAge({ watch }: { readonly watch: Watch }) {
+  const { page } = useHost().context();
+  const run = useCommand();
+  const age = useRunAge(page, watch);
+  if (age.why === "moment") {
+    return (
+      <p className="mission-band mission-band-past">
+        <History size={16} aria-hidden />
+        <span>
+          Branches show the past, {duration(age.age_ms)} before the newest event. Status, questions
+          and buttons are live.
+        </span>
+        <Button onClick={() => run("run.live")}>Back to now</Button>
+      </p>
+    );
+  }
+  if (!age.isOld) return <IsHeard watch={watch} />;
+  return (
+    <p className="mission-band mission-band-old" role="alert">
+      <Unplug size={16} aria-hidden />
+      <span>{oldInWords(age)}</span>
+    </p>
+  );
+}
+
+/** What one sees is true now. Of a run that is over that goes without saying. */
+function IsHeard({ watch }: { readonly watch: Watch }) {
+  const { page } = useHost().context();
+  const pulse = useSignal(page.server.pulse);
+  const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
+  if (phase !== "live" && phase !== "starting") return null;
+  const delay = pulse?.delay_ms == null ? "" : ` (${Math.max(1, Math.round(pulse.delay_ms))} ms)`;
+  return (
+    <p className="mission-link">
+      <Wifi size={16} aria-hidden />
+      <span>
+        Live<span className="mission-link-who">: server and robot are heard</span>
+        {delay}
+      </span>
+    </p>
+  );
+}
+
+function oldInWords({ why, age_ms }: RunAge): string {
+  const who = why === "link" ? "The server is not heard" : "The server does not hear the robot";
+  return `${who}: what you see is ${duration(age_ms)} old.`;
+}

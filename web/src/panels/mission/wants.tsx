@@ -1,0 +1,82 @@
+/** What wants a human, in one line that is always there: questions with the least time that is left, and events; one press away. */
+
+import { CircleHelp, TriangleAlert } from "lucide-react";
+import type { MouseEvent } from "react";
+import { openFailures } from "../../store/acknowledged.ts";
+import { mostUrgent } from "../../store/question_time.ts";
+import { openQuestions } from "../../store/questions.ts";
+import type { Watch } from "../../store/run.ts";
+import { seconds } from "../../store/seconds.ts";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
+import { isSoon } from "../parts/question.tsx";
+import { useRunAge } from "../run_age.ts";
+import { LinkAge } from "./link_age.tsx";
+
+export function Wants({ watch }: { readonly watch: Watch }) {
+  const questions = useComputed(() => openQuestions(watch).length, [watch]);
+  const { length } = useSignal(openFailures(watch));
+  const { page } = useHost().context();
+  const { isOld } = useRunAge(page, watch);
+  return (
+    <div className="mission-wants">
+      <span className="visually-hidden" role="status">
+        {askedInWords(questions)}
+      </span>
+      {questions > 0 && <Asked watch={watch} count={questions} />}
+      {length > 0 && <ToAcknowledge count={length} />}
+      {questions + length === 0 && !isOld && <p className="mission-soft">Nothing wants you</p>}
+      <LinkAge watch={watch} />
+    </div>
+  );
+}
+
+function Asked({ watch, count }: { readonly watch: Watch; readonly count: number }) {
+  const { page } = useHost().context();
+  const text = useComputed(() => {
+    const first = mostUrgent(page, watch, openQuestions(watch), seconds.value);
+    return JSON.stringify({ id: first?.question.id, left_ms: first?.left_ms ?? null });
+  }, [page, watch]);
+  const { id, left_ms } = JSON.parse(text) as { id: number; left_ms: number | null };
+  return (
+    <button
+      type="button"
+      className={`mission-want ${isSoon(left_ms) ? "mission-want-soon" : ""}`}
+      title="Show what has the least time"
+      onClick={(event) => show(event, `[data-question="${id}"]`)}
+    >
+      <CircleHelp size={18} aria-hidden />
+      {count === 1 ? "1 question" : `${count} questions`}
+      {left_ms !== null && <span className="mission-want-left">{duration(left_ms)}</span>}
+    </button>
+  );
+}
+
+function ToAcknowledge({ count }: { readonly count: number }) {
+  return (
+    <button
+      type="button"
+      className="mission-want mission-want-event"
+      title="Show what went wrong"
+      onClick={(event) => show(event, ".mission-events")}
+    >
+      <TriangleAlert size={18} aria-hidden />
+      {count === 1 ? "1 event" : `${count} events`}
+    </button>
+  );
+}
+
+/** Brings a part of mission control into sight, and the keys to the first thing in it that can be pressed or filled in. */
+function show({ currentTarget }: MouseEvent<HTMLElement>, part: string): void {
+  const place = currentTarget.closest(".mission")?.querySelector<HTMLElement>(part);
+  if (!place) return;
+  place.scrollIntoView({ block: "start" });
+  const first = place.querySelector<HTMLElement>("input:enabled, textarea:enabled, button:enabled");
+  first?.focus({ preventScroll: true });
+}
+
+function askedInWords(count: number): string {
+  if (count === 0) return "";
+  return count === 1 ? "A question waits for an answer" : `${count} questions wait for answers`;
+}
