@@ -1,6 +1,7 @@
 /** How much later it is than what is shown of a run was said, for times that go on: nothing is reckoned on from what may be old, or
  * past. */
 
+import type { RunNow } from "../model/generated/protocol.ts";
 import { runAge } from "./age.ts";
 import type { Page } from "./page.ts";
 import type { Watch } from "./run.ts";
@@ -12,7 +13,13 @@ export function laterBy(page: Page, watch: Watch): number {
   const now_ms = seconds.value;
   const said_ms = saidAt(page, watch);
   const age = runAge(page, watch, now_ms);
-  const isOn = watch.now.value?.run.phase === "live";
-  if (age.why !== null || said_ms === null || !isOn) return 0;
+  const now = watch.now.value;
+  if (age.why === null && now?.run.phase === "crashed") return untilCrash(now);
+  if (age.why !== null || said_ms === null || now?.run.phase !== "live") return 0;
   return Math.max(0, now_ms - said_ms);
+}
+
+/** From what the runner said last until it died. */
+function untilCrash({ run, snapshot }: RunNow): number {
+  return snapshot ? Math.max(0, run.length_ms - snapshot.elapsed_ms) : 0;
 }

@@ -3,8 +3,9 @@
 import { RotateCcw, TriangleAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";
 import { refusalOf } from "../../commands/command.ts";
+import { fewInWords } from "../../model/few.ts";
 import type { OnCrash } from "../../model/generated/protocol.ts";
-import { activeStates } from "../../store/active.ts";
+import { activeStates, lanes } from "../../store/active.ts";
 import type { Watch } from "../../store/run.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
@@ -13,7 +14,7 @@ import { pathInWords, useMachineNames } from "./names.ts";
 
 export function Crash({ watch }: { readonly watch: Watch }) {
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
-  return phase === "crashed" ? <TakeUp /> : <Interrupted watch={watch} />;
+  return phase === "crashed" ? <TakeUp watch={watch} /> : <Interrupted watch={watch} />;
 }
 
 const CHOICES: readonly {
@@ -24,18 +25,25 @@ const CHOICES: readonly {
   {
     policy: "ask",
     title: "Take up and ask",
-    means: "it goes on; interrupted scripts wait for you",
+    means: "moves nothing by itself: interrupted scripts wait until you decide",
   },
-  { policy: "restart", title: "Run scripts again", means: "interrupted scripts begin anew" },
+  {
+    policy: "restart",
+    title: "Run scripts again",
+    means: "interrupted scripts begin anew with what they had",
+  },
   {
     policy: "abort",
     title: "Abort scripts",
-    means: "interrupted states end by aborted, handlers run",
+    means: "interrupted states end by aborted, and the machine handles that",
   },
 ];
 
-function TakeUp() {
+function TakeUp({ watch }: { readonly watch: Watch }) {
   const run = useCommand();
+  const names = useMachineNames();
+  const active = useComputed(() => lanes(activeStates(watch)), [watch]);
+  const where = fewInWords(active.map(({ path }) => pathInWords(names, path)));
   const refusal = useRefusal("run.take-up");
   return (
     <section className="mission-part mission-crash" aria-label="The run crashed">
@@ -43,8 +51,11 @@ function TakeUp() {
         <TriangleAlert size={20} aria-hidden />
         The program of the run died
       </h3>
-      <p>All that happened until then is kept. Another runner can go on where it was:</p>
-      <ul className="mission-choices">
+      <p>
+        {where !== "" && `It was at ${where}. `}Nothing moves on until the run is taken up. All that
+        happened is kept, and it can go on from there:
+      </p>
+      <ul className="mission-choices mission-take-up">
         {CHOICES.map(({ policy, title, means }) => (
           <li key={policy}>
             <Button
