@@ -12,6 +12,7 @@ import { MomentBar } from "./moment_bar.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { RunBars } from "./run_bars.tsx";
 import { RunFateBars } from "./run_fate_bars.tsx";
+import { isInMission } from "./session.ts";
 
 export function Bars({ tab }: { tab: OpenTab }) {
   return (
@@ -20,7 +21,7 @@ export function Bars({ tab }: { tab: OpenTab }) {
       <RunBars tab={tab} />
       <MomentBar tab={tab} />
       <RunFateBars tab={tab} />
-      <ReadOnlyBar />
+      <ReadOnlyBar tab={tab} />
       <DiskBar tab={tab} />
       <RecoveredBar tab={tab} />
     </>
@@ -62,10 +63,14 @@ export function useNow(wanted: boolean): number {
   return now_ms;
 }
 
-function ReadOnlyBar() {
-  const { page } = useSession();
-  const may = useDerived(() => mayEdit(page), [page]);
-  if (may) return null;
+/** In mission control it stands with what one may do there. */
+function ReadOnlyBar({ tab }: { tab: OpenTab }) {
+  const session = useSession();
+  const isWanted = useDerived(
+    () => !mayEdit(session.page) && !isInMission(session, tab),
+    [session, tab],
+  );
+  if (!isWanted) return null;
   return (
     <Bar icon={<Eye size={16} aria-hidden />}>
       You may look and not edit: ask an admin for the role engineer to change machines.

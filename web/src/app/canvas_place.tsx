@@ -15,9 +15,10 @@ import { useSignal } from "../ui/signals.ts";
 import { BranchSteps } from "./branch_steps.tsx";
 import { HeatLegend } from "./heat_legend.tsx";
 import { useKeys } from "./keys_shown.ts";
-import { useSession } from "./provided.tsx";
+import { useDerived, useSession } from "./provided.tsx";
 import { runExtras } from "./run_extras.ts";
 import { SentCommands } from "./sent_commands.tsx";
+import { isInMission } from "./session.ts";
 
 const NO_MARKS = new Map<never, never>();
 
@@ -36,11 +37,13 @@ function asOpened(context: Context, { pointer }: OpenMenu): Context {
 }
 
 export function CanvasPlace({ tab }: { tab: OpenTab }) {
-  const { page, commands, context, canvas } = useSession();
+  const session = useSession();
+  const { page, commands, context, canvas } = session;
   const keys = useKeys();
   const place = useRef<HTMLDivElement>(null);
   const isOld = useIsOld(page);
   const watch = useSignal(tab.run);
+  const isTold = useDerived(() => isInMission(session, tab), [session, tab]);
   const [picture, setPicture] = useState<Picture | null>(null);
   const [menu, setMenu] = useState<OpenMenu | null>(null);
   useEffect(() => {
@@ -66,7 +69,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
       <div ref={place} className={isOld ? "canvas-mount is-old" : "canvas-mount"} />
       {watch && picture && <BranchSteps tab={tab} watch={watch} picture={picture} />}
       <HeatLegend tab={tab} />
-      {watch && <SentCommands watch={watch} />}
+      {watch && !isTold && <SentCommands watch={watch} />}
       {menu && (
         <ContextMenu
           label="What can be done here"

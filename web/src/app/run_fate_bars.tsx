@@ -15,14 +15,17 @@ import { Button } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
 import { useDerived, useSession } from "./provided.tsx";
+import { isInMission } from "./session.ts";
 
 export function RunFateBars({ tab }: { tab: OpenTab }) {
+  const session = useSession();
   const watch = useSignal(tab.run);
+  const isTold = useDerived(() => isInMission(session, tab), [session, tab]);
   if (!watch) return null;
   return (
     <>
-      <CrashBar tab={tab} watch={watch} />
-      <InterruptedBar tab={tab} watch={watch} />
+      {!isTold && <CrashBar tab={tab} watch={watch} />}
+      {!isTold && <InterruptedBar tab={tab} watch={watch} />}
       <DiffersBar key={watch.id} tab={tab} watch={watch} />
     </>
   );

@@ -3,7 +3,8 @@
 import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import type { CanvasControl } from "../canvas/control.ts";
 import type { Commands, Context, Dialogs, Layouts, Shell } from "../commands/command.ts";
-import type { Page } from "../store/page.ts";
+import { MISSION_PANEL } from "../commands/mission.ts";
+import type { OpenTab, Page } from "../store/page.ts";
 import type { Question } from "./question.ts";
 
 /** A dialog that is open. */
@@ -24,6 +25,11 @@ export interface AppSession {
   readonly palette: Signal<string | null>;
   /** How panels are shown; the dock fills it in. */
   readonly dock: Signal<DockPort>;
+}
+
+/** Whether mission control, which can be seen, tells of the run on this tab: then it stands nowhere else. Reads signals. */
+export function isInMission({ page, dock }: AppSession, tab: OpenTab): boolean {
+  return page.active.value === tab && dock.value.isInSight(MISSION_PANEL);
 }
 
 /** What the dock does for the shell. */

@@ -1,25 +1,26 @@
 /** What wants a human at once, in every layout: open questions and crashed runs, one press from where they are answered. */
 
 import { CircleHelp, TriangleAlert } from "lucide-react";
-import type { Page } from "../store/page.ts";
 import { openQuestions } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
 import { useDerived, useSession } from "./provided.tsx";
+import { type AppSession, isInMission } from "./session.ts";
 import "./wanting.css";
 
 export function Wanting() {
-  const { page, commands, context } = useSession();
+  const session = useSession();
+  const { commands, context } = session;
   const asking = useDerived(
-    () => firstOf(page, (watch) => openQuestions(watch).length > 0),
-    [page],
+    () => firstOf(session, (watch) => openQuestions(watch).length > 0),
+    [session],
   );
   const count = useDerived(
-    () => watches(page).reduce((sum, watch) => sum + openQuestions(watch).length, 0),
-    [page],
+    () => watches(session).reduce((sum, watch) => sum + openQuestions(watch).length, 0),
+    [session],
   );
   const crashed = useDerived(
-    () => firstOf(page, (watch) => watch.now.value?.run.phase === "crashed"),
-    [page],
+    () => firstOf(session, (watch) => watch.now.value?.run.phase === "crashed"),
+    [session],
   );
   const show = (watch: Watch) => commands.run("mission.show", context(), watch.id);
   return (
@@ -40,10 +41,12 @@ export function Wanting() {
   );
 }
 
-function watches(page: Page): readonly Watch[] {
-  return [...new Set(page.tabs.value.flatMap((tab) => tab.run.value ?? []))];
+/** The runs that are shown, but for the one of which mission control tells. */
+function watches(session: AppSession): readonly Watch[] {
+  const tabs = session.page.tabs.value.filter((tab) => !isInMission(session, tab));
+  return [...new Set(tabs.flatMap((tab) => tab.run.value ?? []))];
 }
 
-function firstOf(page: Page, fits: (watch: Watch) => boolean): Watch | null {
-  return watches(page).find(fits) ?? null;
+function firstOf(session: AppSession, fits: (watch: Watch) => boolean): Watch | null {
+  return watches(session).find(fits) ?? null;
 }
