@@ -1,16 +1,14 @@
 /** Stop and Hold, always in the same place: asking once by a second press; Resume and Step beside. */
 
 import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from "lucide-react";
-import { type ReactNode, useEffect, useState } from "react";
+import type { MouseEvent, ReactNode } from "react";
 import { refusalOf } from "../../commands/command.ts";
 import { SURE } from "../../commands/run.ts";
 import { otherHolder } from "../../commands/run_rules.ts";
 import type { Watch } from "../../store/run.ts";
 import { useComputed } from "../../ui/signals.ts";
+import { useTwice } from "../../ui/twice.ts";
 import { useCommand, useHost } from "../context.tsx";
-
-/** A second press counts within so long. */
-const AGAIN_MS = 3_000;
 
 export function Steering() {
   const run = useCommand();
@@ -71,7 +69,7 @@ interface PressProps {
   readonly refusal: string | null;
 }
 
-/** Asks once: the first press says what a second does. */
+/** Asks once: the first press says what a second does. A key that is held down presses once. */
 function Twice({
   name,
   sign: Sign,
@@ -79,16 +77,7 @@ function Twice({
   className,
   onSure,
 }: PressProps & { readonly className: string; readonly onSure: () => void }) {
-  const [asks, setAsks] = useState(false);
-  useEffect(() => {
-    if (!asks) return;
-    const timer = setTimeout(() => setAsks(false), AGAIN_MS);
-    return () => clearTimeout(timer);
-  }, [asks]);
-  const press = () => {
-    if (asks) onSure();
-    setAsks(!asks);
-  };
+  const { asks, press } = useTwice(onSure);
   return (
     <Large
       className={`${className} ${asks ? "mission-asks" : ""}`}
@@ -119,7 +108,7 @@ interface LargeProps {
   readonly className: string;
   readonly refusal: string | null;
   readonly name: string;
-  readonly onClick: () => void;
+  readonly onClick: (event: MouseEvent) => void;
   readonly children: ReactNode;
 }
 
@@ -131,6 +120,9 @@ function Large({ className, refusal, name, onClick, children }: LargeProps) {
       aria-label={name}
       disabled={refusal !== null}
       title={refusal ? `${name}: ${refusal}` : undefined}
+      onKeyDown={(event) => {
+        if (event.repeat) event.preventDefault();
+      }}
       onClick={onClick}
     >
       {children}
