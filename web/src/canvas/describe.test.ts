@@ -2,8 +2,8 @@ import { expect, test } from "vitest";
 import type { ElementRef } from "../model/element.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
-import type { RunMark } from "../store/marks.ts";
-import { described } from "./describe.ts";
+import type { MarkPhase, RunMark } from "../store/marks.ts";
+import { described, type Signs } from "./describe.ts";
 import { ARM } from "./testing/driver.ts";
 
 const machine = machineOf(sketch(ARM));
@@ -22,8 +22,18 @@ test("elements are said in words", () => {
   expect(say({ kind: "income", path: "R/B" })).toBe("income of Grasp");
   expect(say({ kind: "transition", path: "R", id: 1 })).toBe("transition Scan.ok → Grasp");
   const run = { phase: "waiting", failed: true, detail: "an answer" } as RunMark;
-  expect(described(machine, { kind: "state", path: "R/C" }, run)).toBe(
+  expect(described(machine, { kind: "state", path: "R/C" }, { run })).toBe(
     "Box, waits for an answer, failed before, hierarchy, 1 state, 1 outcome",
   );
   expect(say({ kind: "state", path: "R/X" })).toBe("no longer there");
+});
+
+test("a state says what it does in a run, and its breakpoint", () => {
+  const say = (signs: Signs) =>
+    described(machine, { kind: "state", path: "R/C" }, signs).split(", hierarchy")[0];
+  const phase = (name: MarkPhase) => ({ phase: name, failed: false, detail: null }) as RunMark;
+  expect(say({ run: phase("running") })).toBe("Box, runs");
+  expect(say({ run: phase("held"), breakpoint: "on" })).toBe("Box, held, breakpoint");
+  expect(say({ run: phase("failed") })).toBe("Box, failed");
+  expect(say({ breakpoint: "off" })).toBe("Box, breakpoint off");
 });

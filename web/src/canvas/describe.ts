@@ -8,11 +8,18 @@ import { idOf, parentOf } from "../model/path.ts";
 import { KIND_WORDS } from "../plan/legal.ts";
 import type { RunMark } from "../store/marks.ts";
 
-/** What is said of an element; of a state also what it does in a run. */
-export function described(machine: Machine, element: ElementRef, run?: RunMark): string {
+/** What is said of a state beside what it is. */
+export interface Signs {
+  /** What it does in the run. */
+  readonly run?: RunMark | undefined;
+  readonly breakpoint?: "on" | "off" | undefined;
+}
+
+/** What is said of an element; of a state also the signs that stand at it. */
+export function described(machine: Machine, element: ElementRef, signs: Signs = {}): string {
   const state = machine.state(element.path);
   if (!state) return "no longer there";
-  if (element.kind === "state") return stateInWords(machine, element.path, state, run);
+  if (element.kind === "state") return stateInWords(machine, element.path, state, signs);
   if (isConnection(element)) {
     const word = element.kind === "transition" ? "transition" : "data flow";
     return `${word} ${connectionInWords(machine, element)}`;
@@ -28,7 +35,7 @@ function stateInWords(
   machine: Machine,
   path: string,
   state: StateDocument,
-  run: RunMark | undefined,
+  { run, breakpoint }: Signs,
 ): string {
   const kind = KIND_WORDS[state.kind];
   const children = machine.children(path).length;
@@ -36,6 +43,7 @@ function stateInWords(
   const parts = [
     state.name,
     run ? runInWords(run) : "",
+    breakpoint ? BREAKPOINT_WORDS[breakpoint] : "",
     kind,
     isStart(machine, path) ? "start state" : "",
     children > 0 && state.kind !== "library" ? several(children, "state") : "",
@@ -44,6 +52,8 @@ function stateInWords(
   ];
   return parts.filter((part) => part !== "").join(", ");
 }
+
+const BREAKPOINT_WORDS = { on: "breakpoint", off: "breakpoint off" };
 
 const RUN_WORDS: Readonly<Partial<Record<RunMark["phase"], string>>> = {
   running: "runs",

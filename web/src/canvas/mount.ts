@@ -227,7 +227,9 @@ function keepReading(
   const show = () => {
     frame = 0;
     const [places, stage] = [hand.places(), hand.stage.peek()];
-    reader.show(treeLines(room.machine, places, stage, selected(view), picture.runs()));
+    const [runs, points] = [picture.runs(), picture.breakpoints()];
+    const signsOf = (path: string) => ({ run: runs.get(path), breakpoint: points.get(path) });
+    reader.show(treeLines(room.machine, places, stage, selected(view), signsOf));
   };
   const showRun = () => {
     rest = 0;
@@ -237,6 +239,7 @@ function keepReading(
     room.version.value;
     view.selection.value;
     hand.stage.value;
+    picture.breakpoints();
     if (frame === 0) frame = requestAnimationFrame(show);
   });
   const stopRunning = effect(() => {

@@ -44,6 +44,8 @@ export interface Picture {
   readonly places: () => Placed;
   /** What states do in the run; a signal's reader. */
   readonly runs: () => SceneInput["runs"];
+  /** States with breakpoints; a signal's reader. */
+  readonly breakpoints: () => SceneInput["breakpoints"];
   /** Transitions that were taken lately; a signal's reader. */
   readonly taken: () => SceneInput["taken"];
   /** What is painted now. */
@@ -133,6 +135,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     size: () => size,
     places,
     runs: () => options.extras?.().runs ?? PLAIN.runs,
+    breakpoints: () => options.extras?.().breakpoints ?? PLAIN.breakpoints,
     taken: () => options.extras?.().taken ?? PLAIN.taken,
     list: () => list,
     redraw,

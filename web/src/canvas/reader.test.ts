@@ -11,7 +11,7 @@ function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): r
     canvas.hand.places(),
     canvas.hand.stage.value,
     selection,
-    new Map(),
+    () => ({}),
   );
 }
 

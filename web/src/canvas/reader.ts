@@ -4,8 +4,7 @@
 import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
-import type { RunMark } from "../store/marks.ts";
-import { described } from "./describe.ts";
+import { described, type Signs } from "./describe.ts";
 import type { Places } from "./places.ts";
 
 /** One line of the tree. */
@@ -27,7 +26,7 @@ export function treeLines(
   places: Places,
   stage: string,
   selection: readonly ElementRef[],
-  runs: ReadonlyMap<string, RunMark>,
+  signsOf: (path: string) => Signs,
 ): readonly TreeLine[] {
   const active = selection.at(-1);
   const container = levelOf(places, stage, active);
@@ -39,7 +38,7 @@ export function treeLines(
     count: number,
   ): TreeLine => ({
     element,
-    text: described(machine, element, runs.get(element.path)),
+    text: described(machine, element, signsOf(element.path)),
     level,
     selected: chosen.has(keyOf(element)),
     number,
