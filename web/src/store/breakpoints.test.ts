@@ -31,6 +31,22 @@ test("breakpoints are kept for each machine, and are there again", () => {
   expect(shed.get("rafcon.breakpoints p/drill")).toBeUndefined();
 });
 
+test("what another tab of the browser does to them is told", () => {
+  const shed = memoryShed();
+  const others = new Map<string, () => void>();
+  const here = { ...shed, whenOther: (key: string, told: () => void) => others.set(key, told) };
+  const [mine, theirs] = [
+    keptBreakpoints(tabWith("drill"), here),
+    keptBreakpoints(tabWith("drill"), shed),
+  ];
+  theirs.value = [newBreakpoint(1, "R/A")];
+  others.get("rafcon.breakpoints p/drill")?.();
+  expect(mine.value).toEqual([newBreakpoint(1, "R/A")]);
+  theirs.value = [];
+  others.get("rafcon.breakpoints p/drill")?.();
+  expect(mine.value).toEqual([]);
+});
+
 test("while a run goes on its breakpoints count, and new ones have a number that is free in both", () => {
   const shed = memoryShed();
   const tab = tabWith("drill", [newBreakpoint(4, "R/B")]);

@@ -18,11 +18,23 @@ export function keptBreakpoints(tab: OpenTab, shed: Shed = BROWSER): Kept {
   const key = keyOf(tab);
   let kept = known.get(key);
   if (!kept) {
-    const before = shed.get(key);
-    kept = signal<readonly Breakpoint[]>(Array.isArray(before) ? before : []);
-    kept.subscribe((all) => shed.put(key, all.length === 0 ? undefined : all));
+    kept = followingShed(shed, key);
     known.set(key, kept);
   }
+  return kept;
+}
+
+/** What is kept there: put there when it changes here, and taken from there when another tab of the browser changed it. */
+function followingShed(shed: Shed, key: string): Kept {
+  const there = () => {
+    const found = shed.get(key);
+    return Array.isArray(found) ? (found as readonly Breakpoint[]) : [];
+  };
+  const kept = signal(there());
+  kept.subscribe((all) => shed.put(key, all.length === 0 ? undefined : all));
+  shed.whenOther(key, () => {
+    kept.value = there();
+  });
   return kept;
 }
 

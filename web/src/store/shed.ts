@@ -5,6 +5,8 @@ export interface Shed {
   readonly get: (key: string) => unknown;
   /** Puts it there; undefined removes it. */
   readonly put: (key: string, value: unknown) => void;
+  /** Tells when another tab of the browser has put something else there. */
+  readonly whenOther: (key: string, told: () => void) => void;
 }
 
 /** What was kept, if it is an object. */
@@ -31,6 +33,11 @@ export function shedOf(storage: () => Storage): Shed {
         // No room, or nothing may be kept.
       }
     },
+    whenOther: (key, told) => {
+      window.addEventListener("storage", (event) => {
+        if (event.key === key || event.key === null) told();
+      });
+    },
   };
 }
 
@@ -43,5 +50,6 @@ export function memoryShed(): Shed {
       if (value === undefined) texts.delete(key);
       else texts.set(key, JSON.stringify(value));
     },
+    whenOther: () => {},
   };
 }
