@@ -31,6 +31,8 @@ export interface Standing {
   readonly scoped: Values | undefined;
   /** The event up to which everything counts; null while live. */
   readonly until: number | null;
+  /** The event after which `scoped` was so; null without a picture. */
+  readonly seen: number | null;
 }
 
 /** Reads signals: an effect or computed value is told when it may be another. */
@@ -52,6 +54,7 @@ export function standingOf(watch: Watch, path: string): Standing {
     outputs: left ? outputsIn(picture, path, left.sequence) : undefined,
     scoped: here?.scoped,
     until,
+    seen: picture?.sequence ?? null,
   };
 }
 

@@ -3,7 +3,6 @@
 import { computed } from "@preact/signals-core";
 import { Clock, Eye } from "lucide-react";
 import { useMemo } from "react";
-import type { Event } from "../../model/generated/protocol.ts";
 import type { PortKind } from "../../model/machine.ts";
 import { portsOf } from "../../model/machine.ts";
 import { type Origin, originOf } from "../../store/origin.ts";
@@ -23,6 +22,7 @@ import { sinceStart } from "../parts/duration.ts";
 import { dragValue } from "../parts/value/dragged_value.ts";
 import type { Detailed } from "../parts/value/use_detail.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
+import { type RunGroup, runGroups } from "./run_groups.ts";
 import type { SeenState } from "./seen.ts";
 
 export interface RunValuesProps {
@@ -35,33 +35,9 @@ export interface RunValuesProps {
 }
 
 export function RunValues({ seen, watch, standing, entry, end }: RunValuesProps) {
-  const inputs = standing.inputs === undefined ? valuesOf(entry, "inputs") : standing.inputs;
-  const outputs = standing.outputs === undefined ? valuesOf(end, "outputs") : standing.outputs;
-  const shared = { seen, watch, until: standing.until };
-  const isAgain = standing.active && standing.left;
-  return (
-    <>
-      <Group {...shared} kind="input" title="Inputs" values={inputs} refusal={entry.refusal} />
-      {standing.left && (
-        <Group
-          {...shared}
-          kind="output"
-          title={isAgain ? "Outputs of its last end" : "Outputs"}
-          values={outputs}
-          refusal={end.refusal}
-        />
-      )}
-      {standing.scoped && (
-        <Group
-          {...shared}
-          kind="scoped_variable"
-          title="Scoped variables"
-          values={standing.scoped}
-          refusal={null}
-        />
-      )}
-    </>
-  );
+  return runGroups(standing, entry, end).map((group) => (
+    <Group key={group.kind} seen={seen} watch={watch} {...group} />
+  ));
 }
 
 export interface GlobalValuesProps {
@@ -85,22 +61,9 @@ export function GlobalValues({ seen, watch, values }: GlobalValuesProps) {
     ));
 }
 
-/** Values of an event: null if they were not kept, undefined while it is on its way. */
-function valuesOf({ detail }: Detailed, side: "inputs" | "outputs"): Values | null | undefined {
-  if (!detail) return undefined;
-  const event: Event = detail.event;
-  if (side === "inputs") return event.type === "entered" ? (event.inputs ?? null) : undefined;
-  return event.type === "left" ? (event.outputs ?? null) : undefined;
-}
-
-interface GroupProps {
+interface GroupProps extends RunGroup {
   readonly seen: SeenState;
   readonly watch: Watch;
-  readonly until: number | null;
-  readonly kind: PortKind;
-  readonly title: string;
-  readonly values: Values | null | undefined;
-  readonly refusal: string | null;
 }
 
 function Group({ seen, watch, until, kind, title, values, refusal }: GroupProps) {
@@ -113,22 +76,34 @@ function Group({ seen, watch, until, kind, title, values, refusal }: GroupProps)
   }
   if (values === null) return <p className="inspector-none">{title} were not kept.</p>;
   const names = Object.keys(values);
-  if (names.length === 0) return null;
+  const [first] = names;
+  if (first === undefined) return null;
+  const origins = names.map((name) => originAt(seen, watch, kind, name, until));
+  const shared = isOne(origins) ? origins[0] : null;
+  const what = names.length === 1 ? first : title.toLowerCase();
   return (
     <section className="in-run-group" aria-label={`${title} in the run`}>
-      <h4>{title}</h4>
-      {names.map((name) => (
+      <div className="in-run-head">
+        <h4>{title}</h4>
+        {shared && <From seen={seen} watch={watch} what={what} origin={shared} />}
+      </div>
+      {names.map((name, index) => (
         <Line
           key={name}
           seen={seen}
           watch={watch}
           target={{ kind, path: seen.path, name }}
           value={values[name]}
-          origin={originAt(seen, watch, kind, name, until)}
+          origin={shared ? null : (origins[index] ?? null)}
         />
       ))}
     </section>
   );
+}
+
+/** Whether all of them came by the same event, from the same state. */
+function isOne([first, ...others]: readonly (Origin | null)[]): boolean {
+  return others.every((each) => each?.sequence === first?.sequence && each?.path === first?.path);
 }
 
 function originAt(
@@ -151,7 +126,6 @@ interface LineProps {
 }
 
 function Line({ seen, watch, target, value, origin }: LineProps) {
-  const eye = <WatchButton seen={seen} target={target} />;
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging does what the button beside it does
     <div className="in-run-value" draggable onDragStart={(event) => dragValue(event, target)}>
@@ -159,12 +133,11 @@ function Line({ seen, watch, target, value, origin }: LineProps) {
         name={target.name}
         value={value}
         keep={`${target.path} ${target.kind} ${target.name}`}
-        actions={origin ? null : eye}
+        actions={<WatchButton seen={seen} target={target} />}
       />
       {origin && (
         <div className="in-run-origin">
-          <From seen={seen} watch={watch} target={target} origin={origin} />
-          {eye}
+          <From seen={seen} watch={watch} what={target.name} origin={origin} />
         </div>
       )}
     </div>
@@ -195,12 +168,14 @@ function WatchButton({ seen, target }: { seen: SeenState; target: Target }) {
   );
 }
 
-function From({
-  seen,
-  watch,
-  target,
-  origin,
-}: Omit<LineProps, "value" | "origin"> & { origin: Origin }) {
+interface FromProps extends Pick<LineProps, "seen" | "watch"> {
+  /** Of what it is told. */
+  readonly what: string;
+  readonly origin: Origin;
+}
+
+/** The event by which something came there, when that was, and which state gave it. */
+function From({ seen, watch, what, origin }: FromProps) {
   const { journal } = watch;
   const at_ms = journal.t_ns(journal.indexOf(origin.sequence)) / 1e6;
   const name = seen.machine.state(origin.path)?.name ?? origin.path;
@@ -222,7 +197,7 @@ function From({
       </span>
       <IconButton
         className="inspector-mini"
-        label={`Show the moment when ${target.name} came`}
+        label={`Show the moment when ${what} came`}
         icon={<Clock size={13} />}
         onClick={() => {
           watch.moment.value = origin.seen;

@@ -1,6 +1,6 @@
 /** One event of a run with its values, while it is on its way the one before. */
 
-import { useEffect, useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import type { EventDetail } from "../../../model/generated/protocol.ts";
 import { eventDetail } from "../../../store/event_details.ts";
 import type { Runs } from "../../../store/run.ts";
@@ -14,24 +14,30 @@ export interface Detailed {
 
 const NOTHING: Detailed = { detail: null, refusal: null };
 
-/** Asks for the event; null wants none. */
+/** Asks for the event; null wants none. What was asked for before counts until the newest has come: else values that change faster
+ * than they are told would never be others. */
 export function useDetail(runs: Runs, run: string, sequence: number | null): Detailed {
   const [found, setFound] = useState(NOTHING);
+  const order = useRef({ asked: 0, shown: 0 });
   useEffect(() => {
     if (sequence === null) return;
-    let isWanted = true;
+    const counts = order.current;
+    counts.asked += 1;
+    const place = counts.asked;
+    const isNews = () => {
+      if (place <= counts.shown) return false;
+      counts.shown = place;
+      return true;
+    };
     eventDetail(runs, run, sequence).then(
       (detail) => {
-        if (isWanted) setFound({ detail, refusal: null });
+        if (isNews()) setFound({ detail, refusal: null });
       },
       (error: unknown) => {
         const refusal = error instanceof Error ? error.message : String(error);
-        if (isWanted) setFound(({ detail }) => ({ detail, refusal }));
+        if (place === counts.asked && isNews()) setFound(({ detail }) => ({ detail, refusal }));
       },
     );
-    return () => {
-      isWanted = false;
-    };
   }, [runs, run, sequence]);
   return found;
 }

@@ -1,7 +1,7 @@
 /** One value in a line, and what is in it below, if it is open. */
 
 import { ChevronRight, Copy } from "lucide-react";
-import { type ReactNode, useState } from "react";
+import { type ReactNode, useRef, useState } from "react";
 import { numbersOf, recordsOf } from "../../../model/numbers.ts";
 import { pythonOf } from "../../../model/python_of.ts";
 import { shortValue } from "../../../model/short_value.ts";
@@ -38,9 +38,7 @@ export function ValueRow({ name, value, way, tree, actions }: ValueRowProps) {
   const words = (
     <>
       {name !== undefined && <span className="value-name">{name}</span>}
-      <code className={`value-short value-${found.kind}`} title={short}>
-        {short}
-      </code>
+      <Short short={short} kind={found.kind} />
     </>
   );
   return (
@@ -70,6 +68,19 @@ export function ValueRow({ name, value, way, tree, actions }: ValueRowProps) {
         </div>
       )}
     </div>
+  );
+}
+
+/** The value in short. If it became another one while it was looked at, it is lit up for a glance. */
+function Short({ short, kind }: { readonly short: string; readonly kind: Read["kind"] }) {
+  const first = useRef(short);
+  const wasOther = useRef(false);
+  wasOther.current ||= short !== first.current;
+  const look = wasOther.current ? " value-changed" : "";
+  return (
+    <code key={short} className={`value-short value-${kind}${look}`} title={short}>
+      {short}
+    </code>
   );
 }
 

@@ -1,0 +1,53 @@
+/** Which values of a state in a run are shown: inputs, outputs and scoped variables, each up to the event that its values are of. */
+
+import type { Event } from "../../model/generated/protocol.ts";
+import type { PortKind } from "../../model/machine.ts";
+import type { Standing, Values } from "../../store/standing.ts";
+import type { Detailed } from "../parts/value/use_detail.ts";
+
+export interface RunGroup {
+  readonly kind: PortKind;
+  readonly title: string;
+  /** Null if they were not kept, undefined while they are on their way. */
+  readonly values: Values | null | undefined;
+  /** Why they cannot be had. */
+  readonly refusal: string | null;
+  /** The event up to which they count: where they came from is told for these and not for newer ones. Null: all that is known. */
+  readonly until: number | null;
+}
+
+/** `entry` and `end`: the last entry and the last end with their values, where the moment does not have them; while they are asked
+ * for, those before. */
+export function runGroups(standing: Standing, entry: Detailed, end: Detailed): readonly RunGroup[] {
+  const { active, left, scoped, until, seen } = standing;
+  const inputs: RunGroup =
+    standing.inputs === undefined
+      ? { kind: "input", title: "Inputs", ...ofEvent(entry, "inputs", until) }
+      : { kind: "input", title: "Inputs", values: standing.inputs, refusal: null, until };
+  const title = active ? "Outputs of its last end" : "Outputs";
+  const outputs: RunGroup =
+    standing.outputs === undefined
+      ? { kind: "output", title, ...ofEvent(end, "outputs", until) }
+      : { kind: "output", title, values: standing.outputs, refusal: null, until };
+  const variables: RunGroup = {
+    kind: "scoped_variable",
+    title: "Scoped variables",
+    values: scoped,
+    refusal: null,
+    until: seen,
+  };
+  return [inputs, ...(left ? [outputs] : []), ...(scoped ? [variables] : [])];
+}
+
+function ofEvent(
+  { detail, refusal }: Detailed,
+  side: "inputs" | "outputs",
+  until: number | null,
+): Pick<RunGroup, "values" | "refusal" | "until"> {
+  return { values: valuesIn(detail?.event, side), refusal, until: detail?.sequence ?? until };
+}
+
+function valuesIn(event: Event | undefined, side: "inputs" | "outputs"): Values | null | undefined {
+  if (side === "inputs") return event?.type === "entered" ? (event.inputs ?? null) : undefined;
+  return event?.type === "left" ? (event.outputs ?? null) : undefined;
+}
