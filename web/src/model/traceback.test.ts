@@ -25,8 +25,22 @@ test("the script's own frame that is nearest to the error", () => {
 
 test("of a chain the last one; another text is none", () => {
   const chain = `${TEXT}\n\nDuring handling of the above exception, another exception occurred:\n\nTraceback (most recent call last):\n  File "/a/script.py", line 9, in execute\n    x\nKeyError: 'a'`;
-  expect(readTraceback(chain)?.own?.line).toBe(9);
+  const found = readTraceback(chain);
+  expect(found?.own?.line).toBe(9);
+  expect(found?.message).toBe("KeyError: 'a'");
   expect(readTraceback("0 of 5 parts are in the box")).toBeNull();
+});
+
+test("the errors that led to the last one, the nearest first", () => {
+  const part = (line: number, error: string) =>
+    `Traceback (most recent call last):\n  File "/a/script.py", line ${line}, in execute\n    x\n${error}`;
+  const link = "\n\nThe above exception was the direct cause of the following exception:\n\n";
+  const found = readTraceback(
+    [part(1, "OSError: gone"), part(2, "E: b"), part(3, "F: c")].join(link),
+  );
+  expect(found?.message).toBe("F: c");
+  const causes = found?.causes.map(({ message, own }) => `${own?.line} ${message}`);
+  expect(causes).toEqual(["2 E: b", "1 OSError: gone"]);
 });
 
 test("the name of a script's module is no part of what its error says", () => {

@@ -14,17 +14,28 @@ export interface Traceback {
   readonly own: Frame | null;
   /** `ValueError: no`. */
   readonly message: string;
+  /** The errors that led to it, the nearest first. */
+  readonly causes: readonly Traceback[];
 }
 
 const FRAME = /^ {2}File "(.*)", line (\d+), in (.*)$/;
 
-/** What a text says that is a traceback; null if it is none. Of a chain of errors, the last. */
+const BEGIN = "Traceback (most recent call last)";
+/** What Python writes between two errors of a chain. */
+const LINK = /^(The above exception was the direct cause|During handling of the above exception)/;
+
+/** What a text says that is a traceback; null if it is none. Of a chain of errors, the last with those that led to it. */
 export function readTraceback(text: string): Traceback | null {
   const lines = text.split("\n");
-  const begin = lines.findLastIndex((line) => line.startsWith("Traceback (most recent call last)"));
-  if (begin < 0) return null;
+  const begins = lines.flatMap((line, index) => (line.startsWith(BEGIN) ? [index] : []));
+  const parts = begins.map((begin, index) => readPart(lines.slice(begin, begins[index + 1])));
+  const [last, ...causes] = parts.reverse();
+  return last ? { ...last, causes } : null;
+}
+
+function readPart(lines: readonly string[]): Traceback {
   const frames: Frame[] = [];
-  let at = begin + 1;
+  let at = 1;
   for (; at < lines.length; at += 1) {
     const line = lines[at] ?? "";
     const found = FRAME.exec(line);
@@ -33,7 +44,9 @@ export function readTraceback(text: string): Traceback | null {
   }
   const script = frames[0]?.file;
   const own = frames.findLast(({ file }) => file === script) ?? null;
-  return { frames, own, message: lines.slice(at).map(withoutModule).join("\n") };
+  const link = lines.findIndex((line) => LINK.test(line));
+  const said = lines.slice(at, link < 0 ? lines.length : link).map(withoutModule);
+  return { frames, own, message: said.join("\n").trimEnd(), causes: [] };
 }
 
 /** A line that tells an error, without the name that the module of a script happens to have: `NoPath: none` of

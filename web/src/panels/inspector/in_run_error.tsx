@@ -75,6 +75,11 @@ function Place({
           {own.code !== "" && <code>{own.code}</code>}
         </div>
       )}
+      {traceback.causes.map(({ message }) => (
+        <p key={message} className="in-run-cause">
+          because of {message}
+        </p>
+      ))}
       <Button kind="quiet" pressed={isWhole} onClick={() => setWhole(!isWhole)}>
         {isWhole ? "Hide the traceback" : `Whole traceback (${framesInWords(frames.length)})`}
       </Button>

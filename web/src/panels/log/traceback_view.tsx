@@ -1,5 +1,6 @@
 /** A traceback for people: what was raised, the line of one's own script, and behind a click all the frames. */
 
+import { Fragment } from "react";
 import { type Frame, readTraceback } from "../../model/traceback.ts";
 import { Button } from "../../ui/button.tsx";
 
@@ -13,25 +14,21 @@ interface Props {
 export function TracebackView({ text, onLine }: Props) {
   const traceback = readTraceback(text);
   if (!traceback) return <pre className="log-text">{text}</pre>;
-  const { frames, own, message } = traceback;
-  const before = text.slice(0, text.lastIndexOf("Traceback (most recent call last)")).trimEnd();
+  const { frames, own, message, causes } = traceback;
+  const before = text.slice(0, text.indexOf("Traceback (most recent call last)")).trimEnd();
   return (
     <>
       {before !== "" && <pre className="log-text">{before}</pre>}
       <pre className="log-text log-raised">{message}</pre>
-      {own && (
-        <p className="log-own">
-          <Button
-            kind="quiet"
-            onClick={() => onLine(own.line)}
-            title="Show this line of the script"
-          >
-            script.py line {own.line}
-          </Button>
-          in {own.function}
-          {own.code !== "" && <code>{own.code}</code>}
-        </p>
-      )}
+      {own && <Own frame={own} onLine={onLine} />}
+      {causes.map((cause, index) => (
+        // biome-ignore lint/suspicious/noArrayIndexKey: causes stay where they are
+        <Fragment key={index}>
+          <p className="log-cause">because of</p>
+          <pre className="log-text log-raised">{cause.message}</pre>
+          {cause.own && <Own frame={cause.own} onLine={onLine} />}
+        </Fragment>
+      ))}
       {frames.length > 0 && (
         <details className="log-frames">
           <summary>{frames.length === 1 ? "The traceback" : `All ${frames.length} frames`}</summary>
@@ -49,6 +46,20 @@ export function TracebackView({ text, onLine }: Props) {
         </details>
       )}
     </>
+  );
+}
+
+/** The line of one's own script. */
+function Own({ frame, onLine }: { readonly frame: Frame } & Pick<Props, "onLine">) {
+  const { line, function: name, code } = frame;
+  return (
+    <p className="log-own">
+      <Button kind="quiet" onClick={() => onLine(line)} title="Show this line of the script">
+        script.py line {line}
+      </Button>
+      in {name}
+      {code !== "" && <code>{code}</code>}
+    </p>
   );
 }
 
