@@ -7,21 +7,23 @@ import {
   Hourglass,
   type LucideIcon,
   OctagonAlert,
+  Play,
   Undo2,
 } from "lucide-react";
+import { refusalOf } from "../../commands/command.ts";
 import type { Outcome, Phase } from "../../model/generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { holdInWords } from "../../model/run_words.ts";
-import { type Active, activeStates, lanes, placeOfLane } from "../../store/active.ts";
-import { lastEndBeside } from "../../store/last_end.ts";
+import { type Active, placeOfLane } from "../../store/active.ts";
+import { type LastEnd, lastEndBeside } from "../../store/last_end.ts";
 import type { Watch } from "../../store/run.ts";
 import { earlierRuns, pastUsual, type Usual, usualOf } from "../../store/usual.ts";
+import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
-import { useHost } from "../context.tsx";
-import { useLater } from "../later.ts";
+import { useCommand, useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
-import { inOrder } from "../running/order.ts";
+import { useCalmLanes } from "./calm_lanes.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
 
 /** So many branches have a card; more are counted. */
@@ -29,32 +31,23 @@ const CARDS_MAX = 12;
 
 export function Branches({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
-  const shown = useComputed(() => inOrder(lanes(activeStates(watch))), [watch]);
+  const { all: shown, later_ms } = useCalmLanes(page, watch);
   const names = useMachineNames();
   const past = useComputed(
     () => pastUsual(page, earlierRuns(page, watch)[0]?.id ?? null).value,
     [page, watch],
   );
-  const later_ms = useLater(watch);
-  const isOver = useComputed(() => watch.now.value?.snapshot?.status === "finished", [watch]);
-  if (shown.length === 0) {
-    return (
-      <section className="mission-part" aria-label="What runs now">
-        <p className="mission-soft">
-          {isOver ? "Nothing runs: the run is over." : "Nothing runs."}
-        </p>
-      </section>
-    );
-  }
+  const isPast = useComputed(() => watch.moment.value !== null, [watch]);
+  if (shown.length === 0) return <Nothing watch={watch} />;
   return (
-    <section className="mission-part" aria-label="What runs now">
-      <ul className="mission-cards">
+    <section className="mission-part" aria-label={isPast ? "What ran then" : "What runs now"}>
+      <ul className={isPast ? "mission-cards mission-cards-past" : "mission-cards"}>
         {shown.slice(0, CARDS_MAX).map((lane) => (
           <Card
-            key={lane.branch + placeOfLane(lane)}
+            key={lane.branch}
             lane={lane}
             names={names}
-            watch={watch}
+            last={lastEndBeside(watch, placeOfLane(lane))}
             usual={usualOf(watch, past, lane.path)}
             later_ms={later_ms}
           />
@@ -67,15 +60,47 @@ export function Branches({ watch }: { readonly watch: Watch }) {
   );
 }
 
+/** What stands here while no branch runs: of a run that is over, the way to another one. */
+function Nothing({ watch }: { readonly watch: Watch }) {
+  const { commands, context } = useHost();
+  const run = useCommand();
+  const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
+  const refusal = useComputed(() => {
+    const start = commands.get("run.start");
+    return start ? refusalOf(start, context()) : null;
+  }, [commands, context]);
+  if (phase === "live" || phase === "starting") {
+    return (
+      <section className="mission-part" aria-label="What runs now">
+        <p className="mission-soft">Nothing runs yet.</p>
+      </section>
+    );
+  }
+  if (phase === "crashed" || phase === undefined) return null;
+  return (
+    <section className="mission-part mission-over" aria-label="The run is over">
+      <p>The run is over.</p>
+      <Button
+        icon={<Play size={16} aria-hidden />}
+        disabled={refusal !== null}
+        onClick={() => run("run.start")}
+      >
+        Start again
+      </Button>
+      {refusal && <p className="mission-why">You cannot start it: {refusal}.</p>}
+    </section>
+  );
+}
+
 interface CardProps {
   readonly lane: Active;
   readonly names: Names;
-  readonly watch: Watch;
+  readonly last: LastEnd | null;
   readonly usual: Usual | null;
   readonly later_ms: number;
 }
 
-function Card({ lane, names, watch, usual, later_ms }: CardProps) {
+function Card({ lane, names, last, usual, later_ms }: CardProps) {
   const host = useHost();
   const place = placeOfLane(lane);
   const since_ms = lane.since_ms + later_ms;
@@ -105,7 +130,7 @@ function Card({ lane, names, watch, usual, later_ms }: CardProps) {
       {lane.phase !== "held" && usual && <Bar usual={usual} since_ms={since_ms} />}
       <div className="mission-card-foot">
         {lane.phase !== "held" && usual && <UsualTime usual={usual} since_ms={since_ms} />}
-        <Before watch={watch} path={place} names={names} />
+        {last && <Before last={last} names={names} />}
       </div>
     </li>
   );
@@ -164,9 +189,7 @@ function isLong(since_ms: number, max_ms: number): boolean {
   return since_ms > max_ms * 1.1 && since_ms > max_ms + 1_000;
 }
 
-function Before({ watch, path, names }: { watch: Watch; path: string; names: Names }) {
-  const last = useComputed(() => lastEndBeside(watch, path), [watch, path]);
-  if (!last) return null;
+function Before({ last, names }: { readonly last: LastEnd; readonly names: Names }) {
   return (
     <p className="mission-before">
       <span className="mission-soft">before: </span>

@@ -5,13 +5,16 @@ import { useEffect, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
+import { isGoingOn, runAge } from "../../store/age.ts";
 import type { Failure } from "../../store/failures.ts";
 import type { Watch } from "../../store/run.ts";
+import { elapsedNow } from "../../store/run_clock.ts";
+import { seconds } from "../../store/seconds.ts";
 import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { growing } from "../parts/duration.ts";
+import { duration, growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
 
@@ -85,13 +88,14 @@ function Line({ failure, watch, names, isDone }: LineProps) {
   const run = useCommand();
   const { level, kind, path, reach, count, t_ns, sequence } = failure;
   const Sign = kind === "crash" ? Zap : SIGNS[level];
-  const where = path === "" ? "" : pathInWords(names, path);
+  const around = path === "" ? [] : pathInWords(names, path).split(" › ");
+  const where = around.pop() ?? "";
+  const when = useWhen(watch, t_ns / 1e6);
   return (
     <li className={`mission-event mission-event-${level} ${isDone ? "mission-event-done" : ""}`}>
       <Sign size={18} aria-label={level} />
       <div className="mission-event-text">
-        <p>
-          <time>{growing(t_ns / 1e6)}</time>{" "}
+        <p className="mission-event-head">
           {where !== "" && (
             <button
               type="button"
@@ -101,15 +105,17 @@ function Line({ failure, watch, names, isDone }: LineProps) {
             >
               {where}
             </button>
-          )}{" "}
+          )}
           {kind === "aborted" && "aborted"}
           {count > 1 && <span className="mission-count">×{count}</span>}
+          <time title={`${growing(t_ns / 1e6)} after the start`}>{when}</time>
         </p>
         {failure.text === "" ? (
           <ErrorText watch={watch} sequence={sequence} />
         ) : (
           <p className="mission-event-said">{failure.text}</p>
         )}
+        {around.length > 0 && <p className="mission-soft">in {around.join(" › ")}</p>}
         {reach !== path && (
           <p className="mission-soft">and with it everything up to {pathInWords(names, reach)}</p>
         )}
@@ -121,6 +127,20 @@ function Line({ failure, watch, names, isDone }: LineProps) {
       )}
     </li>
   );
+}
+
+/** How long ago something was, by the time of the run; of one that is over, how long after its start. */
+function useWhen(watch: Watch, t_ms: number): string {
+  const { page } = useHost().context();
+  return useComputed(() => {
+    const now = watch.now.value;
+    if (!now || !isGoingOn(now)) return `after ${growing(t_ms)}`;
+    const now_ms = seconds.value;
+    const { isOld, age_ms } = runAge(page, watch, now_ms);
+    const ago_ms = elapsedNow(page, watch, isOld ? now_ms - age_ms : now_ms) - t_ms;
+    const ago_s = Math.max(0, Math.floor(ago_ms / 1_000));
+    return `${ago_s < 60 ? `${ago_s} s` : duration(ago_s * 1_000)} ago`;
+  }, [page, watch, t_ms]);
 }
 
 /** The error that an aborted state left, where the log does not tell it. */

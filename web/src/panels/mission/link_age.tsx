@@ -18,8 +18,7 @@ export function LinkAge({ watch }: { readonly watch: Watch }) {
       <p className="mission-band mission-band-past">
         <History size={16} aria-hidden />
         <span>
-          Branches show the past, {duration(age.age_ms)} before the newest event. Status, questions
-          and buttons are live.
+          Branches and values: {duration(age.age_ms)} before the newest event. All else is live.
         </span>
         <Button onClick={() => run("run.live")}>Back to now</Button>
       </p>

@@ -57,10 +57,10 @@ export function WhyNot({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const refusal = useRefusals();
   const other = useComputed(() => otherHolder(page, watch), [page, watch]);
-  const isCrashed = useComputed(() => watch.now.value?.run.phase === "crashed", [watch]);
+  const isOn = useComputed(() => watch.now.value?.run.phase === "live", [watch]);
   const why = refusal["run.stop"] ?? (other === null ? null : refusal["run.resume"]);
-  // Of a crash there is more to say, and it stands below.
-  return why && !isCrashed ? <p className="mission-why">{capital(why)}.</p> : null;
+  // Of a run that is over, or crashed, there is more to say, and it stands below.
+  return why && isOn ? <p className="mission-why">{capital(why)}.</p> : null;
 }
 
 interface PressProps {

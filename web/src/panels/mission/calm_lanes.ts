@@ -1,0 +1,41 @@
+/** The branches of a run at a pace that people can read: at once where one is in another phase, else about once a second. */
+
+import { computed } from "@preact/signals-core";
+import { useMemo } from "react";
+import { type Active, activeStates, lanes } from "../../store/active.ts";
+import { laterBy } from "../../store/later.ts";
+import type { Page } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { usePaced } from "../../ui/paced.ts";
+import { useComputed } from "../../ui/signals.ts";
+import { inOrder } from "../running/order.ts";
+
+/** A little less than a second, so that each second is told. */
+const PACE_MS = 900;
+
+export interface CalmLanes {
+  /** Those that want somebody first. */
+  readonly all: readonly Active[];
+  /** So much longer they have gone on by then than they say, in ms. */
+  readonly later_ms: number;
+}
+
+export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
+  const phases = useComputed(() => phasesOf(watch), [watch]);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: other phases are told at once, as another signal is
+  const told = useMemo(
+    () =>
+      computed(() => ({
+        all: inOrder(lanes(activeStates(watch))),
+        later_ms: laterBy(page, watch),
+      })),
+    [page, watch, phases],
+  );
+  return usePaced(told, PACE_MS);
+}
+
+/** In which phase each branch is, and at which moment: another text is told at once. */
+function phasesOf(watch: Watch): string {
+  const all = lanes(activeStates(watch)).map(({ branch, phase }) => `${branch} ${phase}`);
+  return [watch.moment.value, ...all.sort()].join("\n");
+}
