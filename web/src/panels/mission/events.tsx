@@ -13,6 +13,7 @@ import { seconds } from "../../store/seconds.ts";
 import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useStill } from "../../ui/still.ts";
 import { useCommand, useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
@@ -29,6 +30,8 @@ export function Events({ watch }: { readonly watch: Watch }) {
   const names = useMachineNames();
   const [showsDone, setShowsDone] = useState(false);
   const shown = showsDone ? all : open;
+  // What one acknowledges oneself is meant to make room for the next.
+  const isStill = useStill(String(all.at(-1)?.sequence));
   const newest = shown.slice(-SHOWN_MAX).reverse();
   return (
     <section className="mission-part mission-events" aria-label="Events to acknowledge">
@@ -61,6 +64,7 @@ export function Events({ watch }: { readonly watch: Watch }) {
             watch={watch}
             names={names}
             isDone={done.has(failure.sequence)}
+            isStill={isStill}
           />
         ))}
       </ul>
@@ -76,6 +80,7 @@ interface LineProps {
   readonly watch: Watch;
   readonly names: Names;
   readonly isDone: boolean;
+  readonly isStill: boolean;
 }
 
 const SIGNS: Readonly<Record<Failure["level"], LucideIcon>> = {
@@ -83,7 +88,7 @@ const SIGNS: Readonly<Record<Failure["level"], LucideIcon>> = {
   error: CircleX,
 };
 
-function Line({ failure, watch, names, isDone }: LineProps) {
+function Line({ failure, watch, names, isDone, isStill }: LineProps) {
   const host = useHost();
   const run = useCommand();
   const { level, kind, path, reach, count, t_ns, sequence } = failure;
@@ -123,7 +128,9 @@ function Line({ failure, watch, names, isDone }: LineProps) {
       {isDone ? (
         <span className="mission-soft">seen</span>
       ) : (
-        <Button onClick={() => run("mission.acknowledge", sequence)}>Acknowledge</Button>
+        <Button disabled={!isStill} onClick={() => run("mission.acknowledge", sequence)}>
+          Acknowledge
+        </Button>
       )}
     </li>
   );

@@ -3,6 +3,7 @@
 import { askedQuestions, type Closed, openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useStill } from "../../ui/still.ts";
 import { answerInWords } from "../parts/answer.ts";
 import { growing } from "../parts/duration.ts";
 import { QuestionForm } from "../parts/question.tsx";
@@ -16,6 +17,7 @@ export function Questions({ watch }: { readonly watch: Watch }) {
   const { closed } = useSignal(askedQuestions(watch));
   const names = useMachineNames();
   const isOpen = new Set(open.map(({ id }) => id));
+  const isStill = useStill(open.map(({ id }) => id).join(" "));
   const ended = closed.filter(({ question }) => !isOpen.has(question.id)).slice(0, CLOSED_SHOWN);
   if (open.length === 0 && ended.length === 0) return null;
   return (
@@ -25,6 +27,7 @@ export function Questions({ watch }: { readonly watch: Watch }) {
           key={question.id}
           watch={watch}
           question={question}
+          isStill={isStill}
           asker={pathInWords(names, question.path)}
         />
       ))}

@@ -30,9 +30,11 @@ export interface QuestionFormProps {
   readonly question: Question;
   /** Who asks, in words. */
   readonly asker: string;
+  /** Whether it has stood where it is for so long that a press on it can be meant. */
+  readonly isStill: boolean;
 }
 
-export function QuestionForm({ watch, question, asker }: QuestionFormProps) {
+export function QuestionForm({ watch, question, asker, isStill }: QuestionFormProps) {
   const { commands, context } = useHost();
   const run = useCommand();
   const [filled, setFilled] = useState<Filled>(() => firstFilled(question.form));
@@ -69,7 +71,7 @@ export function QuestionForm({ watch, question, asker }: QuestionFormProps) {
             // biome-ignore lint/suspicious/noArrayIndexKey: a button is its place
             key={button}
             kind={button === 0 ? "primary" : "plain"}
-            disabled={refusal !== null || isSent || (button === 0 && fault !== null)}
+            disabled={!isStill || refusal !== null || isSent || (button === 0 && fault !== null)}
             title={refusal ? `Answer: ${refusal}` : undefined}
             onClick={() => press(button)}
           >
