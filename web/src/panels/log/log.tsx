@@ -16,7 +16,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { type Column, Table } from "../../ui/table.tsx";
 import { type PanelHost, useActiveTab, useHost } from "../context.tsx";
 import { goTo } from "../go_to.ts";
-import { moment } from "../moment.ts";
+import { preciseMoment } from "../moment.ts";
 import { reveal } from "../reveal.ts";
 import { ChosenLine } from "./chosen_line.tsx";
 import { type Entry, inOneLine, type Wanted } from "./entries.ts";
@@ -205,9 +205,9 @@ function columnsOf(hasRun: boolean, nameOf: (path: string) => string): readonly 
 const TIME: Column<Entry> = {
   key: "time",
   title: "When",
-  width: "84px",
+  width: "minmax(100px, max-content)",
   align: "right",
-  cell: ({ at_ms }) => <span className="log-time">{moment(at_ms, Date.now())}</span>,
+  cell: ({ at_ms }) => <span className="log-time">{preciseMoment(at_ms, Date.now())}</span>,
 };
 
 const LEVEL: Column<Entry> = {

@@ -119,7 +119,9 @@ function Row({ tab, watch, lane, later_ms, isLive }: RowProps) {
       >
         <Sign size={16} aria-hidden className="running-sign" />
         <span className="running-name">{name}</span>
-        <span className="running-time">{timeInWords(lane.since_ms + later_ms)}</span>
+        {!comesNext(lane) && (
+          <span className="running-time">{growing(lane.since_ms + later_ms)}</span>
+        )}
         {around.length > 0 && <span className="running-way">{around.join(" › ")}</span>}
         <span className="running-words">
           {phaseInWords(lane, word)}
@@ -132,8 +134,9 @@ function Row({ tab, watch, lane, later_ms, isLive }: RowProps) {
   );
 }
 
-function timeInWords(ms: number): string {
-  return growing(ms);
+/** Whether the state of a row has not been entered yet: it has no time then. */
+function comesNext({ phase, held: [hold] }: Active): boolean {
+  return phase === "held" && hold?.next != null;
 }
 
 function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {

@@ -225,7 +225,9 @@ export function paintRuler(context: CanvasRenderingContext2D, scene: Scene): voi
     context.fillStyle = inks("--border-strong");
     context.fillRect(x, 14, 1, 6);
     context.fillStyle = inks("--text-soft");
-    context.fillText(sinceStart(at / 1e6, step_ms), x + 4, 9);
+    const words = sinceStart(at / 1e6, step_ms);
+    const isWhole = x + 4 + context.measureText(words).width <= scale.width;
+    if (isWhole) context.fillText(words, x + 4, 9);
   }
   context.fillStyle = inks("--border");
   context.fillRect(0, RULER_PX - 1, scale.width, 1);

@@ -161,7 +161,10 @@ function SearchField({ tab, model }: Pick<OfRunProps, "tab" | "model">) {
         }}
       />
       <span className="timeline-hits" role="status">
-        {found && (many === 0 ? "Nothing" : `${place || "–"} of ${many}${found.isFull ? "+" : ""}`)}
+        {found &&
+          (many === 0
+            ? "Nothing"
+            : `${place === 0 ? "–" : inWords(place)} of ${inWords(many)}${found.isFull ? "+" : ""}`)}
       </span>
       <IconButton
         label="Hit before"
@@ -179,6 +182,10 @@ function SearchField({ tab, model }: Pick<OfRunProps, "tab" | "model">) {
       />
     </span>
   );
+}
+
+function inWords(count: number): string {
+  return count.toLocaleString("en");
 }
 
 function Chart({ tab, watch, model }: OfRunProps) {
