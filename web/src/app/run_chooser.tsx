@@ -14,10 +14,10 @@ import {
 import { duration, growing } from "../panels/parts/duration.ts";
 import { RunStandView } from "../panels/parts/run_stand.tsx";
 import { useRunAge } from "../panels/run_age.ts";
-import { isGoingOn, runAge } from "../store/age.ts";
+import { isGoingOn, truthAge } from "../store/age.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
-import { elapsedAt } from "../store/run_clock.ts";
+import { elapsedNow } from "../store/run_clock.ts";
 import { runsOfTab } from "../store/running.ts";
 import { seconds } from "../store/seconds.ts";
 import { ContextMenu } from "../ui/menu.tsx";
@@ -75,10 +75,10 @@ function Stand({ watch }: { watch: Watch }) {
   }, [watch]);
   const elapsed = useDerived(() => {
     const now = watch.now.value;
-    const isTicking = now !== null && isGoingOn(now) && watch.moment.value === null;
+    const isTicking = now !== null && isGoingOn(now);
     // Nothing is reckoned on from what may be old.
-    const at_ms = isTicking ? seconds.value - runAge(page, watch, seconds.value).age_ms : 0;
-    const ms = elapsedAt(page, watch, at_ms);
+    const at_ms = isTicking ? seconds.value - truthAge(page, watch, seconds.value).age_ms : 0;
+    const ms = elapsedNow(page, watch, at_ms);
     return isTicking ? growing(ms) : duration(ms);
   }, [page, watch]);
   const { isOld, age_ms } = useRunAge(page, watch);

@@ -1,22 +1,12 @@
-/** How long a run has gone on at what the page shows: by the latest truth, and by the time since that was said. */
+/** How long a run has gone on: by the latest truth, and by the time since that was said. */
 
 import type { Page } from "./page.ts";
 import type { Watch } from "./run.ts";
-
-type Clocked = Pick<Watch, "now" | "moment" | "journal" | "grown">;
 
 /** When the runner said what is shown, by this browser's clock; null before it said anything. */
 export function saidAt(page: Pick<Page, "server">, watch: Pick<Watch, "now">): number | null {
   const said_ms = watch.now.value?.snapshot_ms ?? null;
   return said_ms === null ? null : said_ms - (page.server.pulse.value?.ahead_ms ?? 0);
-}
-
-/** The time since the start, in ms; of a past moment its own, else as it is now. */
-export function elapsedAt(page: Pick<Page, "server">, watch: Clocked, now_ms: number): number {
-  const moment = watch.moment.value;
-  if (moment === null) return elapsedNow(page, watch, now_ms);
-  watch.grown.value;
-  return watch.journal.t_ns(watch.journal.indexOf(moment)) / 1e6;
 }
 
 /** The time since the start, in ms, whatever moment is shown; of a run that is over its length. While the run goes on it is

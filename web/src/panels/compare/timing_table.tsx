@@ -65,7 +65,7 @@ function columnsOf(show: (side: Side, row: TimingRow) => void): readonly Column<
       return (
         <button
           type="button"
-          className="compare-value"
+          className="compare-value compare-time"
           title={`${count} times, on average: show the first in ${title.toLowerCase()}`}
           onClick={() => show(side, row)}
         >
