@@ -63,6 +63,7 @@ async function look(app: App, machine: string): Promise<number> {
   const root = await app.sheet.evaluate(() => window.__rafcon.context().tab?.room.machine.root);
   await app.press("t");
   await app.until(({ tab }) => tab?.view.modes.value.transitions === false, null);
+  await app.drawn();
   const shown = await app.box(root ?? "");
   const scale = shown.width / boxOf(machine).width;
   const boxes = alone([...boxesIn(machine).values()], (2 * AROUND) / scale);

@@ -75,6 +75,17 @@ export class App {
         canvas !== null && tab?.room.status.value?.summary.file?.path === file,
       name,
     );
+    await this.drawn();
+  }
+
+  /** Waits until the page has drawn what it is now: sizes are known, and the camera stands. */
+  async drawn(): Promise<void> {
+    await this.sheet.evaluate(
+      () =>
+        new Promise<void>((done) => {
+          requestAnimationFrame(() => requestAnimationFrame(() => done()));
+        }),
+    );
   }
 
   get canvas() {
