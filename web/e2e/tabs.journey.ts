@@ -1,0 +1,75 @@
+/** Two tabs of one browser, and two runs in one page: what is said in one counts in the other, and what is told to one run does not. */
+
+import { expect, vi } from "vitest";
+import type { RunNow } from "../src/model/generated/protocol.ts";
+import type { App } from "./house/app.ts";
+import { journey } from "./house/journey.ts";
+import { endRun, missionFolder, missionOf, openMission, startRun } from "./house/mission.ts";
+import { heldBefore, press, stopRun } from "./house/runs.ts";
+
+const PART = "PACKER/ONEPAR";
+
+/** A state as screen readers are told it. */
+function heard(app: App, name: RegExp) {
+  return app.canvas.getByRole("treeitem", { name });
+}
+
+journey(
+  "breakpoints for the next start are the same in two tabs of a browser",
+  { open: "hierarchy_and_data" },
+  async ({ app, tab }) => {
+    const other = await tab(app);
+    await other.open("hierarchy_and_data");
+    await app.select(PART);
+    await app.press("Control+F9");
+    await heard(app, /^Pack one part, breakpoint, hierarchy/).waitFor();
+    await other.select(PART);
+    await heard(other, /^Pack one part, breakpoint, hierarchy/).waitFor();
+    await other.panel("Breakpoints");
+    await other.sheet.getByRole("checkbox", { name: "Breakpoint 1 is on" }).uncheck();
+    await heard(app, /^Pack one part, breakpoint off, hierarchy/).waitFor();
+    await other.sheet.getByRole("checkbox", { name: "Breakpoint 1 is on" }).check();
+    await heard(app, /^Pack one part, breakpoint, hierarchy/).waitFor();
+    await press(app, "Start");
+    await heldBefore(app, PART);
+    await heard(app, /^Pack one part, comes next, breakpoint, hierarchy/).waitFor();
+    await stopRun(app);
+    await other.sheet.getByRole("button", { name: "Remove breakpoint 1" }).click();
+    await heard(app, /^Pack one part, [^b]*hierarchy/).waitFor();
+  },
+);
+
+const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(3600)"] };
+const LOAD = { id: "LOADIN", name: "Load the box", script: ["self.preemptive_wait(3600)"] };
+
+journey(
+  "of two runs that go on at once, mission control holds the one that it shows",
+  { machines: { drives: missionFolder("drives", [DRIVE]), loads: missionFolder("loads", [LOAD]) } },
+  async ({ app, server }) => {
+    const [drives, loads] = [await startRun(server, "drives"), await startRun(server, "loads")];
+    const statusOf = async (run: string) =>
+      (await server.ask<RunNow>("GET", `/runs/${run}`)).snapshot?.status;
+    await openMission(app, "drives");
+    const mission = missionOf(app);
+    const others = mission.getByLabel("Other runs that go on");
+    const branch = (name: string) => mission.getByRole("button", { name });
+    await branch("Drive to the bay").waitFor();
+    await others.selectOption(loads);
+    await branch("Load the box").waitFor();
+    await branch("Drive to the bay").waitFor({ state: "detached" });
+    await mission.getByRole("button", { name: "Hold", exact: true }).focus();
+    await vi.waitUntil(
+      async () => {
+        await app.sheet.keyboard.press("Enter");
+        return (await statusOf(loads)) === "paused";
+      },
+      { timeout: 20_000, interval: 100 },
+    );
+    await mission.getByText("Paused").waitFor();
+    expect(await statusOf(drives)).toBe("running");
+    await others.selectOption(drives);
+    await branch("Drive to the bay").waitFor();
+    await mission.getByText("Running").waitFor();
+    for (const run of [drives, loads]) await endRun(server, run);
+  },
+);
