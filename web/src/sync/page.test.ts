@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { HouseStatus, RunSummary } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
-import type { Follower } from "../store/server.ts";
+import { type Follower, RefusalError } from "../store/server.ts";
 import { memoryShed } from "../store/shed.ts";
 import { select } from "../store/view.ts";
 import { FakeClock } from "./fake_clock.ts";
@@ -48,6 +48,21 @@ describe("the page", () => {
     page.tell({ level: "error", text: "a crash", passing: { ...passing, topic: "crash" } });
     const texts = page.notices.value.map(({ text }) => text);
     expect(texts).toEqual(["saved", "2 failures", "a crash"]);
+  });
+
+  it("takes it that projects and libraries cannot be asked for, and asks again", async () => {
+    const { server, tellHouse, asked } = setUp();
+    const { request } = server;
+    const message = "the server does not answer";
+    server.request = async <T>(method: string, path: string): Promise<T> => {
+      await request(method, path);
+      throw new RefusalError({ code: "no_answer", message }, 0);
+    };
+    tellHouse(HOUSE);
+    await settle();
+    tellHouse({ ...HOUSE });
+    await settle();
+    expect([asked("/projects"), asked("/libraries")]).toEqual([2, 2]);
   });
 
   it("opens a machine once, and remembers its folder", async () => {

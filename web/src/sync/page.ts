@@ -101,9 +101,10 @@ function followFiles(server: Server, house: Signal<HouseStatus | null>, shelf: S
   let known: number | null = null;
   const ask = async () => {
     try {
-      const roots = server.request<readonly LibraryRoot[]>("GET", "/libraries");
-      projects.value = await server.request<readonly Project[]>("GET", "/projects");
-      libraries.value = await roots;
+      [projects.value, libraries.value] = await Promise.all([
+        server.request<readonly Project[]>("GET", "/projects"),
+        server.request<readonly LibraryRoot[]>("GET", "/libraries"),
+      ]);
       await shelf.refresh();
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
