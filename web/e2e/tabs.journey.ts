@@ -33,6 +33,7 @@ journey(
     await press(app, "Start");
     await heldBefore(app, PART);
     await heard(app, /^Pack one part, comes next, breakpoint, hierarchy/).waitFor();
+    await app.canvas.getByRole("status").getByText("Pack one part comes next").waitFor();
     await stopRun(app);
     await other.sheet.getByRole("button", { name: "Remove breakpoint 1" }).click();
     await heard(app, /^Pack one part, [^b]*hierarchy/).waitFor();

@@ -3,7 +3,7 @@ import type { ElementRef } from "../model/element.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import type { MarkPhase, RunMark } from "../store/marks.ts";
-import { described, type Signs } from "./describe.ts";
+import { described, type Signs, urgentWords } from "./describe.ts";
 import { ARM } from "./testing/driver.ts";
 
 const machine = machineOf(sketch(ARM));
@@ -33,7 +33,17 @@ test("a state says what it does in a run, and its breakpoint", () => {
     described(machine, { kind: "state", path: "R/C" }, signs).split(", hierarchy")[0];
   const phase = (name: MarkPhase) => ({ phase: name, failed: false, detail: null }) as RunMark;
   expect(say({ run: phase("running") })).toBe("Box, runs");
-  expect(say({ run: phase("held"), breakpoint: "on" })).toBe("Box, held, breakpoint");
+  expect(say({ run: phase("held"), breakpoint: "on" })).toBe("Box, is held, breakpoint");
   expect(say({ run: phase("failed") })).toBe("Box, failed");
   expect(say({ breakpoint: "off" })).toBe("Box, breakpoint off");
+});
+
+test("what somebody may want to know at once is said without being asked for", () => {
+  const say = (phase: MarkPhase, detail: string | null = null) =>
+    urgentWords(machine, "R/C", { run: { phase, failed: false, detail } as RunMark });
+  expect(say("waiting", "an answer")).toBe("Box waits for an answer");
+  expect(say("held")).toBe("Box is held");
+  expect(say("next")).toBe("Box comes next");
+  expect(say("running")).toBe("");
+  expect(urgentWords(machine, "R/C", { breakpoint: "on" })).toBe("");
 });

@@ -6,7 +6,7 @@ import type { StateDocument } from "../model/generated/protocol.ts";
 import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { KIND_WORDS } from "../plan/legal.ts";
-import type { RunMark } from "../store/marks.ts";
+import type { MarkPhase, RunMark } from "../store/marks.ts";
 
 /** What is said of a state beside what it is. */
 export interface Signs {
@@ -53,12 +53,21 @@ function stateInWords(
   return parts.filter((part) => part !== "").join(", ");
 }
 
+/** What a state comes to by itself and somebody may want to know at once. */
+const URGENT: ReadonlySet<MarkPhase> = new Set(["waiting", "held", "next", "failed"]);
+
+/** What is said of a state while it is selected and the run goes on: "Scan waits for an answer". Empty: nothing. */
+export function urgentWords(machine: Machine, path: string, { run }: Signs): string {
+  const name = machine.state(path)?.name;
+  return name !== undefined && run && URGENT.has(run.phase) ? `${name} ${runInWords(run)}` : "";
+}
+
 const BREAKPOINT_WORDS = { on: "breakpoint", off: "breakpoint off" };
 
 const RUN_WORDS: Readonly<Partial<Record<RunMark["phase"], string>>> = {
   running: "runs",
   waiting: "waits",
-  held: "held",
+  held: "is held",
   next: "comes next",
   preempted: "is being preempted",
   failed: "failed",

@@ -8,9 +8,10 @@ import { isRefused } from "../plan/plan.ts";
 import { rename } from "../plan/states.ts";
 import { dragged } from "../store/dragged.ts";
 import type { OpenTab, Page } from "../store/page.ts";
-import { select, selected } from "../store/view.ts";
+import { select, selected, selectedStates } from "../store/view.ts";
 import { panned, screenBox, visibleBox } from "./camera.ts";
 import type { CanvasControl } from "./control.ts";
+import { urgentWords } from "./describe.ts";
 import { firstLook } from "./first_look.ts";
 import { Flight, WINDOW_FRAMES } from "./flight.ts";
 import { followRun } from "./follow.ts";
@@ -224,16 +225,23 @@ function keepReading(
 ): () => void {
   let frame = 0;
   let rest = 0;
+  let before = { path: "", words: "" };
+  const signsOf = (path: string) => ({
+    run: picture.runs().get(path),
+    breakpoint: picture.breakpoints().get(path),
+  });
   const show = () => {
     frame = 0;
     const [places, stage] = [hand.places(), hand.stage.peek()];
-    const [runs, points] = [picture.runs(), picture.breakpoints()];
-    const signsOf = (path: string) => ({ run: runs.get(path), breakpoint: points.get(path) });
     reader.show(treeLines(room.machine, places, stage, selected(view), signsOf));
   };
   const showRun = () => {
     rest = 0;
     show();
+    const [path = "", ...more] = selectedStates(view);
+    const words = more.length > 0 ? "" : urgentWords(room.machine, path, signsOf(path));
+    if (path === before.path && words !== before.words) reader.say(words);
+    before = { path, words };
   };
   const stop = effect(() => {
     room.version.value;
