@@ -13,6 +13,14 @@ test("numbers and truths are points, all else changes", () => {
   expect(series.beside(1, "after")?.sequence).toBe(2);
 });
 
+test("what comes again as it was is no change", () => {
+  const series = new Series();
+  const values = ["idle", "idle", { goal: [1] }, { goal: [1] }, 4, { goal: [1] }, "idle"];
+  for (const [index, value] of values.entries()) series.add(index, index, value);
+  expect(series.changes.map(({ sequence }) => sequence)).toEqual([0, 2, 5, 6]);
+  expect(series.count).toBe(7);
+});
+
 test("however many come, few are kept, the extremes among them, in their order", () => {
   const series = new Series();
   for (let n = 1; n <= 100_000; n += 1) series.add(n, n, n === 40_000 ? 99 : Math.sin(n));

@@ -27,13 +27,15 @@ export class Series {
   #points: Point[] = [];
   #changes: ChangeOfValue[] = [];
   #count = 0;
+  /** What came last, if it was no number, as a text. */
+  #last: string | null = null;
 
   /** Numbers and truths, the oldest first. */
   get points(): readonly Point[] {
     return this.#points;
   }
 
-  /** What it was else, the oldest first. */
+  /** What it was else, whenever that was another one, the oldest first. */
   get changes(): readonly ChangeOfValue[] {
     return this.#changes;
   }
@@ -47,12 +49,20 @@ export class Series {
     this.#count += 1;
     const number = numberOf(value);
     if (number === null) {
-      this.#changes.push({ sequence, t_ns, value });
-      if (this.#changes.length > CHANGES_MAX) this.#changes.shift();
+      this.#addChange({ sequence, t_ns, value });
       return;
     }
+    this.#last = null;
     this.#points.push({ sequence, t_ns, value: number });
     if (this.#points.length > POINTS_MAX) this.#points = thinned(this.#points);
+  }
+
+  #addChange(change: ChangeOfValue): void {
+    const text = JSON.stringify(change.value);
+    if (text === this.#last) return;
+    this.#last = text;
+    this.#changes.push(change);
+    if (this.#changes.length > CHANGES_MAX) this.#changes.shift();
   }
 
   /** The last number up to an event; null before the first. */

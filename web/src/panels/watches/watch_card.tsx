@@ -4,7 +4,7 @@ import { ChevronLeft, ChevronRight, X } from "lucide-react";
 import { useEffect, useMemo } from "react";
 import { type Expression, readExpression } from "../../model/expression.ts";
 import { namesTo } from "../../model/machine.ts";
-import { shortValue } from "../../model/short_value.ts";
+import { previewValue } from "../../model/preview.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import type { ChangeOfValue } from "../../store/series.ts";
@@ -196,15 +196,23 @@ function Steps({ watched: { name, watch, history } }: { watched: WatchedValue })
 
 /** So many of the last changes are shown. */
 const CHANGES_SHOWN = 20;
+/** A change has room for so much. */
+const CHANGE_MAX = 60;
 
 function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch: Watch }) {
+  const moment = useSignal(watch.moment);
+  const here = changes.findLast(({ sequence }) => moment !== null && sequence <= moment);
   return (
     <ol className="watches-changes" aria-label="Last changes, the newest first">
       {changes
         .slice(-CHANGES_SHOWN)
         .reverse()
         .map(({ sequence, t_ns, value }) => (
-          <li key={sequence}>
+          <li
+            key={sequence}
+            aria-current={sequence === here?.sequence ? "true" : undefined}
+            className={moment !== null && sequence > moment ? "watches-later" : undefined}
+          >
             <button
               type="button"
               className="watches-link"
@@ -214,7 +222,7 @@ function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch:
             >
               {sinceStart(t_ns / 1e6, 1)}
             </button>
-            <code>{shortValue(value, 40)}</code>
+            <code>{previewValue(value, CHANGE_MAX)}</code>
           </li>
         ))}
     </ol>

@@ -3,8 +3,8 @@
 import { ChevronRight, Copy } from "lucide-react";
 import { type ReactNode, useRef, useState } from "react";
 import { numbersOf, recordsOf } from "../../../model/numbers.ts";
+import { previewValue } from "../../../model/preview.ts";
 import { pythonOf } from "../../../model/python_of.ts";
-import { shortValue } from "../../../model/short_value.ts";
 import { type Read, read, typeWords } from "../../../model/wire.ts";
 import { Button, IconButton } from "../../../ui/button.tsx";
 import { FormChoice, useForm } from "./form_choice.tsx";
@@ -34,7 +34,7 @@ const LINE_MAX = 60;
 export function ValueRow({ name, value, way, tree, actions }: ValueRowProps) {
   const found = read(value);
   const isOpen = tree.isOpen(way) && hasInside(found);
-  const short = shortValue(value, LINE_MAX);
+  const short = previewValue(value, LINE_MAX);
   const words = (
     <>
       {name !== undefined && <span className="value-name">{name}</span>}

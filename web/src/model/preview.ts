@@ -1,0 +1,48 @@
+/** The beginning of a value that is too long for its place: more than its type, less than all of it. */
+
+import { shortValue } from "./short_value.ts";
+import { read, typeWords } from "./wire.ts";
+
+/** Inside of it a value has so much room. */
+const INSIDE_MAX = 24;
+const MORE = ", …";
+
+/** As `shortValue` where that tells it; of a longer dict or list as much as there is room for: `{frame: "map", joints: dict ⟨9⟩, …}`. */
+export function previewValue(value: unknown, max: number): string {
+  const short = shortValue(value, max);
+  const found = read(value);
+  if (short !== typeWords(found)) return short;
+  switch (found.kind) {
+    case "dict": {
+      const parts = found.entries.map(([key, item]) => `${key}: ${shortValue(item, INSIDE_MAX)}`);
+      return began(parts, found.count, max, "{", "}") ?? short;
+    }
+    case "list": {
+      const [open, close] = { list: "[]", tuple: "()", set: "{}" }[found.of];
+      const parts = found.items.slice(0, max).map((item) => shortValue(item, INSIDE_MAX));
+      return began(parts, found.count, max, open ?? "", close ?? "") ?? short;
+    }
+    default:
+      return short;
+  }
+}
+
+/** As many parts as fit; null if none does. */
+function began(
+  parts: readonly string[],
+  count: number,
+  max: number,
+  open: string,
+  close: string,
+): string | null {
+  let inner = "";
+  let told = 0;
+  for (const part of parts) {
+    const next = told === 0 ? part : `${inner}, ${part}`;
+    if (next.length + 2 + MORE.length > max) break;
+    inner = next;
+    told += 1;
+  }
+  if (told === 0) return null;
+  return `${open}${inner}${told < count ? MORE : ""}${close}`;
+}
