@@ -5,19 +5,17 @@ import { useEffect, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
-import { isGoingOn, runAge } from "../../store/age.ts";
 import type { Failure } from "../../store/failures.ts";
 import type { Watch } from "../../store/run.ts";
-import { elapsedNow } from "../../store/run_clock.ts";
-import { seconds } from "../../store/seconds.ts";
 import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useStill } from "../../ui/still.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { duration, growing } from "../parts/duration.ts";
+import { growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
+import { useWhen } from "./when.ts";
 
 /** So many are shown at a time. */
 const SHOWN_MAX = 30;
@@ -134,20 +132,6 @@ function Line({ failure, watch, names, isDone, isStill }: LineProps) {
       )}
     </li>
   );
-}
-
-/** How long ago something was, by the time of the run; of one that is over, how long after its start. */
-function useWhen(watch: Watch, t_ms: number): string {
-  const { page } = useHost().context();
-  return useComputed(() => {
-    const now = watch.now.value;
-    if (!now || !isGoingOn(now)) return `after ${growing(t_ms)}`;
-    const now_ms = seconds.value;
-    const { isOld, age_ms } = runAge(page, watch, now_ms);
-    const ago_ms = elapsedNow(page, watch, isOld ? now_ms - age_ms : now_ms) - t_ms;
-    const ago_s = Math.max(0, Math.floor(ago_ms / 1_000));
-    return `${ago_s < 60 ? `${ago_s} s` : duration(ago_s * 1_000)} ago`;
-  }, [page, watch, t_ms]);
 }
 
 /** The error that an aborted state left, where the log does not tell it. */

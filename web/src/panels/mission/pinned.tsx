@@ -1,14 +1,15 @@
-/** Values that an engineer watches of this machine, as they are at the moment that is shown; what is not at hand has a dash. */
+/** Values that an engineer watches of this machine, as they are at the moment that is shown, each with when it came. */
 
-import { useEffect } from "react";
 import { readExpression } from "../../model/expression.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { type OpenTab, runOf } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
-import { pictureOf, standingOf } from "../../store/standing.ts";
-import { type Target, type Watched, watchedOf } from "../../store/watched_values.ts";
+import { type Watched, watchedOf } from "../../store/watched_values.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
+import { growing } from "../parts/duration.ts";
+import { useValue, type ValueNow } from "../watches/use_value.ts";
+import { useWhen } from "./when.ts";
 
 export function Pinned({ watch }: { readonly watch: Watch }) {
   const tab = useActiveTab();
@@ -18,45 +19,57 @@ export function Pinned({ watch }: { readonly watch: Watch }) {
 }
 
 function List({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch }) {
-  const lines = useComputed(
-    () => JSON.stringify(watchedOf(tab).value.map((each) => [nameOf(each), told(watch, each)])),
-    [tab, watch],
-  );
-  const all = JSON.parse(lines) as readonly (readonly [string, string])[];
-  const isWanted = all.length > 0;
-  useEffect(() => (isWanted ? watch.wantValues() : undefined), [watch, isWanted]);
-  if (!isWanted) return null;
+  const all = useComputed(() => watchedOf(tab).value, [tab]);
+  if (all.length === 0) return null;
   return (
     <section className="mission-part" aria-label="Watched values">
       <dl className="mission-pinned shows-run">
-        {all.map(([name, value], at) => (
-          // biome-ignore lint/suspicious/noArrayIndexKey: a line is its place
-          <div key={at}>
-            <dt>{name}</dt>
-            <dd>{value}</dd>
-          </div>
+        {all.map((watched) => (
+          <Value key={watched.id} tab={tab} watch={watch} watched={watched} />
         ))}
       </dl>
     </section>
   );
 }
 
+interface ValueProps {
+  readonly tab: OpenTab;
+  readonly watch: Watch;
+  readonly watched: Watched;
+}
+
+function Value({ tab, watch, watched }: ValueProps) {
+  const { page } = useHost().context();
+  const now = useValue(page, tab, watch, watched.target);
+  const text = told(now, watched.expression);
+  return (
+    <div>
+      <dt>{nameOf(watched)}</dt>
+      <dd title={now.state === "none" ? now.why : text}>{text}</dd>
+      {now.state === "there" && now.sequence !== null && (
+        <Came watch={watch} sequence={now.sequence} />
+      )}
+    </div>
+  );
+}
+
+/** When the value came: in the past that is shown, how long after the start. */
+function Came({ watch, sequence }: { readonly watch: Watch; readonly sequence: number }) {
+  const t_ms = watch.journal.t_ns(watch.journal.indexOf(sequence)) / 1e6;
+  const isPast = useComputed(() => watch.moment.value !== null, [watch]);
+  const when = useWhen(watch, t_ms);
+  return <dd className="mission-pinned-when">{isPast ? `after ${growing(t_ms)}` : when}</dd>;
+}
+
 function nameOf({ target, expression }: Watched): string {
   return expression === "value" ? target.name : `${target.name}: ${expression}`;
 }
 
-function told(watch: Watch, { target, expression }: Watched): string {
-  const value = valueAt(watch, target);
-  if (value === undefined) return "–";
+/** What is not at hand, or cannot be worked out, has a dash. */
+function told(now: ValueNow, expression: string): string {
+  if (now.state !== "there") return "–";
   const read = readExpression(expression);
   if ("refused" in read) return "–";
-  const worked = read.of(value);
+  const worked = read.of(now.value);
   return "refused" in worked ? "–" : shortValue(worked.value);
-}
-
-function valueAt(watch: Watch, { kind, path, name }: Target): unknown {
-  if (kind === "global") return pictureOf(watch)?.globals[name];
-  const { scoped, inputs, outputs } = standingOf(watch, path);
-  if (kind === "scoped_variable") return scoped?.[name];
-  return kind === "input" ? inputs?.[name] : outputs?.[name];
 }
