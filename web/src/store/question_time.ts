@@ -21,20 +21,16 @@ export function timeLeft(
   return Math.max(0, Math.ceil(left_ms / 1_000)) * 1_000;
 }
 
-/** The question whose time is over first, those without a deadline last; null if nothing is asked. */
-export function mostUrgent(
-  page: Pick<Page, "server">,
-  watch: Asking,
+/** Those whose time is over first come first, those without a deadline last; else as they were asked. A signal's reader. */
+export function byUrgency(
+  watch: Pick<Watch, "journal" | "grown">,
   questions: readonly Question[],
-  now_ms: number,
-): { readonly question: Question; readonly left_ms: number | null } | null {
-  const all = questions.map((question) => ({
-    question,
-    left_ms: timeLeft(page, watch, question, now_ms),
-  }));
-  const rank = ({ left_ms }: (typeof all)[number]) => left_ms ?? Number.POSITIVE_INFINITY;
-  return all.reduce<(typeof all)[number] | null>(
-    (first, each) => (first === null || rank(each) < rank(first) ? each : first),
-    null,
-  );
+): readonly Question[] {
+  const { since_ns } = askedQuestions(watch).value;
+  const end_ms = ({ id, timeout_ms }: Question) => {
+    const asked_ns = since_ns.get(id);
+    const isKnown = timeout_ms !== null && asked_ns !== undefined;
+    return isKnown ? asked_ns / 1e6 + timeout_ms : Number.MAX_VALUE;
+  };
+  return [...questions].sort((one, other) => end_ms(one) - end_ms(other));
 }

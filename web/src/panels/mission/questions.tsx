@@ -1,5 +1,6 @@
 /** What states ask, to be answered here; and how the last questions ended, by whom. */
 
+import { byUrgency } from "../../store/question_time.ts";
 import { askedQuestions, type Closed, openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
@@ -13,7 +14,7 @@ import { pathInWords, useMachineNames } from "./names.ts";
 const CLOSED_SHOWN = 3;
 
 export function Questions({ watch }: { readonly watch: Watch }) {
-  const open = useComputed(() => openQuestions(watch), [watch]);
+  const open = useComputed(() => byUrgency(watch, openQuestions(watch)), [watch]);
   const { closed } = useSignal(askedQuestions(watch));
   const names = useMachineNames();
   const isOpen = new Set(open.map(({ id }) => id));

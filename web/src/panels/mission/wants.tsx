@@ -3,7 +3,7 @@
 import { CircleHelp, TriangleAlert } from "lucide-react";
 import type { MouseEvent } from "react";
 import { openFailures } from "../../store/acknowledged.ts";
-import { mostUrgent } from "../../store/question_time.ts";
+import { byUrgency, timeLeft } from "../../store/question_time.ts";
 import { openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
 import { seconds } from "../../store/seconds.ts";
@@ -35,8 +35,9 @@ export function Wants({ watch }: { readonly watch: Watch }) {
 function Asked({ watch, count }: { readonly watch: Watch; readonly count: number }) {
   const { page } = useHost().context();
   const text = useComputed(() => {
-    const first = mostUrgent(page, watch, openQuestions(watch), seconds.value);
-    return JSON.stringify({ id: first?.question.id, left_ms: first?.left_ms ?? null });
+    const [first] = byUrgency(watch, openQuestions(watch));
+    const left_ms = first ? timeLeft(page, watch, first, seconds.value) : null;
+    return JSON.stringify({ id: first?.id ?? 0, left_ms });
   }, [page, watch]);
   const { id, left_ms } = JSON.parse(text) as { id: number; left_ms: number | null };
   return (
