@@ -175,6 +175,48 @@ journey(
 );
 
 journey(
+  "stop and hold stay where they are, whether a question waits, is answered or the link is gone",
+  { machines: MACHINES, open: "asks" },
+  async ({ app, server }) => {
+    await during(server, "asks", async () => {
+      await openMission(app, "asks");
+      const mission = missionOf(app);
+      const places = () =>
+        Promise.all(
+          ["Stop", "Hold"].map((name) =>
+            mission.getByRole("button", { name, exact: true }).boundingBox(),
+          ),
+        );
+      await mission.getByRole("button", { name: /^1 question/ }).waitFor();
+      const asked = await places();
+      await mission.getByRole("button", { name: "Cancel" }).click();
+      await mission.getByText("Nothing wants you").waitFor();
+      expect(await places()).toEqual(asked);
+      await server.end("SIGKILL");
+      await mission.getByText("The server is not heard").waitFor();
+      expect(await places()).toEqual(asked);
+      await server.restart();
+      await mission.getByText(/^Live/).waitFor();
+      expect(await places()).toEqual(asked);
+    });
+  },
+);
+
+journey(
+  "one press leads from the line of what waits to the question with the least time",
+  { machines: MACHINES, open: "asks" },
+  async ({ app, server }) => {
+    await during(server, "asks", async () => {
+      await openMission(app, "asks");
+      const mission = missionOf(app);
+      await mission.getByRole("button", { name: /^1 question/ }).press("Enter");
+      await app.sheet.keyboard.type("12");
+      expect(await mission.getByLabel("Your answer").inputValue()).toBe("12");
+    });
+  },
+);
+
+journey(
   "what went wrong stays until somebody has seen it",
   { machines: MACHINES, open: "fails" },
   async ({ app, server }) => {
