@@ -336,8 +336,10 @@ function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T
             data-editing={editing}
             aria-readonly={value === null}
             onMouseDown={(event) => {
-              // With Shift rows are chosen, and not the text between.
-              if (event.shiftKey && table.selected && !editing) event.preventDefault();
+              // With Shift rows are chosen, and not the text between; a double click opens, and chooses no word.
+              const isExtending = event.shiftKey && table.selected !== undefined;
+              const isOpening = event.detail > 1 && table.onOpen !== undefined;
+              if ((isExtending || isOpening) && !editing) event.preventDefault();
             }}
             onClick={(event) => {
               if (editing) return;
