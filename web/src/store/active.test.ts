@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { ActiveState, Hold, Phase, Picture, RunNow } from "../model/generated/protocol.ts";
-import { type Active, activeStates, lanes, placeOfLane } from "./active.ts";
+import { type Active, activeStates, heldBefore, isHolding, lanes, placeOfLane } from "./active.ts";
 import type { Seen, Watch } from "./run.ts";
 
 /** A watch of which only what is shown counts. */
@@ -30,6 +30,14 @@ const before = (next: string): Hold => ({ next, by: { type: "step" } });
 
 const told = (active: readonly Active[]) =>
   active.map((lane) => `${lane.branch}: ${lane.phase} ${placeOfLane(lane)}`).join("\n");
+
+test("what comes next is held by something, and a breakpoint holds", () => {
+  const by = { type: "breakpoint", id: 3 } as const;
+  const active = [state("R"), state("R/A", "held", "", [{ next: "R/B", by }])];
+  expect(heldBefore(active, "R/B")).toEqual(by);
+  expect(heldBefore(active, "R/A")).toBeNull();
+  expect([3, 4].map((id) => isHolding(active, id))).toEqual([true, false]);
+});
 
 test("live, the leaves are the lanes, one a branch", () => {
   const watch = watching([

@@ -3,6 +3,7 @@
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type {
   ActiveState,
+  HeldBy,
   Hold,
   Phase,
   Picture,
@@ -56,6 +57,22 @@ export function lanes(active: readonly Active[]): readonly Active[] {
 
 function heldBranch(state: Active, hold: Hold): Active {
   return { ...state, phase: "held", branch: hold.next ?? state.branch, held: [hold] };
+}
+
+/** By what a branch is held before a state that comes next; null if none is. */
+export function heldBefore(active: readonly Active[], path: string): HeldBy | null {
+  for (const { held } of active) {
+    const hold = held.find(({ next }) => next === path);
+    if (hold) return hold.by;
+  }
+  return null;
+}
+
+/** Whether a breakpoint holds a branch. */
+export function isHolding(active: readonly Active[], breakpoint: number): boolean {
+  return active.some(({ held }) =>
+    held.some(({ by }) => by.type === "breakpoint" && by.id === breakpoint),
+  );
 }
 
 /** The path that a lane is at: the state that is active, or before which the branch is held. */

@@ -1,8 +1,8 @@
 /** How one state stands in a run at the moment that is shown: its visits, its phase, and what is at hand of its values. */
 
-import type { Outcome, Picture } from "../model/generated/protocol.ts";
+import type { HeldBy, Outcome, Picture } from "../model/generated/protocol.ts";
 import { parentOf } from "../model/path.ts";
-import { type Active, activeStates } from "./active.ts";
+import { type Active, activeStates, heldBefore } from "./active.ts";
 import type { Watch } from "./run.ts";
 import { type Visits, visitsOf } from "./visits.ts";
 
@@ -21,6 +21,8 @@ export type Values = Readonly<Record<string, unknown>>;
 export interface Standing {
   /** Null while it is not active. */
   readonly active: Active | null;
+  /** By what a branch is held before it; null while none is. */
+  readonly next: HeldBy | null;
   readonly visits: number;
   /** Its last entry and its last end up to the moment; null if there was none. */
   readonly entered: Turn | null;
@@ -44,9 +46,11 @@ export function standingOf(watch: Watch, path: string): Standing {
   const left = end(watch, visits, path, until);
   const picture = pictureOf(watch);
   const here = picture?.active.find((state) => state.path === path);
+  const active = activeStates(watch);
   const isThis = here !== undefined && here.entered === entered?.sequence;
   return {
-    active: activeStates(watch).find((state) => state.path === path) ?? null,
+    active: active.find((state) => state.path === path) ?? null,
+    next: heldBefore(active, path),
     visits: visits.count(path, until),
     entered,
     left,

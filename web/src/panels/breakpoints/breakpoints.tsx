@@ -1,7 +1,7 @@
 /** All breakpoints of the machine in front: of its run while that goes on, else those that the next start gets. */
 
 import { computed } from "@preact/signals-core";
-import { CirclePlus, Pencil, Trash2 } from "lucide-react";
+import { CirclePause, CirclePlus, Pencil, Trash2 } from "lucide-react";
 import { useMemo } from "react";
 import {
   cannotSetBreakpoints,
@@ -11,6 +11,7 @@ import {
 } from "../../commands/run_points.ts";
 import type { Breakpoint } from "../../model/generated/protocol.ts";
 import { namesTo } from "../../model/machine.ts";
+import { activeStates, isHolding } from "../../store/active.ts";
 import { breakpointsOf } from "../../store/breakpoints.ts";
 import { hitsOf } from "../../store/hits.ts";
 import type { OpenTab } from "../../store/page.ts";
@@ -130,6 +131,10 @@ function Row({ tab, breakpoint, refusal }: RowProps) {
   const { id, path, enabled, condition } = breakpoint;
   const watch = useSignal(tab.run);
   const hits = useComputed(() => (watch ? (hitsOf(watch).get(id) ?? 0) : null), [watch, id]);
+  const holds = useComputed(
+    () => watch !== null && isHolding(activeStates(watch), id),
+    [watch, id],
+  );
   const names = namesTo(machine, path);
   const name = names.at(-1) ?? path;
   const isGone = machine.state(path) === undefined;
@@ -168,6 +173,11 @@ function Row({ tab, breakpoint, refusal }: RowProps) {
       </div>
       {condition !== null && <code className="breakpoint-condition">{condition}</code>}
       <div className="breakpoint-words">
+        {holds && (
+          <span className="breakpoint-holds">
+            <CirclePause size={13} aria-hidden /> holds
+          </span>
+        )}
         {isGone ? "its state is gone" : breakpointInWords(breakpoint)}
         {hits !== null && hits > 0 && (
           <span className="breakpoint-hits">{hits === 1 ? "1 hit" : `${hits} hits`}</span>

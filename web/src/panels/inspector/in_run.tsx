@@ -4,6 +4,7 @@ import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
 import type { Phase } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
+import { holdInWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/run.ts";
 import { pictureOf, type Standing, standingOf } from "../../store/standing.ts";
 import { usePaced } from "../../ui/paced.ts";
@@ -72,13 +73,7 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
   const isAborted = left?.outcome?.id === ABORTED;
   const end = useDetail(runs, watch.id, wanted(left?.sequence, standing.outputs, isAborted));
   if (!entered && !standing.active) {
-    return (
-      <p className="inspector-none">
-        {standing.until === null
-          ? "It has not run in this run so far."
-          : "At this moment it had not run yet."}
-      </p>
-    );
+    return <p className="inspector-none">{neverInWords(standing)}</p>;
   }
   return (
     <div className="shows-run">
@@ -87,6 +82,13 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
       <RunValues seen={seen} watch={watch} standing={standing} entry={entry} end={end} />
     </div>
   );
+}
+
+function neverInWords({ next, until }: Standing): string {
+  if (next) return `It comes next, ${holdInWords(next)}.`;
+  return until === null
+    ? "It has not run in this run so far."
+    : "At this moment it had not run yet.";
 }
 
 /** The event to ask for: none, if the values are at hand. */
@@ -100,12 +102,13 @@ interface FactsProps {
 }
 
 function Facts({ watch, standing }: FactsProps) {
-  const { active, visits, left, entered } = standing;
+  const { active, visits, left, entered, next } = standing;
   return (
     <dl className="in-run-facts">
       <dt>Phase</dt>
-      <dd className={active ? `in-run-${active.phase}` : "inspector-faint"}>
-        {active ? PHASE_WORDS[active.phase] : "not active"}
+      <dd className={active ? `in-run-${active.phase}` : next ? "in-run-next" : "inspector-faint"}>
+        {active ? PHASE_WORDS[active.phase] : next ? "comes next" : "not active"}
+        {!active && next ? `, ${holdInWords(next)}` : ""}
         {active?.detail ? ` for ${active.detail}` : ""}
       </dd>
       {active ? <Since watch={watch} standing={standing} /> : null}

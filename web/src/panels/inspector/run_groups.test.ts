@@ -5,6 +5,7 @@ import { runGroups } from "./run_groups.ts";
 
 const LIVE = {
   active: null,
+  next: null,
   visits: 3,
   entered: { sequence: 30, t_ns: 30 },
   left: { sequence: 31, t_ns: 31, outcome: null },
