@@ -125,7 +125,7 @@ function Card({ lane, names, last, usual, later_ms }: CardProps) {
         >
           {name}
         </button>
-        <span className="mission-card-time">{growing(since_ms)}</span>
+        {!isBefore(lane) && <span className="mission-card-time">{growing(since_ms)}</span>}
       </div>
       {lane.phase !== "held" && usual && <Bar usual={usual} since_ms={since_ms} />}
       <div className="mission-card-foot">
@@ -147,11 +147,15 @@ const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: Luc
 function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {
   if (phase === "waiting") return detail ? `waits for ${detail}` : word;
   if (phase === "held" && hold) {
-    return hold.next === null
-      ? holdInWords(hold.by)
-      : `waits before this state, ${holdInWords(hold.by)}`;
+    const by = hold.by.type === "pause" ? "" : `: ${holdInWords(hold.by)}`;
+    return hold.next === null ? `held${by}` : `held before this state${by}`;
   }
   return word;
+}
+
+/** Whether it is held before its state: how long the states around it have gone on says nothing then. */
+function isBefore({ phase, held: [hold] }: Active): boolean {
+  return phase === "held" && hold !== undefined && hold.next !== null;
 }
 
 interface AgainstProps {

@@ -95,7 +95,7 @@ function Interrupted({ watch }: { readonly watch: Watch }) {
       <h3>
         <TriangleAlert size={20} aria-hidden />A crash interrupted what ran
       </h3>
-      <ul className="mission-choices">
+      <ul className="mission-choices mission-decide">
         {waiting.map(({ path }) => (
           <li key={path}>
             <strong>{pathInWords(names, path)}</strong>

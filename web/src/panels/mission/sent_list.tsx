@@ -24,10 +24,13 @@ export function SentList({ watch }: { readonly watch: Watch }) {
 
 const SIGNS = { sent: Send, applied: Check, refused: X, expired: Clock, lost: X };
 
+/** What is called otherwise on the buttons here. */
+const BUTTONS: Readonly<Record<string, string>> = { pause: "Hold", step_over: "Step" };
+
 function Line({ line, onClose }: { readonly line: SentLine; readonly onClose: () => void }) {
   const { command, kind, words } = line;
   const Sign = SIGNS[kind];
-  const title = command.type === "pause" ? "Hold" : commandInWords(command);
+  const title = BUTTONS[command.type] ?? commandInWords(command);
   return (
     <li className={`mission-sent-${kind}`}>
       <Sign size={16} aria-hidden />

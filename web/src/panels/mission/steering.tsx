@@ -4,7 +4,6 @@ import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from
 import type { MouseEvent, ReactNode } from "react";
 import { refusalOf } from "../../commands/command.ts";
 import { SURE } from "../../commands/run.ts";
-import { otherHolder } from "../../commands/run_rules.ts";
 import type { Watch } from "../../store/run.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useTwice } from "../../ui/twice.ts";
@@ -52,13 +51,10 @@ function useRefusals(): Refusals {
   return JSON.parse(text) as Refusals;
 }
 
-/** What keeps from steering, where that is not plain to see from the status. */
+/** What keeps from stopping while there is something to stop. Who else is in control, and how that changes, stands below. */
 export function WhyNot({ watch }: { readonly watch: Watch }) {
-  const { page } = useHost().context();
-  const refusal = useRefusals();
-  const other = useComputed(() => otherHolder(page, watch), [page, watch]);
+  const why = useRefusals()["run.stop"];
   const isOn = useComputed(() => watch.now.value?.run.phase === "live", [watch]);
-  const why = refusal["run.stop"] ?? (other === null ? null : refusal["run.resume"]);
   // Of a run that is over, or crashed, there is more to say, and it stands below.
   return why && isOn ? <p className="mission-why">{capital(why)}.</p> : null;
 }
