@@ -5,13 +5,14 @@ import type { ReactNode } from "react";
 import { refusalOf } from "../../commands/command.ts";
 import { silenceLeft } from "../../commands/mission.ts";
 import { lacks } from "../../commands/run_rules.ts";
+import { startedInWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/run.ts";
 import { sessionOfPage } from "../../store/running.ts";
 import { seconds } from "../../store/seconds.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { clockTime, duration } from "../parts/duration.ts";
+import { duration } from "../parts/duration.ts";
 import { Identity } from "./identity.tsx";
 import { isGoingOn } from "./no_run.tsx";
 
@@ -44,7 +45,10 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
           ) : (
             <>
               <strong>{isMine ? "You are" : `${holder} is`}</strong> in control
-              <span className="mission-soft"> since {clockTime(control.since_ms)}</span>
+              <span className="mission-soft">
+                {" "}
+                since {startedInWords(control.since_ms, Date.now())}
+              </span>
             </>
           )}
         </span>

@@ -1,6 +1,6 @@
 /** What a glance has to tell: which mission, how it stands, and how long. As high whatever it says: what stands below stays there. */
 
-import { runStand, summaryStand } from "../../model/run_words.ts";
+import { runStand, startedInWords, summaryStand } from "../../model/run_words.ts";
 import { isGoingOn, runAge } from "../../store/age.ts";
 import type { Watch } from "../../store/run.ts";
 import { elapsedNow } from "../../store/run_clock.ts";
@@ -84,7 +84,7 @@ function OtherRuns({ watch }: { readonly watch: Watch }) {
         </option>
         {others.map(({ id, name, started_ms }) => (
           <option key={id} value={id}>
-            {name}, began {new Date(started_ms).toLocaleTimeString()}
+            {name}, began {startedInWords(started_ms, Date.now())}
           </option>
         ))}
       </select>

@@ -2,11 +2,11 @@
 
 import { Radar } from "lucide-react";
 import { refusalOf } from "../../commands/command.ts";
-import { summaryStand } from "../../model/run_words.ts";
+import { startedInWords, summaryStand } from "../../model/run_words.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { clockTime, duration } from "../parts/duration.ts";
+import { duration } from "../parts/duration.ts";
 import { Identity } from "./identity.tsx";
 import { StatusWord } from "./status_word.tsx";
 
@@ -65,7 +65,7 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
             <span className="mission-run-name">{one.name}</span>
             <StatusWord stand={summaryStand(one)} />
             <small>
-              began {clockTime(one.started_ms)}
+              began {startedInWords(one.started_ms, Date.now())}
               {one.author ? ` by ${one.author}` : ""}, {duration(one.length_ms)}
             </small>
           </button>

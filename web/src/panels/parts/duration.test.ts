@@ -19,6 +19,13 @@ test("lengths are short, and told apart where it matters", () => {
   ]);
 });
 
+test("of what goes on for days, days are told", () => {
+  const HOUR = 3_600_000;
+  const lengths = [24 * HOUR - 1_000, 24 * HOUR, 49 * HOUR + 123_000];
+  expect(lengths.map(duration)).toEqual(["23:59:59", "1 d 0:00:00", "2 d 1:02:03"]);
+  expect(growing(240 * HOUR + 1_900)).toBe("10 d 0:00:01");
+});
+
 test("lengths that are compared have three figures", () => {
   const lengths = [0, 0.004, 1.046, 42.34, 251.4, 999.6, 3_420, 12_340, 59_960, 185_000, -251];
   expect(lengths.map(measured)).toEqual([

@@ -4,7 +4,7 @@ const SECOND = 1_000;
 const MINUTE = 60 * SECOND;
 const HOUR = 60 * MINUTE;
 
-/** At a glance: `4 µs`, `42 ms`, `0.1 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`. */
+/** At a glance: `4 µs`, `42 ms`, `0.1 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`, `2 d 1:02:03`. */
 export function duration(ms: number): string {
   if (ms < 0) return `−${duration(-ms)}`;
   if (ms === 0) return "0 s";
@@ -13,8 +13,10 @@ export function duration(ms: number): string {
   if (ms < 9_950) return `${(ms / SECOND).toFixed(1)} s`;
   if (ms < MINUTE - 500) return `${Math.round(ms / SECOND)} s`;
   const seconds = Math.round(ms / SECOND);
-  const [hours, minutes] = [Math.floor(seconds / 3_600), Math.floor(seconds / 60) % 60];
+  const days = Math.floor(seconds / 86_400);
+  const [hours, minutes] = [Math.floor(seconds / 3_600) % 24, Math.floor(seconds / 60) % 60];
   const rest = two(seconds % 60);
+  if (days > 0) return `${days} d ${hours}:${two(minutes)}:${rest}`;
   return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
 }
 
