@@ -4,6 +4,7 @@
 import { CornerDownRight, ListEnd, Repeat, Undo2 } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import { entryOf as entryOfCommand } from "../../commands/menus.ts";
+import { callAbout } from "../../store/about.ts";
 import { type Calls, callsOf, NONE } from "../../store/calls.ts";
 import { Found } from "../../store/found.ts";
 import { lookOf } from "../../store/lanes.ts";
@@ -115,7 +116,7 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   const [chosen, setChosen] = useState<Node | null>(null);
   const moment = useSignal(watch.moment);
   const grown = calls.read;
-  const shown = moment === null ? NONE : calls.openAt(shownIndex(watch));
+  const shown = moment === null ? NONE : callAbout(calls, shownIndex(watch));
   // What was chosen here shows already: a loop is not opened because its first call is shown.
   const isHere = chosen !== null && ends(chosen).first === shown;
   useEffect(() => {
@@ -283,7 +284,7 @@ function Menu({ index, at, tab, watch, onClose }: OpenMenu & OfRunProps & { onCl
   const host = useHost();
   const context = host.context();
   const calls = callsOf(watch.journal);
-  const call = calls.openAt(index);
+  const call = callAbout(calls, index);
   const end = call === NONE ? NONE : calls.end(call);
   const sequence = watch.journal.sequence(calls.begin(call));
   const path = pathAt(watch, index);
