@@ -21,6 +21,7 @@ export function Toasts() {
     const machine = page.active.value?.room.id ?? null;
     return dock.value.isInSight(MISSION_PANEL) ? machine : null;
   }, [page, dock]);
+  const isAside = useDerived(() => dock.value.isInSight(MISSION_PANEL), [dock]);
   const notices = useSignal(page.notices);
   const [first] = useState(() => page.notices.peek().at(-1)?.id ?? 0);
   const [gone, setGone] = useState<ReadonlySet<number>>(new Set());
@@ -34,7 +35,11 @@ export function Toasts() {
     if (left.length > 0) setGone((before) => new Set([...before, ...left]));
   });
   return (
-    <section className="toasts" aria-label="Notices" aria-live="polite">
+    <section
+      className={isAside ? "toasts toasts-aside" : "toasts"}
+      aria-label="Notices"
+      aria-live="polite"
+    >
       {shown.map((notice) => (
         <Toast
           key={notice.passing?.topic ?? notice.id}

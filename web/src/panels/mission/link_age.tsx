@@ -53,5 +53,5 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
 
 function oldInWords({ why, age_ms }: RunAge): string {
   const who = why === "link" ? "The server is not heard" : "The server does not hear the robot";
-  return `${who}: what you see is ${duration(age_ms)} old.`;
+  return `${who}: this is ${duration(age_ms)} old.`;
 }
