@@ -68,7 +68,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     ...(options.extras ? { extras: options.extras } : {}),
   });
   picture.canvas.setAttribute("aria-hidden", "true");
-  const pulses = pulsesOver(root, picture);
+  const pulses = pulsesOver(root, picture, tab.run);
   const minimap = minimapIn(place, tab, picture);
   // Where the camera stands at first is nobody's move.
   const stopLooking = firstLook(root, tab, hand);

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { lengthOf, stretch } from "./pulses.ts";
+import { lengthOf, News, stretch } from "./pulses.ts";
 
 const BENT = [0, 0, 10, 0, 10, 30];
 
@@ -16,4 +16,17 @@ test("a light lies on its line, around corners too", () => {
   expect(along(5, 20)).toBe("from 5 0, to 10 0, from 10 0, to 10 10");
   expect(along(-10, 5)).toBe("from 0 0, to 5 0");
   expect(along(41, 60)).toBe("");
+});
+
+test("what pulses was taken since the last look at the same run, and is not too much", () => {
+  const taken = (...sequences: readonly number[]) =>
+    new Map(
+      sequences.map((sequence) => [`transition:R#${sequence}`, { sequence, isNext: false }]),
+    ) as unknown as Parameters<News["of"]>[1];
+  const news = new News();
+  expect(news.of("one", taken(3, 4))).toEqual([]);
+  expect(news.of("one", taken(4, 6))).toEqual(["transition:R#6"]);
+  expect(news.of("other", taken(8, 9))).toEqual([]);
+  expect(news.of("other", taken(9, 10, 11))).toHaveLength(2);
+  expect(news.of("other", taken(21, 22, 23, 24, 25, 26, 27))).toEqual([]);
 });

@@ -1,9 +1,12 @@
 /** A pulse where a transition was taken: a light that runs along the line, upon a canvas of its own, so that nothing else is painted
  * anew for it. None for those who want no motion, nor where so much happens that it would only flicker. */
 
-import { effect } from "@preact/signals-core";
+import { effect, type ReadonlySignal } from "@preact/signals-core";
+import type { ElementKey } from "../model/element.ts";
+import type { Watch } from "../store/run.ts";
 import { inkOf } from "./paint/ink.ts";
 import type { Picture } from "./picture.ts";
+import type { SceneInput } from "./scene/input.ts";
 
 const DURATION_MS = 420;
 /** If more transitions than these were taken since the last look, none of them pulses. */
@@ -21,13 +24,17 @@ export interface Pulses {
   readonly dispose: () => void;
 }
 
-export function pulsesOver(place: HTMLElement, picture: Picture): Pulses {
+export function pulsesOver(
+  place: HTMLElement,
+  picture: Picture,
+  run: ReadonlySignal<Watch | null>,
+): Pulses {
   const canvas = document.createElement("canvas");
   canvas.style.cssText = "position:absolute;inset:0;width:100%;height:100%;pointer-events:none";
   canvas.setAttribute("aria-hidden", "true");
   place.append(canvas);
   const still = window.matchMedia("(prefers-reduced-motion: reduce)");
-  let last: number | null = null;
+  const news = new News();
   let fresh: readonly string[] = [];
   let pulses: readonly Pulse[] = [];
   let frame = 0;
@@ -40,11 +47,9 @@ export function pulsesOver(place: HTMLElement, picture: Picture): Pulses {
     if (pulses.length > 0) frame = requestAnimationFrame(step);
   };
   const stopFollowing = effect(() => {
-    const before = last;
-    const taken = [...picture.taken()].filter(([, { isNext }]) => !isNext);
-    last = taken.reduce((most, [, { sequence }]) => Math.max(most, sequence), before ?? 0);
-    const found = taken.filter(([, { sequence }]) => before !== null && sequence > before);
-    fresh = found.length > AT_ONCE || still.matches ? [] : found.map(([key]) => key);
+    const watch = run.value;
+    const found = news.of(watch, picture.taken());
+    fresh = still.matches || !watch || isPast(watch) ? [] : found;
   });
   const stopFrames = picture.onFrame(() => {
     if (fresh.length === 0) return;
@@ -62,6 +67,27 @@ export function pulsesOver(place: HTMLElement, picture: Picture): Pulses {
       canvas.remove();
     },
   };
+}
+
+/** Whether what is told of a run was before one looked: it is still told what was, or it is over and none of its moments is shown. */
+function isPast({ isCaughtUp, moment, now }: Watch): boolean {
+  return !isCaughtUp.value || (moment.value === null && now.value?.link === "over");
+}
+
+/** Which transitions were taken since the last look. */
+export class News {
+  #run: unknown = null;
+  #last: number | null = null;
+
+  /** None at the first look at a run, and none of too many. */
+  of(run: unknown, all: SceneInput["taken"]): readonly ElementKey[] {
+    const before = run === this.#run ? this.#last : null;
+    const taken = [...all].filter(([, { isNext }]) => !isNext);
+    this.#run = run;
+    this.#last = taken.reduce((most, [, { sequence }]) => Math.max(most, sequence), before ?? 0);
+    const found = taken.filter(([, { sequence }]) => before !== null && sequence > before);
+    return found.length > AT_ONCE ? [] : found.map(([key]) => key);
+  }
 }
 
 /** The lines that are painted of these transitions. */
