@@ -78,6 +78,32 @@ journey(
 );
 
 journey(
+  "the log follows at its end only, and stays where it is while another panel is in front",
+  HERE,
+  async ({ app, server }) => {
+    const run = await begin(app, server);
+    const { sheet } = app;
+    const follow = sheet.getByRole("checkbox", { name: "Follow", exact: true });
+    const place = () => log(app).evaluate((rows) => rows.scrollTop);
+    const wheel = async (by: number) => {
+      await log(app).hover();
+      await sheet.mouse.wheel(0, by);
+    };
+    await expect.poll(place, { timeout: 20_000 }).toBeGreaterThan(200);
+    await wheel(-100);
+    await expect.poll(() => follow.isChecked(), { timeout: 20_000 }).toBe(false);
+    const here = await place();
+    await app.panel("Problems");
+    await app.panel("Log");
+    await expect.poll(place, { timeout: 20_000 }).toBe(here);
+    await wheel(100_000);
+    await expect.poll(() => follow.isChecked(), { timeout: 20_000 }).toBe(true);
+    await expect.poll(place, { timeout: 20_000 }).toBeGreaterThan(here + 200);
+    await endRun(server, run);
+  },
+);
+
+journey(
   "a line of the log leads to its state and its moment; what came later is dimmed",
   HERE,
   async ({ app, server }) => {

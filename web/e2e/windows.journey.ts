@@ -1,5 +1,7 @@
 import type { Page as Sheet } from "playwright-core";
+import { expect } from "vitest";
 import type { App } from "./house/app.ts";
+import { startAndShow } from "./house/honest.ts";
 import { journey } from "./house/journey.ts";
 
 const HERE = { open: "hierarchy_and_data" };
@@ -64,3 +66,28 @@ journey("panels in a window stand in the page after a reload", HERE, async ({ ap
   await app.panel("Tree");
   await inTree(app.sheet, "Label the box").waitFor();
 });
+
+/** Whether the time line is painted on the ground of the theme. */
+async function isInColour(app: App): Promise<boolean> {
+  return app.sheet.getByRole("slider", { name: "Moment of the run" }).evaluate((place) => {
+    const canvas = place as HTMLCanvasElement;
+    const ground = getComputedStyle(canvas).getPropertyValue("--sunken").trim();
+    const pixel = canvas.getContext("2d")?.getImageData(2, canvas.height - 4, 1, 1).data ?? [];
+    const hex = [...pixel].slice(0, 3).map((part) => part.toString(16).padStart(2, "0"));
+    return `#${hex.join("")}` === ground;
+  });
+}
+
+journey(
+  "what a panel was given while another one was in front has its colours",
+  HERE,
+  async ({ app, server }) => {
+    await app.command("Layout: Debug");
+    await app.panel("Timeline");
+    await app.panel("Log");
+    await startAndShow(app, server, HERE.open);
+    await app.until(({ tab }) => (tab?.run.value?.journal.length ?? 0) > 3, null);
+    await app.panel("Timeline");
+    await expect.poll(() => isInColour(app), { timeout: 20_000 }).toBe(true);
+  },
+);
