@@ -24,7 +24,7 @@ export interface Failure {
 }
 
 /** So many are kept, the newest. */
-const FAILURES_MAX = 1_000;
+export const FAILURES_MAX = 1_000;
 /** A script's traceback is logged so few events before its state ends by it. */
 const TRACEBACK_NEAR = 5;
 

@@ -5,7 +5,7 @@ import { useEffect, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
-import type { Failure } from "../../store/failures.ts";
+import { FAILURES_MAX, type Failure } from "../../store/failures.ts";
 import type { Watch } from "../../store/run.ts";
 import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
@@ -34,10 +34,14 @@ export function Events({ watch }: { readonly watch: Watch }) {
   return (
     <section className="mission-part mission-events" aria-label="Events to acknowledge">
       <div className="mission-part-head">
-        <h3>{open.length === 0 ? "Nothing to acknowledge" : `To acknowledge: ${open.length}`}</h3>
+        <h3>
+          {open.length === 0
+            ? "Nothing to acknowledge"
+            : `To acknowledge: ${countInWords(open.length)}`}
+        </h3>
         {all.length > open.length && (
           <Button pressed={showsDone} onClick={() => setShowsDone(!showsDone)}>
-            All {all.length}
+            All {countInWords(all.length)}
           </Button>
         )}
         {open.length > 1 && (
@@ -71,6 +75,11 @@ export function Events({ watch }: { readonly watch: Watch }) {
       )}
     </section>
   );
+}
+
+/** More than are kept are not counted. */
+export function countInWords(count: number): string {
+  return count < FAILURES_MAX ? String(count) : `${FAILURES_MAX} or more`;
 }
 
 interface LineProps {

@@ -12,6 +12,7 @@ import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
 import { isSoon } from "../parts/question.tsx";
 import { useRunAge } from "../run_age.ts";
+import { countInWords } from "./events.tsx";
 import { LinkAge } from "./link_age.tsx";
 
 export function Wants({ watch }: { readonly watch: Watch }) {
@@ -63,7 +64,7 @@ function ToAcknowledge({ count }: { readonly count: number }) {
       onClick={(event) => show(event, ".mission-events")}
     >
       <TriangleAlert size={18} aria-hidden />
-      {count === 1 ? "1 event" : `${count} events`}
+      {countInWords(count)} {count === 1 ? "event" : "events"}
     </button>
   );
 }
