@@ -73,6 +73,8 @@ export interface Page {
   readonly active: Signal<OpenTab | null>;
   /** Whether machines that were open before are still on their way. */
   readonly isRestoring: ReadonlySignal<boolean>;
+  /** The run that was asked for and is on its way to its tab; null if none is. */
+  readonly comingRun: ReadonlySignal<string | null>;
   readonly notices: Signal<readonly Notice[]>;
   readonly settings: Signal<Settings>;
   /** Opens the machine in a folder, or brings it to the front. */

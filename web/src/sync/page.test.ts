@@ -107,6 +107,21 @@ describe("the page", () => {
     expect(page.tabs.value).toEqual([one]);
   });
 
+  it("says which run is on its way until it is there, or cannot be shown", async () => {
+    const { server, page } = setUp();
+    server.runs = [RUN];
+    await page.runs.refresh();
+    const shown = page.showRun("r");
+    expect(page.comingRun.value).toBe("r");
+    await shown;
+    expect(page.comingRun.value).toBeNull();
+    server.request = () => Promise.reject(new RefusalError({ code: "gone", message: "gone" }, 404));
+    const refused = page.showRun("other").catch((error: Error) => error.message);
+    expect(page.comingRun.value).toBe("other");
+    expect(await refused).toBe("gone");
+    expect(page.comingRun.value).toBeNull();
+  });
+
   it("comes back with the runs that it showed, but for those that were deleted since", async () => {
     const { server, page, clock, sheds } = setUp();
     server.runs = [RUN];

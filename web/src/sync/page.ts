@@ -150,7 +150,7 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) 
     return enter(runRoomId(id), () => RunRoom.enter(watch, runs, ports), watch);
   };
 
-  const showRun = async (id: string) => {
+  const toTab = async (id: string) => {
     const file = runs.all.peek().find((run) => run.id === id)?.machine;
     const isOf = ({ room }: OpenTab) => {
       const own = room.status.peek()?.summary.file;
@@ -162,7 +162,17 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) 
     return front(there);
   };
 
-  return { tabs, active, open, join, showRun, showAsRan, leave };
+  const comingRun = signal<string | null>(null);
+  const showRun = async (id: string) => {
+    comingRun.value = id;
+    try {
+      return await toTab(id);
+    } finally {
+      if (comingRun.peek() === id) comingRun.value = null;
+    }
+  };
+
+  return { tabs, active, comingRun, open, join, showRun, showAsRan, leave };
 }
 
 /** A break that people may have noticed is told. */

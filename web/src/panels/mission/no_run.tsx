@@ -18,6 +18,7 @@ export function NoRun() {
   const { page } = context();
   const run = useCommand();
   const all = useSignal(page.runs.all);
+  const coming = useSignal(page.comingRun);
   const live = all.filter(isGoingOn);
   const over = all.filter((one) => !isGoingOn(one)).slice(0, OVER_MAX);
   const refusal = useComputed(() => {
@@ -25,6 +26,16 @@ export function NoRun() {
     const start = commands.get("run.start");
     return start ? refusalOf(start, context()) : "";
   }, [page, commands, context]);
+  if (coming !== null) {
+    const name = all.find(({ id }) => id === coming)?.name ?? coming;
+    return (
+      <div className="mission-none" role="status">
+        <Radar size={40} aria-hidden />
+        <h2>{name}</h2>
+        <p>The run is on its way…</p>
+      </div>
+    );
+  }
   return (
     <div className="mission-none">
       <Radar size={40} aria-hidden />
