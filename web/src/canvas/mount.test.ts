@@ -3,15 +3,17 @@ import { signal } from "@preact/signals-core";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { dragged } from "../store/dragged.ts";
 import { isFollowed } from "../store/following.ts";
+import type { RunMark } from "../store/marks.ts";
 import type { Page } from "../store/page.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
 import { newView, select } from "../store/view.ts";
 import { type Mounted, mountCanvas } from "./mount.ts";
+import type { Extras } from "./picture.ts";
 import { ARM, PlainRoom } from "./testing/driver.ts";
 
 const SIZE = { width: 1000, height: 800 };
 
-function mount(view = newView()) {
+function mount(view = newView(), extras: () => Extras = () => ({})) {
   const place = document.createElement("div");
   document.body.append(place);
   const room = new PlainRoom(ARM);
@@ -25,6 +27,7 @@ function mount(view = newView()) {
     tab: { room, view, run: signal(null) },
     page,
     run: () => {},
+    extras,
     menuAt: (at, elements) => menus.push(`${at.x} ${at.y} ${elements.map(({ path }) => path)}`),
   });
   const root = place.querySelector<HTMLElement>("[role=application]");
@@ -60,6 +63,7 @@ afterEach(() => {
   document.body.replaceChildren();
   sessionStorage.clear();
   vi.restoreAllMocks();
+  vi.useRealTimers();
 });
 
 function mounting() {
@@ -184,6 +188,26 @@ test("why something is not possible is told and said to screen readers", () => {
   expect(root.querySelector("[role=status]")?.textContent).toContain("Enter connects");
   expect(mounted.control.cancel()).toBe(true);
   expect(mounted.control.cancel()).toBe(false);
+});
+
+test("what the selected state comes to in a run is said, and its breakpoint stands with it", () => {
+  vi.useFakeTimers();
+  const held = { phase: "held", failed: false, detail: null } as RunMark;
+  const extras = signal<Extras>({});
+  const { view, root, mounted } = mount(newView(), () => extras.value);
+  open.push(mounted);
+  select(view, [{ kind: "state", path: "R/A" }]);
+  vi.advanceTimersByTime(1_000);
+  const said = () => root.querySelector("[role=status]")?.textContent;
+  expect(said()).toBe("");
+  extras.value = { runs: new Map([["R/A", held]]), breakpoints: new Map([["R/A", "on"]]) };
+  vi.advanceTimersByTime(1_000);
+  expect(said()).toBe("Scan is held");
+  const active = root.querySelector(`#${root.getAttribute("aria-activedescendant")}`);
+  expect(active?.textContent).toMatch(/^Scan, is held, breakpoint, /);
+  extras.value = {};
+  vi.advanceTimersByTime(1_000);
+  expect(said()).toBe("");
 });
 
 test("nothing is left when it is gone", () => {

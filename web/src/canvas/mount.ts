@@ -213,7 +213,7 @@ function openField(
   return close;
 }
 
-/** What runs is told to those who hear the page this often. */
+/** What runs, and breakpoints, are told to those who hear the page this often. */
 const READ_RUN_MS = 1_000;
 
 /** Keeps the hidden tree as the canvas is, once a frame at most. */
@@ -230,24 +230,26 @@ function keepReading(
     run: picture.runs().get(path),
     breakpoint: picture.breakpoints().get(path),
   });
-  const show = () => {
-    frame = 0;
-    const [places, stage] = [hand.places(), hand.stage.peek()];
-    reader.show(treeLines(room.machine, places, stage, selected(view), signsOf));
-  };
-  const showRun = () => {
-    rest = 0;
-    show();
+  const tell = () => {
     const [path = "", ...more] = selectedStates(view);
     const words = more.length > 0 ? "" : urgentWords(room.machine, path, signsOf(path));
     if (path === before.path && words !== before.words) reader.say(words);
     before = { path, words };
   };
+  const show = () => {
+    frame = 0;
+    const [places, stage] = [hand.places(), hand.stage.peek()];
+    reader.show(treeLines(room.machine, places, stage, selected(view), signsOf));
+    tell();
+  };
+  const showRun = () => {
+    rest = 0;
+    show();
+  };
   const stop = effect(() => {
     room.version.value;
     view.selection.value;
     hand.stage.value;
-    picture.breakpoints();
     if (frame === 0) frame = requestAnimationFrame(show);
   });
   const stopRunning = effect(() => {
