@@ -1,20 +1,10 @@
 /** Runs whose program dies in the middle: they say so, and go on as somebody decides. */
 
-import { readdirSync, readlinkSync } from "node:fs";
-import { join } from "node:path";
 import { expect } from "vitest";
 import type { App } from "./house/app.ts";
+import { crashIn } from "./house/crash.ts";
 import { journey } from "./house/journey.ts";
-import {
-  ended,
-  exampleWith,
-  isActive,
-  press,
-  runInFront,
-  stands,
-  toldToTheEnd,
-} from "./house/runs.ts";
-import type { Server } from "./house/server.ts";
+import { ended, exampleWith, press, stands, toldToTheEnd } from "./house/runs.ts";
 
 /** The first attempt takes until somebody ends it. */
 const PRESS = `class Jammed(Exception):
@@ -37,26 +27,6 @@ const MACHINE = exampleWith("error_recovery", {
 const SETTING = { machines: { error_recovery: MACHINE }, open: "error_recovery" };
 const PRESSED = "PLUGIN/INSERT/PUSHIN/PRESSI";
 
-/** Kills the program of the run in front, as a fault in a driver does. */
-async function crash(app: App, server: Server): Promise<void> {
-  await isActive(app, PRESSED);
-  const folder = join(server.place.folder, "runs", await runInFront(app));
-  const found = readdirSync("/proc").filter((pid) => /^\d+$/.test(pid) && holds(pid, folder));
-  const others = found.map(Number).filter((pid) => pid !== server.pid);
-  expect(others.length).toBe(1);
-  for (const pid of others) process.kill(pid, "SIGKILL");
-}
-
-/** Whether a process has a file open in the folder. */
-function holds(pid: string, folder: string): boolean {
-  try {
-    const files = readdirSync(`/proc/${pid}/fd`);
-    return files.some((file) => readlinkSync(`/proc/${pid}/fd/${file}`).startsWith(folder));
-  } catch {
-    return false;
-  }
-}
-
 async function isOver(app: App): Promise<readonly string[]> {
   await ended(app, "success");
   await toldToTheEnd(app);
@@ -71,7 +41,7 @@ async function isOver(app: App): Promise<readonly string[]> {
 
 journey("a run that crashed is taken up on the recovery path", SETTING, async ({ app, server }) => {
   await press(app, "Start");
-  await crash(app, server);
+  await crashIn(app, server, PRESSED, "tries");
   await stands(app, "crashed");
   await app.told(/The program of this run died in “Press”/);
   await app.sheet.getByRole("button", { name: "Decide…" }).click();
@@ -85,7 +55,7 @@ journey("a run that crashed is taken up on the recovery path", SETTING, async ({
 
 journey("interrupted scripts wait until somebody decides", SETTING, async ({ app, server }) => {
   await press(app, "Start");
-  await crash(app, server);
+  await crashIn(app, server, PRESSED, "tries");
   await stands(app, "crashed");
   await app.sheet.getByRole("button", { name: "Decide…" }).click();
   const dialog = app.sheet.getByRole("dialog", { name: "Take the run up again" });
@@ -103,6 +73,27 @@ journey("a run by the rule abort goes on by itself", SETTING, async ({ app, serv
   const dialog = app.sheet.getByRole("dialog", { name: /^Start / });
   await dialog.getByLabel(/scripts that it interrupted/).selectOption("abort");
   await dialog.getByRole("button", { name: "Start", exact: true }).click();
-  await crash(app, server);
+  await crashIn(app, server, PRESSED, "tries");
   expect(await isOver(app)).toContain("PLUGIN/CHOOSE turn the plug");
 });
+
+const SAYS = exampleWith("error_recovery", {
+  "Insert_the_plug_INSERT/Push_PUSHIN/Press_PRESSI/script.py": PRESS,
+  "semantic_data.json": JSON.stringify({ on_crash: "restart" }),
+});
+
+journey(
+  "a run whose machine itself says what a crash means goes on by itself",
+  { machines: { error_recovery: SAYS }, open: "error_recovery" },
+  async ({ app, server }) => {
+    await press(app, "Start");
+    await crashIn(app, server, PRESSED, "tries");
+    await isOver(app);
+    const policies = await app.sheet.evaluate(() =>
+      [...(window.__rafcon.page.active.value?.run.value?.journal.others() ?? [])].flatMap(
+        ([, event]) => (event.type === "resumed" ? [event.policy] : []),
+      ),
+    );
+    expect(policies).toEqual(["restart"]);
+  },
+);

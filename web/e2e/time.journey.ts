@@ -1,9 +1,10 @@
 /** The time of a run: scrubbed, stepped, searched, begun again, compared; what the page shows is what the command line tells. */
 
 import { expect } from "vitest";
-import type { Comparison } from "../src/model/generated/protocol.ts";
+import type { Comparison, Picture } from "../src/model/generated/protocol.ts";
 import type { App } from "./house/app.ts";
 import { journey } from "./house/journey.ts";
+import { ended, heldBefore, press, runInFront } from "./house/runs.ts";
 import type { Server } from "./house/server.ts";
 import {
   activeShown,
@@ -265,6 +266,36 @@ journey(
       command: { type: "stop" },
     });
     await app.until(({ tab }) => tab?.run.value?.now.value?.link === "over", null);
+  },
+);
+
+journey(
+  "a run that is over begins again at an entry of its history, with the data it had then",
+  { open: "hierarchy_and_data" },
+  async ({ app, server }) => {
+    const run = await finished(server, "hierarchy_and_data");
+    await shown(app, run);
+    await app.panel("Run history");
+    await app.sheet.getByRole("searchbox", { name: /^Search the history/ }).fill("pick from");
+    const hits = app.sheet.getByRole("treeitem", { name: /Pick from the belt/ });
+    await hits.nth(2).click({ button: "right" });
+    const menu = app.sheet.getByRole("menu", { name: "What can be done with this event" });
+    await menu.getByRole("menuitem", { name: "Start from here" }).click();
+    await heldBefore(app, "PACKER/ONEPAR/PICKIT");
+    const entries = () =>
+      told(server, run).filter(
+        ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR/PICKIT",
+      );
+    const count = ({ active }: Picture) =>
+      active.find(({ path }) => path === "PACKER")?.scoped["count"];
+    const now = await server.ask<Picture>("GET", `/runs/${run}/moments`);
+    expect(count(now)).toBe(2);
+    expect(count(replayed(server, run, entries()[2]?.sequence ?? 0))).toBe(2);
+    expect(entries()).toHaveLength(5);
+    await press(app, "Resume");
+    await ended(app, "success");
+    expect(await runInFront(app)).toBe(run);
+    await expect.poll(() => entries().length).toBe(8);
   },
 );
 

@@ -1,0 +1,47 @@
+/** Runs whose program is killed in the middle, as a fault in a driver does. */
+
+import { readdirSync, readlinkSync } from "node:fs";
+import { join } from "node:path";
+import { expect, vi } from "vitest";
+import type { Picture } from "../../src/model/generated/protocol.ts";
+import type { App } from "./app.ts";
+import { isActive, runInFront } from "./runs.ts";
+import type { Server } from "./server.ts";
+
+/** Kills the program of the run in front once the state is active and has said that it works, by this global variable. */
+export async function crashIn(
+  app: App,
+  server: Server,
+  path: string,
+  variable: string,
+): Promise<void> {
+  await isActive(app, path);
+  const run = await runInFront(app);
+  await hasSet(server, run, variable);
+  const folder = join(server.place.folder, "runs", run);
+  const found = readdirSync("/proc").filter((pid) => /^\d+$/.test(pid) && holds(pid, folder));
+  const others = found.map(Number).filter((pid) => pid !== server.pid);
+  expect(others.length).toBe(1);
+  for (const pid of others) process.kill(pid, "SIGKILL");
+}
+
+/** Waits until the run is known to have set a global variable. */
+async function hasSet(server: Server, run: string, variable: string): Promise<void> {
+  await vi.waitUntil(
+    async () => {
+      const { globals } = await server.ask<Picture>("GET", `/runs/${run}/moments`);
+      return variable in globals;
+    },
+    { timeout: 20_000, interval: 50 },
+  );
+}
+
+/** Whether a process has a file open in the folder. */
+function holds(pid: string, folder: string): boolean {
+  try {
+    const files = readdirSync(`/proc/${pid}/fd`);
+    return files.some((file) => readlinkSync(`/proc/${pid}/fd/${file}`).startsWith(folder));
+  } catch {
+    return false;
+  }
+}
