@@ -6,9 +6,9 @@ import type { Watch } from "../../store/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useStill } from "../../ui/still.ts";
 import { answerInWords } from "../parts/answer.ts";
-import { growing } from "../parts/duration.ts";
 import { QuestionForm } from "../parts/question.tsx";
 import { pathInWords, useMachineNames } from "./names.ts";
+import { useWhen } from "./when.ts";
 
 /** So many that ended are told. */
 const CLOSED_SHOWN = 3;
@@ -35,15 +35,22 @@ export function Questions({ watch }: { readonly watch: Watch }) {
       {ended.length > 0 && (
         <ul className="mission-closed" aria-label="Questions that are closed">
           {ended.map((end) => (
-            <li key={end.question.id}>
-              <span className="mission-soft">{growing(end.t_ns / 1e6)}</span>
-              <span>{end.question.message}</span>
-              <strong>{endInWords(end)}</strong>
-            </li>
+            <Ended key={end.question.id} watch={watch} end={end} />
           ))}
         </ul>
       )}
     </section>
+  );
+}
+
+function Ended({ watch, end }: { readonly watch: Watch; readonly end: Closed }) {
+  const when = useWhen(watch, end.t_ns / 1e6);
+  return (
+    <li>
+      <span>{end.question.message}</span>
+      <strong>{endInWords(end)}</strong>
+      <time>{when}</time>
+    </li>
   );
 }
 

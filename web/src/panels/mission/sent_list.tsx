@@ -15,14 +15,21 @@ export function SentList({ watch }: { readonly watch: Watch }) {
   const now_ms = useComputed(() => (watch.sent.value.length > 0 ? seconds.value : 0), [watch]);
   return (
     <ul className="mission-sent" aria-label="What you told the run" aria-live="polite">
-      {sentLines(sent, seen, now_ms).map((line) => (
-        <Line key={line.id} line={line} onClose={() => dismiss(watch, line.id)} />
-      ))}
+      {sentLines(sent, seen, now_ms)
+        .filter((line) => !isToldElsewhere(line))
+        .map((line) => (
+          <Line key={line.id} line={line} onClose={() => dismiss(watch, line.id)} />
+        ))}
     </ul>
   );
 }
 
 const SIGNS = { sent: Send, applied: Check, refused: X, expired: Clock, lost: X };
+
+/** Answers that go their way are told with their questions. */
+function isToldElsewhere({ command, kind }: SentLine): boolean {
+  return command.type === "answer_question" && (kind === "sent" || kind === "applied");
+}
 
 /** What is called otherwise on the buttons here. */
 const BUTTONS: Readonly<Record<string, string>> = { pause: "Hold", step_over: "Step" };
