@@ -2,6 +2,7 @@
 
 import { execFileSync } from "node:child_process";
 import { join } from "node:path";
+import type { Locator } from "playwright-core";
 import { expect } from "vitest";
 import type { RunSummary } from "../src/model/generated/protocol.ts";
 import { duration } from "../src/panels/parts/duration.ts";
@@ -152,6 +153,80 @@ journey("an expression is watched, plotted, and leads to its moments", slow, asy
     "value.joints.elbow * 100",
   );
 });
+
+/** Moves what is dragged over the middle of a thing. */
+async function over(app: App, thing: Locator): Promise<void> {
+  const box = await thing.boundingBox();
+  if (!box) throw new Error("there is nothing to drag it over");
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await app.sheet.mouse.move(x - 5, y, { steps: 4 });
+  await app.sheet.mouse.move(x, y, { steps: 4 });
+}
+
+journey(
+  "a value is dragged from the inspector to the watches, and is watched as the run goes on",
+  { machines: { sensing: sensing({ rounds: 3_000, pause_s: 0.05 }) }, open: "sensing" },
+  async (hands) => {
+    const { app } = hands;
+    await app.command("Layout: Debug");
+    await run(hands);
+    await app.select(LOOK);
+    await perform(app, "view.panel", "watches");
+    const panel = app.sheet.getByRole("region", { name: "Watched values" });
+    await panel.getByText("Nothing is watched").waitFor();
+    await app.panel("Inspector");
+    const line = inRun(app, "Outputs").locator(".in-run-value", { hasText: /^count/ });
+    await line.hover();
+    await app.sheet.mouse.down();
+    const tab = app.sheet.getByRole("tab", { name: "Watches", exact: true });
+    await over(app, tab);
+    await panel.getByText("Nothing is watched").waitFor();
+    await over(app, panel);
+    await app.sheet.mouse.up();
+    await panel.getByLabel("What of count is watched").waitFor();
+    const shown = async () => Number(await panel.locator(".value-short").first().textContent());
+    await expect.poll(shown, POLL).toBeGreaterThan(0);
+    const before = await shown();
+    await expect.poll(shown, POLL).toBeGreaterThan(before);
+    await stopRun(app);
+  },
+);
+
+journey(
+  "values stand at ports while they are shown, and differ from moment to moment",
+  few(6),
+  async (hands) => {
+    const { app } = hands;
+    await run(hands);
+    await ended(app, "aborted");
+    await app.select(LOOK);
+    const shows = async (on: boolean) => {
+      await app.press("v");
+      await app.until(({ tab }, wanted) => tab?.view.modes.value.values === wanted, on);
+      await app.drawn();
+    };
+    const { x, y } = await app.port("SENSES", "scoped_variable", "count");
+    const clip = { x: Math.round(x) - 60, y: Math.round(y) - 30, width: 120, height: 22 };
+    const chip = async () => (await app.sheet.screenshot({ clip })).toString("base64");
+    await value(app, "Outputs", "count", "6").waitFor();
+    const none = await chip();
+    await inRun(app, "Inputs")
+      .getByRole("button", { name: "Show the moment when count came" })
+      .click();
+    await expect.poll(chip).not.toBe(none);
+    await value(app, "Outputs", "count", "5").waitFor();
+    await app.drawn();
+    const five = await chip();
+    await shows(false);
+    await expect.poll(chip).not.toBe(five);
+    const bare = await chip();
+    await shows(true);
+    await expect.poll(chip).toBe(five);
+    for (let event = 0; event < 2; event++) await app.press(",");
+    await expect.poll(chip).not.toBe(five);
+    expect(await chip()).not.toBe(bare);
+  },
+);
 
 /** An event as the command line prints it. */
 interface Line {

@@ -20,6 +20,7 @@ import {
   SquareArrowOutUpRight,
 } from "lucide-react";
 import { useEffect, useMemo, useRef, useState } from "react";
+import { isValueDrag } from "../panels/parts/value/dragged_value.ts";
 import { useIsOld } from "../panels/run_age.ts";
 import { shedOf } from "../store/shed.ts";
 import { IconButton } from "../ui/button.tsx";
@@ -137,7 +138,13 @@ function PanelTab({ api }: IDockviewPanelHeaderProps) {
   if (!panel) return null;
   const Icon = panel.icon;
   return (
-    <div className="dock-tab">
+    // biome-ignore lint/a11y/noStaticElementInteractions: the tab around it is what is pressed; this is about what is dragged over it
+    <div
+      className="dock-tab"
+      onDragEnter={(event) => {
+        if (panel.takesValues && isValueDrag(event)) api.setActive();
+      }}
+    >
       <Icon size={13} aria-hidden />
       <span>{panel.title}</span>
       {count > 0 && <span className="dock-tab-count">{count}</span>}

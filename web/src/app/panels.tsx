@@ -55,6 +55,8 @@ export interface Panel {
   readonly side: Side;
   /** How many things in it want to be seen. */
   readonly count?: (tab: OpenTab | null) => number;
+  /** Whether values are dropped there: dragged over its tab, they bring it to the front. */
+  readonly takesValues?: boolean;
 }
 
 export const PANELS: readonly Panel[] = [
@@ -79,7 +81,14 @@ export const PANELS: readonly Panel[] = [
     component: Inspector,
     side: "right",
   },
-  { id: "watches", title: "Watches", icon: Eye, component: Watches, side: "right" },
+  {
+    id: "watches",
+    title: "Watches",
+    icon: Eye,
+    component: Watches,
+    side: "right",
+    takesValues: true,
+  },
   { id: "timeline", title: "Timeline", icon: ChartGantt, component: Timeline, side: "bottom" },
   { id: "history", title: "Run history", icon: ListOrdered, component: RunHistory, side: "bottom" },
   { id: "compare", title: "Compare runs", icon: GitCompare, component: Compare, side: "bottom" },
