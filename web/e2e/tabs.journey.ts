@@ -40,8 +40,26 @@ journey(
   },
 );
 
+const FAILS = { id: "GRASPS", name: "Grasp", script: ['raise RuntimeError("no box here")'] };
 const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(3600)"] };
 const LOAD = { id: "LOADIN", name: "Load the box", script: ["self.preemptive_wait(3600)"] };
+
+journey(
+  "what was acknowledged in one tab of a browser is acknowledged in the other",
+  { machines: { fails: missionFolder("fails", [FAILS, DRIVE]) }, open: "fails" },
+  async ({ app, server, tab }) => {
+    const run = await startRun(server, "fails");
+    const other = await tab(app);
+    await openMission(app, "fails");
+    await openMission(other, "fails");
+    const events = (of: App) =>
+      missionOf(of).getByRole("region", { name: "Events to acknowledge" });
+    for (const one of [app, other]) await events(one).getByText("To acknowledge: 1").waitFor();
+    await events(app).getByRole("button", { name: "Acknowledge", exact: true }).click();
+    for (const one of [app, other]) await events(one).getByText("Nothing to acknowledge").waitFor();
+    await endRun(server, run);
+  },
+);
 
 journey(
   "of two runs that go on at once, mission control holds the one that it shows",

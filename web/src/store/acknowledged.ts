@@ -61,6 +61,7 @@ function about(watch: Known, shed: Shed = SHED): About {
     return walker.found(watch.journal);
   });
   const acknowledged = signal<ReadonlySet<number>>(new Set(keptOf(watch.id, shed)));
+  takeFromOthers(acknowledged, watch.id, shed);
   const open = computed(() => {
     const done = acknowledged.value;
     return failures.value.filter(({ sequence }) => !done.has(sequence));
@@ -68,6 +69,13 @@ function about(watch: Known, shed: Shed = SHED): About {
   const made = { failures, acknowledged, open };
   ALL.set(watch, made);
   return made;
+}
+
+/** What is acknowledged in another tab of the browser is acknowledged here. */
+function takeFromOthers(known: Signal<ReadonlySet<number>>, run: string, shed: Shed): void {
+  shed.whenOther(KEY, () => {
+    known.value = new Set([...known.peek(), ...keptOf(run, shed)]);
+  });
 }
 
 function keptOf(run: string, shed: Shed): readonly number[] {
