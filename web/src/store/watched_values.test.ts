@@ -27,6 +27,17 @@ test("kept by machine, and watched once", () => {
   expect(Object.keys(kept)).toEqual(["arm/pick", "arm/place"]);
 });
 
+test("what another tab of the browser watches is watched here", () => {
+  const here = tab("weld");
+  addWatched(here, X);
+  const theirs = [{ id: 1, target: X, expression: "abs(value)" }];
+  localStorage.setItem("rafcon.watched", JSON.stringify({ "arm/weld": theirs }));
+  window.dispatchEvent(new StorageEvent("storage", { key: "rafcon.watched" }));
+  expect(watchedOf(here).value).toEqual(theirs);
+  window.dispatchEvent(new StorageEvent("storage", { key: "rafcon.another" }));
+  expect(watchedOf(here).value).toEqual(theirs);
+});
+
 test("another expression of the same value, and no more", () => {
   const here = tab("sort");
   addWatched(here, X);

@@ -33,10 +33,20 @@ export function watchedOf(tab: OpenTab): Signal<readonly Watched[]> {
   const key = machineKey(tab);
   let found = known.get(key);
   if (!found) {
+    if (known.size === 0) takeFromOthers();
     found = signal(kept()[key] ?? []);
     known.set(key, found);
   }
   return found;
+}
+
+/** What another tab of the browser watches is watched here. */
+function takeFromOthers(): void {
+  globalThis.addEventListener?.("storage", ({ key }) => {
+    if (key !== KEY && key !== null) return;
+    const now = kept();
+    for (const [machine, watched] of known) watched.value = now[machine] ?? [];
+  });
 }
 
 /** Watches a value from now on; one that is watched already is not watched twice. */
