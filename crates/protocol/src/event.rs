@@ -95,7 +95,7 @@ pub enum Event {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[cfg_attr(feature = "schema", schema(value_type = Option<Object>), ts(type = "Record<string, unknown> | null"))]
         outputs: Option<Values>,
-        /// Its error, if it left one.
+        /// Its error, if it left one; in few words if no values were asked for.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         error: Option<serde_json::Value>,
         /// It is left backwards: to where it stood before the entry with this number.

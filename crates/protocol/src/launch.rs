@@ -1,6 +1,6 @@
 //! What a runner must know to begin.
 
-use crate::{Breakpoint, Crash, Keeping, OnCrash, Resume};
+use crate::{Afterwards, Breakpoint, Crash, Keeping, OnCrash, Resume};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -16,6 +16,9 @@ pub struct Launch {
     /// State path (ids joined by `/`) to begin at.
     #[serde(default)]
     pub start_from: Option<String>,
+    /// What happens once that state was left.
+    #[serde(default)]
+    pub afterwards: Afterwards,
     /// Values for input ports of the root: name and JSON value.
     #[serde(default)]
     pub inputs: Vec<(String, serde_json::Value)>,

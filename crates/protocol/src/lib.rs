@@ -7,6 +7,7 @@
 
 pub mod active;
 pub mod api;
+pub mod bare;
 pub mod breakpoint;
 pub mod command;
 pub mod document;
@@ -21,6 +22,7 @@ pub mod question;
 pub mod run;
 pub mod socket;
 
+pub use bare::{is_about_values, short_error, without_values};
 pub use breakpoint::{Breakpoint, Scope, Unattended, When};
 pub use command::{Answer, Command, Envelope, Expiry, Given};
 pub use event::{
@@ -31,4 +33,4 @@ pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::Launch;
 pub use message::{Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};
-pub use run::{Crash, Keeping, OnCrash, Resume};
+pub use run::{Afterwards, Crash, Keeping, OnCrash, Resume};

@@ -30,6 +30,20 @@ pub enum OnCrash {
     Restart,
 }
 
+/// What happens once the state at which a run began was left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum Afterwards {
+    /// The run goes on.
+    #[default]
+    GoOn,
+    /// The run is held, in step mode.
+    Hold,
+    /// The run stops.
+    Stop,
+}
+
 /// How a run is taken up again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]

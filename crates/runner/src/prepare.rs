@@ -1,9 +1,9 @@
 //! From a launch to a machine that can be run. Knows where machines, libraries and the config come from.
 
 use crate::{Host, StateFiles, limits};
-use rafcon_engine::Start;
+use rafcon_engine::{Start, Then};
 use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
-use rafcon_protocol::Launch;
+use rafcon_protocol::{Afterwards, Launch};
 use rafcon_storage::{Config, Libraries, Loaded, Root, Saved, config, load, roots};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -76,6 +76,7 @@ pub(crate) fn prepare<H: Host>(
     let start = Start {
         inputs: inputs(host, launch)?,
         start_from: launch.start_from.as_deref().map(StatePath::parse),
+        then: then(launch)?,
         hold: launch.hold,
         ..Start::default()
     };
@@ -85,6 +86,20 @@ pub(crate) fn prepare<H: Host>(
     }
     let source = Source { folder, libraries: own, files: files.clone() };
     Ok(Prepared { machine: loaded.machine, files, problems, start, config, source })
+}
+
+/// What happens after the state at which the run begins.
+fn then(launch: &Launch) -> Result<Then, String> {
+    match launch.afterwards {
+        Afterwards::GoOn => Ok(Then::GoOn),
+        Afterwards::Hold if launch.start_from.is_some() => Ok(Then::Hold),
+        Afterwards::Stop if launch.start_from.is_some() => Ok(Then::Stop),
+        Afterwards::Hold | Afterwards::Stop => {
+            Err("the start says what happens after its first state, but not which that is: \
+                  name it in `start_from`, or leave `afterwards` out"
+                .to_owned())
+        }
+    }
 }
 
 /// What will not work as drawn.

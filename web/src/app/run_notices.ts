@@ -4,7 +4,7 @@
 import { effect } from "@preact/signals-core";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import { openFailures } from "../store/acknowledged.ts";
-import type { Failure } from "../store/failures.ts";
+import { didInWords, type Failure } from "../store/failures.ts";
 import { nameSoon } from "../store/name_soon.ts";
 import type { Notice, OpenTab } from "../store/page.ts";
 import { openQuestions } from "../store/questions.ts";
@@ -129,7 +129,7 @@ export function failuresInWords(
   count: number,
   name: string,
 ): string {
-  const did = [name, kind === "aborted" ? "aborted" : ""].filter((part) => part !== "").join(" ");
+  const did = [name, didInWords(kind)].filter((part) => part !== "").join(" ");
   const last = [did, text].filter((part) => part !== "").join(": ");
   return count === 1 ? last : `${count} failures, the last: ${last}`;
 }

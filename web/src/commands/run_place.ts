@@ -1,6 +1,6 @@
 /** Runs from, to and of the selected state: of the run in front if it goes on, else of a new one. */
 
-import type { Command as Order } from "../model/generated/protocol.ts";
+import type { Command as Order, StartRun } from "../model/generated/protocol.ts";
 import { liveRun } from "../store/running.ts";
 import type { Command, Context } from "./command.ts";
 import { give, giveTo } from "./give.ts";
@@ -24,26 +24,45 @@ export const RUN_PLACE: readonly Command[] = [
       else await startRun(context, { start_from: path });
     },
   },
-  place(
-    "run.stop-here",
-    "Run to here",
-    "Runs until before the selected state, and is held there.",
-    ["Ctrl+Shift+Alt+R", "Ctrl+Shift+R"],
+  {
+    id: "run.stop-here",
+    title: "Run to here",
+    detail: "Runs until before the selected state, and is held there.",
+    keys: ["Ctrl+Shift+Alt+R"],
+    classic: ["Ctrl+Shift+R", "Ctrl+Shift+Alt+R"],
+    menu: "Run/4/Selected state",
+    refusal: cannotPlace,
+    run: async (context, argument) => {
+      const path = pathFor(context, argument);
+      if (path === null) return;
+      const watch = liveRun(context.tab) ?? (await startRun(context, { hold: true }));
+      if (watch) await giveTo(context, watch, "Run to here", { type: "run_to", path });
+    },
+  },
+  state(
+    { id: "run.selected", order: "run_selected", afterwards: "hold" },
+    "Run this state",
+    "Begins at the selected state, runs it, and is held.",
+    ["Ctrl+Alt+I", "Ctrl+Shift+I"],
   ),
-  place("run.selected", "Run this state", "Begins at the selected state, runs it, and is held.", [
-    "Ctrl+Alt+I",
-    "Ctrl+Shift+I",
-  ]),
-  place(
-    "run.only-selected",
+  state(
+    { id: "run.only-selected", order: "run_only_selected", afterwards: "stop" },
     "Run this state only",
     "Begins at the selected state, runs it, and stops.",
     ["Ctrl+Alt+K", "Ctrl+Shift+K"],
   ),
 ];
 
-function place(
-  id: string,
+interface OfState {
+  readonly id: string;
+  /** What a run that goes on is told. */
+  readonly order: "run_selected" | "run_only_selected";
+  /** What a new run does once it has left the state. */
+  readonly afterwards: StartRun["afterwards"];
+}
+
+function state(
+  { id, order, afterwards }: OfState,
   title: string,
   detail: string,
   [key = "", classic = ""]: readonly string[],
@@ -59,16 +78,11 @@ function place(
     run: async (context, argument) => {
       const path = pathFor(context, argument);
       if (path === null) return;
-      const watch = liveRun(context.tab) ?? (await startRun(context, { hold: true }));
-      if (watch) await giveTo(context, watch, title, orderOf(id, path));
+      const watch = liveRun(context.tab);
+      if (watch) await giveTo(context, watch, title, { type: order, path, data: [] });
+      else await startRun(context, { start_from: path, afterwards });
     },
   };
-}
-
-function orderOf(id: string, path: string): Order {
-  if (id === "run.stop-here") return { type: "run_to", path };
-  const type = id === "run.selected" ? "run_selected" : "run_only_selected";
-  return { type, path, data: [] };
 }
 
 function cannotPlace(context: Context, argument?: unknown): string | null {

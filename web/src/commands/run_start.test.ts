@@ -3,6 +3,7 @@ import { expect, test } from "vitest";
 import type { Right } from "../model/generated/protocol.ts";
 import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Start, Watch } from "../store/run.ts";
+import { allCommands } from "./all.ts";
 import { startRun } from "./run_start.ts";
 import { type StandOptions, stand } from "./stand.ts";
 
@@ -70,4 +71,13 @@ test("breakpoints that are kept for the machine go along; conditions only with t
   };
   expect(await idsWith(["observe", "start", "edit"])).toEqual([1, 2]);
   expect(await idsWith(["observe", "start"])).toEqual([1]);
+});
+
+test("one state is run by a start that says what comes after it", async () => {
+  const { context, started } = setUp({ selected: ["state:R/A"] });
+  for (const id of ["run.start-here", "run.selected", "run.only-selected"]) {
+    await allCommands().get(id)?.run(context);
+  }
+  const more = { machine: FILE, breakpoints: [], start_from: "R/A" };
+  expect(started).toEqual([more, { ...more, afterwards: "hold" }, { ...more, afterwards: "stop" }]);
 });

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import type { Event } from "../model/generated/protocol.ts";
+import type { Event, JsonValue } from "../model/generated/protocol.ts";
 import { acknowledge, failures, openFailures } from "./acknowledged.ts";
 import { Journal } from "./journal.ts";
 import { memoryShed } from "./shed.ts";
@@ -18,9 +18,12 @@ function run(id: string) {
   return { watch: { id, journal, grown }, tell };
 }
 
-function left(path: string, id = -1): Event {
-  return { type: "left", path, outcome: { id, name: id < 0 ? "aborted" : "success" } };
+function left(path: string, id = -1, error: JsonValue = null): Event {
+  return { type: "left", path, outcome: { id, name: id < 0 ? "aborted" : "success" }, error };
 }
+
+const NO_BOX = { __exc__: "ValueError", msg: "no box" };
+const NO_BOX_LOGGED = "Traceback (most recent call last):\nValueError: no box\n";
 
 function log(level: "info" | "warning" | "error", message: string): Event {
   return { type: "log", path: "R/A", level, stream: "logger", message };
@@ -51,6 +54,35 @@ test("a failed script is one failure with the last line of its traceback", () =>
   const { watch, tell } = run("traceback");
   tell(log("error", "Traceback (most recent call last):\nValueError: no box\n"), left("R/A"));
   expect(words(watch)).toEqual(["2 aborted R/A ValueError: no box"]);
+});
+
+test("an error is told by its own words, and its traceback is no other failure", () => {
+  const { watch, tell } = run("own");
+  tell(log("error", NO_BOX_LOGGED), left("R/A", -1, NO_BOX), left("R", -1, NO_BOX));
+  expect(words(watch)).toEqual(["2 aborted R/A up to R ValueError: no box"]);
+});
+
+test("what the script said itself before its error stays", () => {
+  const { watch, tell } = run("said");
+  tell(log("error", "the arm is blocked"), left("R/A", -1, NO_BOX));
+  expect(words(watch)).toEqual([
+    "1 log R/A the arm is blocked",
+    "2 aborted R/A ValueError: no box",
+  ]);
+});
+
+test("an error fails a state whatever its outcome, and climbs so", () => {
+  const { watch, tell } = run("other outcome");
+  tell(left("R/A", 0, "slipped"), { type: "entered", path: "R/B" }, left("R/B", -1, NO_BOX));
+  tell(left("R", 0, NO_BOX));
+  expect(words(watch)).toEqual(["1 error R/A slipped", "3 aborted R/B up to R ValueError: no box"]);
+});
+
+test("an error that is kept no more is told by its traceback", () => {
+  const { watch, tell } = run("gone");
+  const gone = { __repr__: "<no longer kept>", __class__: "" };
+  tell(log("error", NO_BOX_LOGGED), left("R/A", -1, gone), left("R/C", 0, gone));
+  expect(words(watch)).toEqual(["2 aborted R/A ValueError: no box", "3 error R/C "]);
 });
 
 test("an error of a script's own class is told without the name of its module", () => {

@@ -4,20 +4,23 @@
 import type { Event } from "../model/generated/protocol.ts";
 import { ABORTED } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
-import { withoutModule } from "../model/traceback.ts";
+import { shortValue } from "../model/short_value.ts";
+import { readTraceback, withoutModule } from "../model/traceback.ts";
+import { read } from "../model/wire.ts";
 import { ENTERED, type Journal, LEFT, OTHER } from "./journal.ts";
 
 export interface Failure {
   /** Of the event that it is told by; of what happened several times, the newest. */
   readonly sequence: number;
   readonly t_ns: number;
-  readonly kind: "aborted" | "log" | "deadline" | "cut-off" | "crash";
+  /** `error`: it left an error with another outcome than *aborted*. */
+  readonly kind: "aborted" | "error" | "log" | "deadline" | "cut-off" | "crash";
   readonly level: "warning" | "error";
   /** The state; empty if it is about none. */
   readonly path: string;
-  /** What is said about it. Of an abort the last line of its traceback; empty if that is not in the log. */
+  /** What is said about it. Of a state's end its error, else the last line of its traceback; empty if neither was told. */
   readonly text: string;
-  /** The outermost state that the abort has climbed to; else the state itself. */
+  /** The outermost state that the error has climbed to; else the state itself. */
   readonly reach: string;
   /** How often the same happened in a row. */
   readonly count: number;
@@ -31,7 +34,7 @@ const TRACEBACK_NEAR = 5;
 export class Failures {
   #all: readonly Failure[] = [];
   #next = 0;
-  /** The state that an abort has climbed to and may climb on from: nothing has run beside it since. */
+  /** The state that an error has climbed to and may climb on from: nothing has run beside it since. */
   #climbing: string | null = null;
 
   /** All of them, the oldest first; the same object as before if there is nothing new. */
@@ -57,7 +60,7 @@ export class Failures {
   #put(fresh: Failure[], failure: Failure): void {
     const before = fresh.at(-1) ?? this.#all.at(-1);
     const joined = before && this.#together(before, failure);
-    if (failure.kind === "aborted") this.#climbing = failure.path;
+    if (isEnd(failure)) this.#climbing = failure.path;
     if (!joined) {
       fresh.push(failure);
       return;
@@ -69,22 +72,29 @@ export class Failures {
 
   #together(before: Failure, failure: Failure): Failure | null {
     const { kind, path, text, sequence, t_ns } = failure;
-    if (kind === "aborted" && isTracebackOf(before, failure)) {
-      return { ...failure, text: lastLine(before.text) };
+    if (isEnd(failure) && isTracebackOf(before, failure)) {
+      return { ...failure, text: text || lastLine(before.text) };
+    }
+    if (isEnd(failure)) {
+      const climbs = this.#climbing === before.reach && parentOf(before.reach) === path;
+      return isEnd(before) && climbs ? { ...before, reach: path } : null;
     }
     if (kind !== before.kind) return null;
-    if (kind === "aborted") {
-      const climbs = this.#climbing === before.reach && parentOf(before.reach) === path;
-      return climbs ? { ...before, reach: path } : null;
-    }
     const isSame = path === before.path && text === before.text;
     return isSame ? { ...before, sequence, t_ns, count: before.count + 1 } : null;
   }
 }
 
-function isTracebackOf({ kind, level, path, sequence }: Failure, failure: Failure): boolean {
+/** Whether it is about a state that ended. */
+export function isEnd({ kind }: Failure): boolean {
+  return kind === "aborted" || kind === "error";
+}
+
+/** Whether a line of the log is about the same error. Of one that says itself what it is, only its traceback is. */
+function isTracebackOf({ kind, level, path, sequence, text }: Failure, failure: Failure): boolean {
   const isNear = failure.sequence - sequence <= TRACEBACK_NEAR;
-  return kind === "log" && level === "error" && path === failure.path && isNear;
+  const isAbout = failure.text === "" || readTraceback(text) !== null;
+  return kind === "log" && level === "error" && path === failure.path && isNear && isAbout;
 }
 
 function lastLine(text: string): string {
@@ -98,10 +108,8 @@ function at(journal: Journal, index: number): Failure | null {
     journal.kind(index),
   ];
   if (kind === LEFT) {
-    if (journal.outcome(index)?.id !== ABORTED || journal.isBack(index)) return null;
-    const path = journal.pathOf(journal.pathNumber(index));
-    const about = { kind: "aborted", level: "error", path, text: "", reach: path } as const;
-    return { sequence, t_ns, ...about, count: 1 };
+    const about = ofEnd(journal, index);
+    return about && { sequence, t_ns, ...about, reach: about.path, count: 1 };
   }
   const event = kind === OTHER ? journal.other(index) : undefined;
   const about = event && ofEvent(event);
@@ -109,6 +117,28 @@ function at(journal: Journal, index: number): Failure | null {
 }
 
 type About = Pick<Failure, "kind" | "level" | "path" | "text">;
+
+function ofEnd(journal: Journal, index: number): About | null {
+  const isAborted = journal.outcome(index)?.id === ABORTED;
+  if (journal.isBack(index) || !(isAborted || journal.hasError(index))) return null;
+  const path = journal.pathOf(journal.pathNumber(index));
+  const text = errorInWords(journal.error(index));
+  return { kind: isAborted ? "aborted" : "error", level: "error", path, text };
+}
+
+/** What a state did that failed; empty of all else. */
+export function didInWords(kind: Failure["kind"]): string {
+  return kind === "aborted" ? "aborted" : kind === "error" ? "ended with an error" : "";
+}
+
+const ERROR_MAX = 400;
+
+/** An error as it was told, in words; empty if nothing is known of it. */
+export function errorInWords(error: unknown): string {
+  const found = read(error);
+  if (found.kind === "none" || (found.kind === "object" && found.of === "")) return "";
+  return found.kind === "text" ? found.text : withoutModule(shortValue(error, ERROR_MAX));
+}
 
 function ofEvent(event: Event): About | null {
   switch (event.type) {

@@ -72,6 +72,24 @@ test("entries, ends and times are counted, and steps back are not", () => {
   expect(count?.last).toEqual({ id: 0, name: "ok" });
 });
 
+test("errors are kept in the words in which they were told, the newest of them", () => {
+  const journal = new Journal();
+  const outcome = { id: 0, name: "lost" };
+  const left = (sequence: number): HistoryEntry => ({
+    sequence,
+    t_ns: sequence,
+    event: { type: "left", path: "R", outcome, error: { __exc__: "E", msg: `${sequence}` } },
+  });
+  const fine: HistoryEntry = { sequence: 1, t_ns: 1, event: { type: "left", path: "R", outcome } };
+  journal.add([fine, ...Array.from({ length: 20_001 }, (_, at) => left(at + 2))], 20_003);
+  expect([0, 1, 2].map((index) => journal.hasError(index))).toEqual([false, true, true]);
+  expect([0, 1, 2].map((index) => journal.error(index))).toEqual([
+    null,
+    null,
+    { __exc__: "E", msg: "3" },
+  ]);
+});
+
 test("a long run stays, and only its oldest other events are given up", () => {
   const journal = new Journal();
   const line = (index: number): HistoryEntry => ({

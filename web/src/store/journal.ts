@@ -1,7 +1,7 @@
 /** All that happened in a run, in columns: a long mission fits, and grows by a few bytes an event. Knows events; never who tells
  * them, nor how they are shown. */
 
-import type { Event, HistoryEntry, Outcome } from "../model/generated/protocol.ts";
+import type { Event, HistoryEntry, JsonValue, Outcome } from "../model/generated/protocol.ts";
 import { Column } from "./column.ts";
 import { Counts } from "./counts.ts";
 
@@ -23,6 +23,8 @@ export type Happening =
       readonly isBack: boolean;
       /** Whether it left an error. */
       readonly hasError: boolean;
+      /** The error in few words, as it was told; null also where it is too long ago to be here. */
+      readonly error: JsonValue;
     }
   | {
       readonly kind: "other";
@@ -35,7 +37,7 @@ const BACK = 1;
 const ERROR = 2;
 const NO_OUTCOME = 0;
 
-/** So many whole events are kept, the newest; older ones are asked for at the server. */
+/** So many whole events are kept, the newest, and so many errors; older ones are asked for at the server. */
 const OTHERS_MAX = 20_000;
 
 export class Journal {
@@ -52,6 +54,7 @@ export class Journal {
   readonly #outcomes: (Outcome | null)[] = [null];
   readonly #outcomeNumbers = new Map<string, number>();
   readonly #others = new Map<number, Event>();
+  readonly #errors = new Map<number, JsonValue>();
   #next = 1;
   /** How often and how long states ran. */
   readonly counts = new Counts();
@@ -110,6 +113,11 @@ export class Journal {
     return (this.#flags.at(index) & ERROR) !== 0;
   }
 
+  /** The error that a state left, in few words, as it was told; null also where it is too long ago to be here. */
+  error(index: number): JsonValue {
+    return this.#errors.get(this.sequence(index)) ?? null;
+  }
+
   /** Another event than an entry or end; undefined also where it is too long ago to be here. */
   other(index: number): Event | undefined {
     return this.#others.get(this.sequence(index));
@@ -136,6 +144,7 @@ export class Journal {
       outcome: this.outcome(index),
       isBack: this.isBack(index),
       hasError: this.hasError(index),
+      error: this.error(index),
     };
   }
 
@@ -154,8 +163,7 @@ export class Journal {
     this.#t_ns.push(t_ns);
     if (event.type !== "entered" && event.type !== "left") {
       this.#push(OTHER, -1, NO_OUTCOME, 0);
-      this.#others.set(sequence, event);
-      this.#forget();
+      keep(this.#others, sequence, event);
       return;
     }
     const isBack = event.undoes != null;
@@ -166,6 +174,7 @@ export class Journal {
       return;
     }
     const flags = (isBack ? BACK : 0) | (event.error != null ? ERROR : 0);
+    if (event.error != null) keep(this.#errors, sequence, event.error as JsonValue);
     this.#push(LEFT, path, this.#outcomeNumber(event.outcome), flags);
     this.counts.left(path, event.path, t_ns, event.outcome, isBack);
   }
@@ -175,14 +184,6 @@ export class Journal {
     this.#path.push(path);
     this.#outcome.push(outcome);
     this.#flags.push(flags);
-  }
-
-  #forget(): void {
-    if (this.#others.size <= OTHERS_MAX) return;
-    for (const sequence of this.#others.keys()) {
-      this.#others.delete(sequence);
-      return;
-    }
   }
 
   #numberOf(path: string): number {
@@ -202,5 +203,15 @@ export class Journal {
       this.#outcomeNumbers.set(key, number);
     }
     return number;
+  }
+}
+
+/** The oldest makes room. */
+function keep<T>(all: Map<number, T>, sequence: number, what: T): void {
+  all.set(sequence, what);
+  if (all.size <= OTHERS_MAX) return;
+  for (const oldest of all.keys()) {
+    all.delete(oldest);
+    return;
   }
 }

@@ -25,6 +25,13 @@ export function lookOf(calls: Calls, call: number): Look {
   }
 }
 
+/** Whether it ended by *aborted*, or left an error. What was taken back did neither. */
+export function hasFailed(calls: Calls, call: number): boolean {
+  const look = lookOf(calls, call);
+  if (look === "back" || look === "open" || look === "dropped") return false;
+  return look === "aborted" || calls.journal.hasError(calls.end(call));
+}
+
 /** Calls at one depth of a branch, one after the other. */
 export class Row {
   readonly calls: number[] = [];
@@ -74,14 +81,8 @@ export class Row {
     for (let at = this.#failed.length - 1; at < this.calls.length; at++) {
       const call = this.calls[at] ?? NONE;
       if (this.#all.how(call) === OPEN) return;
-      const isBad = lookOf(this.#all, call) === "aborted" || this.#hasError(call);
-      this.#failed.push((this.#failed[at] ?? 0) + (isBad ? 1 : 0));
+      this.#failed.push((this.#failed[at] ?? 0) + (hasFailed(this.#all, call) ? 1 : 0));
     }
-  }
-
-  #hasError(call: number): boolean {
-    const end = this.#all.end(call);
-    return end !== NONE && this.#all.journal.hasError(end);
   }
 }
 

@@ -10,6 +10,7 @@ import { RunWatch, type WatchPorts } from "./watch.ts";
 const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
   inputs: {},
   start_from: null,
+  afterwards: "go_on",
   keeping: "full",
   strict: false,
   hold: false,

@@ -14,7 +14,7 @@ pub struct EventQuery {
     pub from: u64,
     /// At most so many; 1000 is the most, and what is given if it is left out.
     pub count: Option<u32>,
-    /// With inputs, outputs and errors of states, and the events that are nothing but a value.
+    /// With inputs and outputs of states, their errors as a whole, and the events that are nothing but a value.
     pub values: bool,
     /// Of states with this in their path of names or ids; with `*` or `?`, that are this as a whole.
     pub state: Option<String>,

@@ -102,9 +102,9 @@ pub struct Holding {
 pub struct Comparison {
     /// Entries and ends that are the same in both.
     pub alike: u64,
-    /// Where the runs part first; none if they do not.
-    pub parted: Option<Parting>,
-    /// On how many branches they part.
+    /// Where the runs part: on each branch the first place, the earliest of them first, at most 64. None if they do not part.
+    pub parted: Vec<Parting>,
+    /// On how many branches they part, those included that are not told.
     pub branches_parted: usize,
     /// Data that differed up to there: the first entry and the first end of each state at which it did.
     pub changed: Vec<DataChange>,
@@ -112,12 +112,14 @@ pub struct Comparison {
     pub timing: Vec<Timing>,
 }
 
-/// Where two runs part.
+/// Where two runs part on a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Parting {
     /// The branch: a child of a concurrency state, or the root.
     pub branch: String,
+    /// The names of that state and those around it, joined by `/`.
+    pub names: String,
     /// What happened next in the one; nothing if it was over.
     pub one: Option<Happened>,
     /// What happened next in the other.

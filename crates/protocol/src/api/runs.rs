@@ -1,7 +1,7 @@
 //! Runs: how they begin, how they stand, who commands them, what they leave.
 
 use super::MachineFile;
-use crate::{Answer, Breakpoint, Event, Keeping, OnCrash, Outcome, Snapshot};
+use crate::{Afterwards, Answer, Breakpoint, Event, Keeping, OnCrash, Outcome, Snapshot};
 use serde::{Deserialize, Serialize};
 
 /// Starts a run.
@@ -19,6 +19,9 @@ pub struct StartRun {
     /// State path to begin at.
     #[serde(default)]
     pub start_from: Option<String>,
+    /// What happens once that state was left: `go_on`, `hold` or `stop`.
+    #[serde(default)]
+    pub afterwards: Afterwards,
     /// How much is kept: `full` or `status`.
     #[serde(default)]
     pub keeping: Keeping,

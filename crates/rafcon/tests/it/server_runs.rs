@@ -307,6 +307,19 @@ fn told(mut line: Line) -> (Vec<HistoryEntry>, u64) {
 }
 
 #[test]
+fn a_run_of_one_state_enters_the_root_once() {
+    let site = Site::new(WAITS);
+    let run = site.start("r1", &json!({ "start_from": "ROOT/B", "afterwards": "stop" }));
+    let run = run["id"].as_str().unwrap().to_owned();
+    let history = site.line(Topic::RunHistory { run, from: 1, values: false });
+    let entered = told(history).0.into_iter().filter_map(|entry| match entry.event {
+        Event::Entered { path, .. } => Some(path),
+        _ => None,
+    });
+    assert_eq!(entered.collect::<Vec<_>>(), ["ROOT", "ROOT/B"]);
+}
+
+#[test]
 fn a_history_goes_on_over_a_crash_and_is_told_further_when_a_run_that_was_over_is_taken_up() {
     let site = Site::new(WAITS);
     let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
@@ -507,6 +520,7 @@ fn what_cannot_begin_is_refused_and_leaves_nothing() {
         refused(json!({ "id": "1", "machine": machine("machine"), "keeping": "off" })),
         refused(json!({ "id": "", "machine": machine("machine") })),
         refused(json!({ "id": "1", "machine": machine("machine"), "start_from": "ROOT/X" })),
+        refused(json!({ "id": "1", "machine": machine("machine"), "afterwards": "stop" })),
         refused(json!({ "id": "1" })),
         said(site.door(), "GET", "/api/v1/runs/none", None),
     ];
@@ -519,6 +533,7 @@ fn what_cannot_begin_is_refused_and_leaves_nothing() {
         404 no_such_project
         400 keeping_off
         400 bad_id
+        422 load_failed
         422 load_failed
         400 bad_body
         404 no_such_run"]],

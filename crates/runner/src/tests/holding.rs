@@ -2,7 +2,7 @@
 
 use super::house::House;
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Breakpoint, Command, Join, Launch, Scope, Unattended, When};
+use rafcon_protocol::{Afterwards, Breakpoint, Command, Join, Launch, Scope, Unattended, When};
 use rafcon_storage::journal::Reader;
 
 const THREE: &str = "
@@ -76,6 +76,42 @@ fn a_run_is_held_before_its_first_state_and_stepped() {
             -ROOT=done
             finished done
         "]],
+    );
+}
+
+#[test]
+fn a_run_begins_at_a_state_and_is_held_or_stops_behind_it() {
+    check(
+        |launch| {
+            launch.start_from = Some("ROOT/B".to_owned());
+            launch.afterwards = Afterwards::Hold;
+        },
+        &[("ROOT is held before ROOT/C by Step", resume())],
+        &expect![[r#"
+            +ROOT
+            +ROOT/B
+            -ROOT/B=ok
+            ROOT is held before ROOT/C by Step
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done
+        "#]],
+    );
+    check(
+        |launch| {
+            launch.start_from = Some("ROOT/B".to_owned());
+            launch.afterwards = Afterwards::Stop;
+        },
+        &[],
+        &expect![[r#"
+            +ROOT
+            +ROOT/B
+            -ROOT/B=ok
+            stopping
+            -ROOT=preempted
+            finished preempted
+        "#]],
     );
 }
 

@@ -92,6 +92,7 @@ impl Cast {
                 };
                 plain(Returned::Id(0), vec![Some(Value::Int(number + 1))])
             }
+            "fail" => self.failure(&"no way ".repeat(100)),
             "die" if std::env::var_os(MORTAL).is_some() => std::process::abort(),
             "say" => {
                 self.print(place, LogLevel::Info, "hello".to_owned());

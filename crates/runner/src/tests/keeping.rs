@@ -171,6 +171,36 @@ fn viewers_are_told_what_the_journal_has() {
 }
 
 #[test]
+fn errors_are_told_without_values_too_whatever_the_outcome_and_in_few_words() {
+    let machine = r#"
+hierarchy ROOT
+  outcome lost
+  start -> A
+  A.aborted -> .lost
+  execution A "fail"
+    out way: int = 0
+"#;
+    let house = House::new(machine);
+    let (mut first, runner) =
+        house.begin(Launch { every_event: true, hold: true, ..house.launch() });
+    first.until_text("ROOT is held before ROOT/A by Start");
+    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    assert_eq!(first.command("go", Command::Resume { branch: None }), "applied");
+    let seen = told(&mut second);
+    runner.join().unwrap();
+    let ends = seen.iter().filter_map(|(_, event)| match event {
+        Event::Left { path, outcome, outputs: None, error: Some(error), .. } => {
+            let text = error.as_str().unwrap();
+            Some(format!("{path} {} {} {}", outcome.name, &text[..6], text.chars().count()))
+        }
+        _ => None,
+    });
+    assert_eq!(ends.collect::<Vec<_>>(), ["ROOT/A aborted no way 200", "ROOT lost no way 200"]);
+    let kept = journal(&house.run_folder(), false);
+    assert!(seen.iter().all(|told| kept.contains(told)));
+}
+
+#[test]
 fn what_memory_gave_up_is_read_from_the_journal() {
     let house = House::new(&shouting());
     let (mut first, runner) = house.begin(house.launch());

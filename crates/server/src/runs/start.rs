@@ -137,6 +137,7 @@ fn words(house: &House, machine: PathBuf, asked: &StartRun, folder: &Path) -> La
     Launch {
         machine,
         start_from: asked.start_from.clone(),
+        afterwards: asked.afterwards,
         inputs: asked.inputs.clone().into_iter().collect(),
         libraries: house.settings.libraries.clone(),
         config: house.settings.config.clone(),

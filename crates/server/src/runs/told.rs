@@ -1,7 +1,7 @@
 //! One event as a runner told it: its text, ready to be sent on. Knows words; must never know who reads them.
 
-use rafcon_protocol::Event;
 use rafcon_protocol::api::HistoryEntry;
+use rafcon_protocol::{Event, is_about_values, without_values};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::fmt::Write as _;
@@ -71,22 +71,12 @@ impl Told {
     }
 
     fn without_values(&self) -> Option<Box<str>> {
-        let entry = self.entry()?;
-        let event = without_values(entry.event)?;
-        let text = serde_json::to_string(&HistoryEntry { event, ..entry }).ok()?;
-        Some(text.into())
-    }
-}
-
-/// An event for whoever wants no values: without inputs, outputs and errors; nothing if it is about values only.
-fn without_values(event: Event) -> Option<Event> {
-    match event {
-        Event::Scoped { .. } | Event::Global { .. } | Event::Persistent { .. } => None,
-        Event::Entered { path, undoes, .. } => Some(Event::Entered { path, inputs: None, undoes }),
-        Event::Left { path, outcome, undoes, .. } => {
-            Some(Event::Left { path, outcome, outputs: None, error: None, undoes })
+        let mut entry = self.entry()?;
+        if is_about_values(&entry.event) {
+            return None;
         }
-        other => Some(other),
+        without_values(&mut entry.event);
+        Some(serde_json::to_string(&entry).ok()?.into())
     }
 }
 
@@ -113,6 +103,12 @@ mod tests {
             &expect![[r#"
                 {"sequence":7,"t_ns":9,"event":{"type":"entered","path":"R/A","inputs":{"a":[1,2.50]}}}
                 Some("{\"sequence\":7,\"t_ns\":9,\"event\":{\"type\":\"entered\",\"path\":\"R/A\"}}") "#]],
+        );
+        check(
+            r#"{"message":"event","sequence":7,"t_ns":9,"event":{"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"},"outputs":{"a":1},"error":{"__exc__":"E","msg":"no"}}}"#,
+            &expect![[r#"
+                {"sequence":7,"t_ns":9,"event":{"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"},"outputs":{"a":1},"error":{"__exc__":"E","msg":"no"}}}
+                Some("{\"sequence\":7,\"t_ns\":9,\"event\":{\"type\":\"left\",\"path\":\"R/A\",\"outcome\":{\"id\":0,\"name\":\"ok\"},\"error\":{\"__exc__\":\"E\",\"msg\":\"no\"}}}") "#]],
         );
         check(
             r#"{"message":"event","sequence":8,"t_ns":9,"event":{"type":"global","name":"n","value":3}}"#,

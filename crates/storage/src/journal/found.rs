@@ -6,7 +6,7 @@ use super::error::JournalError;
 use super::filter::{Filter, Sieve, path_of, place_of};
 use super::reader::{Entry, Reader};
 use super::record::{PlaceNumber, Record};
-use rafcon_protocol::Event;
+use rafcon_protocol::{Event, without_values};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -20,7 +20,7 @@ pub struct Search<'f> {
     pub from: u64,
     /// At most so many are looked at.
     pub look: u64,
-    /// Whether inputs, outputs and errors of states come with their events, and the events that are nothing but a value.
+    /// Whether inputs and outputs of states come with their events, errors as a whole, and the events that are nothing but a value.
     pub values: bool,
 }
 
@@ -63,15 +63,6 @@ impl Found {
 /// Whether an event is nothing but a value.
 pub fn is_about_values(record: &Record) -> bool {
     matches!(record, Record::Scoped { .. } | Record::Global { .. } | Record::Persistent { .. })
-}
-
-/// Leaves out inputs, outputs and errors of states.
-pub fn without_values(event: &mut Event) {
-    match event {
-        Event::Entered { inputs, .. } => *inputs = None,
-        Event::Left { outputs, error, .. } => (*outputs, *error) = (None, None),
-        _ => {}
-    }
 }
 
 impl Reader {

@@ -2,7 +2,7 @@
 
 use super::error::JournalError;
 use super::record::{Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
-use rafcon_protocol::{Event, Outcome, Values};
+use rafcon_protocol::{Event, Outcome, Values, short_error};
 use serde_json::{Value, json};
 use smol_str::SmolStr;
 use std::num::NonZeroU64;
@@ -17,7 +17,7 @@ pub trait Glossary {
     fn value(&self, number: ValueNumber) -> Result<Option<Stored>, JournalError>;
 }
 
-/// A record as it is told. Without `values`, inputs, outputs and errors are left out.
+/// A record as it is told. Without `values`, inputs and outputs are left out, and errors are short.
 pub fn tell(record: Record, glossary: &impl Glossary, values: bool) -> Result<Event, JournalError> {
     Telling { glossary, values }.event(record)
 }
@@ -58,12 +58,11 @@ impl<G: Glossary> Telling<'_, G> {
             }
             Record::Left { place, outcome, outputs, error, undoes } => {
                 let (path, place) = self.place(place);
-                let error = error.filter(|_| self.values);
                 Event::Left {
                     path,
                     outcome: outcome_of(place.as_deref(), outcome),
                     outputs: self.values(place.as_deref().map(|p| &p.outputs[..]), &outputs)?,
-                    error: error.map(|error| self.view(&error)).transpose()?,
+                    error: error.map(|error| self.error(&error)).transpose()?,
                     undoes: undoes.map(NonZeroU64::get),
                 }
             }
@@ -95,6 +94,12 @@ impl<G: Glossary> Telling<'_, G> {
 
     fn view(&self, kept: &Kept) -> Result<Value, JournalError> {
         view(kept, self.glossary)
+    }
+
+    /// Who wants no values is told of the end of a state also if its error cannot be read.
+    fn error(&self, kept: &Kept) -> Result<Value, JournalError> {
+        let error = self.view(kept);
+        if self.values { error } else { Ok(short_error(error.unwrap_or_else(|_| gone()))) }
     }
 
     fn values(

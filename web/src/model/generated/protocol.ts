@@ -157,9 +157,9 @@ export type CommandAnswer = {
 export type Comparison = {
   /** Entries and ends that are the same in both. */
   alike: number,
-  /** Where the runs part first; none if they do not. */
-  parted: Parting | null,
-  /** On how many branches they part. */
+  /** Where the runs part: on each branch the first place, the earliest of them first, at most 64. None if they do not part. */
+  parted: Array<Parting>,
+  /** On how many branches they part, those included that are not told. */
   branches_parted: number,
   /** Data that differed up to there: the first entry and the first end of each state at which it did. */
   changed: Array<DataChange>,
@@ -1165,10 +1165,12 @@ export type OutputEnd = {
   /** So many of the last bytes; left out: 65,536; at most 1,048,576. */
   bytes: number | null, };
 
-/** Where two runs part. */
+/** Where two runs part on a branch. */
 export type Parting = {
   /** The branch: a child of a concurrency state, or the root. */
   branch: string,
+  /** The names of that state and those around it, joined by `/`. */
+  names: string,
   /** What happened next in the one; nothing if it was over. */
   one: Happened | null,
   /** What happened next in the other. */
@@ -1565,6 +1567,8 @@ export type StartRun = {
   inputs: Record<string, unknown>,
   /** State path to begin at. */
   start_from: string | null,
+  /** What happens once that state was left: `go_on`, `hold` or `stop`. */
+  afterwards: Afterwards,
   /** How much is kept: `full` or `status`. */
   keeping: Keeping,
   /** Whether an event is on disk before the script that follows it runs. */
@@ -1848,3 +1852,6 @@ export type User = {
 
 /** On which side of a state. */
 export type When = "before" | "after";
+
+/** What happens once the state at which a run began was left. */
+export type Afterwards = "go_on" | "hold" | "stop";

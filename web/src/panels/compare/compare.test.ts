@@ -2,6 +2,7 @@ import { expect, test } from "vitest";
 import { Journal } from "../../store/journal.ts";
 import { events } from "../../store/testing/events.ts";
 import { around } from "./around.ts";
+import { stepInWords } from "./branches.tsx";
 import { sorted, timingRows } from "./timing.ts";
 
 test("what happened around a moment is told of its branch only", () => {
@@ -18,6 +19,24 @@ test("what happened around a moment is told of its branch only", () => {
   expect(around(journal, "R/B", 5).map((index) => journal.sequence(index))).toEqual([3, 5, 6, 8]);
   expect(around(journal, "R/B", null).map((index) => journal.sequence(index))).toEqual([
     3, 5, 6, 8,
+  ]);
+});
+
+test("the first step that is other is told in words", () => {
+  const step = { sequence: 3, t_ns: 0, path: "R/A", names: "Root/Look", backwards: false };
+  const outcome = { id: 0, name: "seen" };
+  expect([
+    stepInWords(null),
+    stepInWords({ ...step, outcome: null }),
+    stepInWords({ ...step, outcome: null, backwards: true }),
+    stepInWords({ ...step, outcome }),
+    stepInWords({ ...step, outcome, backwards: true }),
+  ]).toEqual([
+    "nothing more",
+    "Look entered",
+    "Look entered backwards",
+    "Look ended by seen",
+    "Look taken back",
   ]);
 });
 

@@ -3,9 +3,9 @@
 
 import { computed, effect } from "@preact/signals-core";
 import { GitCompare, RefreshCw, X } from "lucide-react";
-import { useEffect } from "react";
+import { useEffect, useState } from "react";
 import { keyOf } from "../../model/element.ts";
-import type { Comparison, RunSummary } from "../../model/generated/protocol.ts";
+import type { Comparison, Parting, RunSummary } from "../../model/generated/protocol.ts";
 import { standInWords, startedInWords, summaryStand } from "../../model/run_words.ts";
 import { comparedRun } from "../../store/compared_run.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
@@ -19,8 +19,9 @@ import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 import { NoRun } from "../parts/no_run.tsx";
 import { comparedOf, compareNow } from "../parts/parted.ts";
+import { AroundDifference } from "./around_difference.tsx";
+import { Branches } from "./branches.tsx";
 import { Changed } from "./changed.tsx";
-import { FirstDifference } from "./first_difference.tsx";
 import type { Show } from "./show.ts";
 import { TimingTable } from "./timing_table.tsx";
 import "./compare.css";
@@ -86,21 +87,21 @@ function useComparison(page: Page, watch: Watch): void {
   }, [page, watch]);
 }
 
-/** The state at which the runs part is marked on the canvas, as long as the panel shows it. */
+/** The states at which the runs part are marked on the canvas, as long as the panel shows them. */
 function useMarks({ view }: OpenTab, comparison: Comparison | null): void {
   const parted = comparison?.parted;
-  const path = parted?.one?.path ?? parted?.other?.path;
-  const otherPath = parted?.other?.path;
   useEffect(() => {
-    if (path === undefined) return;
-    const state = (at: string) => keyOf({ kind: "state", path: at });
-    const marks = new Map([[state(path), "changed" as const]]);
-    if (otherPath !== undefined) marks.set(state(otherPath), "changed");
+    const steps = (parted ?? []).flatMap(({ one, other }) => [one, other]);
+    const paths = steps.flatMap((step) => (step ? [step.path] : []));
+    if (paths.length === 0) return;
+    const marks = new Map(
+      paths.map((path) => [keyOf({ kind: "state", path }), "changed" as const]),
+    );
     view.marks.value = marks;
     return () => {
       if (view.marks.peek() === marks) view.marks.value = null;
     };
-  }, [view, path, otherPath]);
+  }, [view, parted]);
 }
 
 interface ChooserProps extends OfRunProps {
@@ -175,18 +176,34 @@ function Found({ tab, watch, other, comparison }: FoundProps) {
     theirs.moment.value = sequence;
   };
   const { alike, parted, branches_parted, changed, timing } = comparison;
+  const [branch, setBranch] = useState<string | null>(null);
+  const chosen = parted.find((parting) => parting.branch === branch) ?? parted[0];
+  const choose = (parting: Parting) => {
+    setBranch(parting.branch);
+    const { one, other: theirs } = parting;
+    if (one) watch.moment.value = one.sequence;
+    if (theirs) page.runs.watch(other).moment.value = theirs.sequence;
+  };
   return (
     <div className="compare-body">
       <p className="compare-words" role="status">
-        {parted === null
+        {parted.length === 0
           ? `The runs do not part: ${alike} entries and ends are the same in both.`
           : `${alike} entries and ends are the same in both, then they part${
               branches_parted > 1 ? ` on ${branches_parted} branches` : ""
             }.`}
       </p>
-      {parted && (
-        <Section title="First difference">
-          <FirstDifference tab={tab} watch={watch} other={other} parted={parted} show={show} />
+      {chosen && parted.length > 1 && (
+        <Section title="Branches that part" count={branches_parted}>
+          <Branches parted={parted} chosen={chosen} choose={choose} />
+          {branches_parted > parted.length && (
+            <p className="compare-soft">The {parted.length} earliest stand here.</p>
+          )}
+        </Section>
+      )}
+      {chosen && (
+        <Section title={titleOf(chosen, parted)}>
+          <AroundDifference tab={tab} watch={watch} other={other} parted={chosen} show={show} />
         </Section>
       )}
       <Section title="Data that was other before" count={changed.length}>
@@ -197,4 +214,10 @@ function Found({ tab, watch, other, comparison }: FoundProps) {
       </Section>
     </div>
   );
+}
+
+function titleOf(chosen: Parting, [first]: readonly Parting[]): string {
+  return chosen === first
+    ? "First difference"
+    : `Difference on ${chosen.names.split("/").at(-1) ?? chosen.branch}`;
 }

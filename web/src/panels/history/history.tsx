@@ -6,8 +6,9 @@ import { useEffect, useMemo, useState } from "react";
 import { entryOf as entryOfCommand } from "../../commands/menus.ts";
 import { callAbout } from "../../store/about.ts";
 import { type Calls, callsOf, NONE } from "../../store/calls.ts";
+import { errorInWords } from "../../store/failures.ts";
 import { Found } from "../../store/found.ts";
-import { lookOf } from "../../store/lanes.ts";
+import { hasFailed, lookOf } from "../../store/lanes.ts";
 import { showIndex, shownIndex } from "../../store/moments.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
@@ -217,7 +218,7 @@ function Sign({ node, calls }: Pick<RowProps, "node" | "calls">) {
 /** How a call ended, by word, sign and colour. */
 function End({ call, calls }: { readonly call: number; readonly calls: Calls }) {
   const look = lookOf(calls, call);
-  const hasError = calls.end(call) !== NONE && calls.journal.hasError(calls.end(call));
+  const isBad = hasFailed(calls, call);
   const words = {
     open: "● goes on",
     back: "↶ taken back",
@@ -226,9 +227,13 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
     preempted: "⊘ preempted",
     ended: calls.outcome(call)?.name ?? "",
   }[look];
+  const error = isBad ? errorInWords(calls.journal.error(calls.end(call))) : "";
   return (
-    <span className={`history-end history-${hasError ? "aborted" : look}`} title={words}>
-      {words}
+    <span
+      className={`history-end history-${isBad ? "aborted" : look}`}
+      title={error === "" ? words : `${words}: ${error}`}
+    >
+      {isBad && look !== "aborted" ? `✕ ${words}` : words}
     </span>
   );
 }

@@ -5,7 +5,7 @@ import { useEffect, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
-import { FAILURES_MAX, type Failure } from "../../store/failures.ts";
+import { didInWords, FAILURES_MAX, type Failure } from "../../store/failures.ts";
 import type { Watch } from "../../store/run.ts";
 import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
@@ -118,7 +118,7 @@ function Line({ failure, watch, names, isDone, isStill }: LineProps) {
               {where}
             </button>
           )}
-          {kind === "aborted" && "aborted"}
+          {didInWords(kind)}
           {count > 1 && <span className="mission-count">×{count}</span>}
           <time title={`${growing(t_ns / 1e6)} after the start`}>{when}</time>
         </p>

@@ -48,8 +48,8 @@ export async function compareNow(page: Page, watch: Watch): Promise<void> {
   }
 }
 
-/** When the run that is shown parts from the other one; null if nothing is compared, or they do not part. */
+/** When the run that is shown first parts from the other one; null if nothing is compared, or they do not part. */
 export function partedAt(watch: Watch): number | null {
-  const parted = comparedOf(watch).value?.comparison?.parted;
-  return parted?.one?.t_ns ?? null;
+  const first = comparedOf(watch).value?.comparison?.parted[0];
+  return first?.one?.t_ns ?? null;
 }

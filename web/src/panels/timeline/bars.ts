@@ -2,7 +2,7 @@
  * together and how many of them failed. So a row costs as much as it is wide, however much happened. */
 
 import { type Calls, NONE } from "../../store/calls.ts";
-import { type Look, lookOf, type Row } from "../../store/lanes.ts";
+import { hasFailed, type Look, lookOf, type Row } from "../../store/lanes.ts";
 import type { Span } from "./span.ts";
 
 export type Bar =
@@ -47,7 +47,7 @@ export function barsOf(calls: Calls, row: Row, scale: Scale): readonly Bar[] {
     const x = xOf(scale, calls.began_ns(call));
     const end = xOf(scale, calls.ended_ns(call, scale.end_ns));
     if (end - x >= NARROW_PX) {
-      bars.push({ x, width: end - x, call, look: lookOf(calls, call) });
+      bars.push({ x, width: end - x, call, look: barLook(calls, call) });
       at += 1;
       continue;
     }
@@ -62,6 +62,11 @@ export function barsOf(calls: Calls, row: Row, scale: Scale): readonly Bar[] {
     at = next;
   }
   return bars;
+}
+
+/** What left an error looks as what aborted, whatever its outcome. */
+function barLook(calls: Calls, call: number): Look {
+  return hasFailed(calls, call) ? "aborted" : lookOf(calls, call);
 }
 
 /** The place in the row behind the narrow calls that begin in the same pixels; a wide one at their end stands for itself. */

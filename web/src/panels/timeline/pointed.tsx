@@ -1,7 +1,8 @@
 /** What the pointer is at on the time line: which state, when, how long, how it ended. */
 
-import { NONE } from "../../store/calls.ts";
-import { type Look, lookOf } from "../../store/lanes.ts";
+import { errorInWords } from "../../store/failures.ts";
+import type { Journal } from "../../store/journal.ts";
+import { hasFailed, type Look, lookOf } from "../../store/lanes.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { measured, sinceStart } from "../parts/duration.ts";
@@ -40,11 +41,19 @@ export function Pointed({ tab, model }: PointedProps) {
         from {sinceStart(began / 1e6, 1)} for {measured(length / 1e6)}
       </span>
       <span>{endInWords(lookOf(calls, call), calls.outcome(call)?.name ?? "")}</span>
-      {calls.end(call) !== NONE && calls.journal.hasError(calls.end(call)) && (
-        <span className="timeline-error">with an error</span>
+      {hasFailed(calls, call) && (
+        <span className="timeline-error">{errorAt(calls.journal, calls.end(call))}</span>
       )}
     </div>
   );
+}
+
+const ERROR_MAX = 120;
+
+function errorAt(journal: Journal, end: number): string {
+  const words = errorInWords(journal.error(end)).replaceAll(/\s+/g, " ");
+  if (words === "") return journal.hasError(end) ? "with an error" : "";
+  return words.length > ERROR_MAX ? `${words.slice(0, ERROR_MAX - 1)}…` : words;
 }
 
 function endInWords(look: Look, outcome: string): string {

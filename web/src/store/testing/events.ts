@@ -2,7 +2,7 @@
 
 import type { Event, HistoryEntry } from "../../model/generated/protocol.ts";
 
-/** Events as short text, one a line, one ms apart: `> R/A` is an entry, `< R/A done` an end, with `!` after the path a step back,
+/** Events as short text, one a line, one ms apart: `> R/A` is an entry, `< R/A done` an end, `< R/A done: words` one with an error, with `!` after the path a step back,
  * `x R/A` a drop, `= R/A words` a line of the log, `! R/A words` a warning, `crash` a runner that took up after another. */
 export function events(text: string): readonly HistoryEntry[] {
   return text
@@ -27,8 +27,9 @@ function eventOf(what: string, path: string, words: string): Event {
     case ">":
       return { type: "entered", path: at, undoes };
     case "<": {
-      const name = words || "done";
-      return { type: "left", path: at, undoes, outcome: { id: ENDS[name] ?? 0, name } };
+      const [name = "", error] = (words || "done").split(": ");
+      const outcome = { id: ENDS[name] ?? 0, name };
+      return { type: "left", path: at, undoes, outcome, ...(error === undefined ? {} : { error }) };
     }
     case "x":
       return { type: "dropped", path: at };

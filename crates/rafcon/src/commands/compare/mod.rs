@@ -6,7 +6,7 @@ use crate::environment::Environment;
 use crate::runs;
 use crate::view::{Line, Style, counted, harmless, outcome_style, shown};
 use anyhow::Result;
-use rafcon_protocol::api::{Comparison, DataChange, Happened, TimeTaken, Timing};
+use rafcon_protocol::api::{Comparison, DataChange, Happened, Parting, TimeTaken, Timing};
 use rafcon_storage::journal::{self, Reader};
 use serde_json::Value;
 use std::io::Write as _;
@@ -31,7 +31,7 @@ pub(super) fn compare(raw: &cli::Compare, environment: &Environment) -> Result<E
         }
     }
     out.flush()?;
-    Ok(ExitCode::from(u8::from(compared.parted.is_some())))
+    Ok(ExitCode::from(u8::from(!compared.parted.is_empty())))
 }
 
 fn lines(compared: &Comparison, ids: [&str; 2]) -> Vec<Line> {
@@ -54,17 +54,25 @@ fn heading(text: &str, count: usize) -> Option<Line> {
 
 fn parting(compared: &Comparison) -> Vec<Line> {
     let alike = format!("{} alike", counted(compared.alike, "step"));
-    let Some(parting) = &compared.parted else {
+    if compared.parted.is_empty() {
         return vec![Line::of(Style::Good, format!("the runs do not part: {alike}"))];
-    };
+    }
     let branches =
         counted(compared.branches_parted as u64, "branch").replace("branchs", "branches");
-    vec![
-        Line::of(Style::Bad, "the runs part")
-            .and(Style::Plain, format!(" on {branches}; {alike} before")),
-        happened("A", parting.one.as_ref()),
-        happened("B", parting.other.as_ref()),
-    ]
+    let head = Line::of(Style::Bad, "the runs part")
+        .and(Style::Plain, format!(" on {branches}; {alike} before"));
+    let shown = compared.parted.iter().take(SHOWN);
+    let more = compared.branches_parted.saturating_sub(shown.len());
+    let rest = (more > 0).then(|| Line::of(Style::Dim, format!("  and on {more} more, later")));
+    std::iter::once(head).chain(shown.flat_map(on_branch)).chain(rest).collect()
+}
+
+/// Where they part on one branch. Of a run with one branch its name says nothing.
+fn on_branch(parting: &Parting) -> impl Iterator<Item = Line> {
+    let is_root = !parting.branch.contains('/');
+    let head = Line::of(Style::Plain, "  on ").and(Style::Strong, harmless(&parting.names));
+    let sides = [happened("A", parting.one.as_ref()), happened("B", parting.other.as_ref())];
+    (!is_root).then_some(head).into_iter().chain(sides)
 }
 
 fn happened(run: &str, step: Option<&Happened>) -> Line {

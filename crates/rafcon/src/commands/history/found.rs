@@ -1,12 +1,12 @@
 //! Events of a run as lines of JSON, and the last of those that are wanted. Knows journals, not how events are shown to people.
 
 use anyhow::Result;
-use rafcon_protocol::Event;
-use rafcon_storage::journal::{Filter, Found, Reader, without_values};
+use rafcon_protocol::{Event, without_values};
+use rafcon_storage::journal::{Filter, Found, Reader};
 use serde::Serialize;
 use std::collections::VecDeque;
 
-/// An event as a line of JSON; without `values`, inputs, outputs and errors of states are left out.
+/// An event as a line of JSON; without `values`, inputs and outputs of states are left out, and errors are short.
 pub(super) fn json(found: &Found, values: bool) -> Vec<String> {
     let mut event = found.event.clone();
     if !values {

@@ -38,7 +38,7 @@ fn what(found: &Found, values: bool) -> Line {
             let after = found.lasted.map(|lasted| format!(" after {}", span(lasted)));
             let line = line.and(Style::Dim, after.unwrap_or_default());
             let line = line.followed_by(with(outputs.as_ref().filter(|_| values)));
-            match error.as_ref().filter(|_| values) {
+            match error {
                 Some(error) => line.and(Style::Bad, format!(", {}", value(error))),
                 None => line,
             }

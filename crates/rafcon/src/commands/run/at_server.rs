@@ -13,6 +13,7 @@ use crate::supervisor;
 use crate::view::Names;
 use crate::wires::{self, Wires};
 use anyhow::Result;
+use rafcon_protocol::Afterwards;
 use rafcon_protocol::api::{MachineFile, ResumeRun, RunSummary, StartRun};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -101,6 +102,7 @@ fn start_run(raw: &cli::Run, server: &Arc<Server>) -> Result<StartRun> {
         machine,
         inputs: request::inputs(&raw.inputs)?.into_iter().collect(),
         start_from: raw.start_from.clone(),
+        afterwards: Afterwards::GoOn,
         keeping: request::keeping(raw.keeping.keep),
         strict: raw.keeping.strict,
         hold: raw.hold,

@@ -14,6 +14,12 @@ use rafcon_protocol::api::{Comparison, Happened, Parting, Timing};
 use std::collections::BTreeSet;
 use steps::{Did, Key, Keys, Step, Steps};
 
+/// So many branches are told on which two runs part.
+const PARTED_MAX: usize = 64;
+
+/// Where two runs part on a branch: its first step in each that is not the same, if there is one.
+type Parted<'s> = (Key, Option<&'s Step>, Option<&'s Step>);
+
 /// Compares two runs.
 pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, JournalError> {
     let mut keys = Keys::default();
@@ -32,22 +38,31 @@ pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, Journ
             partings.push((branch, steps_a.get(count), steps_b.get(count)));
         }
     }
-    let first = partings.iter().min_by_key(|(_, x, y)| {
-        (x.map_or(u64::MAX, |x| x.sequence), y.map_or(u64::MAX, |y| y.sequence))
-    });
-    let happened =
-        |reader: &Reader, step: Option<&Step>| step.map(|step| told(reader, &keys, step));
-    let parted = first.map(|(branch, x, y)| Parting {
-        branch: keys.path(*branch).to_owned(),
-        one: happened(one, *x),
-        other: happened(other, *y),
-    });
+    partings.sort_by_key(earliest);
     let (alike, branches_parted) = (pairs.len() as u64, partings.len());
+    let told = partings.iter().take(PARTED_MAX);
+    let parted = told.map(|parted| parting([one, other], &keys, *parted)).collect();
     pairs.retain(|(x, y)| x.digest != y.digest);
     pairs.sort_by_key(|(x, _)| x.sequence);
     let changed = data::changes(one, other, &pairs)?;
     let timing = timing([one, other], &keys, [&a, &b]);
     Ok(Comparison { alike, parted, branches_parted, changed, timing })
+}
+
+/// When runs part: in the one of both in which that was sooner.
+fn earliest((_, x, y): &Parted<'_>) -> (Option<u64>, Option<u64>, Option<u64>) {
+    let time = [x, y].into_iter().flatten().map(|step| step.t_ns).min();
+    (time, x.map(|x| x.sequence), y.map(|y| y.sequence))
+}
+
+fn parting([one, other]: [&Reader; 2], keys: &Keys, (branch, x, y): Parted<'_>) -> Parting {
+    let path = keys.path(branch);
+    Parting {
+        branch: path.to_owned(),
+        names: names(one, path).or_else(|| names(other, path)).unwrap_or_default(),
+        one: x.map(|step| told(one, keys, step)),
+        other: y.map(|step| told(other, keys, step)),
+    }
 }
 
 fn told(reader: &Reader, keys: &Keys, step: &Step) -> Happened {

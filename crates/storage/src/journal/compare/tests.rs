@@ -32,7 +32,7 @@ fn check(one: &str, other: &str, expect: &Expect) {
 
 fn shown(compared: &Comparison) -> String {
     let mut text = format!("{} alike, {} parted\n", compared.alike, compared.branches_parted);
-    if let Some(parting) = &compared.parted {
+    for parting in &compared.parted {
         let step = |step: &Option<Happened>| match step {
             None => "over".to_owned(),
             Some(step) => {
@@ -109,6 +109,47 @@ fn the_order_of_branches_means_nothing() {
             R/B: 1x 5 ms | 1x 5 ms
         "]],
     );
+}
+
+#[test]
+fn every_branch_that_parts_is_told_the_earliest_first() {
+    let both = "@0 enter R/B\n@1 enter R/B/X\n@2 enter R/B/Y\n";
+    check(
+        &format!("{both}@5 leave R/B/X ok\n@7 leave R/B/Y ok\n@9 leave R/B ok"),
+        &format!("{both}@3 leave R/B/Y aborted\n@6 leave R/B/X aborted\n@9 leave R/B aborted"),
+        &expect![[r#"
+            3 alike, 3 parted
+            on R/B/Y: #5 Root/Both/Right ok | #4 Root/Both/Right aborted
+            on R/B/X: #4 Root/Both/Left ok | #5 Root/Both/Left aborted
+            on R: #6 Root/Both ok | #6 Root/Both aborted
+            R/B/Y: 1x 5 ms | 1x 1 ms
+            R/B/X: 1x 4 ms | 1x 5 ms
+            R/B: 1x 9 ms | 1x 9 ms
+        "#]],
+    );
+}
+
+#[test]
+fn of_very_many_branches_that_part_the_earliest_are_told() {
+    let names: String = (0..70)
+        .map(|at| format!("place R/B/{at} \"Root/Both/{at}\" script outcome ok\n"))
+        .collect();
+    let entered: String = (0..70).map(|at| format!("enter R/B/{at}\n")).collect();
+    let left = |outcome: &str| -> String {
+        (0..70).rev().map(|at| format!("leave R/B/{at} {outcome}\n")).collect()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, outcome: &str| {
+        let text = format!("{names}enter R/B\n{entered}{}", left(outcome));
+        run(&folder.path().join(name), &text)
+    };
+    let compared = compare(&mut run("one", "ok"), &mut run("other", "aborted")).unwrap();
+    assert_eq!((compared.branches_parted, compared.parted.len()), (70, 64));
+    assert_eq!(
+        [&compared.parted[0], &compared.parted[63]].map(|p| &*p.branch),
+        ["R/B/69", "R/B/6"]
+    );
+    assert_eq!(compared.parted[0].names, "Root/Both/69");
 }
 
 #[test]

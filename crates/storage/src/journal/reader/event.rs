@@ -29,7 +29,7 @@ fn named(name: &str, value: &Kept) -> Option<(String, ValueNumber)> {
 }
 
 impl Reader {
-    /// An event as it is told. Without `values`, inputs, outputs and errors are left out.
+    /// An event as it is told. Without `values`, inputs and outputs are left out, and errors are short.
     pub fn event(&self, entry: &Entry, values: bool) -> Result<Event, JournalError> {
         tell(entry.record.clone(), self, values)
     }

@@ -1,4 +1,4 @@
-/** Where two runs part: what happened around there in both, side by side. */
+/** Where two runs part on a branch: what happened around there in both, side by side. */
 
 import type { Happened, Parting } from "../../model/generated/protocol.ts";
 import type { OpenTab } from "../../store/page.ts";
@@ -10,7 +10,7 @@ import { happenedInWords, namesOf } from "../parts/happened.ts";
 import { around } from "./around.ts";
 import type { Show, Side } from "./show.ts";
 
-export interface FirstDifferenceProps {
+export interface AroundDifferenceProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
   readonly other: string;
@@ -18,7 +18,7 @@ export interface FirstDifferenceProps {
   readonly show: Show;
 }
 
-export function FirstDifference({ tab, watch, other, parted, show }: FirstDifferenceProps) {
+export function AroundDifference({ tab, watch, other, parted, show }: AroundDifferenceProps) {
   const { page } = useHost().context();
   const theirs = page.runs.watch(other);
   const of = { tab, branch: parted.branch, show };
@@ -48,7 +48,7 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
   return (
     <div className="compare-column">
       <h4 className={`compare-side compare-side-${side}`}>{title}</h4>
-      <ol aria-label={`${title}, around the first difference`}>
+      <ol aria-label={`${title}, around the difference`}>
         {around(journal, branch, at?.sequence ?? null).map((index) => {
           const happening = journal.at(index);
           if (!happening) return null;

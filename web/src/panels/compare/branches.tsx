@@ -1,0 +1,76 @@
+/** The branches on which two runs part, each with its first difference: the earliest of them first. */
+
+import type { Happened, Parting } from "../../model/generated/protocol.ts";
+import { type Column, Table } from "../../ui/table.tsx";
+import { sinceStart } from "../parts/duration.ts";
+
+export interface BranchesProps {
+  readonly parted: readonly Parting[];
+  /** The branch whose difference is shown. */
+  readonly chosen: Parting;
+  /** Shows it in both runs. */
+  readonly choose: (parting: Parting) => void;
+}
+
+const ROWS_MAX = 8;
+
+export function Branches({ parted, chosen, choose }: BranchesProps) {
+  const side = (key: "one" | "other", title: string): Column<Parting> => ({
+    key,
+    title,
+    width: "minmax(130px, 3fr)",
+    cell: (row) => <Step step={row[key]} />,
+  });
+  return (
+    <Table
+      label="Branches on which the runs part"
+      columns={[
+        {
+          key: "branch",
+          title: "Branch",
+          width: "minmax(110px, 2fr)",
+          cell: (row) => <Branch row={row} isFirst={row === parted[0]} />,
+        },
+        side("one", "This run"),
+        side("other", "Other run"),
+      ]}
+      rows={parted}
+      id={({ branch }) => branch}
+      selected={new Set([chosen.branch])}
+      onSelect={choose}
+      onOpen={choose}
+      rowsMax={ROWS_MAX}
+    />
+  );
+}
+
+function Branch({ row: { names }, isFirst }: { readonly row: Parting; readonly isFirst: boolean }) {
+  return (
+    <span title={names.split("/").join(" / ")}>
+      {nameIn(names)}
+      {isFirst && <span className="compare-first"> first</span>}
+    </span>
+  );
+}
+
+function Step({ step }: { readonly step: Happened | null }) {
+  const words = stepInWords(step);
+  return (
+    <span title={words}>
+      {words}
+      {step && <span className="compare-when"> {sinceStart(step.t_ns / 1e6, 1)}</span>}
+    </span>
+  );
+}
+
+/** `Look ended by seen`. */
+export function stepInWords(step: Happened | null): string {
+  if (!step) return "nothing more";
+  const name = nameIn(step.names);
+  if (!step.outcome) return `${name} entered${step.backwards ? " backwards" : ""}`;
+  return step.backwards ? `${name} taken back` : `${name} ended by ${step.outcome.name}`;
+}
+
+function nameIn(names: string): string {
+  return names.split("/").at(-1) ?? names;
+}
