@@ -13,14 +13,19 @@ const SHADES = Array.from({ length: HEAT_LEVELS + 1 }, (_, level) => level);
 export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
   const mode = useSignal(tab.view.heat);
   const most = useDerived(() => heatNow(tab)?.most ?? null, [tab]);
+  const isPast = useDerived(() => (tab.run.value?.moment.value ?? null) !== null, [tab]);
   if (mode === "off" || most === null) return null;
   const [what, least, much] =
     mode === "count"
       ? ["How often states ran", "1×", `${most}×`]
       : ["How long states ran altogether", "0 s", duration(most)];
+  const when = isPast ? ", until this moment" : ", in all of the run";
   return (
-    <div className="heat-legend" role="img" aria-label={`${what}: from ${least} to ${much}`}>
-      <span>{what}, in all of the run</span>
+    <div className="heat-legend" role="img" aria-label={`${what}${when}: from ${least} to ${much}`}>
+      <span>
+        {what}
+        {when}
+      </span>
       <span className="heat-legend-scale">
         <span>{least}</span>
         {SHADES.map((level) => (

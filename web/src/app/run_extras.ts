@@ -5,11 +5,13 @@ import type { Extras } from "../canvas/picture.ts";
 import { HEAT_LEVELS, type ValueChip } from "../canvas/scene/input.ts";
 import { shortValue } from "../model/short_value.ts";
 import { breakpointsOf } from "../store/breakpoints.ts";
+import { type CountUntil, countsUntil } from "../store/counts_until.ts";
 import { heatOf } from "../store/heat.ts";
 import { laterBy } from "../store/later.ts";
 import { runMarks } from "../store/marks.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import { portValues } from "../store/port_values.ts";
+import type { Watch } from "../store/run.ts";
 
 /** So many letters of a value are shown when it is pointed at. */
 const FULL = 320;
@@ -70,8 +72,15 @@ function breakpointMarks(points: string): ReadonlyMap<string, "on" | "off"> {
 export function heatNow({ run, view }: OpenTab) {
   const [watch, mode] = [run.value, view.heat.value];
   if (!watch || mode === "off") return null;
-  watch.grown.value;
-  return heatOf(watch.journal, mode, HEAT_LEVELS);
+  return heatOf(countsShown(watch), mode, HEAT_LEVELS);
+}
+
+/** What states did until the moment that is shown; while live, all that they did. */
+function countsShown({ journal, grown, moment }: Watch): Iterable<CountUntil> {
+  const until = moment.value;
+  if (until !== null) return countsUntil(journal, journal.indexOf(until + 1)).all();
+  grown.value;
+  return journal.counts.all();
 }
 
 function valuesOf({ run, view, room }: OpenTab): ReadonlySignal<ReadonlyMap<string, ValueChip>> {

@@ -22,14 +22,14 @@ function ran(states: Readonly<Record<string, readonly [number, number]>>): Journ
 
 test("states are as hot as they were run often, or long; containers do not hide it", () => {
   const journal = ran({ R: [1, 90_000], "R/A": [1, 1_000], "R/B": [1_000, 0.01], "R/C": [30, 1] });
-  const often = heatOf(journal, "count", 5);
+  const often = heatOf(journal.counts.all(), "count", 5);
   expect(often.most).toBe(1_000);
   expect([...often.levels].join(" ")).toBe("R,1 R/A,1 R/B,5 R/C,2");
-  const long = heatOf(journal, "time", 5);
+  const long = heatOf(journal.counts.all(), "time", 5);
   expect(long.most).toBe(1_000);
   expect([...long.levels].join(" ")).toBe("R,5 R/A,5 R/B,2 R/C,2");
 });
 
 test("where nothing ran nothing is hot", () => {
-  expect(heatOf(new Journal(), "time", 5).levels.size).toBe(0);
+  expect(heatOf(new Journal().counts.all(), "time", 5).levels.size).toBe(0);
 });

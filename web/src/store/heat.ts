@@ -1,7 +1,7 @@
-/** How hot states are in a run: by how often they were entered, or how long they ran altogether. Of all that was told of the run. */
+/** How hot states are in a run: by how often they were entered, or how long they ran altogether. Of what is counted: all
+ * that was told of the run, or what had happened by a moment. */
 
-import type { Count } from "./counts.ts";
-import type { Journal } from "./journal.ts";
+import type { CountUntil } from "./counts_until.ts";
 import type { HeatMode } from "./view.ts";
 
 export interface HeatOfRun {
@@ -13,11 +13,11 @@ export interface HeatOfRun {
 
 /** Containers take as long as all inside them: the innermost states say how hot hot is. */
 export function heatOf(
-  journal: Journal,
+  counts: Iterable<CountUntil>,
   mode: Exclude<HeatMode, "off">,
   levels: number,
 ): HeatOfRun {
-  const all = [...journal.counts.all()];
+  const all = [...counts];
   const outer = new Set(all.map(({ path }) => path.slice(0, Math.max(0, path.lastIndexOf("/")))));
   const amount = mode === "count" ? byCount : byTime;
   const most = all.reduce((found, count) => {
@@ -31,8 +31,8 @@ export function heatOf(
   return { levels: found, most };
 }
 
-const byCount = ({ entries }: Count) => entries;
-const byTime = ({ total_ns }: Count) => total_ns / 1e6;
+const byCount = ({ entries }: CountUntil) => entries;
+const byTime = ({ total_ns }: CountUntil) => total_ns / 1e6;
 
 /** Even steps for the eye: ten times as much is as far from ten as ten from one. */
 function level(amount: number, most: number, levels: number): number {

@@ -4,7 +4,6 @@ import { isConcurrent } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import type { Active } from "./active.ts";
-import { EntriesUntil } from "./entries_until.ts";
 import { Journal } from "./journal.ts";
 import { failedStates, stateMarks, transitionOf } from "./marks.ts";
 import { Trail } from "./trail.ts";
@@ -175,14 +174,4 @@ test("an abort that climbed marks every state on its way, until its event", () =
   const open = [{ ...failure, level: "error", t_ns: 0, text: "", count: 1 }] as const;
   expect([...failedStates(open, 9)]).toEqual(["R/C/X", "R/C"]);
   expect([...failedStates(open, 4)]).toEqual([]);
-});
-
-test("visits are those up to the moment, forwards and back", () => {
-  const all = journal(">R >R/A <R/A >R/A <R/A >R/A! <R/A!");
-  const visits = new EntriesUntil();
-  const at = (index: number) => {
-    visits.to(all, index);
-    return visits.of("R/A");
-  };
-  expect([at(2), at(7), at(3), at(0)]).toEqual([1, 2, 1, 0]);
 });

@@ -8,8 +8,8 @@ import { isConcurrent, type Machine, PREEMPTED, startOf, transitionsOf } from ".
 import { idOf, parentOf } from "../model/path.ts";
 import { openFailures } from "./acknowledged.ts";
 import { type Active, activeStates, lanes } from "./active.ts";
-import { EntriesUntil } from "./entries_until.ts";
-import type { Failure } from "./failures.ts";
+import { countsUntil } from "./counts_until.ts";
+import { type Failure, isEnd } from "./failures.ts";
 import type { Room } from "./room.ts";
 import type { Watch } from "./run.ts";
 import { type Goal, type Taken, Trail } from "./trail.ts";
@@ -90,7 +90,6 @@ function following(watch: Watch, room: Room): ReadonlySignal<RunMarks> {
     return state !== undefined && isConcurrent(state);
   };
   const newTrail = () => new Trail(isConcurrentAt);
-  const visits = new EntriesUntil();
   let live = newTrail();
   let version = room.machine.version;
   return computed(() => {
@@ -103,7 +102,6 @@ function following(watch: Watch, room: Room): ReadonlySignal<RunMarks> {
     const trail = until === null ? live : newTrail();
     const index = until === null ? journal.length : journal.indexOf(until + 1);
     trail.follow(journal, index);
-    if (until !== null) visits.to(journal, index);
     const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);
     return {
       states: stateMarks(activeStates(watch), trail, failed),
@@ -111,7 +109,7 @@ function following(watch: Watch, room: Room): ReadonlySignal<RunMarks> {
       visits:
         until === null
           ? (path) => journal.counts.get(path)?.entries ?? 0
-          : (path) => visits.of(path),
+          : (path) => countsUntil(journal, index).entries(path),
     };
   });
 }
@@ -125,8 +123,9 @@ function shownUntil(watch: Watch): number | null {
 /** The states that failed up to an event, from where it began to where it was taken care of. */
 export function failedStates(open: readonly Failure[], until: number): ReadonlySet<string> {
   const found = new Set<string>();
-  for (const { kind, path, reach, sequence } of open) {
-    if (kind !== "aborted" || sequence > until) continue;
+  for (const failure of open) {
+    const { path, reach, sequence } = failure;
+    if (!isEnd(failure) || sequence > until) continue;
     for (let at: string | null = path; at !== null; at = at === reach ? null : parentOf(at)) {
       found.add(at);
     }

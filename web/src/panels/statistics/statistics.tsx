@@ -2,7 +2,7 @@
 
 import { Flame, RefreshCw } from "lucide-react";
 import { type RefObject, useLayoutEffect, useMemo, useRef, useState } from "react";
-import type { StateStatistics, Statistics as Told } from "../../model/generated/protocol.ts";
+import type { StateStatistics } from "../../model/generated/protocol.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
@@ -14,7 +14,7 @@ import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { measured } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { rowsOf, type Sort, scaleOf, sortedBy } from "./rows.ts";
-import { useStatistics } from "./use_statistics.ts";
+import { type Counted, useStatistics, useStatisticsUntil } from "./use_statistics.ts";
 import "./statistics.css";
 
 export function Statistics() {
@@ -41,7 +41,10 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
   const command = useCommand();
   const place = useRef<HTMLDivElement>(null);
   const { page } = host.context();
-  const { statistics, refusal, refresh } = useStatistics(page.runs, watch, place);
+  const whole = useStatistics(page.runs, watch, place);
+  const past = useStatisticsUntil(tab, watch);
+  const statistics = past ?? whole.statistics;
+  const refusal = past ? null : whole.refusal;
   const [query, setQuery] = useState("");
   const heat = useSignal(tab.view.heat);
   const isNarrow = useNarrow(place);
@@ -56,7 +59,7 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
           value=""
           onInput={setQuery}
         />
-        <span className="statistics-fact">{factOf(statistics)}</span>
+        <span className="statistics-fact">{factOf(statistics, past !== null)}</span>
         <Button
           kind="quiet"
           icon={<Flame size={14} />}
@@ -66,7 +69,12 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
         >
           Heat on the canvas
         </Button>
-        <IconButton label="Count again" icon={<RefreshCw size={14} />} onClick={refresh} />
+        <IconButton
+          label="Count again"
+          icon={<RefreshCw size={14} />}
+          disabled={past !== null}
+          onClick={whole.refresh}
+        />
       </div>
       {refusal !== null && <p className="statistics-refusal">{refusal}</p>}
       {statistics && (
@@ -76,10 +84,11 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
   );
 }
 
-function factOf(statistics: Told | null): string {
+function factOf(statistics: Counted | null, isPast: boolean): string {
   if (!statistics) return "counting…";
   const { states, sequence } = statistics;
-  return `${states.length} ${states.length === 1 ? "state" : "states"}, up to event ${sequence}`;
+  const many = `${states.length} ${states.length === 1 ? "state" : "states"}`;
+  return isPast ? `${many}, until this moment` : `${many}, up to event ${sequence}`;
 }
 
 interface RowsProps {

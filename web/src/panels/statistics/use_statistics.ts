@@ -1,10 +1,18 @@
-/** The statistics of a run, asked for again every few seconds while it goes on and somebody looks. */
+/** The statistics of a run, asked for again every few seconds while it goes on and somebody looks; of an earlier moment, counted here. */
 
-import { type RefObject, useCallback, useEffect, useRef, useState } from "react";
+import { type RefObject, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import type { Statistics } from "../../model/generated/protocol.ts";
+import { lineage } from "../../model/path.ts";
+import type { OpenTab } from "../../store/page.ts";
 import type { Runs, Watch } from "../../store/run.ts";
+import { statisticsUntil } from "../../store/statistics_until.ts";
+import { useSignal } from "../../ui/signals.ts";
+import { namesOf } from "../parts/happened.ts";
 
 const EVERY_MS = 3_000;
+
+/** What was counted, and until which event. */
+export type Counted = Pick<Statistics, "states" | "sequence">;
 
 export interface Asked {
   readonly statistics: Statistics | null;
@@ -47,4 +55,19 @@ export function useStatistics(
   }, [refresh, watch, shown, place]);
   useEffect(refresh, [refresh]);
   return { ...found, refresh };
+}
+
+/** What had happened until the moment that is shown; null while live. */
+export function useStatisticsUntil(tab: OpenTab, { journal, moment }: Watch): Counted | null {
+  const sequence = useSignal(moment);
+  const version = useSignal(tab.room.version);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
+  const nameOf = useMemo(() => namesOf(tab.room), [tab.room, version]);
+  const states = useMemo(() => {
+    if (sequence === null) return null;
+    const names = (path: string) => lineage(path).map(nameOf).join("/");
+    const found = statisticsUntil(journal, journal.indexOf(sequence + 1));
+    return found.map((row) => ({ ...row, names: names(row.path) }));
+  }, [journal, sequence, nameOf]);
+  return sequence === null || !states ? null : { states, sequence };
 }

@@ -1,0 +1,70 @@
+/** How often and how long states had run until an event: walks only the way from the event that was asked for last. */
+
+import { ENTERED, type Journal, LEFT } from "./journal.ts";
+import { type Lengths, lengthsOf } from "./lengths.ts";
+
+/** Steps back are not counted. */
+export interface CountUntil {
+  readonly path: string;
+  readonly entries: number;
+  readonly total_ns: number;
+}
+
+type Draft = { -readonly [K in keyof CountUntil]: CountUntil[K] };
+
+const KNOWN = new WeakMap<Journal, CountsUntil>();
+
+/** The counts before the event with this index. They hold until somebody asks for others. */
+export function countsUntil(journal: Journal, index: number): CountsUntil {
+  const known = KNOWN.get(journal) ?? new CountsUntil(journal);
+  KNOWN.set(journal, known);
+  known.to(index);
+  return known;
+}
+
+export class CountsUntil {
+  readonly #journal: Journal;
+  readonly #lengths: Lengths;
+  /** By the number of the path. */
+  readonly #all: (Draft | undefined)[] = [];
+  readonly #byPath = new Map<string, Draft>();
+  #at = 0;
+
+  constructor(journal: Journal) {
+    this.#journal = journal;
+    this.#lengths = lengthsOf(journal);
+  }
+
+  /** Goes to the place before the event with this index. */
+  to(index: number): void {
+    for (; this.#at < index; this.#at++) this.#add(this.#at, 1);
+    for (; this.#at > index; this.#at--) this.#add(this.#at - 1, -1);
+  }
+
+  entries(path: string): number {
+    return this.#byPath.get(path)?.entries ?? 0;
+  }
+
+  all(): Iterable<CountUntil> {
+    return this.#byPath.values();
+  }
+
+  #add(index: number, by: number): void {
+    const journal = this.#journal;
+    const kind = journal.kind(index);
+    if ((kind !== ENTERED && kind !== LEFT) || journal.isBack(index)) return;
+    const count = this.#of(journal.pathNumber(index));
+    if (kind === ENTERED) count.entries += by;
+    else count.total_ns += by * this.#lengths.at(index);
+  }
+
+  #of(number: number): Draft {
+    let count = this.#all[number];
+    if (!count) {
+      count = { path: this.#journal.pathOf(number), entries: 0, total_ns: 0 };
+      this.#all[number] = count;
+      this.#byPath.set(count.path, count);
+    }
+    return count;
+  }
+}

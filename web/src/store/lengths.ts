@@ -1,0 +1,39 @@
+/** How long states had been active when they ended, by the end's index in the journal. Each event is read once. */
+
+import { Column } from "./column.ts";
+import { ENTERED, type Journal, LEFT } from "./journal.ts";
+
+const KNOWN = new WeakMap<Journal, Lengths>();
+
+export function lengthsOf(journal: Journal): Lengths {
+  const known = KNOWN.get(journal) ?? new Lengths(journal);
+  KNOWN.set(journal, known);
+  return known;
+}
+
+export class Lengths {
+  readonly #journal: Journal;
+  /** Of what is no end, 0. */
+  readonly #lengths = new Column(Float64Array);
+  /** When states were entered last, by the number of their path. */
+  readonly #entered: number[] = [];
+
+  constructor(journal: Journal) {
+    this.#journal = journal;
+  }
+
+  /** In ns. */
+  at(index: number): number {
+    while (this.#lengths.length <= index && this.#lengths.length < this.#journal.length)
+      this.#read(this.#lengths.length);
+    return this.#lengths.at(index);
+  }
+
+  #read(index: number): void {
+    const kind = this.#journal.kind(index);
+    const number = this.#journal.pathNumber(index);
+    const t_ns = this.#journal.t_ns(index);
+    if (kind === ENTERED) this.#entered[number] = t_ns;
+    this.#lengths.push(kind === LEFT ? t_ns - (this.#entered[number] ?? 0) : 0);
+  }
+}
