@@ -306,9 +306,8 @@ journey(
     const far = await finished(server, "preemptive_with_timer");
     const near = await finished(server, "preemptive_with_timer", { inputs: { hidden_at_deg: 60 } });
     const compared = await server.ask<Comparison>("GET", `/runs/${near}/compare/${far}`);
-    const [parted, later] = compared.parted;
+    const [parted] = compared.parted;
     if (!parted?.one || !parted.other) throw new Error("the runs do not part");
-    if (!later?.one) throw new Error("the runs part on one branch only");
     await shown(app, near);
     await app.panel("Compare runs");
     await app.sheet.getByLabel("The other run").selectOption(far);
@@ -319,13 +318,6 @@ journey(
       expect.stringContaining("Look ended by nothing here"),
     ]);
     await part.first().click();
-    await showsMoment(app, parted.one.sequence);
-    const branches = app.sheet.getByRole("grid", { name: "Branches on which the runs part" });
-    const name = later.names.split("/").at(-1) ?? "";
-    await branches.getByText(name, { exact: true }).first().click();
-    await showsMoment(app, later.one.sequence);
-    await app.sheet.getByText(`Difference on ${name}`).waitFor();
-    await branches.getByText("first", { exact: true }).click();
     await showsMoment(app, parted.one.sequence);
     await part.last().click();
     await app.until(({ tab }, id) => tab?.run.value?.id === id, far);
