@@ -107,7 +107,7 @@ fn a_history_reads_line_by_line() {
                  11     1.005  Mission/Both/Right  entered
                  12     1.006  Mission/Both/Right  too close
                  13     2.500  Mission/Both/Left  ended by ok after 1.5 s
-                 14     2.600  Mission/Both/Right  ended by aborted after 1.6 s
+                 14     2.600  Mission/Both/Right  ended by aborted after 1.6 s, "no wheels"
                  15     2.600  Mission/Both  waiting: no transition begins at the outcome
                  16     3.000  ann asked for stop
                  17     3.000  stopping
@@ -159,7 +159,7 @@ fn a_history_is_filtered() {
         "history last --last 2 --json",
         &expect![[r#"
             0
-            {"sequence":14,"t_ns":2600000000,"event":{"type":"left","path":"R/B/Y","outcome":{"id":-1,"name":"aborted"}}}
+            {"sequence":14,"t_ns":2600000000,"event":{"type":"left","path":"R/B/Y","outcome":{"id":-1,"name":"aborted"},"error":"no wheels"}}
             {"sequence":15,"t_ns":2600000000,"event":{"type":"waiting","path":"R/B","reason":"no transition begins at the outcome"}}
         "#]],
     );

@@ -367,7 +367,7 @@ fn a_run_whose_runner_dies_is_told_with_the_way_out() {
         {"type":"root","hash":"b534230a8ec69090c459ac8ecfe855dd0a4b7c905bc2f817eb286a4da807262a","change":""}
         {"type":"resumed","life":2,"crash":{"reason":"its runner ended before the run did","active":["LONELY"]},"policy":"abort"}
         {"type":"entered","path":"LONELY"}
-        {"type":"left","path":"LONELY","outcome":{"id":-1,"name":"aborted"}}
+        {"type":"left","path":"LONELY","outcome":{"id":-1,"name":"aborted"},"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: its runner ended before the run did; the scripts of LONELY were running"}}
         {"type":"finished","outcome":{"id":-1,"name":"aborted"},"outputs":{"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: its runner ended before the run did; the scripts of LONELY were running"}},"globals":{},"scoped_variables":{},"states_run":1}
     "#]].assert_eq(&shown(&answer));
 }

@@ -18,6 +18,9 @@ export type ActiveState = {
   /** What it is held by; a concurrency state may be held before several of its children. */
   held: Array<Hold>, };
 
+/** What happens once the state at which a run began was left. */
+export type Afterwards = "go_on" | "hold" | "stop";
+
 /** What became of a command. */
 export type Answer = { "answer": "applied" } | { "answer": "refused",
   /** What, where, and the way out. */
@@ -528,7 +531,7 @@ export type Event = { "type": "entered",
   outcome: Outcome,
   /** Its outputs by port name, if they are kept and were asked for. Ports that its script left out are missing. */
   outputs?: Record<string, unknown> | null,
-  /** Its error, if it left one. */
+  /** Its error, if it left one; in few words if no values were asked for. */
   error?: JsonValue | null,
   /** It is left backwards: to where it stood before the entry with this number. */
   undoes?: number | null, } | { "type": "scoped",
@@ -663,7 +666,7 @@ export type EventQuery = {
   from: number,
   /** At most so many; 1000 is the most, and what is given if it is left out. */
   count: number | null,
-  /** With inputs, outputs and errors of states, and the events that are nothing but a value. */
+  /** With inputs and outputs of states, their errors as a whole, and the events that are nothing but a value. */
   values: boolean,
   /** Of states with this in their path of names or ids; with `*` or `?`, that are this as a whole. */
   state: string | null,
@@ -1852,6 +1855,3 @@ export type User = {
 
 /** On which side of a state. */
 export type When = "before" | "after";
-
-/** What happens once the state at which a run began was left. */
-export type Afterwards = "go_on" | "hold" | "stop";
