@@ -5,7 +5,7 @@ import { join } from "node:path";
 import type { Locator } from "playwright-core";
 import { expect } from "vitest";
 import type { RunSummary } from "../src/model/generated/protocol.ts";
-import { duration } from "../src/panels/parts/duration.ts";
+import { measured } from "../src/panels/parts/duration.ts";
 import type { App } from "./house/app.ts";
 import { type Hands, journey } from "./house/journey.ts";
 import { binary } from "./house/places.ts";
@@ -256,7 +256,7 @@ journey("statistics are what the command line tells of the run", few(12), async 
   await row.getByText("again 11, done 1").waitFor();
   const cells = await row.getByRole("gridcell").allTextContents();
   const total = lengths.reduce((all, each) => all + each, 0);
-  const shown = [total, Math.min(...lengths), Math.max(...lengths)].map((ns) => duration(ns / 1e6));
+  const shown = [total, Math.min(...lengths), Math.max(...lengths)].map((ns) => measured(ns / 1e6));
   expect([cells[1], cells[2], cells[3], cells[6]]).toEqual(["12", ...shown]);
 
   await app.sheet.getByLabel("Filter states").fill("aborted grasp");
