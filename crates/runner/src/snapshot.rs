@@ -13,12 +13,17 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
         let active = core.engine.snapshot();
         let nexts = active.iter().flat_map(|active| &active.holds).filter_map(|hold| hold.next);
         let nexts = nexts.map(|next| (next, core.engine.path_text(next).to_string())).collect();
-        (active, nexts, core.engine.status(), core.engine.states_run())
+        let waits = active.iter().filter_map(|active| match &active.activity {
+            Activity::Waiting(reason) => Some((active.path, tell::awaited(reason, &core.engine))),
+            _ => None,
+        });
+        let texts = Texts { nexts, waits: waits.collect() };
+        (active, texts, core.engine.status(), core.engine.states_run())
     };
-    let (active, nexts, status, states_run) = driver.with_core(look)?;
+    let (active, texts, status, states_run) = driver.with_core(look)?;
     let elapsed_ms = driver.clock().now_ms();
     let active =
-        active.iter().filter_map(|active| state(driver, (active, &nexts), elapsed_ms)).collect();
+        active.iter().filter_map(|active| state(driver, (active, &texts), elapsed_ms)).collect();
     let (disk_safe, problem) = driver.recorder().safety().state();
     Some(Snapshot {
         status: run_status(status),
@@ -33,12 +38,17 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     })
 }
 
-/// The paths of states that were perhaps never entered.
-type Nexts = BTreeMap<PathId, String>;
+/// What only the engine can say.
+struct Texts {
+    /// The paths of states that were perhaps never entered.
+    nexts: BTreeMap<PathId, String>,
+    /// For what states wait.
+    waits: BTreeMap<PathId, String>,
+}
 
 fn state<S: Scripts>(
     driver: &Driver<S>,
-    (active, nexts): (&Active, &Nexts),
+    (active, texts): (&Active, &Texts),
     now_ms: u64,
 ) -> Option<ActiveState> {
     let name = driver.program().node(active.node).name().to_string();
@@ -48,8 +58,8 @@ fn state<S: Scripts>(
         phase: phase(active),
         since_ms: now_ms.saturating_sub(place.entered_ms()),
         branch: active.top.and_then(|top| text(driver, top)).unwrap_or_default(),
-        detail: detail(driver, active),
-        held: held(active, nexts),
+        detail: detail(active, texts),
+        held: held(active, texts),
     })
 }
 
@@ -58,32 +68,20 @@ fn text<S: Scripts>(driver: &Driver<S>, path: PathId) -> Option<String> {
 }
 
 /// For what a state waits.
-fn detail<S: Scripts>(driver: &Driver<S>, active: &Active) -> Option<String> {
+fn detail(active: &Active, texts: &Texts) -> Option<String> {
     match &active.activity {
-        Activity::Waiting(reason) => Some(waiting(driver, reason)),
+        Activity::Waiting(_) => texts.waits.get(&active.path).cloned(),
         Activity::Checking => Some("the condition of a breakpoint".to_owned()),
         Activity::Script | Activity::Inside | Activity::Held => None,
     }
 }
 
-fn held(active: &Active, nexts: &Nexts) -> Vec<Hold> {
+fn held(active: &Active, texts: &Texts) -> Vec<Hold> {
     let hold = |hold: &rafcon_engine::Hold| Hold {
-        next: hold.next.and_then(|next| nexts.get(&next).cloned()),
+        next: hold.next.and_then(|next| texts.nexts.get(&next).cloned()),
         by: tell::held_by(hold.by),
     };
     active.holds.iter().map(hold).collect()
-}
-
-fn waiting<S: Scripts>(driver: &Driver<S>, reason: &WaitReason) -> String {
-    match reason {
-        WaitReason::NoTransition { child, .. } => {
-            let child = text(driver, *child).unwrap_or_default();
-            format!("a transition from an outcome of {child}")
-        }
-        WaitReason::NoStart => "a start state".to_owned(),
-        WaitReason::NoChildren => "a child".to_owned(),
-        WaitReason::Interrupted => "a decision: a crash interrupted its script".to_owned(),
-    }
 }
 
 fn phase(active: &Active) -> Phase {

@@ -86,7 +86,7 @@ fn waiting<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
         WaitReason::NoTransition { child, outcome } => format!(
             "the outcome {} of {} leads nowhere: connect it, or stop the run",
             outcome_text(*child, *outcome, engine),
-            engine.path_text(*child)
+            name_text(*child, engine)
         ),
         WaitReason::Interrupted => {
             "its script was interrupted by a crash: decide whether it aborts or runs again, or force an outcome"
@@ -100,6 +100,26 @@ fn waiting<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
                 .to_owned()
         }
     }
+}
+
+/// For what a state waits, behind "waits for".
+pub(crate) fn awaited<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
+    match reason {
+        WaitReason::NoTransition { child, outcome } => format!(
+            "a transition from the outcome {} of {}",
+            outcome_text(*child, *outcome, engine),
+            name_text(*child, engine)
+        ),
+        WaitReason::NoStart => "a start state".to_owned(),
+        WaitReason::NoChildren => "a child".to_owned(),
+        WaitReason::Interrupted => "a decision: a crash interrupted its script".to_owned(),
+    }
+}
+
+/// The name that people gave a state; its path once it is gone.
+fn name_text<D: Datum>(path: PathId, engine: &Engine<D>) -> String {
+    let node = engine.path_node(path).map(|node| engine.program().node(node));
+    node.map_or_else(|| engine.path_text(path).to_string(), |node| format!("\"{}\"", node.name()))
 }
 
 fn outcome_text<D: Datum>(path: PathId, outcome: OutcomeId, engine: &Engine<D>) -> String {

@@ -29,6 +29,14 @@ hierarchy ROOT
     outcome no
 ";
 
+const LEADS_NOWHERE: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  execution A \"say\"
+    outcome ok
+";
+
 /// All events but those of commands, line by line.
 fn check(viewer: Viewer, expect: &Expect) {
     let text = viewer.into_end();
@@ -59,6 +67,23 @@ fn whoever_joins_is_told_what_it_asks_for_and_may_command() {
         "]],
     );
     drop(first);
+    runner.join().unwrap();
+}
+
+#[test]
+fn what_a_state_waits_for_is_told_by_names() {
+    let house = House::new(LEADS_NOWHERE);
+    let (mut first, runner) = house.begin(house.launch());
+    let reason = "the outcome \"ok\" of \"say\" leads nowhere: connect it, or stop the run";
+    first.until_text(&format!("ROOT waits: {reason}"));
+    let mut second = house.join(Join::default());
+    let awaited = second.until(|message| match message {
+        ToViewer::Snapshot(now) => now.active.iter().find_map(|state| state.detail.clone()),
+        _ => None,
+    });
+    assert_eq!(awaited, "a transition from the outcome \"ok\" of \"say\"");
+    assert_eq!(second.command("stop", Command::Stop), "applied");
+    drop((first, second));
     runner.join().unwrap();
 }
 
