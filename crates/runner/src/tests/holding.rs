@@ -87,7 +87,7 @@ fn a_run_begins_at_a_state_and_is_held_or_stops_behind_it() {
             launch.afterwards = Afterwards::Hold;
         },
         &[("ROOT is held before ROOT/C by Step", resume())],
-        &expect![[r#"
+        &expect![[r"
             +ROOT
             +ROOT/B
             -ROOT/B=ok
@@ -96,7 +96,7 @@ fn a_run_begins_at_a_state_and_is_held_or_stops_behind_it() {
             -ROOT/C=ok
             -ROOT=done
             finished done
-        "#]],
+        "]],
     );
     check(
         |launch| {
@@ -104,14 +104,14 @@ fn a_run_begins_at_a_state_and_is_held_or_stops_behind_it() {
             launch.afterwards = Afterwards::Stop;
         },
         &[],
-        &expect![[r#"
+        &expect![[r"
             +ROOT
             +ROOT/B
             -ROOT/B=ok
             stopping
             -ROOT=preempted
             finished preempted
-        "#]],
+        "]],
     );
 }
 
