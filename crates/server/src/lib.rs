@@ -8,6 +8,7 @@ pub mod access;
 mod blocking;
 mod child;
 mod description;
+mod document_text;
 mod documents;
 mod extract;
 mod failure;

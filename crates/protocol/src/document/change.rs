@@ -76,8 +76,8 @@ pub fn changes(old: &Machine, new: &Machine) -> Vec<Change> {
 fn added(path: &StatePath, state: &State, found: &mut Vec<Change>) {
     let parent = path.parent().map(|parent| parent.to_string());
     walk(state, parent.as_deref(), |path, state| {
-        found.push(Change::State { state: Box::new(StateDocument::alone(path, state)) });
-        connections(path, None, state.container(), found);
+        found.push(Change::State { state: Box::new(StateDocument::alone(&path, state)) });
+        connections(&path, None, state.container(), found);
     });
 }
 

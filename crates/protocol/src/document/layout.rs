@@ -41,8 +41,8 @@ impl LayoutDocument {
 
 impl Serialize for LayoutDocument {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let raw = RawValue::from_string(self.0.as_ref().to_owned());
-        raw.map_err(S::Error::custom)?.serialize(serializer)
+        let raw: &RawValue = serde_json::from_str(&self.0).map_err(S::Error::custom)?;
+        raw.serialize(serializer)
     }
 }
 

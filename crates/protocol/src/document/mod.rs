@@ -35,6 +35,7 @@ pub use machine::{
     RuntimeValueDocument, Selection, StateDocument, StateKind, TransitionDocument,
 };
 pub use mirror::Mirror;
+pub use of::states_of;
 pub(crate) use of::{state_documents, type_name};
 pub(crate) use read::state_tree;
 pub use read::{DocumentError, OnLibrary, leave};

@@ -20,20 +20,31 @@ impl Document {
     }
 }
 
+/// Every state of a machine but those inside libraries with its path, in the order of a document.
+pub fn states_of(machine: &Machine) -> Vec<(String, &State)> {
+    let mut states = Vec::new();
+    walk(&machine.root, None, |path, state| states.push((path, state)));
+    states
+}
+
 /// A state and everything inside it but libraries; paths begin at the state.
 pub(crate) fn state_documents(state: &State) -> Vec<StateDocument> {
     let mut states = Vec::new();
-    walk(state, None, |path, state| states.push(StateDocument::of(path, state)));
+    walk(state, None, |path, state| states.push(StateDocument::of(&path, state)));
     states
 }
 
 /// Visits a state and everything inside it but libraries, a state before its children.
-pub(super) fn walk(state: &State, parent: Option<&str>, mut visit: impl FnMut(&str, &State)) {
+pub(super) fn walk<'s>(
+    state: &'s State,
+    parent: Option<&str>,
+    mut visit: impl FnMut(String, &'s State),
+) {
     let mut open = vec![(path_of(parent, &state.id), state)];
     while let Some((path, state)) = open.pop() {
-        visit(&path, state);
         let children = state.container().into_iter().flat_map(|c| c.states.values().rev());
         open.extend(children.map(|child| (path_of(Some(&path), &child.id), &**child)));
+        visit(path, state);
     }
 }
 

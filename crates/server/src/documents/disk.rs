@@ -1,10 +1,10 @@
 //! Machines as they lie on disk, and the names of their contents. Knows folders; must never know who has them open.
 
 use crate::Failure;
+use crate::document_text::document_text;
 use crate::failure::reason;
 use axum::http::StatusCode;
 use rafcon_model::{Header, Kind, Machine, Outcome, OutcomeId, State, StateId};
-use rafcon_protocol::document::Document;
 use rafcon_storage::config::Naming;
 use rafcon_storage::{Libraries, LoadError, LoadProblem, SaveError, Saved, load, save};
 use std::path::Path;
@@ -19,7 +19,7 @@ pub(super) struct OnDisk {
     pub(super) problems: Vec<LoadProblem>,
     /// The name of its content.
     pub(super) hash: String,
-    /// Its content: a [`Document`] as JSON.
+    /// Its content: a [`rafcon_protocol::document::Document`] as JSON.
     pub(super) document: Vec<u8>,
 }
 
@@ -37,7 +37,7 @@ pub(super) fn read(folder: &Path, libraries: &Libraries) -> Result<Option<OnDisk
 
 /// The name of a machine's content, and the content.
 pub(super) fn content(machine: &Machine) -> Result<(String, Vec<u8>), Failure> {
-    let document = serde_json::to_vec(&Document::of(machine)).map_err(|error| {
+    let document = document_text(machine).map_err(|error| {
         let message = format!("the machine cannot be put into JSON, which is a defect: {error}");
         Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "no_json", message)
     })?;

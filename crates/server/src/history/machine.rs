@@ -4,6 +4,7 @@
 
 use super::events::LOOK;
 use super::{History, Json, folder};
+use crate::document_text::document_text;
 use crate::extract::{Path, Query};
 use crate::failure::reason;
 use crate::{Failure, House};
@@ -192,7 +193,7 @@ fn unpacked(which: &Which, scratch: &FilePath) -> Result<Bytes, Failure> {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "machine_unreadable", message)
     };
     let loaded = load(&machine, &libraries).map_err(|error| unreadable(&error))?;
-    let text = serde_json::to_vec(&Document::of(&loaded.machine));
+    let text = document_text(&loaded.machine);
     Ok(text.map_err(|error| unreadable(&error))?.into())
 }
 

@@ -1,13 +1,13 @@
 //! Libraries as clients see them, each read once until a file changes. Knows roots and where a library lies below them.
 
 use super::confine;
+use crate::document_text::document_text;
 use crate::failure::reason;
 use crate::{Failure, Settings};
 use axum::body::Bytes;
 use axum::http::StatusCode;
 use parking_lot::{Mutex, RwLock};
 use rafcon_protocol::api::{LibraryNode, LibraryNodeKind, LibraryRoot};
-use rafcon_protocol::document::Document;
 use rafcon_storage::libraries::{Entry, EntryKind};
 use rafcon_storage::read::LoadError;
 use rafcon_storage::{Libraries, Root, load};
@@ -25,7 +25,7 @@ struct Stock {
 /// A library as clients get it.
 #[derive(Debug, Clone)]
 pub(super) struct Content {
-    /// A [`Document`] as JSON.
+    /// A [`rafcon_protocol::document::Document`] as JSON.
     pub(super) document: Bytes,
     /// Another one for another document: an `ETag`.
     pub(super) tag: String,
@@ -93,7 +93,7 @@ impl Stock {
             return Ok(document.clone());
         }
         let loaded = load(&folder, &self.libraries).map_err(|error| unloaded(path, &error))?;
-        let text = serde_json::to_vec(&Document::of(&loaded.machine));
+        let text = document_text(&loaded.machine);
         let text = text.map_err(|error| unreadable(path, &error))?;
         let tag = format!("\"{}\"", &blake3::hash(&text).to_hex()[..32]);
         let content = Content { document: text.into(), tag };
