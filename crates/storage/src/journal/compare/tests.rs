@@ -117,7 +117,7 @@ fn every_branch_that_parts_is_told_the_earliest_first() {
     check(
         &format!("{both}@5 leave R/B/X ok\n@7 leave R/B/Y ok\n@9 leave R/B ok"),
         &format!("{both}@3 leave R/B/Y aborted\n@6 leave R/B/X aborted\n@9 leave R/B aborted"),
-        &expect![[r#"
+        &expect![[r"
             3 alike, 3 parted
             on R/B/Y: #5 Root/Both/Right ok | #4 Root/Both/Right aborted
             on R/B/X: #4 Root/Both/Left ok | #5 Root/Both/Left aborted
@@ -125,19 +125,17 @@ fn every_branch_that_parts_is_told_the_earliest_first() {
             R/B/Y: 1x 5 ms | 1x 1 ms
             R/B/X: 1x 4 ms | 1x 5 ms
             R/B: 1x 9 ms | 1x 9 ms
-        "#]],
+        "]],
     );
 }
 
 #[test]
 fn of_very_many_branches_that_part_the_earliest_are_told() {
-    let names: String = (0..70)
-        .map(|at| format!("place R/B/{at} \"Root/Both/{at}\" script outcome ok\n"))
-        .collect();
-    let entered: String = (0..70).map(|at| format!("enter R/B/{at}\n")).collect();
-    let left = |outcome: &str| -> String {
-        (0..70).rev().map(|at| format!("leave R/B/{at} {outcome}\n")).collect()
-    };
+    let each = |line: &dyn Fn(u32) -> String| (0..70).map(line).collect::<Vec<_>>().concat();
+    let names = each(&|at| format!("place R/B/{at} \"Root/Both/{at}\" script outcome ok\n"));
+    let entered = each(&|at| format!("enter R/B/{at}\n"));
+    let left =
+        |outcome: &str| -> String { each(&|at| format!("leave R/B/{} {outcome}\n", 69 - at)) };
     let folder = tempfile::tempdir().unwrap();
     let run = |name: &str, outcome: &str| {
         let text = format!("{names}enter R/B\n{entered}{}", left(outcome));
