@@ -4,7 +4,8 @@
 import { expect } from "vitest";
 import { endsWhole, goesOn, isDownFor, linkIs, PACKER, startAndShow } from "./house/honest.ts";
 import { journey } from "./house/journey.ts";
-import { endRun } from "./house/mission.ts";
+import { endRun, eventually, missionOf, status } from "./house/mission.ts";
+import { whileStopped } from "./house/runner.ts";
 import { Wire } from "./house/wire.ts";
 
 const HERE = { machines: { packer: PACKER }, open: "packer" };
@@ -112,5 +113,34 @@ journey(
     await commands.getByText("Pause was carried out").waitFor();
     await statusIs("paused");
     await endRun(server, run);
+  },
+);
+
+journey(
+  "a runner that hangs is told from one that has nothing to say: all is grey and says how old it is, until it answers",
+  HERE,
+  async ({ app, server }) => {
+    const run = await startAndShow(app, server, "packer", FOREVER);
+    await goesOn(app);
+    await app.sheet.keyboard.press("Control+Alt+m");
+    await status(app).waitFor();
+    const live = missionOf(app).getByText("Live: server and robot are heard");
+    await live.waitFor();
+    const old = app.sheet.locator(".canvas-mount.is-old");
+    await old.waitFor({ state: "detached" });
+    await whileStopped(server, run, async () => {
+      await old.waitFor({ timeout: 60_000 });
+      const bar = app.sheet.getByText(/^The run has not been heard of for \d+ s: its program/);
+      await bar.waitFor();
+      await missionOf(app)
+        .getByText(/^The server does not hear the robot: what you see/)
+        .waitFor();
+      const before = await bar.textContent();
+      await eventually(async () => (await bar.textContent()) !== before);
+    });
+    await old.waitFor({ state: "detached", timeout: 60_000 });
+    await live.waitFor();
+    await goesOn(app);
+    await endsWhole(app, server, run);
   },
 );

@@ -20,6 +20,11 @@ pub enum ToRunner {
         /// The state.
         path: String,
     },
+    /// Are you there?
+    Ping {
+        /// Named in the answer.
+        id: u64,
+    },
 }
 
 /// What a viewer that joins wants to be told.
@@ -84,6 +89,13 @@ pub enum ToViewer {
         /// The answer.
         #[serde(flatten)]
         answer: Answer,
+    },
+    /// The runner is there: the answer to a ping.
+    Pong {
+        /// The id of the ping.
+        id: u64,
+        /// The runner's clock: ms since 1970, UTC.
+        now_ms: u64,
     },
 }
 

@@ -1,6 +1,6 @@
 //! What viewers send: each command once, whoever sends it and whichever runner the run has, every one answered; questions about active states.
 
-use crate::connection::{Receiver, Sender, Words};
+use crate::connection::{Sender, Words};
 use crate::driver::Driver;
 use crate::{Scripts, inquiry, tell};
 use parking_lot::{Condvar, Mutex};
@@ -9,6 +9,7 @@ use rafcon_storage::journal::ANSWERS_MAX;
 use std::collections::VecDeque;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::sync::Arc;
+use std::sync::mpsc::Receiver;
 
 /// Commands by their ids, with their answers.
 pub(crate) type Answers = VecDeque<(String, Answer)>;
@@ -41,10 +42,10 @@ impl<S: Scripts> Desk<S> {
     }
 
     /// Serves one viewer until it goes away. `answering` is held from a command to its answer.
-    pub(crate) fn serve(&self, mut receiver: Receiver, sender: &Sender, answering: &Mutex<()>) {
-        while let Some(line) = receiver.line() {
+    pub(crate) fn serve(&self, heard: &Receiver<Words>, sender: &Sender, answering: &Mutex<()>) {
+        for words in heard {
             let _until_it_is_answered = answering.lock();
-            match line {
+            match words {
                 Words::Text(text) => self.read(&text, sender),
                 Words::Nonsense => self.complain("a line that is no text, or too long"),
             }
@@ -62,6 +63,8 @@ impl<S: Scripts> Desk<S> {
                 let data = inquiry::state_data(&self.driver, &path);
                 sender.send(&ToViewer::Inspection { id, path, data });
             }
+            // Whoever hears has answered it.
+            Ok(ToRunner::Ping { .. }) => {}
             Ok(ToRunner::Launch(_) | ToRunner::Join(_)) => {
                 self.complain("a second launch or join: it has its run");
             }

@@ -2,15 +2,15 @@
 //! there; must never know what is said.
 
 use crate::commands::{Answers, Desk};
-use crate::connection::{Line, Receiver, Sender, Socket};
+use crate::connection::{Line, Receiver, Sender, Socket, Words};
 use crate::driver::Driver;
 use crate::viewer::Viewer;
-use crate::{Clock, Scripts};
+use crate::{Clock, Scripts, hearing};
 use parking_lot::{Condvar, Mutex};
 use rafcon_engine::Input;
 use rafcon_protocol::{Join, ToViewer};
 use std::io;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 use std::thread::{self, Scope};
 use std::time::Duration;
 
@@ -107,8 +107,11 @@ impl<S: Scripts> Company<S> {
         join: Join,
     ) -> io::Result<()> {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
-        let (listening, told) = (Arc::clone(guest), Arc::clone(guest));
-        named("commands").spawn_scoped(scope, move || self.listen(&listening, receiver))?;
+        let [heard, heeded, told] = [(); 3].map(|()| Arc::clone(guest));
+        let (rest, words) = hearing::way();
+        named("commands").spawn_scoped(scope, move || self.heed(&heeded, &words))?;
+        let hear = move || hearing::hear(receiver, &heard.sender, &rest);
+        named("hearing").spawn_scoped(scope, hear)?;
         named("viewer").spawn_scoped(scope, move || self.tell(&told, &join))?;
         Ok(())
     }
@@ -131,8 +134,8 @@ impl<S: Scripts> Company<S> {
     }
 
     /// Takes commands until the viewer goes away. The run goes on without it.
-    fn listen(&self, guest: &Arc<Guest>, receiver: Receiver) {
-        self.desk.serve(receiver, &guest.sender, &guest.answering);
+    fn heed(&self, guest: &Arc<Guest>, words: &mpsc::Receiver<Words>) {
+        self.desk.serve(words, &guest.sender, &guest.answering);
         guest.sender.lose();
         self.leave(guest);
     }

@@ -18,6 +18,7 @@ mod document;
 mod driver;
 mod due;
 mod files;
+mod hearing;
 mod host;
 mod inquiry;
 mod join;

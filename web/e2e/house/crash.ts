@@ -1,10 +1,9 @@
 /** Runs whose program is killed in the middle, as a fault in a driver does. */
 
-import { readdirSync, readlinkSync } from "node:fs";
-import { join } from "node:path";
 import { expect, vi } from "vitest";
 import type { Picture } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
+import { runnersOf } from "./runner.ts";
 import { isActive, runInFront } from "./runs.ts";
 import type { Server } from "./server.ts";
 
@@ -18,11 +17,9 @@ export async function crashIn(
   await isActive(app, path);
   const run = await runInFront(app);
   await hasSet(server, run, variable);
-  const folder = join(server.place.folder, "runs", run);
-  const found = readdirSync("/proc").filter((pid) => /^\d+$/.test(pid) && holds(pid, folder));
-  const others = found.map(Number).filter((pid) => pid !== server.pid);
-  expect(others.length).toBe(1);
-  for (const pid of others) process.kill(pid, "SIGKILL");
+  const runners = runnersOf(server, run);
+  expect(runners.length).toBe(1);
+  for (const pid of runners) process.kill(pid, "SIGKILL");
 }
 
 /** Waits until the run is known to have set a global variable. */
@@ -34,14 +31,4 @@ async function hasSet(server: Server, run: string, variable: string): Promise<vo
     },
     { timeout: 20_000, interval: 50 },
   );
-}
-
-/** Whether a process has a file open in the folder. */
-function holds(pid: string, folder: string): boolean {
-  try {
-    const files = readdirSync(`/proc/${pid}/fd`);
-    return files.some((file) => readlinkSync(`/proc/${pid}/fd/${file}`).startsWith(folder));
-  } catch {
-    return false;
-  }
 }

@@ -3,6 +3,7 @@
 
 import { History, RefreshCw, Unplug } from "lucide-react";
 import { useRunAge } from "../panels/run_age.ts";
+import type { RunAge } from "../store/age.ts";
 import { behind } from "../store/behind.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
@@ -33,18 +34,21 @@ function OldBar({ watch }: { watch: Watch }) {
   const { age_ms, isOld, why } = useRunAge(page, watch);
   // Of a broken connection there is a bar already.
   if (!isOld || (why === "link" && link.state === "down")) return null;
-  const age = agePhrase(age_ms);
-  const text =
-    why === "runner"
-      ? `The server has lost the program that runs the machine, and looks for it. What is shown of the run is ${age} old; the robot may be elsewhere.`
-      : isHeard
-        ? `The server was not heard for ${age}, and is asked whether it is there. What is shown of the run is as old.`
-        : `The connection is back, and the server is asked how the run stands. What is shown of it is ${age} old.`;
   return (
     <Bar kind="warning" icon={<Unplug size={16} aria-hidden />}>
-      {text}
+      {oldInWords(why, agePhrase(age_ms), isHeard)}
     </Bar>
   );
+}
+
+function oldInWords(why: RunAge["why"], age: string, isHeard: boolean): string {
+  if (why === "silence")
+    return `The run has not been heard of for ${age}: its program does not answer the server. What is shown is as old; the robot may be elsewhere.`;
+  if (why === "runner")
+    return `The server has lost the program that runs the machine, and looks for it. What is shown of the run is ${age} old; the robot may be elsewhere.`;
+  return isHeard
+    ? `The server was not heard for ${age}, and is asked whether it is there. What is shown of the run is as old.`
+    : `The connection is back, and the server is asked how the run stands. What is shown of it is ${age} old.`;
 }
 
 function CatchingUpBar({ watch }: { watch: Watch }) {

@@ -23,7 +23,8 @@ interface Given {
 function age(given: Given) {
   const { link = UP, phase = "live", runner = "up", heard_ms = NOW_MS - 500 } = given;
   const run = { phase, started_ms: 0 };
-  const now = { run, link: runner, snapshot_ms: NOW_MS - 3_000, now_ms: NOW_MS } as RunNow;
+  const [snapshot_ms, runner_heard_ms] = [NOW_MS - 90_000, NOW_MS - 3_000];
+  const now = { run, link: runner, snapshot_ms, runner_heard_ms, now_ms: NOW_MS } as RunNow;
   const journal = new Journal();
   journal.add(
     [1, 2, 3].map((sequence) => ({
@@ -66,6 +67,13 @@ describe("what is shown of a run", () => {
     expect(age({ runner })).toEqual({ age_ms: 3_000, isOld: true, why: "runner" });
     expect(age({ runner, ahead_ms: 60_000 }).age_ms).toBe(63_000);
     expect(age({ runner, ahead_ms: -60_000 }).age_ms).toBe(0);
+  });
+
+  it("is as old as its program has been silent, however long ago that had something to say", () => {
+    const runner = "silent" as const;
+    expect(age({ runner })).toEqual({ age_ms: 3_000, isOld: true, why: "silence" });
+    expect(age({ runner, ahead_ms: 60_000 }).age_ms).toBe(63_000);
+    expect(age({ runner, link: DOWN }).why).toBe("link");
   });
 
   it("is never old once the run is over", () => {

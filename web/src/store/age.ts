@@ -10,9 +10,9 @@ export interface RunAge {
   readonly age_ms: number;
   /** Whether something else may be true by now; what is shown of the run is greyed then. */
   readonly isOld: boolean;
-  /** `link`: the server is not heard. `runner`: the server does not hear the run's program. `moment`: a past moment is shown, which
-   * is what the user wants, and never old. */
-  readonly why: "link" | "runner" | "moment" | null;
+  /** `link`: the server is not heard. `runner`: the server has lost the run's program. `silence`: it does not answer the server.
+   * `moment`: a past moment is shown, which is what the user wants, and never old. */
+  readonly why: "link" | "runner" | "silence" | "moment" | null;
 }
 
 /** A server that is there is heard more often than this. */
@@ -36,7 +36,8 @@ export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: numbe
   if (isLost(link, silent_ms)) return { age_ms: silent_ms, isOld: true, why: "link" };
   if (!watch.isHeard.value) return { age_ms: unheard(watch, now_ms), isOld: true, why: "link" };
   if (now.link === "up") return FRESH;
-  return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why: "runner" };
+  const why = now.link === "silent" ? "silence" : "runner";
+  return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why };
 }
 
 /** Whether the run goes on, as far as it is known; else nothing about it will be another. */
@@ -53,10 +54,10 @@ function unheard({ heard_ms }: Watch, now_ms: number): number {
   return Math.max(0, now_ms - (heard_ms.value ?? now_ms));
 }
 
-/** Since the runner said something, by the server's clock. */
+/** Since the server heard the runner, by the server's clock. */
 function runnerAge(now: RunNow, pulse: Pulse | null, now_ms: number): number {
   const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
-  return Math.max(0, there_ms - (now.snapshot_ms ?? now.run.started_ms));
+  return Math.max(0, there_ms - (now.runner_heard_ms ?? now.run.started_ms));
 }
 
 /** From the moment to the end of what was told. */

@@ -8,8 +8,10 @@ import { events } from "./testing/events.ts";
 
 const UP: Link = { state: "connecting" };
 
-function truth(elapsed_ms: number, link: RunNow["link"] = "up"): RunNow {
-  return { run: { phase: "live" }, link, snapshot: { elapsed_ms } } as unknown as RunNow;
+function truth(elapsed_ms: number, link: RunNow["link"] = "up", heard_ms = 0): RunNow {
+  const [run, snapshot] = [{ phase: "live" }, { elapsed_ms }];
+  const [snapshot_ms, runner_heard_ms] = [5_000, 5_000 + heard_ms];
+  return { run, link, snapshot, snapshot_ms, runner_heard_ms } as unknown as RunNow;
 }
 
 function watched() {
@@ -40,6 +42,14 @@ test("a server that lost the run is a gap as well, a run that is over has none",
   now.value = { ...truth(500), run: { phase: "finished" } } as unknown as RunNow;
   link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
   expect(gaps.value.length).toBe(1);
+});
+
+test("a silence of the run's program is a gap from when it was heard last, though it had nothing to say before", () => {
+  const { now, gaps } = watched();
+  now.value = truth(200, "silent", 1_000);
+  expect(gaps.value).toEqual([{ from_ns: 1_200e6, to_ns: null }]);
+  now.value = truth(200, "up", 9_000);
+  expect(gaps.value).toEqual([{ from_ns: 1_200e6, to_ns: 9_200e6 }]);
 });
 
 test("what the journal was told counts, if it is later", () => {

@@ -1,5 +1,5 @@
-/** Times of a run during which this page was not told: no connection to the server, or the server had none to the run. What happened
- * then was told afterwards. */
+/** Times of a run during which this page was not told: no connection to the server, or the server had none to the run, or the run's
+ * program did not answer. What happened then was told afterwards. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { RunNow } from "../model/generated/protocol.ts";
@@ -34,7 +34,7 @@ export function gapsOf(
     const now = watch.now.value;
     // Of a run that is over the link is not followed: nothing keeps it when the page has left it.
     const isLive = now?.run.phase === "live";
-    const isAway = isLive && (page.server.link.value.state !== "up" || now.link === "down");
+    const isAway = isLive && (page.server.link.value.state !== "up" || now.link !== "up");
     const last = gaps.peek().at(-1);
     const open = last?.to_ns === null ? last : null;
     if (isAway && !open) {
@@ -50,5 +50,12 @@ export function gapsOf(
 /** How far the run had come when it was heard last. */
 function comeTo({ now, journal }: Told): number {
   const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
-  return Math.max(told, (now.peek()?.snapshot?.elapsed_ms ?? 0) * 1e6);
+  return Math.max(told, heardAt(now.peek()) * 1e6);
+}
+
+/** The time since the start when the run's program was heard last, in ms: it may have had nothing to say for long. */
+function heardAt(now: RunNow | null): number {
+  if (!now?.snapshot || now.snapshot_ms === null) return 0;
+  const later_ms = (now.runner_heard_ms ?? now.snapshot_ms) - now.snapshot_ms;
+  return now.snapshot.elapsed_ms + Math.max(0, later_ms);
 }

@@ -128,6 +128,10 @@ pub struct RunNow {
     pub snapshot: Option<Snapshot>,
     /// When the runner said it: ms since 1970, UTC, by the server's clock.
     pub snapshot_ms: Option<u64>,
+    /// When the runner was heard last: ms since 1970, UTC, by the server's clock; none if it never was. While the link is up it is
+    /// heard all the time, and this is told beside other news only.
+    #[serde(default)]
+    pub runner_heard_ms: Option<u64>,
     /// When this was put together: ms since 1970, UTC, by the server's clock.
     pub now_ms: u64,
     /// Who commands.
@@ -151,6 +155,8 @@ pub struct LoadedMachine {
 pub enum LinkState {
     /// It stands.
     Up,
+    /// It stands, but the runner does not answer: it is stopped, swapped out or hangs, and what it said last may be old.
+    Silent,
     /// It is gone, or being made.
     Down,
     /// The run is over: there is nothing to connect to.

@@ -88,6 +88,8 @@ pub(super) struct Session {
     /// When commands are said again to which the runner had no answer.
     again_at_ms: Option<u64>,
     connection: Connection,
+    /// The server does not hear the runner.
+    is_silent: bool,
     is_loaded: bool,
     is_over: bool,
     /// Since when nobody runs it, and the last event that there is.
@@ -107,6 +109,7 @@ impl Session {
             held_back: false,
             again_at_ms: None,
             connection: Connection::Awaited,
+            is_silent: false,
             is_loaded: false,
             is_over: false,
             crashed: None,
@@ -134,7 +137,7 @@ impl Session {
                 self.commands.push(envelope);
             }
             ToRunner::Inspect { id, path } => todo.inspect.push((id, path)),
-            ToRunner::Launch(_) => {}
+            ToRunner::Launch(_) | ToRunner::Ping { .. } => {}
         }
     }
 
@@ -228,6 +231,7 @@ impl Session {
         if std::mem::replace(&mut self.connection, Connection::Up) == Connection::Cut {
             todo.causes.push(Told::Mended("the connection is back".to_owned()));
         }
+        self.is_silent = false;
         self.subscribe(todo);
         self.say_again(todo);
     }
@@ -277,23 +281,43 @@ impl Session {
 
     fn status(&mut self, now: RunNow, todo: &mut Todo) {
         let mut messages = Vec::new();
-        let is_told = now.link == LinkState::Up && (self.next.is_some() || now.snapshot.is_some());
+        let link = now.link;
+        let is_linked = matches!(link, LinkState::Up | LinkState::Silent);
+        let is_told = is_linked && (self.next.is_some() || now.snapshot.is_some());
         if !self.is_loaded && (is_told || !is_live(&now.run.phase)) {
             self.is_loaded = true;
             self.next.get_or_insert_with(|| from_now_on(&now));
             messages.push(loaded(&now));
             self.subscribe_history(todo);
         }
-        let (is_up, phase) = (now.link == LinkState::Up, now.run.phase.clone());
+        let phase = now.run.phase.clone();
         messages.extend(aged(now).map(ToViewer::Snapshot));
         if !messages.is_empty() {
             todo.causes.push(Told::Messages(messages));
         }
+        self.linked(link, todo);
         match phase {
             RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
                 todo.causes.push(Told::Refused(reason));
             }
-            _ if self.held_back && is_up => self.say_again(todo),
+            _ if self.held_back && is_linked => self.say_again(todo),
+            _ => {}
+        }
+    }
+
+    /// Whether the server hears the runner.
+    fn linked(&mut self, link: LinkState, todo: &mut Todo) {
+        match link {
+            LinkState::Silent if !self.is_silent => {
+                self.is_silent = true;
+                todo.causes.push(Told::Cut(
+                    "the run is not heard: its program does not answer".to_owned(),
+                ));
+            }
+            LinkState::Up if self.is_silent => {
+                self.is_silent = false;
+                todo.causes.push(Told::Mended("the run is heard again".to_owned()));
+            }
             _ => {}
         }
     }

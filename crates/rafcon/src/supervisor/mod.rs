@@ -196,6 +196,8 @@ impl Supervisor {
                 self.event(now, event, out);
             }
             ToViewer::Snapshot(snapshot) => out.push(Action::Snapshot(snapshot)),
+            // Nobody has asked.
+            ToViewer::Pong { .. } => {}
             ToViewer::Answer { id: _, answer } => {
                 out.extend(end::refusal(answer).map(Action::Note));
             }

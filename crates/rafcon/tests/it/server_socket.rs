@@ -3,11 +3,12 @@
 use crate::harness::{self, Place, assert_extension};
 use crate::served::{Door, Line, Served};
 use rafcon_model::notation;
-use rafcon_protocol::api::{HistoryEntry, RunPhase};
+use rafcon_protocol::api::{CommandAnswer, HistoryEntry, LinkState, RunNow, RunPhase};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_protocol::{Answer, Command, Envelope, Event};
-use rafcon_storage::journal::Reader;
+use rafcon_storage::journal::{Reader, writer_of};
 use rafcon_storage::{Naming, save};
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
 use std::thread;
 
@@ -154,4 +155,66 @@ fn commands_are_answered_in_their_order_and_the_status_ends_with_the_run() {
         }
     }
     assert!(is_stopped);
+}
+
+/// A process that was stopped; it goes on when this is dropped.
+struct Stopped(Pid);
+
+impl Stopped {
+    fn new(process: u32) -> Self {
+        let process = Pid::from_raw(i32::try_from(process).unwrap()).unwrap();
+        kill_process(process, Signal::STOP).unwrap();
+        Self(process)
+    }
+}
+
+impl Drop for Stopped {
+    fn drop(&mut self) {
+        kill_process(self.0, Signal::CONT).unwrap_or_default();
+    }
+}
+
+#[test]
+fn a_runner_that_hangs_is_told_from_one_that_has_nothing_to_say() {
+    let site = Site::new();
+    let mut line = site.door().line().unwrap();
+    let topic = Topic::RunStatus { run: site.run.clone() };
+    line.say(&ToServer::Subscribe { subscription: 1, topic }).unwrap();
+    let held = status(&mut line, LinkState::Up, |now| now.snapshot.is_some());
+    let runner = writer_of(&site.place.path("runs").join(&site.run)).unwrap().unwrap();
+    let stopped = Stopped::new(runner);
+    let silent = status(&mut line, LinkState::Silent, |_| true);
+    assert!(silent.runner_heard_ms >= held.snapshot_ms, "{silent:?}");
+    assert!(silent.runner_heard_ms < Some(silent.now_ms), "{silent:?}");
+    assert_eq!((silent.run.phase, silent.snapshot), (RunPhase::Live, held.snapshot));
+    line.say(&site.command("step", Command::StepInto { branch: None })).unwrap();
+    drop(stopped);
+    let (mut is_heard, mut is_answered) = (false, false);
+    while !(is_heard && is_answered) {
+        match line.hear().unwrap() {
+            ToClient::Answer(CommandAnswer { id, answer }) => {
+                assert_eq!((id.as_str(), answer), ("step", Answer::Applied));
+                is_answered = true;
+            }
+            ToClient::RunStatus { status, .. } => {
+                assert_eq!(status.link, LinkState::Up);
+                assert!(status.runner_heard_ms > silent.runner_heard_ms, "{status:?}");
+                is_heard = true;
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// How the run stands, as soon as its link is like this and it is what is `wanted`; until then nothing but this is told.
+fn status(line: &mut Line, link: LinkState, wanted: impl Fn(&RunNow) -> bool) -> RunNow {
+    loop {
+        match line.hear().unwrap() {
+            ToClient::RunStatus { status, .. } if status.link == link && wanted(&status) => {
+                return *status;
+            }
+            ToClient::RunStatus { .. } => {}
+            other => panic!("{other:?}"),
+        }
+    }
 }

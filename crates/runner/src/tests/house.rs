@@ -20,7 +20,7 @@ use rafcon_storage::journal::{Kept, Stored};
 use rafcon_storage::{Naming, save};
 use serde_json::json;
 use smol_str::SmolStr;
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock, Weak};
@@ -308,9 +308,19 @@ fn from_json(json: &serde_json::Value) -> Result<Value, String> {
         serde_json::Value::Number(number) => {
             number.as_i64().map(Value::Int).ok_or_else(|| format!("{number} is no integer"))
         }
-        serde_json::Value::String(text) => Ok(Value::str(text)),
+        serde_json::Value::String(text) => match text.strip_prefix("until closed: ") {
+            Some(socket) => Ok(until_closed(socket)),
+            None => Ok(Value::str(text)),
+        },
         other => Err(format!("this host has no value for {other}")),
     }
+}
+
+/// A value that takes as long as whoever listens at this socket likes.
+fn until_closed(socket: &str) -> Value {
+    let mut stream = UnixStream::connect(socket).unwrap();
+    stream.read_to_end(&mut Vec::new()).unwrap();
+    Value::None
 }
 
 /// A machine on disk, and a folder for its run.
@@ -485,6 +495,12 @@ impl Viewer {
 
     /// Sends a command and waits for its answer.
     pub(super) fn command(&mut self, id: &str, command: Command) -> String {
+        self.order(id, command);
+        self.answer(id)
+    }
+
+    /// Sends a command.
+    pub(super) fn order(&mut self, id: &str, command: Command) {
         self.send(&ToRunner::Command(Envelope {
             id: id.to_owned(),
             author: "test".to_owned(),
@@ -492,6 +508,10 @@ impl Viewer {
             expiry: None,
             command,
         }));
+    }
+
+    /// Waits for the answer to a command.
+    pub(super) fn answer(&mut self, id: &str) -> String {
         self.until(|message| match message {
             ToViewer::Answer { id: answered, answer } if answered == id => Some(match answer {
                 Answer::Applied => "applied".to_owned(),

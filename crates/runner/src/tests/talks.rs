@@ -1,11 +1,12 @@
 //! Viewers: several at once, coming and going, with commands and questions.
 
 use super::house::{House, Viewer};
+use crate::Clock;
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Answer, Command, Envelope, Expiry, Join, ToRunner, ToViewer};
+use rafcon_protocol::{Answer, Command, Envelope, Expiry, Given, Join, ToRunner, ToViewer};
 use serde_json::json;
 use std::io::Write as _;
-use std::os::unix::net::UnixStream;
+use std::os::unix::net::{UnixListener, UnixStream};
 
 const WAITS: &str = "
 hierarchy ROOT
@@ -219,6 +220,33 @@ fn a_command_that_nobody_wants_any_more_is_not_carried_out() {
     assert_eq!(asked("late", 1), Answer::Expired);
     assert_eq!(asked("late", u64::MAX), Answer::Expired);
     assert_eq!(asked("in time", u64::MAX), Answer::Applied);
+    drop(first);
+    runner.join().unwrap();
+}
+
+#[test]
+fn a_runner_says_that_it_is_there_also_while_a_command_takes_its_time() {
+    let house = House::new(WAITS);
+    let (mut first, runner) = house.begin(house.launch());
+    first.until_text("+ROOT/A");
+    let socket = house.machine().with_file_name("slow");
+    let listener = UnixListener::bind(&socket).unwrap();
+    let value = json!(format!("until closed: {}", socket.display()));
+    let given = Given { path: "ROOT".to_owned(), name: "number".to_owned(), value };
+    first.order("slow", Command::Start { from: None, data: vec![given] });
+    let (under_way, _) = listener.accept().unwrap();
+    first.send(&ToRunner::Ping { id: 7 });
+    let pong = first.until(|message| match message {
+        ToViewer::Pong { id, now_ms } => Some((*id, *now_ms)),
+        ToViewer::Answer { .. } => panic!("{message:?}"),
+        _ => None,
+    });
+    assert_eq!(pong.0, 7);
+    assert!((1..=Clock::epoch_ms()).contains(&pong.1), "{pong:?}");
+    drop(under_way);
+    let answer = first.answer("slow");
+    assert!(answer.starts_with("refused: cannot start: "), "{answer}");
+    assert_eq!(first.command("stop", Command::Stop), "applied");
     drop(first);
     runner.join().unwrap();
 }

@@ -3,6 +3,7 @@
 //!
 //! Knows the protocol. Must never know who commands, who follows, or what becomes of a run whose runner is gone.
 
+use super::pulse::{self, Heard, Pulse};
 use super::run::Run;
 use super::talk::{Connection, LinkError, open};
 use super::told::Told;
@@ -53,8 +54,12 @@ pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkEr
     let writer = tokio::spawn(write(out, outgoing));
     run.link_is_up(&link);
     is_up();
-    let end = read(lines, run, &link).await;
-    run.link_is_down();
+    let pulse = Pulse::new();
+    let end = tokio::select! {
+        end = read(lines, run, &link, &pulse) => end,
+        never = pulse::keep_asking(run, &link, &pulse) => match never {},
+    };
+    run.link_is_down(pulse.heard_ms());
     link.close();
     writer.abort();
     end
@@ -83,6 +88,13 @@ impl Link {
         !self.waiting.lock().answers.is_empty()
     }
 
+    /// Asks the runner whether it is there. One that has no room for the question says something as soon as it has.
+    pub(super) fn ask(&self) {
+        if let Ok(line) = encode(&ToRunner::Ping { id: 0 }) {
+            self.out.try_send(line).unwrap_or_default();
+        }
+    }
+
     fn answered(&self, id: &str, answer: &Answer) {
         let waiting = self.waiting.lock().answers.remove(id);
         for asker in waiting.into_iter().flatten() {
@@ -109,6 +121,7 @@ async fn read(
     mut lines: BufReader<OwnedReadHalf>,
     run: &Run,
     link: &Link,
+    pulse: &Pulse,
 ) -> Result<(), LinkError> {
     let (mut line, mut events) = (Vec::new(), Vec::new());
     loop {
@@ -116,6 +129,9 @@ async fn read(
         if lines.read_until(b'\n', &mut line).await? == 0 {
             run.happened(events);
             return Ok(());
+        }
+        if pulse.is_heard() == Heard::Again {
+            run.is_heard_again();
         }
         let text = String::from_utf8_lossy(&line);
         match Told::read(&text) {
@@ -141,7 +157,9 @@ fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<Told>) {
             ToViewer::Loaded { .. }
             | ToViewer::LoadFailed { .. }
             | ToViewer::Inspection { .. }
-            | ToViewer::Event { .. },
+            | ToViewer::Event { .. }
+            // That it was said is what matters.
+            | ToViewer::Pong { .. },
         )
         | Err(_) => {}
     }

@@ -3,6 +3,7 @@
 //! Every run is a folder; one that goes on is a process that lives without the server, and is spoken with over the socket in its
 //! folder. Must never know HTTP beyond its own routes, nor what a runner does with what it is told.
 
+mod audience;
 mod commands;
 mod control;
 mod fate;
@@ -11,6 +12,7 @@ mod launch;
 mod life;
 mod link;
 mod output;
+mod pulse;
 mod request;
 mod ring;
 mod routes;

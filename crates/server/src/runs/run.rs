@@ -2,6 +2,7 @@
 //!
 //! Knows the latest truth. Must never know how it is found out, nor wait for whoever wants to know it.
 
+use super::audience::Audience;
 use super::control::Holding;
 use super::holder_file;
 use super::link::Link;
@@ -48,6 +49,7 @@ pub(crate) struct Run {
     /// How many notes about control were sent.
     notes: AtomicU64,
     guests: Semaphore,
+    audience: Audience,
     /// Held while who holds control is written down.
     keeping: Mutex<()>,
 }
@@ -63,6 +65,7 @@ impl Run {
             link: link_of(&summary.phase),
             snapshot: None,
             snapshot_ms: None,
+            runner_heard_ms: None,
             now_ms,
             control: holding.told(silence),
         };
@@ -83,6 +86,7 @@ impl Run {
             has_changed: AtomicBool::new(false),
             notes: AtomicU64::new(0),
             guests: Semaphore::new(GUESTS),
+            audience: Audience::default(),
             keeping: Mutex::default(),
         }
     }
@@ -190,13 +194,31 @@ impl Run {
         *self.link.lock() = Some(Arc::clone(link));
         self.change(|now| {
             now.link = LinkState::Up;
+            now.runner_heard_ms = Some(clock::since_1970_ms());
             now.run.phase = RunPhase::Live;
         });
     }
 
-    pub(super) fn link_is_down(&self) {
+    /// The link is gone; the runner was heard last then.
+    pub(super) fn link_is_down(&self, heard_ms: u64) {
         *self.link.lock() = None;
-        self.change(|now| now.link = LinkState::Down);
+        self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Down, Some(heard_ms)));
+    }
+
+    /// Its runner does not answer; it was heard last then.
+    pub(super) fn is_silent(&self, heard_ms: u64) {
+        self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Silent, Some(heard_ms)));
+    }
+
+    /// Its runner was silent, and is heard.
+    pub(super) fn is_heard_again(&self) {
+        let heard_ms = clock::since_1970_ms();
+        self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Up, Some(heard_ms)));
+    }
+
+    /// Who looks at how it stands.
+    pub(crate) fn audience(&self) -> &Audience {
+        &self.audience
     }
 
     /// The run was looked at: this is what is true. Nobody is linked to it.
@@ -238,7 +260,7 @@ impl Run {
         let at = clock::since_1970_ms();
         self.now.send_modify(|now| {
             let now = Arc::make_mut(now);
-            (now.now_ms, now.snapshot_ms) = (at, Some(at));
+            (now.now_ms, now.snapshot_ms, now.runner_heard_ms) = (at, Some(at), Some(at));
             now.run.length_ms = snapshot.elapsed_ms;
             now.run.events = now.run.events.max(snapshot.disk_safe);
             now.snapshot = Some(snapshot);

@@ -153,7 +153,10 @@ impl Desk {
                 tell(RunHistory::new(&self.house, run, cursor), outbox).await;
             }
             Topic::RunStatus { run } => {
-                let now = self.house.runs.get(&run).await?.now();
+                let run = self.house.runs.get(&run).await?;
+                let (now, _onlooker) = (run.now(), run.audience().join());
+                // Whoever looks on does not keep what is deleted.
+                drop(run);
                 let frame = move |now: &Arc<RunNow>| words::run_status(subscription, now);
                 tell(Status::new(subscription, now, frame), outbox).await;
             }

@@ -924,7 +924,7 @@ export type LibraryUsages = {
   is_cut: boolean, };
 
 /** The connection between server and runner. */
-export type LinkState = "up" | "down" | "over";
+export type LinkState = "up" | "silent" | "down" | "over";
 
 /** The machine of a run, as its runner has read it. */
 export type LoadedMachine = {
@@ -1401,6 +1401,9 @@ export type RunNow = {
   snapshot: Snapshot | null,
   /** When the runner said it: ms since 1970, UTC, by the server's clock. */
   snapshot_ms: number | null,
+  /** When the runner was heard last: ms since 1970, UTC, by the server's clock; none if it never was. While the link is up it is
+   * heard all the time, and this is told beside other news only. */
+  runner_heard_ms: number | null,
   /** When this was put together: ms since 1970, UTC, by the server's clock. */
   now_ms: number,
   /** Who commands. */

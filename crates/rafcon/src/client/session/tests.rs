@@ -366,3 +366,50 @@ fn what_the_server_does_not_want_ends_the_visit() {
         "#]],
     );
 }
+
+#[test]
+fn a_runner_that_does_not_answer_is_told_once_and_so_is_that_it_does_again() {
+    check(
+        false,
+        vec![
+            Hear(status("live", "silent", Some(7), 9)),
+            Hear(status("live", "silent", Some(7), 9)),
+            command("1", Command::Pause),
+            Hear(status("live", "up", Some(7), 9)),
+            Hear(status("live", "silent", Some(7), 9)),
+            Cut,
+            Hear(welcome(1)),
+            Hear(status("live", "silent", Some(7), 9)),
+        ],
+        &expect![[r#"
+            Hello(Hello { protocol: 2, program: "0.1.0" })
+            --
+            > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
+            --
+            > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":8,"values":false}}
+            Messages([Loaded { name: "Pick", states: 5, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            Cut("the run is not heard: its program does not answer")
+            --
+            Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            --
+            > {"frame":"command","run":"RUN","envelope":{"id":"1","author":"ana","decided_on":7,"expiry":115000,"command":{"type":"pause"}}}
+            --
+            Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            Mended("the run is heard again")
+            --
+            Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            Cut("the run is not heard: its program does not answer")
+            --
+            Cut("no connection (no route); trying again")
+            --
+            > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
+            > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":8,"values":false}}
+            > {"frame":"command","run":"RUN","envelope":{"id":"1","author":"ana","decided_on":7,"expiry":115000,"command":{"type":"pause"}}}
+            Mended("the connection is back")
+            --
+            Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
+            Cut("the run is not heard: its program does not answer")
+            --
+        "#]],
+    );
+}

@@ -69,7 +69,9 @@ impl Guest {
             Act::Show(ToViewer::Inspection { path, data, .. }) => {
                 self.view.inspected(&path, data)?;
             }
-            Act::Show(ToViewer::LoadFailed { .. } | ToViewer::Answer { .. }) => {}
+            Act::Show(
+                ToViewer::LoadFailed { .. } | ToViewer::Answer { .. } | ToViewer::Pong { .. },
+            ) => {}
             Act::Heard(is_heard) => self.view.heard(now, is_heard)?,
             Act::Note(text) => self.view.note(&text)?,
         }

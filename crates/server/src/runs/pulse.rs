@@ -1,0 +1,133 @@
+//! Whether a runner is there: while nothing changes it says nothing by itself, and one that hangs looks the same. So it is asked,
+//! for as long as somebody looks on.
+//!
+//! Knows questions and answers. Must never know what else a runner says, nor whom it matters to.
+
+use super::link::Link;
+use super::run::Run;
+use rafcon_supervisor::clock;
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::time::Duration;
+use tokio::time::sleep;
+
+/// So often a runner is asked.
+const ASK_EVERY: Duration = Duration::from_secs(1);
+/// So many questions without an answer in between are silence. Counted, and not timed: a server that was stopped itself has asked
+/// one only.
+const UNANSWERED_MAX: u32 = 3;
+/// So many questions are asked before it is looked whether somebody looks on still: a page that is loaded again finds an answer.
+const ROUND: u32 = 10;
+
+/// What a runner has answered.
+#[derive(Debug)]
+pub(super) struct Pulse {
+    /// Questions since it was heard last.
+    unanswered: AtomicU32,
+    /// When that was.
+    heard_ms: AtomicU64,
+}
+
+/// What is to be done about a runner.
+#[derive(Debug, PartialEq, Eq)]
+enum Due {
+    /// It is to be asked.
+    Ask,
+    /// It has fallen silent.
+    Tell,
+    /// It is silent, and has questions enough to answer.
+    Nothing,
+}
+
+/// What a word of a runner means.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Heard {
+    /// It was there before.
+    Still,
+    /// It had fallen silent.
+    Again,
+}
+
+impl Pulse {
+    /// Of a runner that was heard just now.
+    pub(super) fn new() -> Self {
+        let heard_ms = AtomicU64::new(clock::since_1970_ms());
+        Self { unanswered: AtomicU32::new(0), heard_ms }
+    }
+
+    /// The runner says something.
+    pub(super) fn is_heard(&self) -> Heard {
+        self.heard_ms.store(clock::since_1970_ms(), Ordering::Relaxed);
+        let unanswered = self.unanswered.swap(0, Ordering::Relaxed);
+        if unanswered > UNANSWERED_MAX { Heard::Again } else { Heard::Still }
+    }
+
+    /// When it was heard last: ms since 1970, UTC.
+    pub(super) fn heard_ms(&self) -> u64 {
+        self.heard_ms.load(Ordering::Relaxed)
+    }
+
+    /// It is time for the next question.
+    fn beat(&self) -> Due {
+        match self.unanswered.load(Ordering::Relaxed) {
+            UNANSWERED_MAX => {
+                self.unanswered.store(UNANSWERED_MAX + 1, Ordering::Relaxed);
+                Due::Tell
+            }
+            unanswered if unanswered > UNANSWERED_MAX => Due::Nothing,
+            unanswered => {
+                self.unanswered.store(unanswered + 1, Ordering::Relaxed);
+                Due::Ask
+            }
+        }
+    }
+}
+
+/// Asks a runner whether it is there while somebody looks on, and tells the run when it does not answer.
+#[expect(clippy::infinite_loop, reason = "it is given up with the link")]
+pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &Pulse) -> Infallible {
+    loop {
+        run.audience().is_there().await;
+        for _ in 0..ROUND {
+            match pulse.beat() {
+                Due::Ask => link.ask(),
+                Due::Tell => run.is_silent(pulse.heard_ms()),
+                Due::Nothing => {}
+            }
+            sleep(ASK_EVERY).await;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pulse;
+
+    /// What comes of it: `?` is the time for a question, `!` a word of the runner.
+    fn check(happens: &str, expected: &[&str]) {
+        let pulse = Pulse::new();
+        let comes = happens.chars().map(|it| match it {
+            '?' => format!("{:?}", pulse.beat()),
+            _ => format!("{:?}", pulse.is_heard()),
+        });
+        assert_eq!(comes.collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
+    fn a_runner_that_answers_is_asked_and_nobody_is_told() {
+        check("?!?!?!", &["Ask", "Still", "Ask", "Still", "Ask", "Still"]);
+    }
+
+    #[test]
+    fn one_that_has_not_answered_three_questions_is_silent_and_that_is_told_once() {
+        check("????", &["Ask", "Ask", "Ask", "Tell"]);
+        check("???!?", &["Ask", "Ask", "Ask", "Still", "Ask"]);
+        check("??????", &["Ask", "Ask", "Ask", "Tell", "Nothing", "Nothing"]);
+    }
+
+    #[test]
+    fn whatever_it_says_ends_its_silence_once() {
+        check("????!!?", &["Ask", "Ask", "Ask", "Tell", "Again", "Still", "Ask"]);
+        check("????!????", &["Ask", "Ask", "Ask", "Tell", "Again", "Ask", "Ask", "Ask", "Tell"]);
+    }
+}
