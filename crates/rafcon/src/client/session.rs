@@ -74,6 +74,15 @@ enum Connection {
     Cut,
 }
 
+/// How the runner is heard by the server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Runner {
+    /// It answers.
+    Heard,
+    /// It does not answer, though its socket is open.
+    Silent,
+}
+
 /// What is known about the run that is followed.
 #[derive(Debug)]
 pub(super) struct Session {
@@ -88,8 +97,8 @@ pub(super) struct Session {
     /// When commands are said again to which the runner had no answer.
     again_at_ms: Option<u64>,
     connection: Connection,
-    /// The server does not hear the runner.
-    is_silent: bool,
+    /// How the server hears the runner, while it has a link to it.
+    runner: Runner,
     is_loaded: bool,
     is_over: bool,
     /// Since when nobody runs it, and the last event that there is.
@@ -109,7 +118,7 @@ impl Session {
             held_back: false,
             again_at_ms: None,
             connection: Connection::Awaited,
-            is_silent: false,
+            runner: Runner::Heard,
             is_loaded: false,
             is_over: false,
             crashed: None,
@@ -231,7 +240,7 @@ impl Session {
         if std::mem::replace(&mut self.connection, Connection::Up) == Connection::Cut {
             todo.causes.push(Told::Mended("the connection is back".to_owned()));
         }
-        self.is_silent = false;
+        self.runner = Runner::Heard;
         self.subscribe(todo);
         self.say_again(todo);
     }
@@ -307,18 +316,18 @@ impl Session {
 
     /// Whether the server hears the runner.
     fn linked(&mut self, link: LinkState, todo: &mut Todo) {
-        match link {
-            LinkState::Silent if !self.is_silent => {
-                self.is_silent = true;
-                todo.causes.push(Told::Cut(
-                    "the run is not heard: its program does not answer".to_owned(),
-                ));
-            }
-            LinkState::Up if self.is_silent => {
-                self.is_silent = false;
-                todo.causes.push(Told::Mended("the run is heard again".to_owned()));
-            }
-            _ => {}
+        let runner = match link {
+            LinkState::Up => Runner::Heard,
+            LinkState::Silent => Runner::Silent,
+            _ => return,
+        };
+        if std::mem::replace(&mut self.runner, runner) != runner {
+            todo.causes.push(match runner {
+                Runner::Heard => Told::Mended("the run is heard again".to_owned()),
+                Runner::Silent => {
+                    Told::Cut("the run is not heard: its program does not answer".to_owned())
+                }
+            });
         }
     }
 
