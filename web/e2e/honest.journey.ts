@@ -130,11 +130,8 @@ journey(
     await old.waitFor({ state: "detached" });
     await whileStopped(server, run, async () => {
       await old.waitFor({ timeout: 60_000 });
-      const bar = app.sheet.getByText(/^The run has not been heard of for \d+ s: its program/);
+      const bar = missionOf(app).getByText(/^The server does not hear the robot: this is /);
       await bar.waitFor();
-      await missionOf(app)
-        .getByText(/^The server does not hear the robot: what you see/)
-        .waitFor();
       const before = await bar.textContent();
       await eventually(async () => (await bar.textContent()) !== before);
     });

@@ -190,7 +190,7 @@ journey(
       await mission.getByRole("button", { name: /^1 question/ }).waitFor();
       const asked = await places();
       await mission.getByRole("button", { name: "Cancel" }).click();
-      await mission.getByText("Nothing wants you").waitFor();
+      await mission.getByRole("button", { name: /^1 event/ }).waitFor();
       expect(await places()).toEqual(asked);
       await server.end("SIGKILL");
       await mission.getByText("The server is not heard").waitFor();

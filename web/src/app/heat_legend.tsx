@@ -19,7 +19,7 @@ export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
     mode === "count"
       ? ["How often states ran", "1×", `${most}×`]
       : ["How long states ran altogether", "0 s", duration(most)];
-  const when = isPast ? ", until this moment" : ", in all of the run";
+  const when = isPast ? ", until this moment" : "";
   return (
     <div className="heat-legend" role="img" aria-label={`${what}${when}: from ${least} to ${much}`}>
       <span>

@@ -26,10 +26,10 @@ fn states_are_counted_and_two_runs_compared() {
         {"count":1,"max_ns":3000000,"median_ns":3000000,"min_ns":3000000,"names":"Root/Scan","outcomes":[{"count":1,"outcome":{"id":0,"name":"ok"}}],"p95_ns":3000000,"path":"R/A","total_ns":3000000}
         {"count":1,"max_ns":4000000,"median_ns":4000000,"min_ns":4000000,"names":"Root/Search","outcomes":[{"count":1,"outcome":{"id":0,"name":"ok"}}],"p95_ns":4000000,"path":"R/H","total_ns":4000000}
         {"count":1,"max_ns":2000000,"median_ns":2000000,"min_ns":2000000,"names":"Root/Search/Look","outcomes":[{"count":1,"outcome":{"id":0,"name":"ok"}}],"p95_ns":2000000,"path":"R/H/X","total_ns":2000000}
-        2 alike, {"branch":"R","one":{"backwards":false,"names":"Root/Scan","outcome":{"id":0,"name":"ok"},"path":"R/A","sequence":7,"t_ns":7000000},"other":{"backwards":false,"names":"Root/Scan","outcome":{"id":1,"name":"lost"},"path":"R/A","sequence":7,"t_ns":7000000}}
+        2 alike, [{"branch":"R","names":"Root","one":{"backwards":false,"names":"Root/Scan","outcome":{"id":0,"name":"ok"},"path":"R/A","sequence":7,"t_ns":7000000},"other":{"backwards":false,"names":"Root/Scan","outcome":{"id":1,"name":"lost"},"path":"R/A","sequence":7,"t_ns":7000000}}]
     "#]]
     .assert_eq(&text);
-    assert_eq!(get(&house, "one/compare/one")["parted"], Value::Null);
+    assert_eq!(get(&house, "one/compare/one")["parted"], json!([]));
 }
 
 /// A run with machines: one that uses a library, and a small one that came later.

@@ -72,7 +72,7 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   if (phase === "live" || phase === "starting") {
     return (
       <section className="mission-part" aria-label="What runs now">
-        <p className="mission-soft">Nothing runs yet.</p>
+        <p className="mission-soft">Nothing runs.</p>
       </section>
     );
   }
