@@ -8,7 +8,7 @@ import type { Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import { usePaced } from "../../ui/paced.ts";
 import { useComputed } from "../../ui/signals.ts";
-import { inOrder } from "../running/order.ts";
+import { inOrder } from "../parts/order.ts";
 
 /** A little less than a second, so that each second is told. */
 const PACE_MS = 900;

@@ -8,7 +8,7 @@ import { type Watched, watchedOf } from "../../store/watched_values.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 import { growing } from "../parts/duration.ts";
-import { useValue, type ValueNow } from "../watches/use_value.ts";
+import { useValue, type ValueNow } from "../parts/value/use_value.ts";
 import { useWhen } from "./when.ts";
 
 export function Pinned({ watch }: { readonly watch: Watch }) {

@@ -29,8 +29,8 @@ import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { useLater } from "../later.ts";
 import { duration, growing } from "../parts/duration.ts";
 import { NoRun } from "../parts/no_run.tsx";
+import { inOrder } from "../parts/order.ts";
 import { reveal } from "../reveal.ts";
-import { inOrder } from "./order.ts";
 import "./running.css";
 
 const NO_RUN = signal<Watch | null>(null);

@@ -15,10 +15,10 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { sinceStart } from "../parts/duration.ts";
+import { useValue } from "../parts/value/use_value.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
 import { reveal } from "../reveal.ts";
 import { Plot } from "./plot.tsx";
-import { useValue } from "./use_value.ts";
 import type { WatchedValue } from "./watched_value.ts";
 
 export interface WatchCardProps {

@@ -2,16 +2,16 @@
 
 import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
-import { portsOf } from "../../model/machine.ts";
-import { originOf } from "../../store/origin.ts";
-import type { OpenTab, Page } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
-import { pictureOf, standingOf } from "../../store/standing.ts";
-import { valueIn } from "../../store/value_history.ts";
-import { visitsOf } from "../../store/visits.ts";
-import type { Target } from "../../store/watched_values.ts";
-import { usePaced } from "../../ui/paced.ts";
-import { type Detailed, useDetail } from "../parts/value/use_detail.ts";
+import { portsOf } from "../../../model/machine.ts";
+import { originOf } from "../../../store/origin.ts";
+import type { OpenTab, Page } from "../../../store/page.ts";
+import type { Watch } from "../../../store/run.ts";
+import { pictureOf, standingOf } from "../../../store/standing.ts";
+import { valueIn } from "../../../store/value_history.ts";
+import { visitsOf } from "../../../store/visits.ts";
+import type { Target } from "../../../store/watched_values.ts";
+import { usePaced } from "../../../ui/paced.ts";
+import { type Detailed, useDetail } from "./use_detail.ts";
 
 const PACE_MS = 200;
 
