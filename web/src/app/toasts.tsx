@@ -1,12 +1,14 @@
-/** Notices for some seconds at the lower edge. They stay in the log, but for news of a run, which has lines of its own there. */
+/** Notices for some seconds at the lower edge. The notice centre keeps them until they are closed, the log for longer. */
 
 import { CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import { MISSION_PANEL } from "../commands/mission.ts";
+import { keyOfNotice, noticeText } from "../store/notices.ts";
 import type { Notice } from "../store/page.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { useDerived, useSession } from "./provided.tsx";
+import { closeNotices } from "./session.ts";
 import "./toasts.css";
 
 /** So long a notice stays, by how much it matters; the pointer holds it. News of a run goes sooner: it stands in mission control. */
@@ -15,7 +17,9 @@ const PASSING_MS = 8_000;
 const SHOWN_MAX = 4;
 
 export function Toasts() {
-  const { page, dock } = useSession();
+  const session = useSession();
+  const { page, dock } = session;
+  const closed = useSignal(session.closedNotices);
   /** The machine whose run mission control shows: its news stands there. */
   const told = useDerived(() => {
     const machine = page.active.value?.room.id ?? null;
@@ -23,13 +27,16 @@ export function Toasts() {
   }, [page, dock]);
   const isAside = useDerived(() => dock.value.isInSight(MISSION_PANEL), [dock]);
   const notices = useSignal(page.notices);
-  const [first] = useState(() => page.notices.peek().at(-1)?.id ?? 0);
+  const [first, setFirst] = useState(() => page.notices.peek().at(-1)?.id ?? 0);
   const [gone, setGone] = useState<ReadonlySet<number>>(new Set());
-  const shown = notices
-    .filter(({ id, isQuiet }) => id > first && !isQuiet && !gone.has(id))
-    .filter(({ passing }) => !passing || passing.machine !== told)
-    .slice(-SHOWN_MAX);
+  const fresh = notices
+    .filter(({ id, isQuiet }) => id > first && !isQuiet && !gone.has(id) && !closed.has(id))
+    .filter(({ passing }) => !passing || passing.machine !== told);
+  const shown = fresh.slice(-SHOWN_MAX);
   const drop = (id: number) => setGone((before) => new Set(before).add(id));
+  // What newer ones push away is not shown later, when it is old: the notice centre has it.
+  const pushed = fresh.at(-SHOWN_MAX - 1)?.id ?? 0;
+  useEffect(() => setFirst((before) => Math.max(before, pushed)), [pushed]);
   useLeaving((machine) => {
     const left = shown.filter((notice) => machineOf(notice) === machine).map(({ id }) => id);
     if (left.length > 0) setGone((before) => new Set([...before, ...left]));
@@ -42,9 +49,10 @@ export function Toasts() {
     >
       {shown.map((notice) => (
         <Toast
-          key={notice.passing?.topic ?? notice.id}
+          key={keyOfNotice(notice)}
           notice={notice}
-          onClose={() => drop(notice.id)}
+          onTimeout={() => drop(notice.id)}
+          onClose={() => closeNotices(session, [notice])}
         />
       ))}
     </section>
@@ -69,11 +77,17 @@ function useLeaving(left: (machine: string) => void): void {
 
 const ICONS = { info: Info, warning: TriangleAlert, error: CircleAlert };
 
-function Toast({ notice, onClose }: { notice: Notice; onClose: () => void }) {
+interface ToastProps {
+  readonly notice: Notice;
+  readonly onTimeout: () => void;
+  readonly onClose: () => void;
+}
+
+function Toast({ notice, onTimeout, onClose }: ToastProps) {
   const { commands, context } = useSession();
   const [held, setHeld] = useState(false);
-  const last = useRef(onClose);
-  last.current = onClose;
+  const last = useRef(onTimeout);
+  last.current = onTimeout;
   useEffect(() => {
     if (held) return;
     const shown_ms = notice.passing ? PASSING_MS : SHOWN_MS[notice.level];
@@ -90,7 +104,7 @@ function Toast({ notice, onClose }: { notice: Notice; onClose: () => void }) {
       onMouseLeave={() => setHeld(false)}
     >
       <Icon size={16} aria-hidden />
-      <span className="toast-text">{notice.text}</span>
+      <span className="toast-text">{noticeText(notice)}</span>
       {action && (
         <Button
           onClick={() => {

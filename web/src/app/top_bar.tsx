@@ -7,6 +7,7 @@ import { useShownKey } from "./keys_shown.ts";
 import { LinkState } from "./link_state.tsx";
 import { MachineTabs } from "./machine_tabs.tsx";
 import { MenuBar } from "./menu_bar.tsx";
+import { NoticeBell } from "./notice_centre.tsx";
 import { People } from "./people.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { RunControls } from "./run_controls.tsx";
@@ -32,6 +33,7 @@ export function TopBar() {
         </button>
         <div className="top-end">
           <Wanting />
+          <NoticeBell />
           <Sides />
           <LinkState />
         </div>

@@ -45,6 +45,8 @@ export interface Notice {
   /** It is news of what happens anyway: not kept in the log, and it takes the place of the one before on the same topic. */
   readonly passing?: { readonly topic: string; readonly machine: string };
   readonly at_ms: number;
+  /** How often it was said: equal ones are one. */
+  readonly count: number;
 }
 
 /** Settings of this browser, kept in its storage. */
@@ -56,8 +58,6 @@ export interface Settings {
   readonly keymap: string;
   /** Keys of single commands that the user chose, by command id. */
   readonly keys: Readonly<Record<string, readonly string[]>>;
-  /** Library content is shown in place to so many levels. */
-  readonly libraryLevels: number;
   /** Folders opened lately, the newest first. */
   readonly recent: readonly MachineFile[];
 }
@@ -88,7 +88,7 @@ export interface Page {
   /** Takes a tab away; the machine stays open on the server. */
   readonly leave: (tab: OpenTab) => void;
   /** Tells the user something. */
-  readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
+  readonly tell: (notice: Omit<Notice, "id" | "at_ms" | "count">) => void;
 }
 
 export type { Revision };

@@ -1,5 +1,6 @@
 /** Settings of this browser: what they are at first, and how they are kept. */
 
+import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../model/generated/protocol.ts";
 import type { Settings } from "./page.ts";
 import { kept, type Shed } from "./shed.ts";
@@ -9,7 +10,6 @@ export const FIRST_SETTINGS: Settings = {
   wheel: "zoom",
   keymap: "rafcon",
   keys: {},
-  libraryLevels: 1,
   recent: [],
 };
 
@@ -22,8 +22,25 @@ export function readSettings(shed: Shed): Settings {
   return { ...FIRST_SETTINGS, ...kept<Partial<Settings>>(shed, KEY) };
 }
 
-export function keepSettings(shed: Shed, settings: Settings): void {
-  shed.put(KEY, settings);
+/** The settings, kept from now on. Only what was changed here is written, so that tabs of a browser leave each other's changes. */
+export function followSettings(shed: Shed): Signal<Settings> {
+  let known = readSettings(shed);
+  const settings = signal(known);
+  effect(() => {
+    const wanted = settings.value;
+    const changed = Object.entries(wanted).filter(
+      ([name, value]) => known[name as keyof Settings] !== value,
+    );
+    if (changed.length === 0) return;
+    known = { ...readSettings(shed), ...Object.fromEntries(changed) };
+    shed.put(KEY, known);
+    settings.value = known;
+  });
+  shed.whenOther(KEY, () => {
+    known = readSettings(shed);
+    settings.value = known;
+  });
+  return settings;
 }
 
 /** With the folder as the newest of those that were opened lately. */

@@ -2,7 +2,9 @@ import { describe, expect, it } from "vitest";
 import type { HouseStatus, RunSummary } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
 import { type Follower, RefusalError } from "../store/server.ts";
+import { FIRST_SETTINGS } from "../store/settings.ts";
 import { memoryShed } from "../store/shed.ts";
+import { twoTabs } from "../store/testing/two_tabs.ts";
 import { select } from "../store/view.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { FakeServer, MACHINE } from "./fake_server.ts";
@@ -81,6 +83,20 @@ describe("the page", () => {
     page.leave(tab);
     page.leave(tab);
     expect([page.tabs.value, page.active.value]).toEqual([[], null]);
+  });
+
+  it("keeps what another tab of the browser has set meanwhile", async () => {
+    const [one, two] = twoTabs();
+    const here = setUp({ own: memoryShed(), shared: one }).page;
+    const other = setUp({ own: memoryShed(), shared: two }).page;
+    other.settings.value = { ...other.settings.value, theme: "light" };
+    expect(here.settings.value.theme).toBe("light");
+    await here.open(FILE);
+    expect(other.settings.value).toEqual({
+      ...FIRST_SETTINGS,
+      theme: "light",
+      recent: [FILE],
+    });
   });
 
   it("comes back as it was", async () => {

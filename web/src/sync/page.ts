@@ -14,10 +14,11 @@ import { isSame } from "../model/json.ts";
 import { comparedRun } from "../store/compared_run.ts";
 import { drafts } from "../store/drafts.ts";
 import { followDrafts } from "../store/follow_drafts.ts";
+import { withNotice } from "../store/notices.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
 import type { Runs } from "../store/run.ts";
 import { RefusalError, type Server } from "../store/server.ts";
-import { keepSettings, readSettings, withRecent } from "../store/settings.ts";
+import { followSettings, withRecent } from "../store/settings.ts";
 import { memoryShed, type Shed, shedOf } from "../store/shed.ts";
 import { type Clock, WALL_CLOCK } from "./clock.ts";
 import { connect } from "./connect.ts";
@@ -41,9 +42,6 @@ export interface PageOptions {
   readonly sheds?: { readonly own: Shed; readonly shared: Shed };
 }
 
-/** So many notices are kept. */
-const NOTICES_MAX = 1_000;
-
 /** The page, at work from now on. */
 export function startPage(options: PageOptions = {}): Page {
   const clock = options.clock ?? WALL_CLOCK;
@@ -53,10 +51,7 @@ export function startPage(options: PageOptions = {}): Page {
   let told = 0;
   const tell: Page["tell"] = (notice) => {
     told += 1;
-    const at_ms = clock.now();
-    const topic = notice.passing?.topic;
-    const before = notices.peek().filter(({ passing }) => !passing || passing.topic !== topic);
-    notices.value = [...before, { ...notice, id: told, at_ms }].slice(-NOTICES_MAX);
+    notices.value = withNotice(notices.peek(), notice, told, clock.now());
   };
   const house = signal<HouseStatus | null>(null);
   server.follow({
@@ -67,8 +62,7 @@ export function startPage(options: PageOptions = {}): Page {
   });
   const shelf = new Shelf(server.request);
   const { projects, libraries } = followFiles(server, house, shelf);
-  const settings = signal(readSettings(sheds.shared));
-  effect(() => keepSettings(sheds.shared, settings.value));
+  const settings = followSettings(sheds.shared);
   const ports = { server, shelf, clock, newId: newIds(), tell };
   const runs = followRuns(ports, house, (run) => shownRuns(machines.tabs.peek()).has(run));
   const machines = openMachines(ports, settings, runs);

@@ -2,7 +2,7 @@ import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 import type { Document, Edit } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
-import type { Notice } from "../store/page.ts";
+import type { Telling } from "../store/notices.ts";
 import { anyEdit } from "../store/predict/any_edit.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { FakeServer, MACHINE } from "./fake_server.ts";
@@ -22,7 +22,7 @@ const TEXT = `
 
 function setUp(document: Document = sketch(TEXT)) {
   const server = new FakeServer(document);
-  const notices: Omit<Notice, "id" | "at_ms">[] = [];
+  const notices: Telling[] = [];
   const shelf = new Shelf(server.request);
   const clock = new FakeClock();
   let count = 0;

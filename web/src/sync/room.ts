@@ -15,7 +15,7 @@ import type {
 } from "../model/generated/protocol.ts";
 import { type LibraryKey, libraryKey } from "../store/graft.ts";
 import { Mirror, type Touched } from "../store/mirror.ts";
-import type { Notice } from "../store/page.ts";
+import type { Notice, Page } from "../store/page.ts";
 import { foretell } from "../store/predict/foretell.ts";
 import type { EditAnswer, JumpAnswer, PendingEdit, Room } from "../store/room.ts";
 import { RefusalError, type Server } from "../store/server.ts";
@@ -30,7 +30,7 @@ export interface RoomPorts {
   readonly shelf: Shelf;
   readonly clock: Clock;
   readonly newId: () => string;
-  readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
+  readonly tell: Page["tell"];
 }
 
 /** A step's name has at most so many characters. */

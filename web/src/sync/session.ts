@@ -2,7 +2,7 @@
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../model/generated/protocol.ts";
-import type { Notice, OpenTab } from "../store/page.ts";
+import type { OpenTab, Page } from "../store/page.ts";
 import type { Runs } from "../store/run.ts";
 import { forgetGone } from "../store/selection.ts";
 import { RefusalError, type Server } from "../store/server.ts";
@@ -31,7 +31,7 @@ export interface SessionPorts {
   readonly runs: Pick<Runs, "all" | "refresh" | "watch">;
   /** Calls when the page is about to end. */
   readonly leaving: (call: () => void) => void;
-  readonly tell: (notice: Omit<Notice, "id" | "at_ms">) => void;
+  readonly tell: Page["tell"];
 }
 
 /** How machines are looked at is written when nothing has changed for so long: a camera in flight is none of it. */

@@ -8,8 +8,6 @@ import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
 import type { DialogProps } from "./dialogs.tsx";
 
-const LEVELS = ["0", "1", "2", "3", "5", "8"] as const;
-
 export function SettingsDialog({ answer }: DialogProps<undefined>) {
   const { page, commands, context } = useSession();
   const settings = useSignal(page.settings);
@@ -37,15 +35,6 @@ export function SettingsDialog({ answer }: DialogProps<undefined>) {
             { value: "pan", title: "Moves; with Ctrl it zooms" },
           ]}
           onChange={(wheel) => change({ wheel })}
-        />
-        <Select
-          label="Library content shows in place to so many levels"
-          value={String(settings.libraryLevels)}
-          options={LEVELS.map((level) => ({
-            value: level as string,
-            title: level === "0" ? "none" : level,
-          }))}
-          onChange={(levels) => change({ libraryLevels: Number(levels) })}
         />
         <div className="form-row">
           <Select

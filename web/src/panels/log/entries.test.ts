@@ -4,9 +4,9 @@ import type { Notice } from "../../store/page.ts";
 import { type Entry, entryOf, inOneLine, isWanted, lineEntry, merged } from "./entries.ts";
 
 const NOTICES: readonly Notice[] = [
-  { id: 1, at_ms: 10, level: "info", text: "Connected again" },
-  { id: 2, at_ms: 20, level: "warning", text: "Rename was not done" },
-  { id: 3, at_ms: 30, level: "error", text: "Not saved: disk full" },
+  { id: 1, at_ms: 10, level: "info", count: 1, text: "Connected again" },
+  { id: 2, at_ms: 20, level: "warning", count: 1, text: "Rename was not done" },
+  { id: 3, at_ms: 30, level: "error", count: 1, text: "Not saved: disk full" },
 ];
 
 function line(sequence: number, level: LogLevel, path: string, message: string): Entry {

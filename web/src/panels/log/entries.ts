@@ -3,6 +3,7 @@
 import type { LogLevel } from "../../model/generated/protocol.ts";
 import { isWithin } from "../../model/path.ts";
 import { readTraceback } from "../../model/traceback.ts";
+import { noticeText } from "../../store/notices.ts";
 import type { Notice } from "../../store/page.ts";
 import type { RunLine } from "../../store/run_log.ts";
 
@@ -30,8 +31,9 @@ export interface Wanted {
   readonly states: readonly string[] | null;
 }
 
-export function entryOf({ id, at_ms, level, text, about, action }: Notice): Entry {
-  return { id: `page ${id}`, at_ms, level, text, about, action };
+export function entryOf(notice: Notice): Entry {
+  const { id, at_ms, level, about, action } = notice;
+  return { id: `page ${id}`, at_ms, level, text: noticeText(notice), about, action };
 }
 
 /** `began_ms`: when the run began, by this browser's clock. */

@@ -1,0 +1,156 @@
+/** What was said and not closed, with what may be done about it: nothing that matters is gone with its toast. */
+
+import { Bell, CircleAlert, Info, TriangleAlert, X } from "lucide-react";
+import { type KeyboardEvent, useEffect, useRef, useState } from "react";
+import { useHost } from "../panels/context.tsx";
+import { goTo } from "../panels/go_to.ts";
+import { moment } from "../panels/moment.ts";
+import { noticeText, openNotices } from "../store/notices.ts";
+import type { Notice } from "../store/page.ts";
+import { Button, IconButton } from "../ui/button.tsx";
+import { useSignal } from "../ui/signals.ts";
+import { useSession } from "./provided.tsx";
+import { closeNotices } from "./session.ts";
+import "./notice_centre.css";
+
+/** The button in the upper edge, with how many notices nobody has seen here. */
+export function NoticeBell() {
+  const session = useSession();
+  const notices = useSignal(session.page.notices);
+  const closed = useSignal(session.closedNotices);
+  const [isOpen, setOpen] = useState(false);
+  const [seen, setSeen] = useState(() => notices.at(-1)?.id ?? 0);
+  const open = openNotices(notices, closed);
+  const fresh = isOpen ? [] : open.filter(({ id }) => id > seen);
+  const toggle = () => {
+    setSeen(notices.at(-1)?.id ?? 0);
+    setOpen(!isOpen);
+  };
+  const close = () => {
+    setSeen(notices.at(-1)?.id ?? 0);
+    setOpen(false);
+  };
+  const label = fresh.length === 0 ? "Notices" : `Notices: ${fresh.length} new`;
+  return (
+    <div className="notice-place">
+      <button
+        type="button"
+        className={`icon-button notice-bell ${worstOf(fresh)}`}
+        aria-label={label}
+        title={label}
+        aria-expanded={isOpen}
+        onClick={toggle}
+      >
+        <Bell size={16} aria-hidden />
+        {fresh.length > 0 && <span className="notice-count">{Math.min(fresh.length, 99)}</span>}
+      </button>
+      {isOpen && <Centre open={open} onClose={close} />}
+    </div>
+  );
+}
+
+function worstOf(notices: readonly Notice[]): string {
+  const worst = (["error", "warning", "info"] as const).find((level) =>
+    notices.some((notice) => notice.level === level),
+  );
+  return worst ? `notice-bell-${worst}` : "";
+}
+
+function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => void }) {
+  const session = useSession();
+  const place = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const before = document.activeElement;
+    place.current?.focus();
+    return () => {
+      if (before instanceof HTMLElement && before.isConnected) before.focus();
+    };
+  }, []);
+  const last = useRef(onClose);
+  last.current = onClose;
+  useEffect(() => {
+    const pressed = ({ target }: PointerEvent) => {
+      const around = place.current?.parentElement;
+      if (around && target instanceof Node && !around.contains(target)) last.current();
+    };
+    document.addEventListener("pointerdown", pressed);
+    return () => document.removeEventListener("pointerdown", pressed);
+  }, []);
+  const key = (event: KeyboardEvent) => {
+    if (event.key !== "Escape") return;
+    event.stopPropagation();
+    onClose();
+  };
+  return (
+    <section
+      ref={place}
+      className="notice-centre"
+      aria-label="Notice centre"
+      tabIndex={-1}
+      onKeyDown={key}
+    >
+      <div className="notice-head">
+        <h2 className="notice-title">Notices</h2>
+        {open.length > 0 && (
+          <Button kind="quiet" onClick={() => closeNotices(session, open)}>
+            Close all
+          </Button>
+        )}
+      </div>
+      {open.length === 0 ? (
+        <p className="notice-none">Nothing is left. The log keeps what was said.</p>
+      ) : (
+        <ul className="notice-list">
+          {open.map((notice) => (
+            <Line key={notice.id} notice={notice} onLeave={onClose} />
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+const SIGNS = { info: Info, warning: TriangleAlert, error: CircleAlert };
+
+function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
+  const session = useSession();
+  const host = useHost();
+  const { action, about, level, at_ms } = notice;
+  const Sign = SIGNS[level];
+  const close = () => closeNotices(session, [notice]);
+  const tab = about && session.page.tabs.peek().find(({ room }) => room.id === about.machine);
+  const element = about?.element;
+  return (
+    <li className={`notice notice-${level}`}>
+      <Sign size={15} aria-hidden />
+      <div className="notice-body">
+        <span className="notice-text">{noticeText(notice)}</span>
+        <span className="notice-foot">
+          <time>{moment(at_ms, Date.now())}</time>
+          {tab && element && (
+            <Button
+              kind="quiet"
+              onClick={() => {
+                onLeave();
+                goTo(host, tab, element);
+              }}
+            >
+              Show
+            </Button>
+          )}
+          {action && (
+            <Button
+              onClick={() => {
+                close();
+                session.commands.run(action.command, session.context(), action.argument);
+              }}
+            >
+              {action.title}
+            </Button>
+          )}
+        </span>
+      </div>
+      <IconButton label="Close notice" icon={<X size={14} />} onClick={close} />
+    </li>
+  );
+}

@@ -1,0 +1,112 @@
+// @vitest-environment happy-dom
+import { signal } from "@preact/signals-core";
+import { act } from "react";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { allCommands } from "../commands/all.ts";
+import { stand } from "../commands/stand.ts";
+import { PanelHostProvider } from "../panels/context.tsx";
+import { type Telling, withNotice } from "../store/notices.ts";
+import type { Notice, Page } from "../store/page.ts";
+import { click, mount, press, unmount } from "../ui/mounted.tsx";
+import { NoticeBell } from "./notice_centre.tsx";
+import { SessionProvider } from "./provided.tsx";
+import { newSession } from "./session.ts";
+import { Toasts } from "./toasts.tsx";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => {
+  unmount();
+  vi.useRealTimers();
+});
+
+function shown() {
+  const { page: plain } = stand("R hierarchy");
+  const notices = signal<readonly Notice[]>([]);
+  const page = { ...plain, notices } as unknown as Page;
+  const session = newSession(page, allCommands());
+  const run: string[] = [];
+  session.commands.run = (id, _, argument) => {
+    run.push(`${id} ${JSON.stringify(argument)}`);
+    return true;
+  };
+  const place = mount(
+    <SessionProvider value={session}>
+      <PanelHostProvider value={{ commands: session.commands, context: session.context }}>
+        <NoticeBell />
+        <Toasts />
+      </PanelHostProvider>
+    </SessionProvider>,
+  );
+  let count = 0;
+  const tell = (...tellings: readonly Telling[]) =>
+    act(() => {
+      for (const telling of tellings) {
+        count += 1;
+        notices.value = withNotice(notices.value, telling, count, count);
+      }
+    });
+  const toasts = () => [...place.querySelectorAll(".toast-text")].map((each) => each.textContent);
+  const button = (name: RegExp) =>
+    [...place.querySelectorAll("button")].find((each) =>
+      name.test(each.getAttribute("aria-label") ?? each.textContent ?? ""),
+    ) ?? null;
+  const centre = () => [...place.querySelectorAll(".notice-text")].map((each) => each.textContent);
+  return { tell, toasts, button, centre, run, place };
+}
+
+const USE: Telling = {
+  level: "info",
+  text: "Saved as library arm/grasp.",
+  action: { title: "Use it here", command: "arrange.substitute", argument: { path: "R/A" } },
+};
+
+test("equal refusals are one toast that counts, and none is left over for later", () => {
+  const { tell, toasts } = shown();
+  tell(...Array.from({ length: 169 }, () => ({ level: "warning" as const, text: "refused" })));
+  expect(toasts()).toEqual(["refused (169 times)"]);
+  act(() => void vi.advanceTimersByTime(11_000));
+  expect(toasts()).toEqual([]);
+});
+
+test("what newer notices pushed away does not come back when they go", () => {
+  const { tell, toasts } = shown();
+  const all = Array.from({ length: 9 }, (_, at) => ({ level: "info" as const, text: `${at}` }));
+  tell(...all);
+  expect(toasts()).toEqual(["5", "6", "7", "8"]);
+  act(() => void vi.advanceTimersByTime(6_000));
+  expect(toasts()).toEqual([]);
+});
+
+test("an action is still to be had in the notice centre when its toast has gone", () => {
+  const { tell, toasts, button, centre, run } = shown();
+  tell(USE);
+  act(() => void vi.advanceTimersByTime(60_000));
+  expect(toasts()).toEqual([]);
+  expect(button(/^Notices/)?.getAttribute("aria-label")).toBe("Notices: 1 new");
+  click(button(/^Notices/));
+  expect(centre()).toEqual(["Saved as library arm/grasp."]);
+  click(button(/^Use it here$/));
+  expect(run).toEqual(['arrange.substitute {"path":"R/A"}']);
+  expect(centre()).toEqual([]);
+});
+
+test("all notices are closed at once, and Escape closes the notice centre", () => {
+  const { tell, button, centre, place } = shown();
+  tell(USE, { level: "error", text: "lost" });
+  click(button(/^Notices/));
+  expect(centre()).toEqual(["lost", "Saved as library arm/grasp."]);
+  click(button(/^Close all$/));
+  expect(centre()).toEqual([]);
+  expect(button(/^Notices/)?.getAttribute("aria-label")).toBe("Notices");
+  press(place.querySelector(".notice-centre"), "Escape");
+  expect(place.querySelector(".notice-centre")).toBeNull();
+});
+
+test("a notice that was closed is new again when it is said again", () => {
+  const { tell, button, centre } = shown();
+  tell(USE);
+  click(button(/^Close notice$/));
+  tell(USE);
+  click(button(/^Notices/));
+  expect(centre()).toEqual(["Saved as library arm/grasp. (2 times)"]);
+});
