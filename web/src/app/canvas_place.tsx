@@ -1,5 +1,7 @@
 /** The place of the canvas of a machine, with its context menu. */
 
+import { signal } from "@preact/signals-core";
+import { CircleAlert } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import type { CanvasControl } from "../canvas/control.ts";
 import { mountCanvas } from "../canvas/mount.ts";
@@ -10,6 +12,7 @@ import type { ElementRef } from "../model/element.ts";
 import type { Point } from "../model/geometry.ts";
 import { useIsOld } from "../panels/run_age.ts";
 import type { OpenTab } from "../store/page.ts";
+import { Button } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { BranchSteps } from "./branch_steps.tsx";
@@ -21,6 +24,7 @@ import { SentCommands } from "./sent_commands.tsx";
 import { isInMission } from "./session.ts";
 
 const NO_MARKS = new Map<never, never>();
+const NO_FAULT = signal<string | null>(null);
 
 interface OpenMenu {
   readonly at: Point;
@@ -64,9 +68,20 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
       mounted.dispose();
     };
   }, [tab, page, commands, context, canvas]);
+  const fault = useSignal(picture?.fault ?? NO_FAULT);
   return (
     <div className="canvas-place">
-      <div ref={place} className={isOld ? "canvas-mount is-old" : "canvas-mount"} />
+      <div
+        ref={place}
+        className={`canvas-mount ${isOld ? "is-old" : ""} ${fault === null ? "" : "is-broken"}`}
+      />
+      {fault !== null && (
+        <div className="canvas-fault" role="alert">
+          <CircleAlert size={16} aria-hidden />
+          <span>The picture of the machine is old: it cannot be drawn anew ({fault}).</span>
+          <Button onClick={() => picture?.redraw()}>Draw again</Button>
+        </div>
+      )}
       {watch && picture && <BranchSteps tab={tab} watch={watch} picture={picture} />}
       <HeatLegend tab={tab} />
       {watch && !isTold && <SentCommands watch={watch} />}

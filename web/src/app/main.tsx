@@ -7,6 +7,7 @@ import { createRoot } from "react-dom/client";
 import { allCommands } from "../commands/all.ts";
 import { startPage } from "../sync/page.ts";
 import { App } from "./app.tsx";
+import { tellMishaps } from "./mishaps.ts";
 import { newSession } from "./session.ts";
 import { wearTheme } from "./theme.ts";
 import { keepTitle } from "./title.ts";
@@ -15,6 +16,7 @@ const place = document.getElementById("app");
 if (place) {
   const page = startPage();
   const session = newSession(page, allCommands());
+  tellMishaps(page, window);
   wearTheme(page, window);
   keepTitle(page, document);
   const { commands, context } = session;

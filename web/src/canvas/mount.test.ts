@@ -21,6 +21,7 @@ function mount(view = newView(), extras: () => Extras = () => ({})) {
   const menus: string[] = [];
   const page = {
     settings: signal(FIRST_SETTINGS),
+    server: { link: signal({ state: "connecting" }) },
     tell: ({ text }: { readonly text: string }) => told.push(text),
   } as unknown as Page;
   const mounted = mountCanvas(place, {
@@ -233,4 +234,34 @@ test("nothing is left when it is gone", () => {
   const before = camera.value;
   root.dispatchEvent(new WheelEvent("wheel", { deltaY: -120 }));
   expect(camera.value).toBe(before);
+});
+
+test("a picture that cannot be drawn says so, and that it can again", () => {
+  const context = new Proxy(
+    {},
+    { get: () => () => ({ width: 1, addColorStop: () => {} }), set: () => true },
+  );
+  vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockReturnValue(context as never);
+  vi.spyOn(console, "error").mockImplementation(() => {});
+  const frames: FrameRequestCallback[] = [];
+  vi.stubGlobal("requestAnimationFrame", (call: FrameRequestCallback) => frames.push(call));
+  const pass = () => {
+    for (const call of frames.splice(0)) call(0);
+  };
+  let broken = true;
+  const made = mount(newView(), () => ({
+    get later_ms(): number {
+      if (broken) throw new Error("no such lane");
+      return 0;
+    },
+  }));
+  open.push(made.mounted);
+  const { picture } = made.mounted;
+  expect(() => pass()).not.toThrow();
+  expect(picture.fault.value).toBe("no such lane");
+  broken = false;
+  picture.redraw();
+  pass();
+  expect(picture.fault.value).toBeNull();
+  vi.unstubAllGlobals();
 });

@@ -55,6 +55,8 @@ export interface Picture {
   readonly colours: () => Colours;
   /** Another number whenever the colours are others. */
   readonly theme: ReadonlySignal<number>;
+  /** Why it could not be drawn the last time: what is to be seen is old. Null if it could. */
+  readonly fault: ReadonlySignal<string | null>;
   /** Told after each painted frame. Returns the way to stop. */
   readonly onFrame: (listener: () => void) => () => void;
   readonly dispose: () => void;
@@ -75,6 +77,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   place.append(canvas);
   const context = canvas.getContext("2d", { alpha: false, desynchronized: false });
   const theme = signal(0);
+  const fault = signal<string | null>(null);
   let colours: Colours = coloursOf(place);
   let measure = context && measureWith(context);
   let size: Size = { width: place.clientWidth, height: place.clientHeight };
@@ -90,7 +93,6 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     return placesOf(room.machine, shown, options.overlay());
   };
   const draw = () => {
-    frame = 0;
     if (!context || !measure || size.width === 0 || size.height === 0) return;
     const from = performance.now();
     const routing = routingTime(FRAME_MS - lasted);
@@ -109,8 +111,19 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     else ahead.look(list.soon);
     for (const listener of listeners) listener();
   };
+  /** Draws; what is thrown here nobody else would catch, and the last picture would stay as if it were true. */
+  const drawOrTell = () => {
+    frame = 0;
+    try {
+      draw();
+      fault.value = null;
+    } catch (error) {
+      console.error(error);
+      fault.value = error instanceof Error ? error.message : String(error);
+    }
+  };
   const redraw = () => {
-    if (frame === 0) frame = requestAnimationFrame(draw);
+    if (frame === 0) frame = requestAnimationFrame(drawOrTell);
   };
   const libraries = loader(room, () => redraw());
   const stop = watch(place, options, {
@@ -141,6 +154,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     redraw,
     colours: () => colours,
     theme,
+    fault,
     onFrame: (listener) => {
       listeners.add(listener);
       return () => listeners.delete(listener);

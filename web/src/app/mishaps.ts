@@ -1,0 +1,26 @@
+/** Mistakes of the program that nothing else catches are said to the user: what fails silently looks as if it worked. */
+
+import type { Page } from "../store/page.ts";
+
+/** Browsers report this of layouts that settle one frame later; nothing is wrong. */
+const HARMLESS = /^ResizeObserver loop/;
+
+/** Listens to a window until the returned function is called. */
+export function tellMishaps(page: Pick<Page, "tell">, view: Window): () => void {
+  const tell = (fault: unknown, message?: string) => {
+    const text = fault instanceof Error ? fault.message : String(fault ?? message);
+    if (HARMLESS.test(text)) return;
+    page.tell({
+      level: "error",
+      text: `The page made a mistake: ${text}. If something does not answer any more, load the page again; edits are kept.`,
+    });
+  };
+  const failed = ({ error, message }: ErrorEvent) => tell(error, message);
+  const rejected = ({ reason }: PromiseRejectionEvent) => tell(reason);
+  view.addEventListener("error", failed);
+  view.addEventListener("unhandledrejection", rejected);
+  return () => {
+    view.removeEventListener("error", failed);
+    view.removeEventListener("unhandledrejection", rejected);
+  };
+}
