@@ -67,3 +67,31 @@ journey("a script is written and applied as one step", HERE, async ({ app }) => 
     LABEL,
   );
 });
+
+journey(
+  "a description cannot cover the page, and its links open beside it",
+  HERE,
+  async ({ app }) => {
+    await app.select(LABEL);
+    const shows = async (text: string) => {
+      const write = { name: /^(Describe this state|Edit the description)$/ };
+      await app.sheet.getByRole("button", write).click();
+      await app.sheet.getByLabel("Description, in Markdown").fill(text);
+      await app.sheet.keyboard.press("Control+Enter");
+      await app.settled();
+      const shown = await app.sheet.locator(".inspector-markdown").innerHTML();
+      return shown.trim();
+    };
+    expect(await shows('<p style="position:fixed" class="menu-shield" id="app">over</p>')).toBe(
+      "<p>over</p>",
+    );
+    expect(await shows('a <svg width="9"><rect></rect></svg><button>b</button>')).toBe(
+      "<p>a b</p>",
+    );
+    expect(await shows("<img src=x onerror=alert(1)><script>alert(1)</script>t")).toBe("<p>t</p>");
+    expect(await shows("[docs](https://example.org) [run](javascript:alert)")).toBe(
+      '<p><a href="https://example.org" target="_blank" rel="noopener noreferrer">docs</a> <a>run</a></p>',
+    );
+    expect(await shows("- [x] **done**")).toBe("<ul>\n<li>☑ <strong>done</strong></li>\n</ul>");
+  },
+);

@@ -1,14 +1,13 @@
 /** The description of a state: Markdown, shown as it reads, written as it stands. */
 
-import DOMPurify from "dompurify";
 import { Pencil } from "lucide-react";
-import { marked } from "marked";
 import { type KeyboardEvent, useId, useMemo, useState } from "react";
 import { setDescription } from "../../plan/states.ts";
 import { type DraftPlace, drafts } from "../../store/drafts.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
+import { safeHtml } from "./markdown.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import type { SeenState } from "./seen.ts";
 
@@ -114,10 +113,7 @@ function Writing({ seen: { path, state, edit }, place, onDone }: WritingProps) {
 
 /** Text as Markdown; what could run or load anything is taken out. */
 function Markdown({ text }: { text: string }) {
-  const html = useMemo(() => {
-    const made = marked.parse(text, { async: false, gfm: true, breaks: true });
-    return DOMPurify.sanitize(made, { FORBID_TAGS: ["style", "form", "input", "img"] });
-  }, [text]);
+  const html = useMemo(() => safeHtml(text), [text]);
   return (
     <div
       className="inspector-markdown"
