@@ -69,7 +69,7 @@ journey(
     await other.sheet.reload();
     await other.connected();
     await other.open("library_reuse");
-    await other.press("Control+Alt+l");
+    await other.press("Control+Shift+l");
     await other.settled();
     const foreign = asked.filter(
       (url) => !url.startsWith(server.url) && !url.startsWith("data:") && !url.startsWith("blob:"),

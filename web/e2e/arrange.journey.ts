@@ -63,7 +63,7 @@ journey(
   HERE,
   async ({ app }) => {
     const { layout } = await app.state(PART);
-    await app.press("Control+Alt+l");
+    await app.press("Control+Shift+l");
     await app.until(({ tab }) => (tab?.room.steps.value.steps.length ?? 0) > 0, null);
     await app.settled();
     expect((await app.state(PART)).layout).not.toEqual(layout);

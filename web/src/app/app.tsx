@@ -1,7 +1,8 @@
 /** The whole page: who is let in sees the upper edge, the canvas and the panels. */
 
-import { useEffect, useMemo, useState } from "react";
+import { useCallback, useEffect, useMemo, useState } from "react";
 import { PanelHostProvider } from "../panels/context.tsx";
+import { LostTexts } from "../ui/field.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { OpenDialogs } from "./dialogs/dialogs.tsx";
@@ -20,11 +21,17 @@ import "./app.css";
 
 export function App({ session }: { session: AppSession }) {
   const host = useMemo(() => ({ commands: session.commands, context: session.context }), [session]);
+  const lost = useCallback(
+    (text: string) => session.page.tell({ level: "warning", text }),
+    [session],
+  );
   return (
     <SessionProvider value={session}>
       <PanelHostProvider value={host}>
-        <Door />
-        <OpenDialogs />
+        <LostTexts.Provider value={lost}>
+          <Door />
+          <OpenDialogs />
+        </LostTexts.Provider>
         <Palette />
         <Toasts />
       </PanelHostProvider>

@@ -2,8 +2,8 @@
 
 import { Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
-import { mayEdit } from "../commands/subject.ts";
 import type { OpenTab } from "../store/page.ts";
+import { mayEdit } from "../store/rights.ts";
 import { Button } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";

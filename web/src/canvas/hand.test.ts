@@ -91,3 +91,29 @@ test("the pointer knows the container that it is over", () => {
     at: { x: 400, y: 250 },
   });
 });
+
+test("what may not be edited says so at the pointer and when it is let go, and nothing is sent", () => {
+  const fixed = "This is the machine as the run went by it.";
+  const canvas = driver();
+  canvas.whyFixed = fixed;
+  canvas.press("A").by(30, 30);
+  expect(canvas.hand.overlay.value.message?.text).toBe(fixed);
+  expect(canvas.hand.overlay.value.boxes.size).toBe(0);
+  canvas.release();
+  canvas.select("state:R/A").key("ArrowRight", { ctrl: true });
+  canvas.bring({ insert: "execution" }, { x: 500, y: 300 }).drop();
+  canvas.hand.rename("R/A");
+  expect([canvas.room.made, canvas.renamed]).toEqual([[], []]);
+  expect(canvas.refusals).toEqual([fixed, fixed, fixed, fixed]);
+});
+
+test("who may not edit still selects and looks around", () => {
+  const canvas = driver();
+  canvas.whyFixed = "You may look at it.";
+  canvas.click("B");
+  expect(canvas.selection()).toBe("state:R/B");
+  canvas.press({ x: 10, y: 790 }).by(40, 40);
+  expect(canvas.hand.overlay.value.message).toBeNull();
+  canvas.release();
+  expect(canvas.refusals).toEqual([]);
+});

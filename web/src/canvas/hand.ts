@@ -11,7 +11,7 @@ import {
   type Size,
 } from "../model/geometry.ts";
 import { isContainer } from "../model/machine.ts";
-import { isRefused, type Planned } from "../plan/plan.ts";
+import { isRefused, type Planned, refused } from "../plan/plan.ts";
 import { rename as renamePlan } from "../plan/states.ts";
 import type { Dragged } from "../store/dragged.ts";
 import type { OpenTab } from "../store/page.ts";
@@ -45,6 +45,8 @@ export interface Desk {
   /** Where the camera flies to; where it is if it does not fly. */
   readonly heading: () => Camera;
   readonly run: (command: string, argument?: unknown) => void;
+  /** Why nothing may be edited here; null if it may be. */
+  readonly whyFixed: () => string | null;
   /** Says why something cannot be done. */
   readonly refuse: (reason: string) => void;
   readonly rename: (path: string) => void;
@@ -54,6 +56,9 @@ interface Touch {
   readonly id: number;
   readonly at: Point;
 }
+
+/** Gestures that edit nothing. */
+const HARMLESS: ReadonlySet<string> = new Set(["press", "pan", "band"]);
 
 const MOUSE_TOLERANCE = 8;
 const TOUCH_TOLERANCE = 16;
@@ -287,8 +292,10 @@ export class Hand {
     const [state, box] = [room.machine.state(path), this.places().box(path)];
     if (!state || !box) return;
     const same = renamePlan(room.machine, path, state.name);
-    if (isRefused(same) && room.machine.isInLibrary(path)) {
-      this.#desk.refuse(same.refused);
+    const isInner = isRefused(same) && room.machine.isInLibrary(path);
+    const why = this.#desk.whyFixed() ?? (isInner ? same.refused : null);
+    if (why !== null) {
+      this.#desk.refuse(why);
       return;
     }
     const { camera } = view;
@@ -307,8 +314,11 @@ export class Hand {
   connect(): void {
     const [from] = selected(this.#desk.tab.view);
     const port = from && firstPort(this.#desk.tab.room.machine, from);
-    if (!port) {
-      this.#desk.refuse("Select a state or a port first: there the connection begins.");
+    const why =
+      this.#desk.whyFixed() ??
+      (port ? null : "Select a state or a port first: there the connection begins.");
+    if (why !== null || !port) {
+      this.#desk.refuse(why ?? "");
       return;
     }
     this.#become(connecting(port, null, this.around(), true));
@@ -360,14 +370,30 @@ export class Hand {
     return { path, at: inState(places, path, world) };
   }
 
-  #become(gesture: Gesture): void {
+  #become(wanted: Gesture): void {
     const { view } = this.#desk.tab;
+    const gesture = this.#allowed(wanted);
     const before = this.#gesture;
     this.#gesture = gesture;
     if (gesture.select && before?.select !== gesture.select) select(view, gesture.select);
     if (gesture.camera) view.camera.value = gesture.camera;
     this.overlay.value = gesture.overlay;
     this.cursor.value = gesture.cursor;
+  }
+
+  /** The gesture; where nothing may be edited, one that would edit shows why not instead of what would come of it. */
+  #allowed(gesture: Gesture): Gesture {
+    const why = HARMLESS.has(gesture.name) ? null : this.#desk.whyFixed();
+    if (why === null) return gesture;
+    const { cycle: _, mark: __, ...rest } = gesture;
+    return {
+      ...rest,
+      cursor: "not-allowed",
+      overlay: this.#pointer
+        ? { ...NO_OVERLAY, message: { at: this.#pointer, text: why, bad: true } }
+        : NO_OVERLAY,
+      result: () => ({ plan: refused(why) }),
+    };
   }
 
   #drop(): void {
@@ -392,8 +418,9 @@ export class Hand {
 
   /** Sends what is planned. What cannot be foretold shows as the gesture left it until the server answers. */
   apply(plan: Planned, overlay: Overlay = NO_OVERLAY): void {
-    if (isRefused(plan)) {
-      this.#desk.refuse(plan.refused);
+    const why = this.#desk.whyFixed() ?? (isRefused(plan) ? plan.refused : null);
+    if (why !== null || isRefused(plan)) {
+      this.#desk.refuse(why ?? "");
       return;
     }
     const { room, view } = this.#desk.tab;

@@ -8,6 +8,7 @@ import { isRefused } from "../plan/plan.ts";
 import { rename } from "../plan/states.ts";
 import { dragged } from "../store/dragged.ts";
 import type { OpenTab, Page } from "../store/page.ts";
+import { whyFixed } from "../store/rights.ts";
 import { select, selected, selectedStates } from "../store/view.ts";
 import { panned, screenBox, visibleBox } from "./camera.ts";
 import type { CanvasControl } from "./control.ts";
@@ -56,6 +57,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     fly: (to) => flight.to(to),
     heading: () => flight.goal,
     run: options.run,
+    whyFixed: () => whyFixed(page, tab),
     refuse: (text) => page.tell({ level: "warning", text }),
     rename: (path) => {
       closeField();

@@ -240,7 +240,7 @@ const LAID_OUT: readonly Command[] = [
   {
     id: "arrange.layout-level",
     title: "Automatic layout of this level",
-    keys: ["Ctrl+Alt+L"],
+    keys: ["Ctrl+Shift+L"],
     menu: "Arrange/3",
     enabled: (context) => canEdit(context) && containerToLayOut(context) !== null,
     run: (context) => layOutFrom(context, containerToLayOut(context), false),

@@ -1,9 +1,9 @@
 /** How tabs are closed: nothing that is not saved goes without a word. */
 
 import type { OpenTab } from "../store/page.ts";
+import { mayEdit } from "../store/rights.ts";
 import type { Context } from "./command.ts";
 import { isChanged, saveTab } from "./save.ts";
-import { mayEdit } from "./subject.ts";
 
 /** Closes the tab; what is not saved is asked for. True if it is closed. */
 export async function closeTab(context: Context, tab: OpenTab): Promise<boolean> {

@@ -2,13 +2,14 @@
 
 import type { MachineFile, MachineSummary } from "../model/generated/protocol.ts";
 import type { OpenTab } from "../store/page.ts";
+import { mayEdit } from "../store/rights.ts";
 import type { Link } from "../store/server.ts";
 import { RefusalError } from "../store/server.ts";
 import { closeTab } from "./close.ts";
 import type { Command, Context } from "./command.ts";
 import { openLibrary, showLibrary } from "./library_machine.ts";
 import { compare, isChanged, requestId, saveElsewhere, saveState, saveTab } from "./save.ts";
-import { canEdit, libraryAround, mayEdit, onlyState } from "./subject.ts";
+import { canEdit, libraryAround, onlyState } from "./subject.ts";
 
 const isOpen = (context: Context) => context.tab !== null;
 

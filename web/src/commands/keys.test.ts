@@ -18,6 +18,13 @@ test("a pressed key has one name, whatever the modifiers make of it", () => {
   expect(keyName({ ...none, key: "Shift", code: "ShiftLeft", shiftKey: true })).toBeNull();
 });
 
+test("AltGr types a sign, and is not taken for Ctrl+Alt", () => {
+  const altGr = { getModifierState: (name: string) => name === "AltGraph" };
+  const held = { ...none, ctrlKey: true, altKey: true, ...altGr };
+  expect(keyName({ ...held, key: "}", code: "Digit0" })).toBe("}");
+  expect(keyName({ ...held, key: "@", code: "KeyQ" })).toBe("@");
+});
+
 test("keys that people write are read, in any order and case", () => {
   expect(readKey("shift+ctrl+z")).toBe("Ctrl+Shift+Z");
   expect(readKey("delete")).toBe("Delete");

@@ -11,6 +11,7 @@ export interface Pressed {
   readonly metaKey: boolean;
   readonly altKey: boolean;
   readonly shiftKey: boolean;
+  readonly getModifierState?: (name: string) => boolean;
 }
 
 const NAMES: Readonly<Record<string, string>> = {
@@ -29,14 +30,17 @@ const MODIFIERS = new Set(["Control", "Shift", "Alt", "Meta", "AltGraph", "CapsL
 /** The name of what was pressed: `Ctrl+Shift+Z`, `F2`, `S`, `?`; null of a modifier alone. */
 export function keyName(event: Pressed): string | null {
   if (MODIFIERS.has(event.key)) return null;
-  const held = event.ctrlKey || event.metaKey || event.altKey;
-  const key = plainKey(event, held);
+  // Windows reports AltGr as Ctrl and Alt held together: it types a sign and is none of them.
+  const isAltGr = event.getModifierState?.("AltGraph") ?? false;
+  const ctrl = !isAltGr && (event.ctrlKey || event.metaKey);
+  const alt = !isAltGr && event.altKey;
+  const key = plainKey(event, ctrl || alt);
   const isSign = key.length === 1 && !/[\p{L}\d]/u.test(key);
   const shift = event.shiftKey && !(isSign || key === "Plus");
   return [
-    ...(event.ctrlKey || event.metaKey ? ["Ctrl"] : []),
+    ...(ctrl ? ["Ctrl"] : []),
     ...(shift ? ["Shift"] : []),
-    ...(event.altKey ? ["Alt"] : []),
+    ...(alt ? ["Alt"] : []),
     key,
   ].join("+");
 }

@@ -3,11 +3,11 @@
 import type { Machine } from "../model/machine.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
 import type { OpenTab, Page } from "../store/page.ts";
+import { whyFixed } from "../store/rights.ts";
 import { wasRefused } from "../store/room.ts";
 import { isThere } from "../store/selection.ts";
 import { select } from "../store/view.ts";
 import type { Context } from "./command.ts";
-import { mayEdit } from "./subject.ts";
 
 /** Makes the edit in the machine in front; false if it was refused, which the user is told. */
 export function perform(context: Context, plan: (machine: Machine) => Planned): Promise<boolean> {
@@ -16,14 +16,7 @@ export function perform(context: Context, plan: (machine: Machine) => Planned): 
 }
 
 export async function performIn(page: Page, tab: OpenTab, planned: Planned): Promise<boolean> {
-  if (!mayEdit(page)) {
-    page.tell({
-      level: "warning",
-      text: "You may look at this machine but not edit it: ask an admin for the role engineer.",
-    });
-    return false;
-  }
-  const why = tab.room.fixed ?? (isRefused(planned) ? planned.refused : null);
+  const why = whyFixed(page, tab) ?? (isRefused(planned) ? planned.refused : null);
   if (why !== null || isRefused(planned)) {
     page.tell({ level: "warning", text: why ?? "" });
     return false;

@@ -7,15 +7,9 @@ import { isContainer, type Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import { stateAt } from "../plan/legal.ts";
 import { isRefused } from "../plan/plan.ts";
-import type { Page } from "../store/page.ts";
+import { mayEdit } from "../store/rights.ts";
 import { selected, selectedStates } from "../store/view.ts";
 import type { Context } from "./command.ts";
-
-/** Whether the session may edit. While the server cannot be asked, what is done waits for it. */
-export function mayEdit(page: Page): boolean {
-  const link = page.server.link.value;
-  return link.state !== "up" || link.session.rights.includes("edit");
-}
 
 /** Whether the machine in front can be edited. */
 export function canEdit(context: Context): boolean {

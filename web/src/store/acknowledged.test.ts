@@ -4,6 +4,7 @@ import type { Event, JsonValue } from "../model/generated/protocol.ts";
 import { acknowledge, failures, openFailures } from "./acknowledged.ts";
 import { Journal } from "./journal.ts";
 import { memoryShed } from "./shed.ts";
+import { twoTabs } from "./testing/two_tabs.ts";
 
 /** A run whose journal grows by what is told. */
 function run(id: string) {
@@ -129,4 +130,24 @@ test("what was acknowledged is kept by run, and old runs make room", () => {
   const all = shed.get("rafcon.acknowledged") as Record<string, readonly number[]>;
   expect(Object.keys(all)).toHaveLength(50);
   expect(all["kept 59"]).toEqual([59]);
+});
+
+test("the browser is listened to once, however many runs are looked at", () => {
+  const [here, there] = twoTabs();
+  let listeners = 0;
+  const shed = {
+    ...here,
+    whenOther: (key: string, told: () => void) => {
+      listeners += 1;
+      here.whenOther(key, told);
+    },
+  };
+  const runs = [run("many 1"), run("many 2"), run("many 3")];
+  for (const { watch, tell } of runs) {
+    tell(left("R/A"));
+    acknowledge(watch, [], shed);
+  }
+  expect(listeners).toBe(1);
+  there.put("rafcon.acknowledged", { "many 2": [1] });
+  expect(runs.map(({ watch }) => words(watch).length)).toEqual([1, 0, 1]);
 });

@@ -15,7 +15,7 @@ type Known = Pick<Watch, "id" | "journal" | "grown">;
 
 interface About {
   readonly failures: ReadonlySignal<readonly Failure[]>;
-  readonly acknowledged: Signal<ReadonlySet<number>>;
+  readonly acknowledged: ReadonlySignal<ReadonlySet<number>>;
   readonly open: ReadonlySignal<readonly Failure[]>;
 }
 
@@ -38,16 +38,17 @@ export function countWanting(watch: Watch | null): number {
 }
 
 /** The sequence numbers of what was acknowledged. */
-export function acknowledged(watch: Known): Signal<ReadonlySet<number>> {
+export function acknowledged(watch: Known): ReadonlySignal<ReadonlySet<number>> {
   return about(watch).acknowledged;
 }
 
 /** Acknowledges failures by their sequence numbers. */
 export function acknowledge(watch: Known, sequences: Iterable<number>, shed: Shed = SHED): void {
-  const { acknowledged } = about(watch);
+  const { acknowledged } = about(watch, shed);
   const all = [...new Set([...acknowledged.peek(), ...sequences])].slice(-KEPT_MAX);
-  acknowledged.value = new Set(all);
-  const { [watch.id]: _, ...others } = kept<Record<string, readonly number[]>>(shed, KEY) ?? {};
+  const known = knownIn(shed);
+  known.value = { ...known.peek(), [watch.id]: all };
+  const { [watch.id]: _, ...others } = readKept(shed);
   const runs = [...Object.entries(others), [watch.id, all] as const].slice(-RUNS_MAX);
   shed.put(KEY, Object.fromEntries(runs));
 }
@@ -60,8 +61,9 @@ function about(watch: Known, shed: Shed = SHED): About {
     watch.grown.value;
     return walker.found(watch.journal);
   });
-  const acknowledged = signal<ReadonlySet<number>>(new Set(keptOf(watch.id, shed)));
-  takeFromOthers(acknowledged, watch.id, shed);
+  const known = knownIn(shed);
+  const own = computed(() => known.value[watch.id]);
+  const acknowledged = computed<ReadonlySet<number>>(() => new Set(own.value));
   const open = computed(() => {
     const done = acknowledged.value;
     return failures.value.filter(({ sequence }) => !done.has(sequence));
@@ -71,14 +73,37 @@ function about(watch: Known, shed: Shed = SHED): About {
   return made;
 }
 
-/** What is acknowledged in another tab of the browser is acknowledged here. */
-function takeFromOthers(known: Signal<ReadonlySet<number>>, run: string, shed: Shed): void {
+type ByRun = Readonly<Record<string, readonly number[]>>;
+
+const KNOWN = new WeakMap<Shed, Signal<ByRun>>();
+
+/** What was acknowledged of all runs, here and in the other tabs of the browser. */
+function knownIn(shed: Shed): Signal<ByRun> {
+  const there = KNOWN.get(shed);
+  if (there) return there;
+  const known = signal(readKept(shed));
+  KNOWN.set(shed, known);
   shed.whenOther(KEY, () => {
-    known.value = new Set([...known.peek(), ...keptOf(run, shed)]);
+    known.value = withMore(known.peek(), readKept(shed));
   });
+  return known;
 }
 
-function keptOf(run: string, shed: Shed): readonly number[] {
-  const all = kept<Record<string, unknown>>(shed, KEY)?.[run];
-  return Array.isArray(all) ? all.filter((number) => typeof number === "number") : [];
+/** Both; the lists of runs that have nothing new stay the same. */
+function withMore(before: ByRun, more: ByRun): ByRun {
+  const entries = Object.entries(more).map(([run, news]) => {
+    const own = before[run] ?? [];
+    const fresh = news.filter((sequence) => !own.includes(sequence));
+    return [run, fresh.length === 0 ? own : [...own, ...fresh]] as const;
+  });
+  return { ...before, ...Object.fromEntries(entries) };
+}
+
+function readKept(shed: Shed): ByRun {
+  const entries = Object.entries(kept<Record<string, unknown>>(shed, KEY) ?? {});
+  return Object.fromEntries(
+    entries.flatMap(([run, all]) =>
+      Array.isArray(all) ? [[run, all.filter((number) => typeof number === "number")]] : [],
+    ),
+  );
 }

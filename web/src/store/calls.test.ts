@@ -87,3 +87,27 @@ test("however the events are cut, the calls are the same", () => {
     expect(written(calls)).toBe(written(told(all)));
   }
 });
+
+test("who reads late, after ever so many lines of the log, sees the calls that who read early sees", () => {
+  const begun = events(`> R
+      > R/A
+      x R/A
+      > R/B
+      crash
+      > R`);
+  const line = { type: "log", path: "R", level: "info", stream: "stdout", message: "x" } as const;
+  const lines = Array.from({ length: 20_001 }, (_, at) => ({
+    sequence: begun.length + 1 + at,
+    t_ns: 1e9 + at,
+    event: line,
+  }));
+  const journal = new Journal();
+  const early = new Calls(journal);
+  journal.add(begun, begun.length + 1);
+  early.follow();
+  journal.add(lines, begun.length + lines.length + 1);
+  early.follow();
+  const late = new Calls(journal);
+  late.follow();
+  expect(written(late)).toBe(written(early));
+});

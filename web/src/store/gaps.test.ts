@@ -14,11 +14,11 @@ function truth(elapsed_ms: number, link: RunNow["link"] = "up", heard_ms = 0): R
   return { run, link, snapshot, snapshot_ms, runner_heard_ms } as unknown as RunNow;
 }
 
-function watched() {
+function watched(whenClosed: (stop: () => void) => void = () => {}) {
   const up = { ...UP, state: "up" } as unknown as Link;
   const link = signal<Link>(up);
   const now = signal<RunNow | null>(truth(100));
-  const gaps = gapsOf({ server: { link } }, { now, journal: new Journal() });
+  const gaps = gapsOf({ server: { link } }, { now, journal: new Journal(), whenClosed });
   return { link, now, gaps, up };
 }
 
@@ -58,7 +58,16 @@ test("what the journal was told counts, if it is later", () => {
   journal.add(told, 3);
   const now = signal<RunNow | null>(truth(0, "down"));
   const link = signal({ state: "up" } as unknown as Link);
-  expect(gapsOf({ server: { link } }, { now, journal }).value).toEqual([
+  expect(gapsOf({ server: { link } }, { now, journal, whenClosed: () => {} }).value).toEqual([
     { from_ns: 2e6, to_ns: null },
   ]);
+});
+
+test("a run that the page has left follows the connection no more", () => {
+  const stops: (() => void)[] = [];
+  const { link, gaps } = watched((stop) => stops.push(stop));
+  for (const stop of stops) stop();
+  link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
+  expect(gaps.value).toEqual([]);
+  expect(stops.length).toBe(1);
 });

@@ -13,7 +13,7 @@ export interface Gap {
   readonly to_ns: number | null;
 }
 
-type Told = Pick<Watch, "now" | "journal">;
+type Told = Pick<Watch, "now" | "journal" | "whenClosed">;
 
 const KNOWN = new WeakMap<Told, ReadonlySignal<readonly Gap[]>>();
 
@@ -30,7 +30,7 @@ export function gapsOf(
   const gaps = signal<readonly Gap[]>([]);
   KNOWN.set(watch, gaps);
   let before: RunNow | null = null;
-  effect(() => {
+  const stop = effect(() => {
     const now = watch.now.value;
     // Of a run that is over the link is not followed: nothing keeps it when the page has left it.
     const isLive = now?.run.phase === "live";
@@ -44,11 +44,12 @@ export function gapsOf(
       gaps.value = gaps.peek().with(-1, { ...open, to_ns: comeTo(watch) });
     }
   });
+  watch.whenClosed(stop);
   return gaps;
 }
 
 /** How far the run had come when it was heard last. */
-function comeTo({ now, journal }: Told): number {
+function comeTo({ now, journal }: Pick<Told, "now" | "journal">): number {
   const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
   return Math.max(told, heardAt(now.peek()) * 1e6);
 }

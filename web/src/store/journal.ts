@@ -37,6 +37,9 @@ const BACK = 1;
 const ERROR = 2;
 const NO_OUTCOME = 0;
 
+/** Events that say which calls go on and by which machine the run goes: all of them are kept, whoever reads them and when. */
+const STRUCTURAL: ReadonlySet<Event["type"]> = new Set(["resumed", "dropped", "root"]);
+
 /** So many whole events are kept, the newest, and so many errors; older ones are asked for at the server. */
 const OTHERS_MAX = 20_000;
 
@@ -54,6 +57,7 @@ export class Journal {
   readonly #outcomes: (Outcome | null)[] = [null];
   readonly #outcomeNumbers = new Map<string, number>();
   readonly #others = new Map<number, Event>();
+  readonly #structural = new Map<number, Event>();
   readonly #errors = new Map<number, JsonValue>();
   #next = 1;
   /** How often and how long states ran. */
@@ -120,7 +124,8 @@ export class Journal {
 
   /** Another event than an entry or end; undefined also where it is too long ago to be here. */
   other(index: number): Event | undefined {
-    return this.#others.get(this.sequence(index));
+    const sequence = this.sequence(index);
+    return this.#others.get(sequence) ?? this.#structural.get(sequence);
   }
 
   /** All other events that are here, the oldest first, with their sequence numbers. */
@@ -163,7 +168,8 @@ export class Journal {
     this.#t_ns.push(t_ns);
     if (event.type !== "entered" && event.type !== "left") {
       this.#push(OTHER, -1, NO_OUTCOME, 0);
-      keep(this.#others, sequence, event);
+      if (STRUCTURAL.has(event.type)) this.#structural.set(sequence, event);
+      else keep(this.#others, sequence, event);
       return;
     }
     const isBack = event.undoes != null;

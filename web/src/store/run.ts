@@ -68,6 +68,8 @@ export interface Watch {
   /** Takes a run up again whose runner died. Throws a `RefusalError`. */
   readonly resume: (policy: OnCrash, from?: number | null) => Promise<void>;
   readonly close: () => void;
+  /** Calls when the page leaves the run: what follows it ends with it. */
+  readonly whenClosed: (call: () => void) => void;
 }
 
 /** What a start needs to be told; the rest has its default. */

@@ -36,6 +36,8 @@ export class Following {
   #isOver = false;
   #unfollow: readonly (() => void)[] = [];
   #returning: Promise<boolean> | null = null;
+  /** Whether it has to be opened to come back. */
+  #wasClosed = false;
 
   constructor(summary: MachineSummary, server: Server, clock: Clock, follows: Follows) {
     this.#server = server;
@@ -102,16 +104,19 @@ export class Following {
   }
 
   #return(wasClosed: boolean): Promise<boolean> {
-    this.#returning ??= this.#comeBack(wasClosed).finally(() => {
+    if (wasClosed) this.#wasClosed = true;
+    this.#returning ??= this.#comeBack().finally(() => {
       this.#returning = null;
+      this.#wasClosed = false;
     });
     return this.#returning;
   }
 
-  async #comeBack(wasClosed: boolean): Promise<boolean> {
+  async #comeBack(): Promise<boolean> {
     while (!this.#isOver) {
+      const opens = this.#wasClosed;
       try {
-        const whole = await this.#fetch(wasClosed);
+        const whole = await this.#fetch(opens);
         if (this.#isOver) return false;
         this.#drop();
         this.#follows.whole(whole);
@@ -119,6 +124,8 @@ export class Following {
         return true;
       } catch (error) {
         if (!(error instanceof RefusalError)) throw error;
+        // That it was closed was heard while it was asked for.
+        if (this.#wasClosed && !opens) continue;
         if (!isForNow(error)) {
           this.#follows.gone(error.message);
           return false;
@@ -129,8 +136,8 @@ export class Following {
     return false;
   }
 
-  async #fetch(wasClosed: boolean): Promise<MachineDocument> {
-    if (wasClosed && this.#file) {
+  async #fetch(opens: boolean): Promise<MachineDocument> {
+    if (opens && this.#file) {
       const body = { file: this.#file };
       const open = await this.#server.request<MachineSummary>("POST", "/machines/open", body);
       this.#id = open.id;

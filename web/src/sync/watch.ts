@@ -52,6 +52,7 @@ export class RunWatch implements Watch {
   #isTold = false;
   #isSoon = false;
   #isOver = false;
+  readonly #followers: (() => void)[] = [];
 
   constructor(id: string, ports: WatchPorts) {
     this.id = id;
@@ -97,7 +98,13 @@ export class RunWatch implements Watch {
     this.#unfollowStatus();
     this.#given.close();
     this.#looking.close();
+    for (const call of this.#followers.splice(0)) call();
   }
+
+  readonly whenClosed = (call: () => void): void => {
+    if (this.#isOver) call();
+    else this.#followers.push(call);
+  };
 
   #path(what: string): string {
     return `/runs/${encodeURIComponent(this.id)}/${what}`;

@@ -1,6 +1,15 @@
 /** Fields: text that counts once it is committed, choices, boxes to tick. */
 
-import { type KeyboardEvent, type ReactNode, useEffect, useId, useRef, useState } from "react";
+import {
+  createContext,
+  type KeyboardEvent,
+  type ReactNode,
+  useContext,
+  useEffect,
+  useId,
+  useRef,
+  useState,
+} from "react";
 import "./field.css";
 
 /** What becomes of a text that was committed: nothing said is well, a text says why it was refused. */
@@ -24,6 +33,9 @@ export async function committed(commit: Commit): Promise<Committed> {
 export function isAsked(commit: Commit): commit is Asked {
   return typeof commit === "object" && commit !== null && "asked" in commit;
 }
+
+/** Where is said that a text was refused whose field has gone. */
+export const LostTexts = createContext<(text: string) => void>(() => {});
 
 export interface TextFieldProps {
   readonly label: string;
@@ -109,11 +121,14 @@ function useDraft({
   check,
   refusal,
   multiline,
+  label,
   ...more
 }: TextFieldProps) {
+  const lost = useContext(LostTexts);
   const [text, setText] = useState<string | null>(null);
   const [refused, setRefused] = useState<string | null>(null);
   const latest = useRef<string | null>(null);
+  const isGone = useRef(false);
   const put = (next: string | null) => {
     latest.current = next;
     setText(next);
@@ -128,14 +143,22 @@ function useDraft({
     if (typedText === null || !onCommit) return;
     if (typedText === value) return put(null);
     const fault = check?.(typedText) ?? null;
-    if (fault !== null) return setRefused(fault);
-    const answer = (await committed(onCommit(typedText))) ?? null;
+    const answer = fault ?? (await committed(onCommit(typedText))) ?? null;
+    if (answer !== null && isGone.current) {
+      return lost(`${label} “${typedText}” was not taken over: ${answer}`);
+    }
     setRefused(answer);
     if (answer === null && latest.current === typedText) put(null);
   };
   const last = useRef(commit);
   last.current = commit;
-  useEffect(() => () => void last.current(), []);
+  useEffect(() => {
+    isGone.current = false;
+    return () => {
+      isGone.current = true;
+      void last.current();
+    };
+  }, []);
   const key = (event: KeyboardEvent<HTMLElement>) => {
     if (event.key === "Enter" && (!multiline || event.ctrlKey || event.metaKey)) {
       if (onCommit) event.preventDefault();

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
 import type { Commit } from "./field.tsx";
-import { TextField } from "./field.tsx";
+import { LostTexts, TextField } from "./field.tsx";
 import { ContextMenu } from "./menu.tsx";
 import { byRole, click, mount, press, settled, type, unmount } from "./mounted.tsx";
 import { Section } from "./section.tsx";
@@ -184,4 +184,17 @@ test("Tab goes on to the next cell while the key is still down, but not from wha
   expect(await tabbed("rename")).toBe("rename");
   await settled();
   expect(await tabbed("later")).toBe("type");
+});
+
+test("a text that was refused when its field had gone is said elsewhere, with what was typed", async () => {
+  const said: string[] = [];
+  mount(
+    <LostTexts.Provider value={(text) => said.push(text)}>
+      <TextField label="Name" value="old" onCommit={() => "There is one of this name."} />
+    </LostTexts.Provider>,
+  );
+  await type(document.querySelector("input"), "taken");
+  unmount();
+  await settled();
+  expect(said).toEqual(["Name “taken” was not taken over: There is one of this name."]);
 });

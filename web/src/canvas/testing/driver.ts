@@ -74,6 +74,7 @@ export class Driver {
   readonly commands: string[] = [];
   readonly renamed: string[] = [];
   wheel: "zoom" | "pan" = "zoom";
+  whyFixed: string | null = null;
   #at: Point = { x: 0, y: 0 };
   #keys: Keys = {};
 
@@ -90,6 +91,7 @@ export class Driver {
       run: (command, argument) => {
         this.commands.push(`${command} ${JSON.stringify(argument)}`);
       },
+      whyFixed: () => this.whyFixed,
       refuse: (reason) => this.refusals.push(reason),
       rename: (path) => this.renamed.push(path),
     });

@@ -19,6 +19,7 @@ import {
   endsBetween,
   isData,
   isLegal,
+  nearerTo,
   nearestPort,
   type SeenPort,
   seenPorts,
@@ -206,11 +207,9 @@ function said(plan: Plan, name: string): string {
 function chosen(before: Drawing, number: number, pointer: Pointer, around: Around): Gesture {
   const drawing = current(before, around);
   const { seen, at, from } = drawing;
-  const away = ({ element, at: there }: SeenPort) =>
-    element.path === from.path ? Number.POSITIVE_INFINITY : square(there, at);
   const fitting = seen.ports
     .filter(({ element }) => seen.legal.has(keyOf(element)))
-    .sort((one, other) => (away(one) < away(other) ? -1 : 1));
+    .sort(nearerTo(at, from.path));
   const index = fitting.length === 0 ? 0 : (number + fitting.length) % fitting.length;
   const port = fitting[index];
   if (!port) {

@@ -54,6 +54,13 @@ function collect(path: string, data: boolean, around: Around, found: SeenPort[])
 }
 
 /** From where to where a connection between two ports leads: people draw both ways. */
+/** The order in which the keyboard walks targets: the nearest first, those of the state where it begins last. */
+export function nearerTo(at: Point, own: string): (one: SeenPort, other: SeenPort) => number {
+  const away = ({ at: there }: SeenPort) => (there.x - at.x) ** 2 + (there.y - at.y) ** 2;
+  const isOwn = ({ element }: SeenPort) => (element.path === own ? 1 : 0);
+  return (one, other) => isOwn(one) - isOwn(other) || away(one) - away(other);
+}
+
 export interface Ends {
   readonly from: PortRef;
   readonly to: PortRef;

@@ -2,9 +2,9 @@
 
 import { CornerUpLeft, Redo2, Undo2 } from "lucide-react";
 import { useMemo, useState } from "react";
-import { mayEdit } from "../../commands/subject.ts";
 import { type StepRow, stepRows, stepTree } from "../../model/steps.ts";
 import type { OpenTab } from "../../store/page.ts";
+import { mayEdit } from "../../store/rights.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox } from "../../ui/field.tsx";

@@ -2,10 +2,10 @@
 
 import { Pencil } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
-import { mayEdit } from "../../commands/subject.ts";
 import { type GlobalUse, type GlobalVariable, globalsOf } from "../../model/globals.ts";
 import { type Machine, namesTo } from "../../model/machine.ts";
 import type { OpenTab } from "../../store/page.ts";
+import { mayEdit } from "../../store/rights.ts";
 import { wantedLine } from "../../store/script_line.ts";
 import { select } from "../../store/view.ts";
 import { IconButton } from "../../ui/button.tsx";

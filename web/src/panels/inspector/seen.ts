@@ -1,11 +1,11 @@
 /** What every part of the inspector is given: the machine that is looked at, and the way of edits to it. */
 
-import { mayEdit } from "../../commands/subject.ts";
 import type { ElementRef } from "../../model/element.ts";
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
+import { mayEdit, whyFixed } from "../../store/rights.ts";
 import { wasRefused } from "../../store/room.ts";
 
 /** What becomes of an edit: refused at once, or what the server answers. Null is well. */
@@ -34,10 +34,8 @@ export interface SeenState extends Seen {
 
 /** Makes an edit: null, or why it was refused. */
 export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => Planned): Made {
-  if (!mayEdit(page)) {
-    return "You may look at this machine but not edit it: ask an admin for the role engineer.";
-  }
-  if (tab.room.fixed !== null) return tab.room.fixed;
+  const why = whyFixed(page, tab);
+  if (why !== null) return why;
   const planned = plan(tab.room.machine);
   if (isRefused(planned)) return planned.refused;
   return tab.room

@@ -1,10 +1,10 @@
 /** Library states of the machine in front whose libraries have changed, with what mends them. */
 
 import { Wrench } from "lucide-react";
-import { mayEdit } from "../../commands/subject.ts";
 import type { MachineProblem } from "../../model/generated/protocol.ts";
 import { elementOfProblem } from "../../model/problem.ts";
 import type { OpenTab } from "../../store/page.ts";
+import { mayEdit } from "../../store/rights.ts";
 import { Button } from "../../ui/button.tsx";
 import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";

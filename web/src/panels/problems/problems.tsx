@@ -2,11 +2,11 @@
 
 import { CircleAlert, CircleCheck, Info, TriangleAlert, Wrench } from "lucide-react";
 import { useMemo, useState } from "react";
-import { mayEdit } from "../../commands/subject.ts";
 import type { MachineProblem, Repair } from "../../model/generated/protocol.ts";
 import { type Machine, namesTo } from "../../model/machine.ts";
 import { byWeight, elementOfProblem, withoutPlace } from "../../model/problem.ts";
 import type { OpenTab } from "../../store/page.ts";
+import { mayEdit } from "../../store/rights.ts";
 import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
