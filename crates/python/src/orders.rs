@@ -35,7 +35,7 @@ pub(crate) fn command(
 /// The state whose script gives the command.
 fn author() -> String {
     let path = thread::current_path();
-    let place = path.and_then(|path| current::driver().ok()?.places().peek(path));
+    let place = path.and_then(|path| current::driver().ok()?.places().get(path).cloned());
     place.map_or_else(
         || "a thread of a script".to_owned(),
         |place| format!("script of {}", place.text),

@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(crate) fn place(py: Python<'_>, path: u32) -> PyResult<Arc<Place>> {
     let driver = current::facts()?;
     let place = if current::is_forked() {
-        driver.places().peek(PathId(path))
+        driver.places().get(PathId(path)).cloned()
     } else {
         thread::leave(py, || driver.place(PathId(path)))
     };

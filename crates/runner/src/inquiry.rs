@@ -12,7 +12,7 @@ use std::sync::Arc;
 impl<S: Scripts> Driver<S> {
     /// The place with this number, also if no state was entered there yet.
     pub fn place(&self, path: PathId) -> Option<Arc<Place>> {
-        self.places().get(path).or_else(|| {
+        self.places().get(path).cloned().or_else(|| {
             let make = |core: &mut Core<S::Value>| {
                 let node = core.engine.path_node(path)?;
                 Some(Arc::clone(core.place_of(path, node)))

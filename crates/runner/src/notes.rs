@@ -14,10 +14,10 @@ impl<S: Scripts> Driver<S> {
     /// Notes a line down that a state wrote.
     pub fn log(&self, path: Option<PathId>, level: LogLevel, stream: Stream, message: String) {
         let place = path.and_then(|path| self.places().get(path));
-        if place.as_deref().is_some_and(|place| !self.keeps_line(place, level, stream)) {
+        if place.is_some_and(|place| !self.keeps_line(place, level, stream)) {
             return;
         }
-        let record = self.line(place.as_deref(), (level, stream), cut(message));
+        let record = self.line(place.map(|place| &**place), (level, stream), cut(message));
         self.recorder().push(self.clock().now_ns(), [record]);
         let safety = self.recorder().safety();
         if safety.is_full() {

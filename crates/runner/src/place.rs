@@ -1,13 +1,12 @@
 //! Places of the machine as a run has met them: their names, flags and latest numbers. Knows no values.
 
 use crate::Signals;
-use parking_lot::RwLock;
 use rafcon_engine::{NodeId, PathId};
 use rafcon_model::OutcomeId;
 use rafcon_protocol::Keeping;
 use rafcon_storage::journal::PlaceNumber;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// No place, in a field that may hold the number of one.
 const NOWHERE: u32 = u32::MAX;
@@ -123,34 +122,74 @@ impl Place {
     }
 }
 
-/// All places met so far, by number. Written by whoever drives the engine, read by all.
+/// How many places lie in the first block of [`Places`]; each further block is as large as all before it.
+const FIRST_BLOCK: usize = 1024;
+/// Enough blocks for every number that a place can have.
+const BLOCKS: usize = 23;
+
+/// One block of places.
+type Block = Box<[OnceLock<Arc<Place>>]>;
+
+/// All places met so far, by number. Written by the holder of the engine, read by all. A place is never replaced and never moves,
+/// so that readers take no lock: neither a writer nor a fork can hold them up.
 #[derive(Debug, Default)]
 pub struct Places {
-    list: RwLock<Vec<Option<Arc<Place>>>>,
+    blocks: [OnceLock<Block>; BLOCKS],
 }
 
 impl Places {
-    /// The place with this number, if the run has met it.
-    pub fn get(&self, path: PathId) -> Option<Arc<Place>> {
-        self.list.read().get(path.index()).cloned().flatten()
+    /// The place with this number, if the run has met it. Never waits.
+    pub fn get(&self, path: PathId) -> Option<&Arc<Place>> {
+        let (block, offset, _) = position(path);
+        self.blocks.get(block)?.get()?.get(offset)?.get()
     }
 
-    /// The same without ever waiting, for a forked process, in which whoever holds the list may never let it go.
-    pub fn peek(&self, path: PathId) -> Option<Arc<Place>> {
-        self.list.try_read()?.get(path.index()).cloned().flatten()
-    }
-
-    /// Uses the place with this number without counting a reference.
-    pub(crate) fn with<T>(&self, path: PathId, use_it: impl FnOnce(&Arc<Place>) -> T) -> Option<T> {
-        self.list.read().get(path.index()).and_then(Option::as_ref).map(use_it)
-    }
-
+    /// Adds a place. The first with its number stays.
     pub(crate) fn insert(&self, place: Arc<Place>) {
-        let mut list = self.list.write();
-        let index = place.path.index();
-        if list.len() <= index {
-            list.resize(index + 1, None);
+        let (block, offset, length) = position(place.path);
+        let Some(block) = self.blocks.get(block) else { return };
+        let block = block.get_or_init(|| (0..length).map(|_| OnceLock::new()).collect());
+        if let Some(entry) = block.get(offset) {
+            entry.get_or_init(|| place);
         }
-        list[index] = Some(place);
+    }
+}
+
+/// In which block a place lies, where in it, and how many places the block has.
+fn position(path: PathId) -> (usize, usize, usize) {
+    let index = path.index();
+    match (index / FIRST_BLOCK).checked_ilog2() {
+        None => (0, index, FIRST_BLOCK),
+        Some(doublings) => {
+            let start = FIRST_BLOCK << doublings;
+            (doublings as usize + 1, index - start, start)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_has_an_entry_of_its_own() {
+        let mut expected = (0, 0);
+        for index in 0..10 * FIRST_BLOCK {
+            let (block, offset, length) = position(PathId(u32::try_from(index).unwrap()));
+            assert_eq!((block, offset), expected);
+            expected = if offset + 1 == length { (block + 1, 0) } else { (block, offset + 1) };
+        }
+        let (block, offset, length) = position(PathId(u32::MAX));
+        assert!(block < BLOCKS && offset < length);
+    }
+
+    #[test]
+    fn a_place_is_found_by_its_number_only() {
+        let places = Places::default();
+        for number in [0, 1023, 1024, 5000] {
+            places.insert(Arc::new(Place::new(PathId(number), NodeId(0), None, "".into())));
+        }
+        let found = (0..6000).filter(|number| places.get(PathId(*number)).is_some());
+        assert_eq!(found.collect::<Vec<_>>(), [0, 1023, 1024, 5000]);
     }
 }

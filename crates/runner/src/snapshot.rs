@@ -52,19 +52,17 @@ fn state<S: Scripts>(
     now_ms: u64,
 ) -> Option<ActiveState> {
     let name = driver.program().node(active.node).name().to_string();
-    driver.places().with(active.path, |place| ActiveState {
+    let place = driver.places().get(active.path)?;
+    let top = active.top.and_then(|top| driver.places().get(top));
+    Some(ActiveState {
         path: place.text.to_string(),
         name,
         phase: phase(active),
         since_ms: now_ms.saturating_sub(place.entered_ms()),
-        branch: active.top.and_then(|top| text(driver, top)).unwrap_or_default(),
+        branch: top.map(|top| top.text.to_string()).unwrap_or_default(),
         detail: detail(active, texts),
         held: held(active, texts),
     })
-}
-
-fn text<S: Scripts>(driver: &Driver<S>, path: PathId) -> Option<String> {
-    driver.places().with(path, |place| place.text.to_string())
 }
 
 /// For what a state waits.

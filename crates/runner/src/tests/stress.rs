@@ -1,9 +1,12 @@
 //! Random machines on real threads, stopped at random moments: every run ends, and whatever was entered is left.
 
 use super::players::Run;
+use crate::snapshot;
 use proptest::prelude::*;
 use rafcon_engine::Input;
 use std::fmt::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A state: what it is, and what is inside.
 #[derive(Debug, Clone)]
@@ -78,4 +81,34 @@ proptest! {
         prop_assert_eq!(count('+'), count('-'), "{:?}", report.steps);
         prop_assert!(report.steps.last().is_some_and(|step| step.starts_with("-S=")));
     }
+}
+
+/// Branches that each go through states of their own: whatever runs is entered for the first time.
+fn wide(branches: usize, states: usize) -> String {
+    let row = Tree::Inner("hierarchy", vec![Tree::Leaf("go"); states]);
+    let mut text = String::new();
+    write(&Tree::Inner("barrier", vec![row; branches]), "S", 0, &mut text);
+    text
+}
+
+#[test]
+fn a_wide_run_ends_while_snapshots_are_taken_of_it() {
+    let run = Run::new(&wide(24, 100), 1, 0);
+    let over = AtomicBool::new(false);
+    let driver = Arc::clone(&run.driver);
+    let report = std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                while !over.load(Ordering::Relaxed) {
+                    snapshot::take(&driver).unwrap();
+                }
+            });
+        }
+        run.start();
+        let report = run.end();
+        over.store(true, Ordering::Relaxed);
+        report
+    });
+    let entered = report.steps.iter().filter(|step| step.starts_with('+')).count();
+    assert_eq!(entered, 24 * 101 + 2);
 }
