@@ -3,7 +3,7 @@
 use crate::build::Document;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
-use rafcon_runner::reason;
+use rafcon_runner::{faults, reason};
 use rafcon_storage::{Libraries, Naming, Root, load, save};
 use smol_str::SmolStr;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ impl LibraryRoots {
     }
 }
 
-/// `rafcon._native.load_document`: the machine in a folder, and what was wrong with its files.
+/// `rafcon._native.load_document`: the machine in a folder, and what is wrong with its files and with itself.
 #[pyfunction]
 pub(crate) fn load_document(
     py: Python<'_>,
@@ -37,7 +37,8 @@ pub(crate) fn load_document(
     let loaded = py.detach(|| load(Path::new(path), &libraries)).map_err(|error| {
         PyValueError::new_err(format!("this is no state machine: {}", reason(&error)))
     })?;
-    let problems = loaded.problems.iter().map(ToString::to_string).collect();
+    let problems = loaded.problems.iter().map(ToString::to_string);
+    let problems = problems.chain(faults(&loaded.machine)).collect();
     Ok((Document::of(loaded.machine, Some(loaded.saved), libraries), problems))
 }
 

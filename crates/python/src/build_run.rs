@@ -67,7 +67,7 @@ pub(crate) fn host(py: Python<'_>, fd: RawFd) -> PyResult<()> {
     if current::embed() {
         fork::register(&py.import("rafcon._native")?)?;
     }
-    Runtime::get(py)?;
+    Runtime::get(py)?.heed_plugins(py)?;
     match py.detach(|| serve(stream, PythonHost::default())) {
         Ok(()) | Err(ServeError::Load(_)) => Ok(()),
         Err(error) => Err(PyRuntimeError::new_err(error.to_string())),

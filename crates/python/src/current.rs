@@ -34,6 +34,11 @@ pub(crate) fn is_embedded() -> bool {
     EMBEDDED.load(Ordering::Relaxed)
 }
 
+/// Whether this process, which is there for one run, does not have it yet.
+pub(crate) fn is_expected() -> bool {
+    !is_forked() && !is_embedded() && DRIVER.read().is_none()
+}
+
 /// The run; an error that says why there is none to talk to.
 pub(crate) fn driver() -> PyResult<Run> {
     if is_forked() {

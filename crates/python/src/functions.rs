@@ -2,6 +2,7 @@
 
 use crate::describe::ROOT;
 use crate::status::place;
+use crate::early::{self, Line};
 use crate::{current, thread};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -9,7 +10,7 @@ use pyo3::types::PyDict;
 use rafcon_engine::PathId;
 use rafcon_protocol::{LogLevel, Stream};
 
-/// Notes a line down. `level` is a level of Python's `logging`.
+/// Notes a line down; before the run is there, for its beginning. `level` is a level of Python's `logging`.
 #[pyfunction]
 pub(crate) fn emit(path: i64, stream: &str, level: i64, message: String) -> PyResult<()> {
     let stream = match stream {
@@ -19,7 +20,11 @@ pub(crate) fn emit(path: i64, stream: &str, level: i64, message: String) -> PyRe
         other => return Err(PyValueError::new_err(format!("no stream is named {other}"))),
     };
     let path = u32::try_from(path).ok().map(PathId);
-    current::driver()?.log(path, log_level(level), stream, message);
+    let line = Line { level: log_level(level), stream, message };
+    let line = if current::is_expected() { early::keep(line) } else { Some(line) };
+    if let Some(Line { level, stream, message }) = line {
+        current::driver()?.log(path, level, stream, message);
+    }
     Ok(())
 }
 

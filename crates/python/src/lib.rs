@@ -15,6 +15,7 @@ mod config;
 mod copy;
 mod current;
 mod describe;
+mod early;
 mod edit;
 mod edit_run;
 mod entry;

@@ -3,18 +3,19 @@
 use crate::{current, thread};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use rafcon_protocol::{Answer, Command, Envelope, Event};
+use rafcon_protocol::{Answer, Breakpoint, Command, Envelope, Event, Scope, Unattended, When};
 use rafcon_runner::Past;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Carries a command out; an error with the reason if it cannot be done now. `path` and `sequence` are for those that need one.
+/// Carries a command out; an error with the reason if it cannot be done now. `path` and `number` (of an event, or the id of a
+/// breakpoint) are for those that need one.
 #[pyfunction]
-#[pyo3(signature = (name, path=None, sequence=0))]
+#[pyo3(signature = (name, path=None, number=0))]
 pub(crate) fn command(
     py: Python<'_>,
     name: &str,
     path: Option<String>,
-    sequence: u64,
+    number: u64,
 ) -> PyResult<()> {
     static COUNT: AtomicU64 = AtomicU64::new(1);
     let envelope = Envelope {
@@ -22,7 +23,7 @@ pub(crate) fn command(
         author: author(),
         decided_on: None,
         expiry: None,
-        command: named(name, path.unwrap_or_default(), sequence)?,
+        command: named(name, path.unwrap_or_default(), number)?,
     };
     let driver = current::driver()?;
     match thread::leave(py, || driver.obey(&envelope)) {
@@ -42,7 +43,7 @@ fn author() -> String {
     )
 }
 
-fn named(name: &str, path: String, sequence: u64) -> PyResult<Command> {
+fn named(name: &str, path: String, number: u64) -> PyResult<Command> {
     let data = Vec::new();
     Ok(match name {
         "pause" => Command::Pause,
@@ -56,9 +57,25 @@ fn named(name: &str, path: String, sequence: u64) -> PyResult<Command> {
         "run_to" => Command::RunTo { path },
         "run_selected" => Command::RunSelected { path, data },
         "run_only_selected" => Command::RunOnlySelected { path, data },
-        "start_from_history" => Command::StartFromHistory { sequence },
+        "start_from_history" => Command::StartFromHistory { sequence: number },
+        "set_breakpoint" => Command::SetBreakpoint { breakpoint: breakpoint(number, path) },
+        "remove_breakpoint" => Command::RemoveBreakpoint { id: number },
         other => return Err(PyValueError::new_err(format!("no command is named {other}"))),
     })
+}
+
+/// Holds the whole run before a state, as the breakpoints of programs do.
+fn breakpoint(id: u64, path: String) -> Breakpoint {
+    Breakpoint {
+        id,
+        path,
+        when: When::Before,
+        condition: None,
+        hit_count: 0,
+        scope: Scope::Run,
+        unattended: Unattended::Hold,
+        enabled: true,
+    }
 }
 
 /// Number, time (s since 1970), path, name and id of the outcome (none: it was entered), values as JSON, whether it undoes.

@@ -4,11 +4,11 @@ use crate::handle::Handle;
 use crate::literals::{PythonLiterals, from_json};
 use crate::runtime::Runtime;
 use crate::scripts::PythonScripts;
-use crate::{config, current, fork, globals, package};
+use crate::{config, current, early, fork, globals, package};
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 use rafcon_engine::Literals;
-use rafcon_protocol::LogLevel;
+use rafcon_protocol::{Launch, LogLevel};
 use rafcon_runner::{Driver, Host, Opening, ServeError, serve};
 use std::os::fd::{FromRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
@@ -31,6 +31,17 @@ impl Host for PythonHost {
         from_json(json)
     }
 
+    fn launched(&mut self, launch: &Launch) {
+        if current::is_embedded() {
+            return;
+        }
+        let begun = Python::attach(|py| Runtime::get(py)?.begin_plugins(py, launch));
+        if let Err(error) = begun {
+            let message = format!("the plugins do not know what is run: {error}");
+            early::say(LogLevel::Error, message);
+        }
+    }
+
     fn open(self, opening: Opening<Handle>) -> PythonScripts {
         PythonScripts::new(opening)
     }
@@ -40,6 +51,7 @@ impl Host for PythonHost {
         if current::is_embedded() {
             return;
         }
+        early::hand_over(driver);
         let scripts = driver.scripts();
         let roots = scripts.files.libraries().roots();
         let ready = Python::attach(|py| {
@@ -72,6 +84,7 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     let end = py.detach(|| serve(stream, PythonHost::default()));
     runtime.flush_all.call0(py)?;
     runtime.hooks.call_method0(py, "shut_down")?;
+    early::print();
     Ok(exit_code(end))
 }
 

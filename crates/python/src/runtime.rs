@@ -3,6 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
+use rafcon_protocol::Launch;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Functions and objects of `rafcon._runtime`.
@@ -54,8 +56,8 @@ pub(crate) struct Runtime {
     pub(crate) install_capture: Py<PyAny>,
     /// `builtins.__dict__`
     pub(crate) builtins: Py<PyAny>,
-    /// The same for scripts that look for the dialogs of the desktop.
-    dialog_builtins: Py<PyAny>,
+    /// The same for a script that looks for the dialogs of the desktop; None for another.
+    builtins_for: Py<PyAny>,
     /// `copy.deepcopy`
     pub(crate) deep_copy: Py<PyAny>,
     /// `json.dumps`
@@ -80,9 +82,23 @@ impl Runtime {
 
     /// Loads the user's plugins.
     pub(crate) fn load_plugins(&self, py: Python<'_>) -> PyResult<()> {
-        let hooks = self.hooks.bind(py);
-        hooks.call_method0("load")?;
-        self.hooked.store(hooks.getattr("active")?.is_truthy()?, Ordering::Relaxed);
+        self.hooks.call_method0(py, "load")?;
+        self.heed_plugins(py)
+    }
+
+    /// The plugins learn what is run.
+    pub(crate) fn begin_plugins(&self, py: Python<'_>, launch: &Launch) -> PyResult<()> {
+        let path = |path: &Path| path.to_string_lossy().into_owned();
+        let config = launch.config.as_deref().map(path);
+        let start_from = launch.start_from.as_deref();
+        self.hooks.call_method1(py, "begin", (path(&launch.machine), config, start_from))?;
+        Ok(())
+    }
+
+    /// Whether a plugin that the program itself has loaded wants to be called around scripts.
+    pub(crate) fn heed_plugins(&self, py: Python<'_>) -> PyResult<()> {
+        let active = self.hooks.bind(py).getattr("active")?.is_truthy()?;
+        self.hooked.store(active, Ordering::Relaxed);
         Ok(())
     }
 
@@ -93,11 +109,13 @@ impl Runtime {
 
     /// The built-in names that a script finds.
     pub(crate) fn builtins_for(&self, py: Python<'_>, text: &str) -> PyResult<Py<PyAny>> {
-        if text.contains("rafcon.gui.utils.dialog") {
-            self.dialog_builtins.call0(py)
-        } else {
-            Ok(self.builtins.clone_ref(py))
+        if text.contains("rafcon.gui") {
+            let own = self.builtins_for.call1(py, (text,))?;
+            if !own.is_none(py) {
+                return Ok(own);
+            }
         }
+        Ok(self.builtins.clone_ref(py))
     }
 
     fn import(py: Python<'_>) -> PyResult<Self> {
@@ -127,7 +145,7 @@ impl Runtime {
             configure: get("configure")?,
             install_capture: get("install_capture")?,
             builtins: py.import("builtins")?.dict().into_any().unbind(),
-            dialog_builtins: get("dialog_builtins")?,
+            builtins_for: get("builtins_for")?,
             deep_copy: py.import("copy")?.getattr("deepcopy")?.unbind(),
             write_json: py.import("json")?.getattr("dumps")?.unbind(),
             check: get("check")?,

@@ -11,6 +11,7 @@ import threading
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 EXTENSION = os.environ.get("RAFCON_EXTENSION") or str(ROOT / "target/debug/librafcon_python.so")
+BINARY = os.environ.get("RAFCON_BINARY") or str(ROOT / "target/debug/rafcon")
 PROTOCOL = 2
 #: A run that takes longer than this is stuck; no test's answer depends on it.
 STUCK_S = 60

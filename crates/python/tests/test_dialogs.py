@@ -165,6 +165,39 @@ class DialogsOfTheDesktop(unittest.TestCase):
         self.assertEqual((question["message"], question["form"]["buttons"]), ("a & b", ["x", "y"]))
         self.assertEqual((result.outcome, result.logged("stdout")), ("success", ["2 False"]))
 
+    def check_import(self, text, helper=None):
+        """A script with these imports asks by ``dialog.RAFCONMessageDialog``; another script finds no desktop."""
+        if helper is not None:
+            (self.folder / "helper.py").write_text(helper)
+        head = f"import sys\nsys.path.insert(0, {str(self.folder)!r})\n{text}\n"
+        asks = "def execute(self, inputs, outputs, gvm):\n    print(RAFCONMessageDialog('Go?').run())\n    return 0\n"
+        looks = "def execute(self, inputs, outputs, gvm):\n    import gi.repository.NoSuchPart\n"
+        machine = sequence(script(head + asks), script(looks, id="B"))
+        runner = Runner(save(self.folder / "m", machine))
+        question = runner.answer(button=0)
+        result = runner.finish()
+        self.assertEqual(question and question["message"], "Go?", result.logged())
+        self.assertEqual(result.logged("stdout"), ["-5"])
+        self.assertEqual(result.steps()[-2:], ["-R/B=aborted", "-R=aborted"])
+
+    def test_every_spelling_of_the_import(self):
+        for text in (
+            "from rafcon.gui.utils import dialog\nRAFCONMessageDialog = dialog.RAFCONMessageDialog",
+            "import rafcon.gui.utils.dialog as dialog\nRAFCONMessageDialog = dialog.RAFCONMessageDialog",
+            "import rafcon.gui.utils.dialog\nRAFCONMessageDialog = rafcon.gui.utils.dialog.RAFCONMessageDialog",
+            "from rafcon.gui.utils import (\n    wait_for_gui,\n    dialog as d,\n)\nRAFCONMessageDialog = d.RAFCONMessageDialog",
+            "import gi\ngi.require_version('Gtk', '3.0')\nfrom rafcon.gui.utils.dialog import RAFCONMessageDialog",
+            "import importlib\ndialog = importlib.import_module('rafcon.gui.utils.dialog')\n"
+            "RAFCONMessageDialog = dialog.RAFCONMessageDialog",
+        ):
+            with self.subTest(text):
+                self.setUp()
+                self.check_import(text)
+
+    def test_a_module_that_a_script_imports_asks(self):
+        helper = "from gi.repository import GLib, Gtk\nfrom rafcon.gui.utils.dialog import RAFCONMessageDialog\n"
+        self.check_import("from helper import RAFCONMessageDialog", helper)
+
     def test_a_stop_ends_it(self):
         runner = Runner(save(self.folder / "m", sequence(script(OLD))))
         runner.question()

@@ -99,7 +99,7 @@ def setter(function):
 
 PLUGIN = """
 def post_init(arguments):
-    print("init", arguments)
+    print("init", arguments["start_state_path"], arguments["state_machine_path"])
 def pre_script():
     print("before")
 def post_script():
@@ -119,11 +119,12 @@ class Plugins(unittest.TestCase):
             done = plain(
                 "from rafcon._runtime import hooks\n"
                 "hooks.load()\n"
+                "hooks.begin('/m', None, 'A')\n"
                 "print(hooks.active)\n"
                 "hooks.pre_script(); hooks.post_script(); hooks.finished(); hooks.shut_down()\n",
                 RAFCON_PLUGIN_PATH=path,
             )
-        self.assertEqual(done.stdout, "init {}\nTrue\nbefore\nafter\n")
+        self.assertEqual(done.stdout, "init A ['/m']\nTrue\nbefore\nafter\n", done.stderr)
         self.assertIn("bad_plugin is left out", done.stderr)
 
 

@@ -62,6 +62,7 @@ fn begin<H: Host>(
     launch: &Launch,
     clock: Clock,
 ) -> Result<Begun<H::Scripts>, ServeError> {
+    host.launched(launch);
     let resumed = launch.resume.map(|resume| Resumed::take_up(launch, resume));
     let resumed = resumed.transpose().map_err(ServeError::Load)?;
     let prepared = match &resumed {

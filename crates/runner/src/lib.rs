@@ -62,7 +62,7 @@ pub use host::{ServeError, serve};
 pub use keep::{Keep, KeptValue};
 pub use past::Past;
 pub use place::{Place, Places};
-pub use prepare::reason;
+pub use prepare::{faults, reason};
 pub use questions::{Asked, Closed};
 pub use scripts::{Host, HostValue, Opening, Scripts};
 pub use signals::Signals;

@@ -103,7 +103,7 @@ fn then(launch: &Launch) -> Result<Then, String> {
 }
 
 /// What will not work as drawn.
-fn faults(machine: &Machine) -> impl Iterator<Item = String> {
+pub fn faults(machine: &Machine) -> impl Iterator<Item = String> {
     let problems = problems(machine, &BuiltinTypes).into_iter();
     let errors = problems.filter(|problem| problem.severity() == Severity::Error);
     errors.map(|problem| problem.to_string())

@@ -4,7 +4,7 @@ use crate::keep::Keep;
 use crate::{Driver, Place, StateFiles};
 use rafcon_engine::{Check, Datum, Finish, Globals, Job, Literals, Program, ScriptResult};
 use rafcon_model::Machine;
-use rafcon_protocol::Keeping;
+use rafcon_protocol::{Keeping, Launch};
 use rafcon_storage::Config;
 use rafcon_storage::journal::{Kept, Stored};
 use smol_str::SmolStr;
@@ -126,6 +126,9 @@ pub trait Host {
 
     /// Makes a value from JSON; the error is for people.
     fn value(&mut self, json: &serde_json::Value) -> Result<HostValue<Self>, String>;
+
+    /// Learns what it is going to run, before anything is loaded.
+    fn launched(&mut self, _launch: &Launch) {}
 
     /// Opens the machine that is going to run.
     fn open(self, opening: Opening<HostValue<Self>>) -> Self::Scripts;

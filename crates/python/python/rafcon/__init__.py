@@ -9,4 +9,8 @@ run them where they were built (``state_machine_execution_engine`` of :mod:`rafc
 compiled module, type checkers, editors and tests of script code still find every name.
 """
 
+from rafcon._lazy import submodules
+
 __version__ = "0.1.0"
+
+__getattr__ = submodules(__name__)

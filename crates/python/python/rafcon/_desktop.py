@@ -1,21 +1,13 @@
 """What dialog scripts of old find where they look for a desktop: dialogs that are questions of the run.
 
-Only scripts that import ``rafcon.gui.utils.dialog`` get it, whether a desktop is installed or not: without its main
-loop, which a run has not, they would wait for ever. Everything else that looks for a desktop finds what there is.
+Only modules that name ``rafcon.gui.utils`` and its dialogs get it, whether a desktop is installed or not: without its
+main loop, which a run has not, they would wait for ever. Everything else that looks for a desktop finds what there is.
 """
 
 import builtins
-import html
-import os
-import re
 import types
 
-from rafcon import dialog
-
-#: The answers of ``Gtk.ResponseType`` that the dialogs give.
-_OK = -5
-
-_DIALOGS = "rafcon.gui.utils.dialog"
+from rafcon.gui.utils.dialog import _OK
 
 
 class _Constants:
@@ -50,108 +42,7 @@ class _GLib:
         return 0
 
 
-class _Dialog:
-    """A window that is a question; ``run`` asks it and returns the number of the button, from 1."""
-
-    def __init__(self, markup_text="", button_texts=(), title=None, **_looks):
-        title, text = _plain(title), _plain(markup_text)
-        self._message = f"{title}\n{text}" if title and title != text else text
-        self._buttons = list(button_texts)
-        self._response = None
-
-    def run(self):
-        """Asks, and waits for the answer."""
-        self._response = None
-        pressed = self._ask()
-        return pressed + 1 if self._response is None else self._response
-
-    def _ask(self):
-        return dialog.ask(self._message, self._buttons).button
-
-    def response(self, response_id):
-        """Answers for the user."""
-        self._response = response_id
-
-    def connect(self, _signal, _function, *_arguments):
-        """Signals of windows (keys, clicks) never come."""
-        return 0
-
-    def show_all(self):
-        """Nothing to show before it asks."""
-
-    def destroy(self):
-        """Nothing to take away."""
-
-
-class RAFCONButtonDialog(_Dialog):
-    """A text and buttons."""
-
-
-class RAFCONMessageDialog(_Dialog):
-    """A text to be confirmed."""
-
-    def __init__(self, markup_text="", **looks):
-        _Dialog.__init__(self, markup_text, ["OK"], **looks)
-
-    def run(self):
-        """Asks, and waits for the answer."""
-        _Dialog.run(self)
-        return _OK
-
-
-class RAFCONInputDialog(_Dialog):
-    """A text, a line to fill in, buttons, and a box to tick if it has a label: that is a question of its own."""
-
-    def __init__(self, markup_text="", button_texts=(), checkbox_text=None, **looks):
-        _Dialog.__init__(self, markup_text, button_texts, **looks)
-        self._box = checkbox_text
-        self._entered, self._ticked = "", False
-
-    def _ask(self):
-        answer = dialog.text(self._message, buttons=self._buttons)
-        self._entered = answer.text
-        if self._box:
-            self._ticked = dialog.checks(self._message, [self._box], buttons=["OK"]).checked[0]
-        return answer.button
-
-    def get_entry_text(self):
-        """What was filled in."""
-        return self._entered
-
-    def get_checkbox_state(self):
-        """Whether the box was ticked."""
-        return self._ticked
-
-
-class RAFCONColumnCheckboxDialog(_Dialog):
-    """A text, boxes to tick, and buttons."""
-
-    def __init__(self, markup_text="", button_texts=(), checkbox_texts=(), **looks):
-        _Dialog.__init__(self, markup_text, button_texts, **looks)
-        self._boxes = list(checkbox_texts)
-        self._checked = [False] * len(self._boxes)
-
-    def _ask(self):
-        answer = dialog.checks(self._message, self._boxes, buttons=self._buttons)
-        self._checked = list(answer.checked)
-        return answer.button
-
-    def get_checkbox_states(self):
-        """Which were ticked, in the order of the boxes."""
-        return self._checked
-
-
-def get_root_window():
-    """There is no window."""
-    return None
-
-
-def _plain(markup):
-    """A text without the marks of the desktop's text format."""
-    return html.unescape(re.sub(r"</?[a-zA-Z][^<>]*>", "", str(markup or "")))
-
-
-def _modules():
+def _toolkit():
     gtk = types.SimpleNamespace(
         DialogFlags=_Constants("DialogFlags"),
         MessageType=_Constants("MessageType"),
@@ -159,29 +50,16 @@ def _modules():
     )
     gdk = types.SimpleNamespace(keyval_name=lambda _number: "")
     repository = types.SimpleNamespace(GLib=_GLib, Gtk=gtk, Gdk=gdk)
-    dialogs = types.SimpleNamespace(
-        RAFCONButtonDialog=RAFCONButtonDialog,
-        RAFCONColumnCheckboxDialog=RAFCONColumnCheckboxDialog,
-        RAFCONInputDialog=RAFCONInputDialog,
-        RAFCONMessageDialog=RAFCONMessageDialog,
-        get_root_window=get_root_window,
-    )
-    return {"gi.repository": repository, _DIALOGS: dialogs}
+    return types.SimpleNamespace(repository=repository, require_version=lambda _name, _version: None)
 
 
 def builtins_with_dialogs():
-    """The built-in names for such a script: ``import`` finds the dialogs of this module.
-
-    With ``RAFCON_DIALOGS=missing`` in the environment it finds what there is, so that such scripts take the way that
-    they have for a machine without a desktop.
-    """
-    if os.environ.get("RAFCON_DIALOGS") == "missing":
-        return builtins.__dict__
-    modules = _modules()
+    """The built-in names for such a module: ``import`` finds the toolkit of this one."""
+    gi = _toolkit()
 
     def find(name, module=None, local_names=None, wanted=(), level=0):
-        if level == 0 and wanted and name in modules:
-            return modules[name]
+        if level == 0 and (name == "gi" or name.startswith("gi.")):
+            return gi.repository if wanted and name == "gi.repository" else gi
         return builtins.__import__(name, module, local_names, wanted, level)
 
     return {**builtins.__dict__, "__import__": find}

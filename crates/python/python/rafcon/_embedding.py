@@ -59,10 +59,16 @@ class Run:
             "machine": self._machine.file_system_path if self._copy is None else self._copy.name,
             "libraries": list(library_manager.library_root_paths.items()),
             "config": global_config._path,
+            "breakpoints": self._breakpoints(),
             **begin,
         }
         for message in ({"protocol": native.PROTOCOL, "program": "python"}, launch):
             ours.sendall(json.dumps(message).encode() + b"\n")
+
+    def _breakpoints(self):
+        from rafcon.core.singleton import state_machine_execution_engine
+
+        return state_machine_execution_engine.breakpoint_manager._launched(self._machine)
 
     def _serve(self, theirs):
         try:

@@ -1,10 +1,24 @@
-"""Plugins: packages named by ``RAFCON_PLUGIN_PATH`` whose module ``hooks`` wants to be called."""
+"""Plugins: packages named by ``RAFCON_PLUGIN_PATH`` whose module ``hooks`` wants to be called.
+
+Whatever a plugin does while it is loaded or told something, the run goes on: what fails is logged and left out.
+"""
 
 import importlib
 import os
+import shlex
 import sys
 
 from rafcon.utils.log import get_logger
+
+logger = get_logger("plugins")
+
+#: Hooks of the desktop program and of its engine that nothing here calls, with what serves instead.
+_NEVER_CALLED = {
+    "main_window_setup": "there is no window; the page shows runs, and other programs follow them by the server",
+    "post_state_editor_register_view": "there is no window; the page shows what a state is made of",
+    "register_execution_history_consumer": "the journal keeps the history; read it by `rafcon export` or the server",
+    "state_thread_joined": "a state has no thread of its own; `post_script` is called after each script",
+}
 
 
 class Hooks:
@@ -12,49 +26,69 @@ class Hooks:
 
     def __init__(self):
         self.active = False
-        self._modules = []
+        #: Name of the plugin to its package; the hooks are in its module ``hooks``.
+        self.plugins = {}
 
     def load(self):
-        """Imports the plugins and calls ``pre_init`` and ``post_init``; one that fails is logged and left out."""
-        self._modules = [module for module in map(_import, _folders()) if module is not None]
-        self._call_guarded("pre_init")
-        self._call_guarded("post_init", {})
-        self.active = any(hasattr(module, name) for module in self._modules for name in ("pre_script", "post_script"))
+        """Imports the plugins and calls ``pre_init``."""
+        self.import_plugins()
+        self.call_guarded("pre_init")
+
+    def import_plugins(self):
+        """Imports the plugins."""
+        self.plugins.clear()
+        for folder in _folders():
+            package = _import(folder)
+            if package is not None:
+                self.plugins[os.path.basename(folder)] = package
+                _name_what_is_never_called(package)
+        self.active = any(hasattr(hooks, name) for hooks in self._modules() for name in ("pre_script", "post_script"))
+
+    def begin(self, machine, config, start_state_path):
+        """Calls ``post_init`` with the arguments of the run: the machine's folder and what it begins with."""
+        if self.plugins:
+            self.call_guarded("post_init", _arguments(machine, config, start_state_path))
 
     def pre_script(self):
         """Called before each script, on its thread. What a plugin raises goes to the state, as if its script had."""
-        self._call("pre_script")
+        self.call("pre_script")
 
     def post_script(self):
         """Called after each script, on its thread."""
-        self._call("post_script")
+        self.call("post_script")
 
     def finished(self):
         """The state machine has ended."""
-        self._call_guarded("on_state_machine_execution_finished")
+        self.call_guarded("on_state_machine_execution_finished")
 
     def shut_down(self):
         """The process ends."""
-        self._call_guarded("pre_destruction")
-        self._call_guarded("post_destruction")
+        self.call_guarded("pre_destruction")
+        self.call_guarded("post_destruction")
 
-    def _call(self, name, *arguments):
-        for module in self._modules:
+    def call(self, name, *arguments, **named):
+        """Calls a hook of every plugin that has it."""
+        for module in self._modules():
             function = getattr(module, name, None)
             if function is not None:
-                function(*arguments)
+                function(*arguments, **named)
 
-    def _call_guarded(self, name, *arguments):
-        for module in list(self._modules):
+    def call_guarded(self, name, *arguments):
+        """The same; what a plugin raises is logged, and the next one is called."""
+        for module in self._modules():
             try:
                 getattr(module, name, lambda *_arguments: None)(*arguments)
-            except Exception:
-                get_logger("plugins").exception("the hook %s of %s failed", name, module.__name__)
+            except (Exception, SystemExit):
+                logger.exception("the hook %s of %s failed", name, module.__name__)
+
+    def _modules(self):
+        return [package.hooks for package in self.plugins.values()]
 
 
 def _folders():
     path = os.environ.get("RAFCON_PLUGIN_PATH", "")
-    return [os.path.abspath(os.path.expanduser(folder)) for folder in path.split(os.pathsep) if folder]
+    folders = [os.path.expanduser(os.path.expandvars(folder.strip())) for folder in path.split(os.pathsep)]
+    return [os.path.abspath(folder) for folder in folders if folder]
 
 
 def _import(folder):
@@ -62,7 +96,32 @@ def _import(folder):
     if parent not in sys.path:
         sys.path.insert(0, parent)
     try:
-        return importlib.import_module(name + ".hooks")
-    except Exception:
-        get_logger("plugins").exception("the plugin %s is left out", folder)
+        importlib.import_module(name + ".hooks")
+        return sys.modules[name]
+    except (Exception, SystemExit):
+        logger.exception("the plugin %s is left out", folder)
         return None
+
+
+def _name_what_is_never_called(package):
+    for name, instead in _NEVER_CALLED.items():
+        if hasattr(package.hooks, name):
+            logger.info("the hook %s of %s is never called: %s", name, package.__name__, instead)
+
+
+def _arguments(machine, config, start_state_path):
+    """The options of the command line, as the plugins have added to them: name to value.
+
+    A run has no command line of its own: the plugins' options come from ``RAFCON_PLUGIN_ARGUMENTS``.
+    """
+    from rafcon.core.start import parse_arguments
+
+    try:
+        found = parse_arguments(shlex.split(os.environ.get("RAFCON_PLUGIN_ARGUMENTS", "")))
+    except (ValueError, SystemExit) as error:
+        logger.error("RAFCON_PLUGIN_ARGUMENTS cannot be read, so plugins get no options of theirs: %s", error)
+        found = {}
+    found.update(state_machine_path=[machine], start_state_path=start_state_path)
+    if config is not None:
+        found["config_path"] = config
+    return found

@@ -12,7 +12,12 @@ _machines = itertools.count(1)
 
 def state_name(cls):
     """A name for a state that got none."""
-    return f"{cls.__name__} {next(_names)}"
+    return f"{cls.__name__} {state_number()}"
+
+
+def state_number():
+    """The next number for the name of a state."""
+    return next(_names)
 
 
 def state_id(taken=()):

@@ -4,7 +4,7 @@ Every function is called with the GIL held and never waits.
 """
 
 import rafcon.utils.log  # noqa: F401, the level VERBOSE exists from here on
-from rafcon import _capture, _fork, _logging, _objects
+from rafcon import _capture, _dialog_modules, _fork, _logging, _objects
 from rafcon._capture import flush_all, flush_capture, pending
 from rafcon._conditions import check
 from rafcon._conditions import reason as why
@@ -20,11 +20,11 @@ from rafcon.core.global_variable_manager import global_variables as global_varia
 __all__ = [
     "StatePreempted",
     "adopt_thread",
+    "builtins_for",
     "check",
     "configure",
     "convert",
     "decode",
-    "dialog_builtins",
     "encode",
     "encode_globals",
     "flush_all",
@@ -51,6 +51,7 @@ __all__ = [
 #: The hooks of the user's plugins.
 hooks = Hooks()
 
+builtins_for = _dialog_modules.builtins_for
 new_state = _objects.new_state
 prepare = _objects.prepare
 state = _objects.state
@@ -70,13 +71,6 @@ def encode_globals():
     return {name: encode(value) for name, value in global_variable_manager._values().items()}
 
 
-def dialog_builtins():
-    """The built-in names for scripts that look for the dialogs of the desktop."""
-    from rafcon import _desktop  # as late as this, for it takes long to load and is rarely wanted
-
-    return _desktop.builtins_with_dialogs()
-
-
 def configure(values):
     """Sets the configuration in force: key of ``config.yaml`` to value."""
     from rafcon.core.config import global_config
@@ -90,3 +84,4 @@ def install_capture():
     _capture.install()
     _logging.install()
     _fork.install()
+    _dialog_modules.install()

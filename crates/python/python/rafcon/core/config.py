@@ -3,6 +3,7 @@
 import os
 
 from rafcon._bridge import native
+from rafcon.design_patterns.observer.observable import Observable
 from rafcon.utils.log import get_logger
 
 logger = get_logger(__name__)
@@ -25,7 +26,11 @@ DEFAULTS = {
 }
 
 
-class Config:
+class ObservableConfig(Observable):
+    """Base of configurations: key to value, in a YAML file."""
+
+
+class Config(ObservableConfig):
     """Key to value. In a running machine it holds the configuration in force; changes last until the process ends."""
 
     def __init__(self):
@@ -53,9 +58,14 @@ class Config:
         """The value of a key, or ``default`` if the key is not known."""
         return self._values.get(key, default)
 
+    @Observable.observed
     def set_config_value(self, key, value):
         """Changes a value for other scripts to see; files and the machine that runs stay as they are."""
         self._values[key] = value
+
+    def is_config_loaded_from_file(self):
+        """Whether a file was read."""
+        return self._path is not None
 
     def get_all_keys(self):
         """All keys."""

@@ -9,6 +9,7 @@ from collections import deque
 
 from rafcon._keeping import Ledger, Variable
 from rafcon.core._waiting import Waiter
+from rafcon.design_patterns.observer.observable import Observable
 from rafcon.utils.log import get_logger
 
 logger = get_logger(__name__)
@@ -35,7 +36,7 @@ class _Variable:
         self.kept = None
 
 
-class GlobalVariableManager:
+class GlobalVariableManager(Observable):
     """Named values that all states share.
 
     A value is kept as a deep copy, or as the object itself (``per_reference``). A locked variable is read and written
@@ -58,6 +59,7 @@ class GlobalVariableManager:
 
     # ---- reading and writing
 
+    @Observable.observed
     def set_variable(self, key, value, per_reference=False, access_key=None, data_type=None):
         """Writes a variable; makes it if there is none.
 
@@ -116,6 +118,7 @@ class GlobalVariableManager:
 
     # ---- locks
 
+    @Observable.observed
     def lock_variable(self, key, block=False):
         """Locks a variable and returns the access key (``str``).
 
@@ -137,6 +140,7 @@ class GlobalVariableManager:
                 return False
             return _locked(variable)
 
+    @Observable.observed
     def unlock_variable(self, key, access_key, force=False):
         """Ends a lock and serves those who wait; True if it was locked.
 
@@ -164,6 +168,7 @@ class GlobalVariableManager:
 
     # ---- the table
 
+    @Observable.observed
     def delete_variable(self, key):
         """Removes a variable and its type; ``AttributeError`` if there is none, ``RuntimeError`` if it is locked."""
         key = str(key)

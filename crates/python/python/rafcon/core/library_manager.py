@@ -6,11 +6,21 @@ from rafcon import _ids
 from rafcon._bridge import native
 from rafcon.core.config import global_config
 from rafcon.core.custom_exceptions import LibraryNotFoundException
+from rafcon.design_patterns.observer.observable import Observable
 
 _MACHINE_FILE = "statemachine.json"
+#: The library roots of an installed reference, below ``RAFCON_LIB_PATH``.
+_USUAL = {
+    "generic": ["generic"],
+    "tutorials": ["..", "examples", "tutorials"],
+    "ros": ["..", "examples", "libraries", "ros_libraries"],
+    "ros2": ["..", "examples", "ros2_libraries"],
+    "turtle_libraries": ["..", "examples", "libraries", "turtle_libraries"],
+    "advanced_examples": ["..", "examples", "advanced_examples"],
+}
 
 
-class LibraryManager:
+class LibraryManager(Observable):
     """The library roots: folders with state machines below them, each under a key.
 
     Each library is read once, for all states that stand for it, until ``initialize`` is called again.
@@ -30,8 +40,12 @@ class LibraryManager:
         """Looks at the configured roots anew, and forgets the libraries that were read."""
         self._known = None
 
-    refresh_libraries = initialize
     clean_loaded_libraries = initialize
+
+    @Observable.observed
+    def refresh_libraries(self):
+        """The same as ``initialize``."""
+        self.initialize()
 
     def _roots(self):
         """The roots as the compiled module has them, with what was read of them."""
@@ -57,11 +71,14 @@ class LibraryManager:
 
     @property
     def library_root_paths(self):
-        """Key to absolute folder: those of the run; without a run, those of ``RAFCON_LIBRARY_PATH``."""
+        """Key to absolute folder: those of the run; without a run, those of configuration and ``RAFCON_LIBRARY_PATH``.
+
+        If none of the configuration is there, the usual ones below ``RAFCON_LIB_PATH`` are taken instead.
+        """
         folders = map(_absolute, filter(None, os.environ.get("RAFCON_LIBRARY_PATH", "").split(os.pathsep)))
         roots = {os.path.basename(folder): folder for folder in folders}
-        configured = global_config.get_config_value("LIBRARY_PATHS").items()
-        roots.update((key, _absolute(folder)) for key, folder in configured)
+        configured = _folders(global_config.get_config_value("LIBRARY_PATHS"))
+        roots.update(configured or _folders(_usual()))
         return {key: folder for key, folder in roots.items() if os.path.isdir(folder)}
 
     @property
@@ -102,6 +119,17 @@ class LibraryManager:
     def is_os_path_within_library_root_paths(self, path):
         """Whether a folder is below a root."""
         return self.get_library_path_and_name_for_os_path(path) != (None, None)
+
+
+def _usual():
+    base = os.environ.get("RAFCON_LIB_PATH")
+    return {key: os.path.join(base, *below) for key, below in _USUAL.items()} if base else {}
+
+
+def _folders(paths):
+    """Those that are there."""
+    folders = {key: _absolute(folder) for key, folder in paths.items()}
+    return {key: folder for key, folder in folders.items() if os.path.isdir(folder)}
 
 
 def _absolute(folder):

@@ -1,13 +1,33 @@
 """What a program calls that opens and runs a machine, in the order in which it does so.
 
-``python3 -c`` programs of the reference begin with these; ``rafcon run`` needs none of it.
+``python3 -m rafcon.core.start -o MACHINE`` is such a program: it runs a machine in its own process and ends with the
+exit codes of ``rafcon run``, which does more: it keeps a journal, and a crash of a script does not take it along.
 """
 
+import argparse
 import os
+import signal as signals
+import sys
+import threading
 
 from rafcon.core.config import global_config
-from rafcon.core.singleton import library_manager, state_machine_execution_engine, state_machine_manager
+from rafcon.core.singleton import (
+    argument_parser,
+    library_manager,
+    state_machine_execution_engine,
+    state_machine_manager,
+)
 from rafcon.core.storage import storage
+from rafcon.utils.log import get_logger
+
+logger = get_logger("start.core")
+_CONFIG = os.path.join("~", ".config", "rafcon")
+_LOGS = os.path.join("~", ".log", "rafcon")
+#: The exit codes of ``rafcon run`` for outcomes that are not 0; another outcome is 3.
+_EXIT_CODES = {0: 0, -1: 4, -2: 5}
+_NO_RUN = 1
+#: A root that was told to stop has this long (s) to end.
+_STOP_WITHIN_S = 3
 
 
 def _hooks():
@@ -16,8 +36,95 @@ def _hooks():
     return hooks
 
 
+# ---- the command line
+
+
+def setup_argument_parser():
+    """The parser of the command line, ``argument_parser`` of :mod:`rafcon.core.singleton`, with the options of a start.
+
+    A plugin adds options of its own in ``pre_init``; what was given for them is in the argument of ``post_init``.
+    """
+    if any(action.dest == "state_machine_path" for action in argument_parser._actions):
+        return argument_parser
+    add = argument_parser.add_argument
+    add(
+        *("-o", "--open"),
+        dest="state_machine_path",
+        metavar="path",
+        nargs="+",
+        type=parse_state_machine_path,
+        help="folders of state machines; the first is run",
+    )
+    add(
+        *("-c", "--config"),
+        dest="config_path",
+        metavar="path",
+        nargs="?",
+        type=_parse_config_path,
+        default=os.path.expanduser(_CONFIG),
+        help="a config.yaml, or the folder with it; 'None' for none. Default: %(default)s",
+    )
+    add(
+        *("-r", "--remote"),
+        dest="remote",
+        action="store_true",
+        help="open the machine and do not start it; it waits for a program or plugin that does",
+    )
+    add(
+        *("-s", "--start_state_path"),
+        dest="start_state_path",
+        metavar="path",
+        nargs="?",
+        help="the state to begin at: the ids from the root on, joined by /",
+    )
+    _add_profiling(add)
+    return argument_parser
+
+
+def _add_profiling(add):
+    """Options of old start scripts, which mean nothing here."""
+    unused = "accepted for old start scripts; measure with tools of Python"
+    add("-mp", "--memory-profiling", action="store_true", help=unused)
+    add("-mpp", "--memory-profiling-path", metavar="path", nargs="?", default=os.path.expanduser(_LOGS), help=unused)
+    add("-mpi", "--memory-profiling-interval", type=int, default=10, help=unused)
+    add("-mppr", "--memory-profiling-print", action="store_true", help=unused)
+
+
+def parse_state_machine_path(path):
+    """The path, if a state machine is there; ``argparse.ArgumentTypeError`` if not."""
+    for file in (storage.STATEMACHINE_FILE, "statemachine.yaml"):
+        if os.path.isfile(os.path.join(path, file)):
+            return path
+    raise argparse.ArgumentTypeError(f"there is no state machine in {path}: no {storage.STATEMACHINE_FILE}")
+
+
+def _parse_config_path(path):
+    if path is None or path == "None":
+        return None
+    if not os.path.exists(path) and path != os.path.expanduser(_CONFIG):
+        raise argparse.ArgumentTypeError(f"there is no configuration {path}")
+    return path
+
+
+def parse_arguments(arguments):
+    """The options in a list of arguments, name to value; ``ValueError`` for what the parser does not know."""
+    parser = setup_argument_parser()
+    parser.error = _raise
+    try:
+        return vars(parser.parse_args(arguments))
+    finally:
+        del parser.error
+
+
+def _raise(message):
+    raise ValueError(message)
+
+
+# ---- the steps of a start
+
+
 def pre_setup_plugins():
-    """Loads the plugins of ``RAFCON_PLUGIN_PATH``."""
+    """Loads the plugins of ``RAFCON_PLUGIN_PATH`` and calls their ``pre_init``."""
     _hooks().load()
 
 
@@ -27,11 +134,18 @@ def setup_environment():
 
 def setup_configuration(config_path):
     """Reads a ``config.yaml`` (a file, or the folder with it) and finds the libraries that it names."""
-    folder, file = config_path, None
-    if config_path is not None and not os.path.isdir(config_path):
-        folder, file = os.path.split(config_path)
-    global_config.load(config_file=file, path=folder or None)
+    if config_path is not None:
+        folder, file = config_path, None
+        if not os.path.isdir(config_path):
+            folder, file = os.path.split(config_path)
+        global_config.load(config_file=file, path=folder or None)
     library_manager.initialize()
+
+
+def post_setup_plugins(parser_result):
+    """Calls ``post_init`` of the plugins with the parsed options, a namespace or a dictionary."""
+    options = parser_result if isinstance(parser_result, dict) else vars(parser_result)
+    _hooks().call_guarded("post_init", options)
 
 
 def open_state_machine(state_machine_path):
@@ -48,10 +162,97 @@ def start_state_machine(sm, start_state_path=None):
 
 def wait_for_state_machine_finished(state_machine):
     """Waits for the end of the run."""
-    state_machine_execution_engine.join()
+    # In pieces, so that the handlers of signals are called meanwhile.
+    while not state_machine_execution_engine.join(0.5):
+        if state_machine_execution_engine.finished_or_stopped():
+            return
+
+
+def register_signal_handlers(callback):
+    """Lets SIGHUP, SIGINT and SIGTERM call a function; only the main thread can."""
+    for name in ("SIGHUP", "SIGINT", "SIGTERM"):
+        signals.signal(getattr(signals, name), callback)
 
 
 def signal_handler(signal, frame=None):
     """Stops the machine that runs, in an orderly way."""
+    from rafcon.core import singleton
+
+    singleton.shut_down_signal = signal
     if not state_machine_execution_engine.finished_or_stopped():
         state_machine_execution_engine.stop()
+
+
+def reactor_required():
+    """Whether a plugin has imported Twisted, whose reactor then runs in the main thread."""
+    return "twisted" in sys.modules
+
+
+def stop_reactor_on_state_machine_finish(state_machine):
+    """Waits for the end of the run and ends Twisted's reactor."""
+    wait_for_state_machine_finished(state_machine)
+    from twisted.internet import reactor
+
+    if reactor.running:
+        reactor.callFromThread(reactor.stop)
+
+
+def main(optional_args=None):
+    """Runs the machine that the command line (or a list of arguments) names, and returns the exit code.
+
+    0 if it ended by its outcome 0, 3 by another, 4 *aborted*, 5 *preempted*, 1 if there was no run.
+    """
+    if threading.current_thread() is threading.main_thread():
+        register_signal_handlers(signal_handler)
+    pre_setup_plugins()
+    setup_environment()
+    options = setup_argument_parser().parse_args(optional_args)
+    if not options.state_machine_path:
+        argument_parser.error("no state machine is named; give one with -o")
+    try:
+        setup_configuration(options.config_path)
+        post_setup_plugins(options)
+        machines = [open_state_machine(path) for path in options.state_machine_path]
+        if not options.remote:
+            start_state_machine(machines[0], options.start_state_path)
+        _wait(machines[0], options.remote)
+    except (AttributeError, OSError, RuntimeError, ValueError) as error:
+        logger.error("%s", error)
+        return _NO_RUN
+    finally:
+        _hooks().shut_down()
+    outcome = machines[0].root_state.final_outcome
+    return _NO_RUN if outcome is None else _EXIT_CODES.get(outcome.outcome_id, 3)
+
+
+def _wait(machine, is_remote):
+    if reactor_required():
+        _run_reactor(machine)
+    elif is_remote:
+        _wait_for_signal()
+        state_machine_execution_engine.join(_STOP_WITHIN_S)
+    else:
+        wait_for_state_machine_finished(machine)
+
+
+def _wait_for_signal():
+    """Others start the machine meanwhile: a thread of a plugin, perhaps."""
+    from rafcon.core import singleton
+
+    pause = threading.Event()
+    while singleton.shut_down_signal is None:
+        pause.wait(0.5)
+
+
+def _run_reactor(machine):
+    from twisted.internet import reactor
+
+    threading.Thread(target=stop_reactor_on_state_machine_finish, args=(machine,), daemon=True).start()
+    reactor.run()
+
+
+if __name__ == "__main__":
+    import logging
+
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    sys.exit(main())

@@ -128,6 +128,19 @@ class StateMachine:
         """One history for each run of this process."""
         return [ExecutionHistory(self.root_state)]
 
+    def clear_execution_histories(self):
+        """Means nothing: a history belongs to its run, and goes with it."""
+
+    destroy_execution_histories = clear_execution_histories
+
+    def mutable_hash(self, obj_hash=None):
+        """A hash of what the machine is made of, added to ``obj_hash`` if one is given."""
+        return self.root_state.mutable_hash(obj_hash)
+
+    def get_modification_lock(self):
+        """The lock by which scripts exclude one another."""
+        return self._modification_lock
+
     def __copy__(self):
         """The same once more, with an id of its own; it belongs to no folder."""
         return StateMachine(copy(self.root_state), self.version, self.creation_time)

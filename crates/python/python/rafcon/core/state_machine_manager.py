@@ -4,9 +4,10 @@ import os
 
 from rafcon import _objects
 from rafcon.core._refusals import hosted
+from rafcon.design_patterns.observer.observable import Observable
 
 
-class StateMachineManager:
+class StateMachineManager(Observable):
     """Knows the state machines by their ids."""
 
     def __init__(self):
@@ -33,12 +34,14 @@ class StateMachineManager:
         return None if machine is None else machine.state_machine_id
 
     @active_state_machine_id.setter
+    @Observable.observed
     def active_state_machine_id(self, state_machine_id):
         hosted("StateMachineManager.active_state_machine_id = …")
         if state_machine_id is not None and state_machine_id not in self._machines:
             raise AttributeError(f"there is no state machine with the id {state_machine_id}")
         self._active_id = state_machine_id
 
+    @Observable.observed
     def add_state_machine(self, state_machine):
         """Makes a state machine known and returns its id; ``AttributeError`` if one of the same folder is there."""
         from rafcon.core.state_machine import StateMachine
@@ -52,6 +55,7 @@ class StateMachineManager:
         self._machines[state_machine.state_machine_id] = state_machine
         return state_machine.state_machine_id
 
+    @Observable.observed
     def remove_state_machine(self, state_machine_id):
         """Forgets a state machine and returns it; None, if there is none of this id."""
         hosted("StateMachineManager.remove_state_machine")
@@ -95,6 +99,11 @@ class StateMachineManager:
             if machine.file_system_path is not None and os.path.realpath(machine.file_system_path) == wanted:
                 return machine
         return None
+
+    def get_sm_id_for_root_state_id(self, root_state_id):
+        """The id of the first state machine whose root state has this id, or None."""
+        machines = self.state_machines.items()
+        return next((key for key, machine in machines if machine.root_state.state_id == root_state_id), None)
 
     def has_dirty_state_machine(self):
         """Whether there are changes that are not saved."""

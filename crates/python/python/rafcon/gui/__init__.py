@@ -4,7 +4,10 @@ import importlib.abc
 import importlib.util
 import sys
 
+from rafcon import _dialog_modules
+
 _PRESENT = ("rafcon.gui.utils",)
+_DIALOGS = "rafcon.gui.utils.dialog"
 
 
 class _NoDesktop(importlib.abc.MetaPathFinder):
@@ -12,6 +15,8 @@ class _NoDesktop(importlib.abc.MetaPathFinder):
 
     def find_spec(self, fullname, path=None, target=None):
         if not fullname.startswith("rafcon.gui.") or fullname in _PRESENT:
+            return None
+        if fullname == _DIALOGS and _dialog_modules.are_present():
             return None
         if importlib.util.find_spec("gi") is None:
             raise ModuleNotFoundError("No module named 'gi'", name="gi")

@@ -1,5 +1,7 @@
-"""Folders for temporary files."""
+"""Folders for temporary files; they are there once this module is imported."""
 
+import atexit
+import contextlib
 import getpass
 import os
 import tempfile
@@ -15,5 +17,30 @@ def _user():
         return str(os.getuid())
 
 
-#: The folder of this process below it; made when it is first asked for by ``os.makedirs``.
-RAFCON_TEMP_PATH_BASE = os.path.join(TEMP_PATH, f"rafcon-{_user()}", str(os.getpid()))
+def _made():
+    """The folder of this process, and one of its own in it; where none can be made, the first use of it says why."""
+    base = os.path.join(TEMP_PATH, f"rafcon-{_user()}", str(os.getpid()))
+    try:
+        os.makedirs(base, exist_ok=True)
+        return base, tempfile.mkdtemp(dir=base)
+    except OSError:
+        return base, base
+
+
+def _remove_if_empty(owner):
+    if os.getpid() == owner:
+        for folder in (RAFCON_TEMP_PATH_STORAGE, RAFCON_TEMP_PATH_BASE):
+            with contextlib.suppress(OSError):
+                os.rmdir(folder)
+
+
+#: The folder of this process below it, and the one for what has no other place. Empty ones go when the process ends.
+RAFCON_TEMP_PATH_BASE, RAFCON_TEMP_PATH_STORAGE = _made()
+atexit.register(_remove_if_empty, os.getpid())
+
+#: What an observer of a state hears of because the machine runs, and not because somebody edits it.
+BY_EXECUTION_TRIGGERED_OBSERVABLE_STATE_METHODS = [
+    "state_execution_status",
+    "_add_new_execution_history",
+    "clear_execution_histories",
+]

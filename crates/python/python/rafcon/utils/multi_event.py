@@ -3,9 +3,9 @@
 import threading
 
 
-def create(events):
-    """A ``threading.Event`` that follows the ``threading.Event`` objects of an iterable: set if one of them is."""
-    events = list(events)
+def create(*events):
+    """A ``threading.Event`` that follows others: set if one of them is. They are given one by one, or as an iterable."""
+    events = list(events[0] if len(events) == 1 and not hasattr(events[0], "is_set") else events)
     combined = threading.Event()
     lock = threading.Lock()
 

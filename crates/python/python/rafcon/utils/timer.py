@@ -7,20 +7,48 @@ from rafcon.utils.log import get_logger
 
 
 class Timer:
-    """Context manager that logs how long its block took."""
+    """Measures how long something took, and logs it: a block (``with Timer(logger, name):``), or from start to stop."""
 
     def __init__(self, logger, name="", continues=True):
-        """``continues`` is accepted for old scripts; each block is measured on its own."""
+        """``continues``: times from start to stop add up; else each start begins anew."""
         self._logger = logger
         self._name = name
-        self._start_s = None
+        self._continues = continues
+        self._begun_s = None
+        self._duration_s = 0.0
+        #: How often it was started.
+        self.count = 0
+
+    def start(self):
+        """Begins, and returns how often it has begun."""
+        if not self._continues:
+            self._duration_s = 0.0
+        self._begun_s = time.perf_counter()
+        self.count += 1
+        return self.count
+
+    def stop(self, key=""):
+        """Ends, and logs the time; ``key`` is put behind the name."""
+        self._duration_s, self._begun_s = self.duration, None
+        name = " ".join(filter(None, (self._name, str(key)))) or "the block"
+        self._logger.info("%s took %.6f s", name, self._duration_s)
+
+    def reset(self):
+        """Forgets what was measured."""
+        self._begun_s, self._duration_s, self.count = None, 0.0, 0
+
+    @property
+    def duration(self):
+        """The time (s) that was measured so far."""
+        running_s = 0.0 if self._begun_s is None else time.perf_counter() - self._begun_s
+        return self._duration_s + running_s
 
     def __enter__(self):
-        self._start_s = time.perf_counter()
+        self.start()
         return self
 
     def __exit__(self, *_exception):
-        self._logger.info("%s took %.6f s", self._name or "the block", time.perf_counter() - self._start_s)
+        self.stop()
 
 
 def measure_time(function):

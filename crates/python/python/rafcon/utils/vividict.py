@@ -39,6 +39,23 @@ class Vividict(dict):
         self.clear()
         self.update(new_dict)
 
+    def to_dict(self):
+        """A copy of plain dictionaries."""
+        return Vividict.vividict_to_dict(self)
+
+    @classmethod
+    def from_dict(cls, dictionary):
+        """One with the content of a dictionary."""
+        return cls(dictionary)
+
+    @staticmethod
+    def vividict_to_dict(vividict, native_strings=False):
+        """A copy of plain dictionaries; ``native_strings`` means nothing: texts are ``str``."""
+        return {
+            key: Vividict.vividict_to_dict(value) if isinstance(value, Vividict) else value
+            for key, value in vividict.items()
+        }
+
     def __deepcopy__(self, memo):
         import copy
 

@@ -3,10 +3,15 @@
 from rafcon import _embedding, _objects
 from rafcon._bridge import native
 from rafcon.core.custom_exceptions import CommandNotSupported
+from rafcon.core.execution.breakpoint_manager import BreakpointManager
 from rafcon.core.execution.execution_status import ExecutionStatus, StateMachineExecutionStatus
+from rafcon.design_patterns.observer.observable import Observable
+from rafcon.utils.log import get_logger
+
+logger = get_logger(__name__)
 
 
-class ExecutionEngine:
+class ExecutionEngine(Observable):
     """Runs the state machine. A command takes effect at once and returns at once.
 
     One that cannot be carried out now is a ``RuntimeError`` that says why.
@@ -15,6 +20,8 @@ class ExecutionEngine:
     def __init__(self, state_machine_manager):
         self.state_machine_manager = state_machine_manager
         self._run = None
+        #: Where the run is held: a :class:`~rafcon.core.execution.breakpoint_manager.BreakpointManager`.
+        self.breakpoint_manager = BreakpointManager()
         #: ``status.execution_mode`` is a ``StateMachineExecutionStatus``.
         self.status = ExecutionStatus(_mode)
 
@@ -25,10 +32,12 @@ class ExecutionEngine:
 
         return state_machine_execution_engine
 
+    @Observable.observed
     def pause(self):
         """Holds every hierarchy before its next state; scripts that run go on."""
         native.command("pause")
 
+    @Observable.observed
     def start(self, state_machine_id=None, start_state_path=None):
         """Starts a state machine of this program, the active one unless an id is given; a paused one goes on.
 
@@ -85,12 +94,14 @@ class ExecutionEngine:
             self.join()
         return machine
 
+    @Observable.observed
     def stop(self):
         """Preempts everything; the machine then ends as *preempted*."""
         native.command("stop")
 
     # ---- step by step
 
+    @Observable.observed
     def step_mode(self, state_machine_id=None):
         """Holds wherever a next state would begin, from now on; a machine of this program is started for it."""
         if not self._begin(state_machine_id, hold=True):
@@ -131,6 +142,7 @@ class ExecutionEngine:
         """Begins again at an entry of ``state.execution_history`` with its data. The machine has to be held."""
         native.command("start_from_history", None, call_item.sequence)
 
+    @Observable.observed
     def set_execution_mode(self, execution_mode, notify=True):
         """The mode follows from the commands: refused with ``CommandNotSupported``."""
         raise CommandNotSupported("ExecutionEngine.set_execution_mode")

@@ -52,18 +52,50 @@ class HistoryItem:
         return f"<{type(self).__name__} {self.path}>"
 
 
-class CallItem(HistoryItem):
+    @property
+    def call_type_str(self):
+        """The name of the call type."""
+        return self.call_type.name
+
+    def to_dict(self, pickled=True):
+        """What the item says, name to value; ``pickled`` means nothing: values are as people see them."""
+        return {
+            "path": self.path,
+            "state_type": self.state_type,
+            "timestamp": self.timestamp,
+            "history_item_id": self.history_item_id,
+            "item_type": type(self).__name__,
+            "call_type": self.call_type_str,
+            "input_output_data": self.input_output_data,
+            "outcome_name": None if self.outcome is None else self.outcome.name,
+            "outcome_id": None if self.outcome is None else self.outcome.outcome_id,
+        }
+
+
+class StateMachineStartItem(HistoryItem):
+    """A state machine was started. No history here has one: the journal of the run says when and how it began."""
+
+
+class ConcurrencyItem(HistoryItem):
+    """A concurrency state has run its branches. No history here has one: all branches stand in the one list."""
+
+
+class ScopedDataItem(HistoryItem):
+    """A state was entered or left."""
+
+
+class CallItem(ScopedDataItem):
     """A state was entered."""
 
     #: It has no outcome yet.
     outcome = None
 
 
-class ReturnItem(HistoryItem):
+class ReturnItem(ScopedDataItem):
     """A state was left."""
 
     def __init__(self, sequence, timestamp, path, outcome, data, backward):
-        HistoryItem.__init__(self, sequence, timestamp, path, data, backward)
+        ScopedDataItem.__init__(self, sequence, timestamp, path, data, backward)
         self._outcome = outcome
 
     @property

@@ -1,1 +1,5 @@
 """What a state consists of: outcomes, data ports, transitions, data flows, scoped variables."""
+
+from rafcon._lazy import submodules
+
+__getattr__ = submodules(__name__)

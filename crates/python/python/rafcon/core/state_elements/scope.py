@@ -1,5 +1,7 @@
 """Data that belongs to a container: scoped variables and the values in its scope."""
 
+import time
+
 from rafcon.core.state_elements.data_port import DataPort
 from rafcon.core.state_elements.state_element import StateElement, field
 
@@ -15,6 +17,11 @@ class ScopedVariable(DataPort):
     def __str__(self):
         key, name, data_type, default = self._content()
         return f"ScopedVariable '{name}' [{key}] ({data_type} {default})"
+
+
+def generate_time_stamp():
+    """The time (us since 1970)."""
+    return int(time.time() * 1_000_000)
 
 
 class ScopedData(StateElement):

@@ -1,6 +1,7 @@
 """States that run another state machine."""
 
 from rafcon.core.states.state import State
+from rafcon.core.storage.storage import LIBRARY_NOT_FOUND_DUMMY_STATE_NAME
 from rafcon.utils.type_helpers import port_default
 
 
@@ -64,6 +65,22 @@ class LibraryState(State):
     def set_use_output_runtime_value(self, output_data_port_id, use_value):
         """Whether the value of its own counts for an output, or the default of the library."""
         self._change("runtime.used", "outputs", output_data_port_id, bool(use_value))
+
+    @property
+    def name(self):
+        """The name (``str``); that of a missing library where its machine was loaded, and not where it runs."""
+        if self.is_dummy:
+            return LIBRARY_NOT_FOUND_DUMMY_STATE_NAME
+        return self._facts["name"]
+
+    @name.setter
+    def name(self, name):
+        self._rename(name)
+
+    @property
+    def is_dummy(self):
+        """Whether the library is missing, in a machine that was loaded."""
+        return hasattr(self._home, "document") and not self._home.child_ids(self)
 
     @property
     def library_path(self):

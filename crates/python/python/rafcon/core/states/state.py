@@ -15,6 +15,7 @@ from rafcon.core.state_elements.logical_port import Income, Outcome
 from rafcon.core.states._changes import StateChanges
 from rafcon.core.states._construction import StateConstruction
 from rafcon.core.states._semantic_data import SemanticData
+from rafcon.core.states._summary import StateSummary
 from rafcon.utils.log import get_logger
 
 #: Separates the state ids (or names) of a path.
@@ -41,7 +42,7 @@ _PHASES = {
 _PROCESS = os.urandom(8).hex()
 
 
-class State(StateConstruction, StateChanges, SemanticData):
+class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     """A state: of the machine that runs, or of one that is being built.
 
     ``preempted``, ``paused`` and ``started`` may be set. Any further attribute that a script puts on the object stays

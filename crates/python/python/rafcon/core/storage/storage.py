@@ -1,5 +1,6 @@
 """State machines from and to files, and the names of these files."""
 
+import json
 import os
 import re
 import shutil
@@ -7,7 +8,7 @@ import tempfile
 
 from rafcon._bridge import native
 from rafcon.core.config import global_config
-from rafcon.core.custom_exceptions import MachineChangeNotSupported
+from rafcon.core.custom_exceptions import LibraryNotFoundException, MachineChangeNotSupported
 from rafcon.utils.log import get_logger
 
 logger = get_logger(__name__)
@@ -26,13 +27,22 @@ SCRIPT_FILE = "script.py"
 SEMANTIC_DATA_FILE = "semantic_data.json"
 #: Between name and id in the name of a state's folder.
 ID_NAME_DELIMITER = "_"
+#: The name of a library state whose library is missing.
+LIBRARY_NOT_FOUND_DUMMY_STATE_NAME = "LIBRARY NOT FOUND DUMMY STATE"
+#: What the name of a folder has instead of characters that some system forbids.
+REPLACED_CHARACTERS_FOR_NO_OS_LIMITATION = {
+    **dict.fromkeys("/\\<>", ""),
+    "\\0": "",
+    **dict.fromkeys(":|?*", "_"),
+}
 
 
 
 def load_state_machine_from_path(base_path, state_machine_id=None):
     """The :class:`~rafcon.core.state_machine.StateMachine` in a folder; ``ValueError`` if there is none.
 
-    Faults of its files are errors in the log, and the rest of the machine is loaded.
+    Faults of its files, and of the machine itself, are errors in the log, and the rest of the machine is loaded. A
+    missing library is ``LibraryNotFoundException`` if ``RAISE_ERROR_ON_MISSING_LIBRARY_STATES`` is set.
     """
     from rafcon.core.singleton import library_manager
     from rafcon.core.state_machine import StateMachine
@@ -40,7 +50,18 @@ def load_state_machine_from_path(base_path, state_machine_id=None):
     document, problems = native.load_document(str(base_path), library_manager._roots())
     for problem in problems:
         logger.error("%s: %s", base_path, problem)
-    return StateMachine._loaded(document, state_machine_id)
+    machine = StateMachine._loaded(document, state_machine_id)
+    if global_config.get_config_value("RAISE_ERROR_ON_MISSING_LIBRARY_STATES"):
+        _refuse_missing(machine.root_state)
+    return machine
+
+
+def _refuse_missing(state):
+    if getattr(state, "is_dummy", False):
+        reference = f"{state.library_path}/{state.library_name}"
+        raise LibraryNotFoundException(f"the library `{reference}` of the state {state.get_path()} is missing")
+    for child in getattr(state, "states", {}).values():
+        _refuse_missing(child)
 
 
 def save_state_machine_to_path(state_machine, base_path, delete_old_state_machine=False, as_copy=False):
@@ -89,7 +110,25 @@ def get_storage_id_for_state(state):
     if not with_name:
         return state.state_id
     suffix = ID_NAME_DELIMITER + state.state_id
-    return limit_text_max_length(clean_path_element(state.name), length or 255 - len(suffix)) + suffix
+    return limit_text_max_length(clean_path_element(state._facts["name"]), length or 255 - len(suffix)) + suffix
+
+
+def get_core_data_path(state_path):
+    """The file of a state in its folder."""
+    return os.path.join(state_path, FILE_NAME_CORE_DATA)
+
+
+def get_meta_data_path(state_path):
+    """The file with the layout of a state in its folder."""
+    return os.path.join(state_path, FILE_NAME_META_DATA)
+
+
+def load_data_file(path_of_file):
+    """What a JSON file of a machine holds, as plain dictionaries; ``ValueError`` if it is not there."""
+    if not os.path.isfile(path_of_file):
+        raise ValueError(f"there is no file {path_of_file}")
+    with open(path_of_file, encoding="utf-8") as file:
+        return json.load(file)
 
 
 def clean_path_element(text):

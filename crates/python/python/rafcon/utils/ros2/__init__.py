@@ -4,3 +4,7 @@ A first state makes the node and puts it, by reference, into the global variable
 dictionaries ``ros_publishers`` and ``ros_clients``, in which the handles keep what they made for the next run.
 Everything needs ROS 2's own packages (``rclpy``).
 """
+
+from rafcon._lazy import submodules
+
+__getattr__ = submodules(__name__)

@@ -1,11 +1,13 @@
 """Fields of messages, requests and responses."""
 
 
-def set_field(message, key, value):
-    """Sets a field; ``AttributeError`` if the message has none of this name."""
+def set_field_from_inputs(message, key, inputs):
+    """Sets a field from the input of the same name; ``AttributeError`` if there is no such field or input."""
     if not hasattr(message, key):
         raise AttributeError(f"a {type(message).__name__} has no field `{key}`")
-    setattr(message, key, value)
+    if key not in inputs:
+        raise AttributeError(f"the state has no input `{key}` to set the field of the {type(message).__name__} by")
+    setattr(message, key, inputs[key])
 
 
 def get_field(message, key):
@@ -13,3 +15,8 @@ def get_field(message, key):
     if message is None:
         raise AttributeError(f"there is no message to take the field `{key}` of")
     return getattr(message, key)
+
+
+def replace_chars(message):
+    """A text in one line: line ends become ``char(10)``."""
+    return str(message).replace("\n", "char(10)")

@@ -1,8 +1,18 @@
-"""What handles keep from one run of a state to the next: made once for a name, with a lock for its users."""
+"""What handles need: the node that all states share, and what was made in earlier runs, with a lock for its users."""
 
 import threading
 
 _making = threading.Lock()
+
+
+def available(node):
+    """The node, if there is one; ``RuntimeError`` if not."""
+    if node is None:
+        raise RuntimeError(
+            "there is no ROS 2 node in the global variable `rafcon_ros_node`; a state that makes it "
+            "(init_ros2_node) must run first"
+        )
+    return node
 
 
 def shared(gvm, variable, name, make):

@@ -1,7 +1,7 @@
 """Publishing messages from a script."""
 
-from rafcon.utils.ros2._message import set_field
-from rafcon.utils.ros2._shared import forget, shared
+from rafcon.utils.ros2._message import replace_chars, set_field_from_inputs
+from rafcon.utils.ros2._shared import available, forget, shared
 
 _PUBLISHERS = "ros_publishers"
 #: ROS 2 does not tell when a subscriber comes, so it is asked this often.
@@ -9,23 +9,26 @@ _ASK_EVERY_S = 0.05
 
 
 class PublisherHandle:
-    """Publishes messages of one type on one topic; the publisher stays for the next run.
+    """Publishes messages of one type on one topic; the publisher ``pub`` stays for the next run.
 
     ``rafcon`` is the script's ``self``. ``pub_msg`` is the message to fill; ``with handle.lock:`` keeps other states
     from using the publisher meanwhile.
     """
 
     def __init__(self, rafcon, gvm, pub_msg_def, pub_topic, qos_profile=10, callback_group=None):
-        self._state = rafcon
-        self._gvm = gvm
-        self._topic = pub_topic
-        node = gvm.get_variable("rafcon_ros_node")
-        options = {} if callback_group is None else {"callback_group": callback_group}
-        self.publisher, self.lock = shared(
-            gvm, _PUBLISHERS, pub_topic, lambda: node.create_publisher(pub_msg_def, pub_topic, qos_profile, **options)
-        )
-        self._node = node
+        self.rafcon = rafcon
+        self.gvm = gvm
+        self.pub_msg_def = pub_msg_def
+        self.pub_topic = pub_topic
+        self.qos_profile = qos_profile
+        self.callback_group = callback_group
+        self.node = available(gvm.get_variable("rafcon_ros_node"))
+        self.pub, self.lock = shared(gvm, _PUBLISHERS, pub_topic, self._make)
         self.pub_msg = pub_msg_def()
+
+    def _make(self):
+        options = {"callback_group": self.callback_group}
+        return self.node.create_publisher(self.pub_msg_def, self.pub_topic, self.qos_profile, **options)
 
     def set_pub_msg(self, pub_msg):
         """Takes a whole message."""
@@ -33,30 +36,33 @@ class PublisherHandle:
 
     def set_pub_msg_field(self, key, value):
         """Sets a field of the message."""
-        set_field(self.pub_msg, key, value)
+        setattr(self.pub_msg, key, value)
 
     def set_pub_msg_field_from_inputs(self, key, inputs):
         """Sets a field of the message from the input of the same name."""
-        set_field(self.pub_msg, key, inputs[key])
+        set_field_from_inputs(self.pub_msg, key, inputs)
 
     def wait_for_sub(self, timeout=1):
-        """Waits (s) for a subscriber: ``"success"``, ``"preempted"``, or ``"aborted"`` if none came."""
+        """Waits for a subscriber, until preempted, or for a time (s); nobody but the log learns that none came."""
         left_s = timeout
-        while self.publisher.get_subscription_count() == 0:
+        while self.pub.get_subscription_count() == 0:
             if left_s <= 0:
-                self._state.logger.warning("Nobody has subscribed to '%s'", self._topic)
-                return "aborted"
-            if self._state.preemptive_wait(min(_ASK_EVERY_S, left_s)):
-                return "preempted"
+                self.rafcon.logger.error("Nobody has subscribed to '%s' within %s s", self.pub_topic, timeout)
+                return
+            if self.rafcon.preemptive_wait(min(_ASK_EVERY_S, left_s)):
+                return
             left_s -= _ASK_EVERY_S
-        return "success"
 
     def publish_msg(self):
         """Publishes the message: ``"success"``."""
-        self.publisher.publish(self.pub_msg)
+        self.pub.publish(self.pub_msg)
         return "success"
 
     def destroy_publisher(self):
         """Removes the publisher; the next handle makes a new one."""
-        forget(self._gvm, _PUBLISHERS, self._topic)
-        self._node.destroy_publisher(self.publisher)
+        forget(self.gvm, _PUBLISHERS, self.pub_topic)
+        self.node.destroy_publisher(self.pub)
+
+    def replace_chars(self, message):
+        """A text in one line: line ends become ``char(10)``."""
+        return replace_chars(message)

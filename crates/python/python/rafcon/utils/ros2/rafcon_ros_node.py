@@ -1,10 +1,22 @@
 """The ROS 2 node of a state machine."""
 
+import rclpy
+import rclpy.duration
 from rclpy.node import Node
+from tf2_ros.buffer import Buffer
+from tf2_ros.transform_listener import TransformListener
+
+#: How long (s) transforms are kept.
+_TRANSFORMS_S = 60
 
 
 class RafconRosNode(Node):
-    """A node that all states share: a first state makes it and puts it into ``rafcon_ros_node``, by reference."""
+    """A node that all states share: a first state makes it and puts it into ``rafcon_ros_node``, by reference.
 
-    def __init__(self, node_name, namespace=None):
+    ``tf_buffer`` keeps the transforms that ``tf_listener`` hears of.
+    """
+
+    def __init__(self, node_name, namespace=""):
         Node.__init__(self, node_name, namespace=namespace)
+        self.tf_buffer = Buffer(cache_time=rclpy.duration.Duration(seconds=_TRANSFORMS_S))
+        self.tf_listener = TransformListener(self.tf_buffer, self)

@@ -2,22 +2,26 @@
 
 import threading
 
-import rclpy  # noqa: F401, without ROS 2 this module says so when it is imported
+import rclpy
 
 
 class ROSThread:
-    """Spins an executor for a node until ``stop_thread``."""
+    """Spins an executor for a node, until nobody holds this object any more: then node, executor and ROS 2 shut down.
+
+    So the global variable that keeps it is deleted to end it.
+    """
 
     def __init__(self, executor, node):
-        self._executor = executor
-        self._node = node
-        self._thread = threading.Thread(target=executor.spin, name="ros", daemon=True)
+        self.executor = executor
+        self.node = node
+        # It must not hold this object, or that would never be let go.
+        self.rafcon_ros_thread = threading.Thread(target=executor.spin, name="ros", daemon=True)
 
     def start_thread(self):
         """Begins."""
-        self._thread.start()
+        self.rafcon_ros_thread.start()
 
-    def stop_thread(self):
-        """Ends the executor and waits for its thread."""
-        self._executor.shutdown()
-        self._thread.join()
+    def __del__(self):
+        self.node.destroy_node()
+        self.executor.shutdown()
+        rclpy.shutdown()

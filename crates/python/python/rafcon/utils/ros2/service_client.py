@@ -1,8 +1,8 @@
 """Calling services from a script."""
 
 from rafcon._wakeup import Wakeup
-from rafcon.utils.ros2._message import get_field, set_field
-from rafcon.utils.ros2._shared import forget, shared
+from rafcon.utils.ros2._message import get_field, replace_chars, set_field_from_inputs
+from rafcon.utils.ros2._shared import available, forget, shared
 
 _CLIENTS = "ros_clients"
 #: ROS 2 does not tell when a service comes, so it is asked this often.
@@ -10,29 +10,31 @@ _ASK_EVERY_S = 0.05
 
 
 class ServiceClientHandle:
-    """Calls one service; the client stays for the next run.
+    """Calls one service; the client ``cli`` stays for the next run.
 
     ``rafcon`` is the script's ``self``. ``srv_req`` is the request to fill, ``srv_resp`` the response or None;
     ``with handle.lock:`` keeps other states from using the client meanwhile.
     """
 
     def __init__(self, rafcon, gvm, srv_def, srv_name, callback_group=None):
-        self._state = rafcon
-        self._gvm = gvm
-        self._name = srv_name
-        self._node = gvm.get_variable("rafcon_ros_node")
-        options = {} if callback_group is None else {"callback_group": callback_group}
-        self.client, self.lock = shared(
-            gvm, _CLIENTS, srv_name, lambda: self._node.create_client(srv_def, srv_name, **options)
-        )
+        self.rafcon = rafcon
+        self.gvm = gvm
+        self.srv_def = srv_def
+        self.srv_name = srv_name
+        self.callback_group = callback_group
+        self.node = available(gvm.get_variable("rafcon_ros_node"))
+        self.cli, self.lock = shared(gvm, _CLIENTS, srv_name, self._make)
         self.srv_req = srv_def.Request()
         self.srv_resp = None
-        self._future = None
+        self.srv_future = None
+
+    def _make(self):
+        return self.node.create_client(self.srv_def, self.srv_name, callback_group=self.callback_group)
 
     def wait_for_srv(self):
         """Waits for the service: ``"success"`` or ``"preempted"``."""
-        while not self.client.service_is_ready():
-            if self._state.preemptive_wait(_ASK_EVERY_S):
+        while not self.cli.service_is_ready():
+            if self.rafcon.preemptive_wait(_ASK_EVERY_S):
                 return "preempted"
         return "success"
 
@@ -42,29 +44,34 @@ class ServiceClientHandle:
 
     def set_srv_req_field(self, key, value):
         """Sets a field of the request."""
-        set_field(self.srv_req, key, value)
+        setattr(self.srv_req, key, value)
 
     def set_srv_req_field_from_inputs(self, key, inputs):
         """Sets a field of the request from the input of the same name."""
-        set_field(self.srv_req, key, inputs[key])
+        set_field_from_inputs(self.srv_req, key, inputs)
 
     def call_srv(self):
         """Sends the request and does not wait."""
         self.srv_resp = None
-        self._future = self.client.call_async(self.srv_req)
+        self.srv_future = self.cli.call_async(self.srv_req)
 
     def wait_until_srv_completion(self):
-        """Waits for the response: ``"success"``, ``"preempted"``, or ``"aborted"`` if the call failed."""
-        wakeup = Wakeup(self._state)
-        self._future.add_done_callback(lambda _future: wakeup.wake())
+        """Waits for the response: ``"success"``, ``"preempted"``, or ``"aborted"`` if the call failed.
+
+        A response that has a text in its field ``error_message`` counts as failed, and stays readable.
+        """
+        wakeup = Wakeup(self.rafcon)
+        self.srv_future.add_done_callback(lambda _future: wakeup.wake())
         if not wakeup.wait():
-            self._future.cancel()
+            self.srv_future.cancel()
             return "preempted"
-        error = self._future.exception()
-        if error is not None:
-            self._state.logger.error("The service '%s' failed: %s", self._name, error)
+        error = self.srv_future.exception()
+        if error is None:
+            self.srv_resp = self.srv_future.result()
+            error = getattr(self.srv_resp, "error_message", None)
+        if error:
+            self.rafcon.logger.error("The service '%s' failed: %s", self.srv_name, error)
             return "aborted"
-        self.srv_resp = self._future.result()
         return "success"
 
     def get_srv_resp(self):
@@ -77,5 +84,9 @@ class ServiceClientHandle:
 
     def destroy_client(self):
         """Removes the client; the next handle makes a new one."""
-        forget(self._gvm, _CLIENTS, self._name)
-        self._node.destroy_client(self.client)
+        forget(self.gvm, _CLIENTS, self.srv_name)
+        self.node.destroy_client(self.cli)
+
+    def replace_chars(self, message):
+        """A text in one line: line ends become ``char(10)``."""
+        return replace_chars(message)

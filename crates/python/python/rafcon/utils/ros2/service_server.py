@@ -1,5 +1,8 @@
 """Offering services from a script."""
 
+from rafcon.utils.ros2._message import replace_chars
+from rafcon.utils.ros2._shared import available
+
 
 class ServiceServerHandle:
     """Offers one service until ``destroy_service``: ``srv_callback(request, response)`` returns the response.
@@ -8,11 +11,18 @@ class ServiceServerHandle:
     """
 
     def __init__(self, rafcon, node, srv_def, srv_name, srv_callback, callback_group=None):
-        self._state = rafcon
-        self._node = node
-        options = {} if callback_group is None else {"callback_group": callback_group}
-        self.service = node.create_service(srv_def, srv_name, srv_callback, **options)
+        self.rafcon = rafcon
+        self.node = available(node)
+        self.srv_def = srv_def
+        self.srv_name = srv_name
+        self.srv_callback = srv_callback
+        self.callback_group = callback_group
+        self.ser = node.create_service(srv_def, srv_name, srv_callback, callback_group=callback_group)
 
     def destroy_service(self):
         """Offers the service no longer."""
-        self._node.destroy_service(self.service)
+        self.node.destroy_service(self.ser)
+
+    def replace_chars(self, message):
+        """A text in one line: line ends become ``char(10)``."""
+        return replace_chars(message)

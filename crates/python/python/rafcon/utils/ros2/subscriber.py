@@ -1,9 +1,14 @@
 """Receiving messages in a script."""
 
+import threading
+
 import rclpy  # noqa: F401, without ROS 2 this module says so when it is imported
 
 from rafcon._wakeup import Wakeup
-from rafcon.utils.ros2._message import get_field
+from rafcon.utils.ros2._message import get_field, replace_chars
+from rafcon.utils.ros2._shared import available
+
+_TIMEOUT_S = 5
 
 
 class SubscriberHandle:
@@ -13,39 +18,47 @@ class SubscriberHandle:
     """
 
     def __init__(self, rafcon, node, sub_msg_def, sub_topic, qos_profile=10, callback_group=None):
-        self._state = rafcon
-        self._node = node
-        self._topic = sub_topic
+        self.rafcon = rafcon
+        self.node = available(node)
+        self.sub_msg_def = sub_msg_def
+        self.sub_topic = sub_topic
+        self.qos_profile = qos_profile
+        self.callback_group = callback_group
         self.sub_msg = None
+        self.sub_msg_lock = threading.Lock()
         self._wakeup = Wakeup(rafcon)
-        options = {} if callback_group is None else {"callback_group": callback_group}
-        self.subscription = node.create_subscription(sub_msg_def, sub_topic, self._received, qos_profile, **options)
+        options = {"callback_group": callback_group}
+        self.sub = node.create_subscription(sub_msg_def, sub_topic, self.sub_callback, qos_profile, **options)
 
-    def _received(self, message):
-        self.sub_msg = message
+    def sub_callback(self, msg):
+        """Takes a message; ROS 2 calls it."""
+        with self.sub_msg_lock:
+            self.sub_msg = msg
         self._wakeup.wake()
 
     def wait_for_sub_msg(self, timeout=None):
-        """Waits (s, or for ever) for a message: ``"success"``, ``"preempted"``, or ``"aborted"`` if none came."""
-        come = self._wakeup.wait(timeout)
-        self.destroy_subscription()
-        if come:
-            return "success"
-        if self._state.preempted:
-            return "preempted"
-        self._state.logger.warning("No message came on '%s' in %s s", self._topic, timeout)
-        return "aborted"
+        """Waits for a message: ``"success"``, or ``"preempted"`` if none came in time or the state is preempted.
+
+        ``timeout`` is in s; a negative one waits for ever, without one it is 5 s.
+        """
+        if timeout is None:
+            timeout = _TIMEOUT_S
+            self.rafcon.logger.warning("wait_for_sub_msg has no timeout; it waits for %s s", timeout)
+        come = self._wakeup.wait(None if timeout < 0 else timeout)
+        if not come and not self.rafcon.preempted:
+            self.rafcon.logger.warning("No message came on '%s' in %s s", self.sub_topic, timeout)
+        self.node.destroy_subscription(self.sub)
+        return "success" if come else "preempted"
 
     def get_sub_msg(self):
         """The last message, or None."""
-        return self.sub_msg
+        with self.sub_msg_lock:
+            return self.sub_msg
 
     def get_sub_msg_field(self, key):
         """A field of the last message."""
-        return get_field(self.sub_msg, key)
+        return get_field(self.get_sub_msg(), key)
 
-    def destroy_subscription(self):
-        """Receives nothing more."""
-        if self.subscription is not None:
-            self._node.destroy_subscription(self.subscription)
-            self.subscription = None
+    def replace_chars(self, message):
+        """A text in one line: line ends become ``char(10)``."""
+        return replace_chars(message)

@@ -1,0 +1,63 @@
+"""Which modules find dialogs where they look for a desktop: scripts of a run, and the modules that those import.
+
+With ``RAFCON_DIALOGS=missing`` in the environment none does, so that they take the way that they have for a machine
+without a desktop.
+"""
+
+import importlib.machinery
+import os
+import sys
+
+from rafcon import _objects
+from rafcon._bridge import native
+
+
+def are_present():
+    """Whether who asks now, a script or what it imports, may open dialogs."""
+    if os.environ.get("RAFCON_DIALOGS") == "missing":
+        return False
+    return _objects.is_host() or native.current_path() >= 0
+
+
+def builtins_for(module):
+    """The built-in names for the text of a script that may open dialogs; None for the usual ones."""
+    if not (are_present() and "rafcon.gui.utils" in module and "dialog" in module):
+        return None
+    from rafcon import _desktop  # as late as this, for it takes long to load and is rarely wanted
+
+    return _desktop.builtins_with_dialogs()
+
+
+class _Finder:
+    """In the place of Python's own finder of files: the same modules, with dialogs for those that open some."""
+
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        spec = importlib.machinery.PathFinder.find_spec(name, path, target)
+        loader = None if spec is None else spec.loader
+        if type(loader) is importlib.machinery.SourceFileLoader and not loader.path.startswith(_INSTALLED):
+            spec.loader = _Loader(loader.name, loader.path)
+        return spec
+
+    @staticmethod
+    def invalidate_caches():
+        importlib.machinery.PathFinder.invalidate_caches()
+
+
+class _Loader(importlib.machinery.SourceFileLoader):
+    def exec_module(self, module):
+        found = builtins_for(self.get_data(self.path).decode("utf-8", "replace"))
+        if found is not None:
+            module.__dict__["__builtins__"] = found
+        super().exec_module(module)
+
+
+#: Packages that were installed open no dialogs of a run, and are many.
+_INSTALLED = tuple({os.path.join(prefix, "lib") + os.sep for prefix in (sys.prefix, sys.base_prefix)})
+
+
+def install():
+    """Modules that are imported from now on may open dialogs."""
+    places = [number for number, finder in enumerate(sys.meta_path) if finder is importlib.machinery.PathFinder]
+    if places and os.environ.get("RAFCON_DIALOGS") != "missing":
+        sys.meta_path[places[0]] = _Finder

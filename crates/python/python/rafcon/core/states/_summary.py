@@ -1,0 +1,68 @@
+"""A state in numbers, as plain dictionaries, and as a hash; and names of the reference that mean little here."""
+
+import os
+
+from rafcon.utils.hashable import Hashable
+
+
+class StateSummary(Hashable):
+    """What programs ask of a state as a whole; a part of every state."""
+
+    def _states_inside(self):
+        """The states directly inside; of a library state, those of the library."""
+        copy = getattr(self, "state_copy", None)
+        return list(getattr(self if copy is None else copy, "states", {}).values())
+
+    def get_states_statistics(self, hierarchy_level):
+        """How many states this is with all inside, and the deepest level, where this state is on ``hierarchy_level``."""
+        below = [state.get_states_statistics(hierarchy_level + 1) for state in self._states_inside()]
+        count = 1 + sum(found for found, _level in below)
+        return count, max([hierarchy_level + 1] + [level for _found, level in below])
+
+    def get_number_of_transitions(self):
+        """How many transitions there are in this state and all inside."""
+        return len(getattr(self, "transitions", ())) + sum(state.get_number_of_transitions() for state in self._states_inside())
+
+    def get_number_of_data_flows(self):
+        """How many data flows there are in this state and all inside."""
+        return len(getattr(self, "data_flows", ())) + sum(state.get_number_of_data_flows() for state in self._states_inside())
+
+    def get_storage_path(self):
+        """The folder of the state, relative to that of its machine, as it is saved."""
+        from rafcon.core.storage.storage import get_storage_id_for_state
+
+        parent = self.parent
+        if getattr(parent, "parent", None) is None and not hasattr(parent, "state_id"):
+            return ""
+        above = parent.get_storage_path()
+        # The root of a library has no folder in that of the machine.
+        return above if self.is_root_state_of_library else os.path.join(above, get_storage_id_for_state(self))
+
+    def get_temp_file_system_path(self):
+        """A folder for files of the state that are not saved; it is not made."""
+        from rafcon.utils.constants import RAFCON_TEMP_PATH_STORAGE
+
+        return os.path.join(RAFCON_TEMP_PATH_STORAGE, self.get_storage_path())
+
+    def to_dict(self):
+        """The parts of the state, by their names."""
+        names = ("name", "state_id", "description", "input_data_ports", "output_data_ports", "income", "outcomes")
+        parts = (*names, "transitions", "data_flows", "scoped_variables")
+        return {name: getattr(self, name) for name in parts if hasattr(self, name)}
+
+    def update_hash(self, obj_hash):
+        """Adds what the state is made of, with all inside, to a hash; layout and notes do not count."""
+        facts = self._facts
+        own = ("kind", "name", "state_id", "outcomes", "inputs", "outputs", "scoped_variables", "transitions", "data_flows")
+        self.update_hash_from_dict(obj_hash, {name: facts[name] for name in own})
+        self.update_hash_from_dict(obj_hash, facts["script"])
+        self.update_hash_from_dict(obj_hash, {state.state_id: state for state in self._states_inside()})
+
+    def join(self):
+        """Waits for the end of the run of the machine that the state is part of."""
+        machine = self.get_state_machine()
+        if machine is not None:
+            machine.join()
+
+    def destroy(self, recursive=True):
+        """Means nothing: what nobody holds goes by itself."""

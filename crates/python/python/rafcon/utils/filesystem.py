@@ -1,0 +1,73 @@
+"""Files and folders."""
+
+import os
+import shutil
+import stat
+import tarfile
+
+
+def create_path(path):
+    """Makes a folder and those above it, unless they are there."""
+    os.makedirs(path, exist_ok=True)
+
+
+def get_default_config_path():
+    """The user's folder for configurations, ``~/.config/rafcon``; made if it is not there."""
+    return _home(".config")
+
+
+def get_default_log_path():
+    """The user's folder for logs, ``~/.log/rafcon``; made if it is not there."""
+    return _home(".log")
+
+
+def _home(name):
+    path = os.path.join(os.path.expanduser("~"), name, "rafcon")
+    create_path(path)
+    return path
+
+
+def write_file(file_path, content, create_full_path=False):
+    """Writes a text; with ``create_full_path``, folders that are missing are made."""
+    if create_full_path:
+        create_path(os.path.dirname(os.path.abspath(file_path)))
+    with open(file_path, "w", encoding="utf-8") as file:
+        file.write(content)
+
+
+def read_file(file_path, filename=None):
+    """The text of a file (of a name in a folder); None if it is not there."""
+    path = os.path.join(file_path, filename or "") if filename else file_path
+    if not os.path.isfile(path):
+        return None
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def clean_file_system_paths_from_not_existing_paths(file_system_paths):
+    """Takes what is not there out of a list of paths."""
+    file_system_paths[:] = [path for path in file_system_paths if os.path.exists(path)]
+
+
+def separate_folder_path_and_file_name(path):
+    """The folder and the name of a file; a folder is itself, without a name."""
+    return (path, None) if os.path.isdir(path) else os.path.split(path)
+
+
+def make_file_executable(filename):
+    """Lets its owner execute a file."""
+    os.chmod(filename, os.stat(filename).st_mode | stat.S_IXUSR)
+
+
+def make_tarfile(output_filename, source_dir):
+    """Packs a folder into an archive, compressed by gzip."""
+    with tarfile.open(output_filename, "w:gz") as archive:
+        archive.add(source_dir, arcname=os.path.basename(os.path.normpath(source_dir)))
+
+
+def copy_file_or_folder(src, dst):
+    """Copies a file, or a folder to one that is not there yet."""
+    if os.path.isdir(src):
+        shutil.copytree(src, dst)
+    else:
+        shutil.copy(src, dst)

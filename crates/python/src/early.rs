@@ -1,0 +1,76 @@
+//! What plugins say before the run is there: it waits here, and stands at the head of the run's log.
+//!
+//! Knows lines. Must never know what a run does with them.
+
+use crate::scripts::PythonScripts;
+use parking_lot::Mutex;
+use rafcon_protocol::{LogLevel, Stream};
+use rafcon_runner::Driver;
+
+/// More than this is not kept: a plugin that prints without end must not fill the memory.
+const BYTES_MAX: usize = 1 << 20;
+
+/// A line that was said.
+pub(crate) struct Line {
+    pub(crate) level: LogLevel,
+    pub(crate) stream: Stream,
+    pub(crate) message: String,
+}
+
+#[derive(Default)]
+struct Early {
+    lines: Vec<Line>,
+    bytes: usize,
+    left_out: usize,
+    is_over: bool,
+}
+
+static EARLY: Mutex<Early> =
+    Mutex::new(Early { lines: Vec::new(), bytes: 0, left_out: 0, is_over: false });
+
+/// Keeps a line for the run to come; gives it back if the run is there.
+pub(crate) fn keep(line: Line) -> Option<Line> {
+    let mut early = EARLY.lock();
+    if early.is_over {
+        return Some(line);
+    }
+    if early.bytes + line.message.len() > BYTES_MAX {
+        early.left_out += 1;
+    } else {
+        early.bytes += line.message.len();
+        early.lines.push(line);
+    }
+    None
+}
+
+/// Keeps what RAFCON itself has to say.
+pub(crate) fn say(level: LogLevel, message: String) {
+    keep(Line { level, stream: Stream::Engine, message });
+}
+
+/// The run is there: it gets the lines, and later ones go to it at once.
+pub(crate) fn hand_over(driver: &Driver<PythonScripts>) {
+    for Line { level, stream, message } in take() {
+        driver.log(None, level, stream, message);
+    }
+}
+
+/// There was no run: the lines go to the standard error.
+#[expect(clippy::print_stderr, reason = "without a run there is no other log")]
+pub(crate) fn print() {
+    for line in take() {
+        eprintln!("{}", line.message);
+    }
+}
+
+fn take() -> Vec<Line> {
+    let mut early = EARLY.lock();
+    early.is_over = true;
+    let mut lines = std::mem::take(&mut early.lines);
+    if early.left_out > 0 {
+        let message =
+            format!("{} further lines, said before the run began, are left out", early.left_out);
+        lines.push(Line { level: LogLevel::Warning, stream: Stream::Engine, message });
+    }
+    lines
+}
