@@ -20,7 +20,9 @@ class StateMachine:
     def __init__(self, root_state=None, version=None, creation_time=None, state_machine_id=None):
         self._init(_ids.machine_id() if state_machine_id is None else state_machine_id)
         self._version = version
-        self._creation_time = creation_time or datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M:%S")
+        self._creation_time = creation_time or datetime.datetime.now(datetime.timezone.utc).strftime(
+            "%Y-%m-%d %H:%M:%S"
+        )
         self._root = None
         if root_state is not None:
             self.root_state = root_state
@@ -127,6 +129,16 @@ class StateMachine:
     def execution_histories(self):
         """One history for each run of this process."""
         return [ExecutionHistory(self.root_state)]
+
+    def get_last_execution_log_filename(self):
+        """Writes what the last run did to a file for :mod:`rafcon.utils.execution_log` and returns its name.
+
+        It lies in ``EXECUTION_LOG_PATH`` of the configuration, and has values as people see them, if the run kept a
+        journal. The journal itself says more, also after a crash.
+        """
+        from rafcon import _log_file
+
+        return _log_file.write(self)
 
     def clear_execution_histories(self):
         """Means nothing: a history belongs to its run, and goes with it."""
