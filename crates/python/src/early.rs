@@ -11,13 +11,14 @@ use rafcon_runner::Driver;
 const BYTES_MAX: usize = 1 << 20;
 
 /// A line that was said.
+#[derive(Debug)]
 pub(crate) struct Line {
     pub(crate) level: LogLevel,
     pub(crate) stream: Stream,
     pub(crate) message: String,
 }
 
-#[derive(Default)]
+#[derive(Debug)]
 struct Early {
     lines: Vec<Line>,
     bytes: usize,
