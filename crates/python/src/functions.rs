@@ -1,8 +1,8 @@
 //! The small functions of `rafcon._native`.
 
 use crate::describe::ROOT;
-use crate::status::place;
 use crate::early::{self, Line};
+use crate::status::place;
 use crate::{current, thread};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
