@@ -101,6 +101,26 @@ fn install(python: &Path, options: &[&str], packages: &[&str]) -> Result<()> {
     process::run(process::command(python).args(pip).args(options).args(packages))
 }
 
+/// The unpacked source distribution of a package, below `folder`; fetched where that has not been done yet.
+pub(crate) fn sources(
+    base: &Interpreter,
+    folder: &Path,
+    (name, version): (&str, &str),
+) -> Result<PathBuf> {
+    let unpacked = folder.join(format!("{name}-{version}"));
+    if unpacked.join("setup.py").exists() {
+        return Ok(unpacked);
+    }
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let pip = ["-m", "pip", "download", "--quiet", "--no-deps", "--no-binary", ":all:"];
+    let package = format!("{name}=={version}");
+    process::run(process::command(&base.program).args(pip).arg(package).current_dir(folder))?;
+    let archive = format!("{name}-{version}.tar.gz");
+    let unpack = ["-m", "tarfile", "-e", archive.as_str()];
+    process::run(process::command(&base.program).args(unpack).current_dir(folder))?;
+    Ok(unpacked)
+}
+
 /// A command of this Python that neither reads nor leaves anything outside: no user site, no byte code in the sources.
 pub(crate) fn command(python: &Path) -> Command {
     let mut command = process::command(python);

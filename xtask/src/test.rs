@@ -14,6 +14,9 @@ use crate::{bench_web, process, python, types, web, workspace};
 /// What the Python-side tests need besides the extension.
 const CONTENTS: python::Contents = python::Contents { bare: &[], full: &["numpy"] };
 
+/// A plugin of the reference that makes machines by this package, with its examples.
+const PLANNER: (&str, &str) = ("rafcon-task-planner-plugin", "1.5.2");
+
 /// What the tests of the server's interface need: a client's WebSocket, and a tool that tries what a description promises.
 const INTERFACE: python::Contents =
     python::Contents { bare: &[], full: &["websockets==17.4", "schemathesis==4.32.5"] };
@@ -91,11 +94,14 @@ fn has_nextest() -> bool {
 /// `crates/python/tests/test_*.py`, once with each interpreter.
 fn python_side(product: &Product) -> Result<()> {
     let reference = Reference::installed()?;
+    let plugins = workspace::target()?.join("plugins");
+    let planner = python::sources(&python::default()?, &plugins, PLANNER)?;
     for interpreter in python::all() {
         let folder = workspace::target()?.join("python-venvs").join(&interpreter.version);
         let python = python::environment(&interpreter, &folder, CONTENTS)?;
         let mut command = discover(&python, "crates/python/tests", product);
         command.env("RAFCON_REFERENCE_PYTHON", &reference.python);
+        command.env("RAFCON_TASK_PLANNER", &planner);
         process::run(&mut command).with_context(|| format!("Python {}", interpreter.version))?;
     }
     Ok(())
