@@ -101,7 +101,10 @@ class Files(unittest.TestCase):
         print(os.path.dirname(name) == os.environ["OUT"] + "/logs", name.endswith("_rafcon_execution_log_root.shelve"))
         with shelve.open(name) as log:
             print(len(log))
-            *_relations, items = execution_log.log_to_collapsed_structure(log)
+            _start, *relations, items = execution_log.log_to_collapsed_structure(log)
+        short = lambda text: text.replace("run_id.0000000000000000000", "")
+        print(*(short(str(relation)) for relation in relations))
+        print(items.pop(min(items))["state_name"])
         for item in items.values():
             print(item["state_name"], item["state_type"], item["outcome_name"], item["description"])
         """
@@ -111,11 +114,45 @@ class Files(unittest.TestCase):
                 "one",
                 "two",
                 "True True",
-                "8",
+                "11",
+                "{'1': '2', '3': '5'} {} {'2': '3', '3': '4'}",
+                "StateMachineStartItem",
                 "root HierarchyState success None",
                 "group HierarchyState success None",
                 "one ExecutionState success None",
                 "two ExecutionState success The second.",
+            ],
+        )
+
+    def test_branches_stand_side_by_side(self):
+        program = """
+        import shelve
+        from rafcon.utils import execution_log
+        global_config.set_config_value("EXECUTION_LOG_PATH", os.environ["OUT"] + "/logs")
+        decider = DeciderState("decider", "unique_decider_state_id")
+        decider.script_text = one.script_text
+        barrier = BarrierConcurrencyState("barrier", "BARRRR", decider_state=decider)
+        root.remove_state("TWOXXX")
+        barrier.add_state(two)
+        root.add_state(barrier)
+        barrier.add_transition("unique_decider_state_id", 0, "BARRRR", 0)
+        root.add_transition("GROUPI", 0, "BARRRR", None)
+        root.add_transition("BARRRR", 0, "ROOTID", 0)
+        engine.start(machine.state_machine_id)
+        engine.join()
+        with shelve.open(machine.get_last_execution_log_filename()) as log:
+            print([log[key]["item_type"] for key in sorted(log)].count("ConcurrencyItem"))
+            _start, following, concurrent, _hierarchy, items = execution_log.log_to_collapsed_structure(log)
+        name = lambda run: items[run]["state_name"]
+        print({name(run): [name(branch) for branch in branches] for run, branches in concurrent.items()})
+        print({name(run): name(after) for run, after in following.items()})
+        """
+        self.assertEqual(
+            call(TWO + textwrap.dedent(program)).splitlines()[-3:],
+            [
+                "1",
+                "{'barrier': ['two', 'decider']}",
+                "{'StateMachineStartItem': 'root', 'group': 'barrier'}",
             ],
         )
 

@@ -214,6 +214,34 @@ class Observers(Built):
         )
 
 
+class Containers(Built):
+    def test_a_container_in_another_is_called_and_runs_what_is_inside(self):
+        self.check(
+            """
+            engine.start(machine.state_machine_id)
+            engine.join()
+            for item in machine.execution_histories[0]:
+                print(type(item).__name__[0], item.call_type_str, item.path)
+            print(len(machine.execution_histories[0]), len({item.history_item_id for item in root.execution_history}))
+            """,
+            """
+            one
+            two
+            C CONTAINER ROOTID
+            C EXECUTE ROOTID/GROUPI
+            C CONTAINER ROOTID/GROUPI
+            C EXECUTE ROOTID/GROUPI/ONEXXX
+            R EXECUTE ROOTID/GROUPI/ONEXXX
+            R CONTAINER ROOTID/GROUPI
+            R EXECUTE ROOTID/GROUPI
+            C EXECUTE ROOTID/TWOXXX
+            R EXECUTE ROOTID/TWOXXX
+            R CONTAINER ROOTID
+            10 10
+            """,
+        )
+
+
 class Histories(unittest.TestCase):
     def test_items_say_what_they_are(self):
         text = """

@@ -4,8 +4,10 @@ import datetime
 import os
 import pickle
 import shelve
+import time
 
 from rafcon.core.config import global_config
+from rafcon.core.states.concurrency_state import ConcurrencyState
 
 
 def write(machine):
@@ -13,8 +15,8 @@ def write(machine):
     root = machine.root_state
     folder = _folder()
     os.makedirs(folder, exist_ok=True)
-    time = datetime.datetime.now().strftime("%Y-%m-%d_%H-%M-%S.%f")
-    file = os.path.join(folder, f"{time}_rafcon_execution_log_{root.name.replace(' ', '-')}.shelve")
+    moment = datetime.datetime.now().strftime("%Y-%m-%d_%H-%M-%S.%f")
+    file = os.path.join(folder, f"{moment}_rafcon_execution_log_{root.name.replace(' ', '-')}.shelve")
     with shelve.open(file, flag="n", protocol=2) as log:
         for entry in _entries(machine):
             log[entry["history_item_id"]] = entry
@@ -30,23 +32,75 @@ def _folder():
 
 def _entries(machine):
     """The items of the history, as dictionaries; a step back is no part of it."""
-    before, runs, number = None, {}, 0
-    for item in machine.execution_histories[-1]:
-        if item.backward:
-            continue
+    entries, items = _Entries(machine), list(machine.execution_histories[-1])
+    yield entries.start(items[0].timestamp if items else time.time())
+    for item in items:
+        if not item.backward:
+            yield from entries.of(item)
+
+
+class _Entries:
+    """Makes the entries of a log, each with the id of the one before it in its branch."""
+
+    def __init__(self, machine):
+        self._machine = machine
+        self._number = self._run = 0
+        self._runs = {}
+        # Path of a branch (of a state in a concurrency state) to its last entry; the machine itself is one.
+        self._last = {}
+
+    def start(self, timestamp):
+        """The start of the machine."""
+        about = {"path": "", "path_by_name": "", "state_type": "StateMachine", "call_type": "EXECUTE"}
+        entry = {
+            **_about(None),
+            **about,
+            "state_name": "StateMachineStartItem",
+            "timestamp": timestamp,
+            "creation_time": self._machine.creation_time,
+            "state_machine_version": self._machine.version,
+            "os_environment": {},
+        }
+        return self._numbered(entry, "StateMachineStartItem", self._next_run(), "")
+
+    def of(self, item):
+        """The entry of an item, and that of the branches behind the entry of a concurrency state."""
+        state = self._machine.get_state_by_path(item.path, as_check=True)
         entry = item.to_dict()
         if entry["item_type"] == "CallItem":
-            number += 1
-            runs[item.path] = f"run_id.{number:020}"
-        state = machine.get_state_by_path(item.path, as_check=True)
-        pickled = {name: pickle.dumps(value) for name, value in entry["input_output_data"].items()}
-        entry.update(history_item_id=f"history_item_id.{item.sequence:020}", prev_history_item_id=before)
-        entry.update(run_id=runs.get(item.path, "run_id.before"), input_output_data=pickled, scoped_data={})
-        entry.update(_about(state))
-        if entry["item_type"] == "CallItem":
             del entry["outcome_name"], entry["outcome_id"]
-        before = entry["history_item_id"]
-        yield entry
+            if entry["call_type"] == "EXECUTE" or item.path not in self._runs:
+                self._runs[item.path] = self._next_run()
+        pickled = {name: pickle.dumps(value) for name, value in entry["input_output_data"].items()}
+        entry.update(_about(state), input_output_data=pickled, scoped_data={})
+        run, branch = self._runs.get(item.path, ""), self._branch(item.path)
+        yield self._numbered(entry, entry["item_type"], run, branch)
+        if entry["item_type"] == "ReturnItem":
+            if entry["call_type"] == "EXECUTE":
+                self._runs.pop(item.path, None)
+        elif entry["call_type"] == "CONTAINER" and isinstance(state, ConcurrencyState):
+            branches = {name: entry[name] for name in entry if name not in ("input_output_data", "scoped_data")}
+            yield self._numbered(branches, "ConcurrencyItem", run, branch)
+            self._last.update({f"{item.path}/{key}": branches["history_item_id"] for key in state.states})
+
+    def _branch(self, path):
+        """The innermost branch that a state stands in."""
+        above = path
+        while above and above not in self._last:
+            above = above.rpartition("/")[0]
+        return above
+
+    def _next_run(self):
+        self._run += 1
+        return f"run_id.{self._run:020}"
+
+    def _numbered(self, entry, item_type, run, branch):
+        self._number += 1
+        key = f"history_item_id.{self._number:020}"
+        entry.update(item_type=item_type, run_id=run, history_item_id=key)
+        entry["prev_history_item_id"] = self._last.get(branch)
+        self._last[branch] = key
+        return entry
 
 
 def _about(state):

@@ -4,6 +4,7 @@ from rafcon import _objects
 from rafcon._bridge import native
 from rafcon.core.custom_exceptions import CommandNotSupported
 from rafcon.core.execution import execution_history_items
+from rafcon.core.execution.execution_history_items import CallType
 
 
 class HistoryItem:
@@ -18,6 +19,8 @@ class HistoryItem:
 class ExecutionHistory:
     """The states that were entered and left in the run, oldest first: ``CallItem`` and ``ReturnItem`` objects.
 
+    A container that stands in another has two items each time, one as a state of that and one for the states inside.
+
     It reaches back over about 20,000 events, as far as memory keeps them; all of them are in the journal of the run.
     Each question to it is answered anew.
     """
@@ -31,10 +34,16 @@ class ExecutionHistory:
         return HistoryItem(_objects.state(before)) if before >= 0 else None
 
     def _items(self):
-        return [execution_history_items.item(*told) for told in native.past()]
+        kinds, found = {}, []
+        for told in native.past():
+            path = told[2]
+            if path not in kinds:
+                kinds[path] = _call_types(path)
+            found += execution_history_items.items(told, kinds[path])
+        return found
 
     def __len__(self):
-        return len(native.past())
+        return len(self._items())
 
     def __iter__(self):
         return iter(self._items())
@@ -45,3 +54,11 @@ class ExecutionHistory:
     def pop_last_item(self):
         """What has happened stays: refused."""
         raise CommandNotSupported("ExecutionHistory.pop_last_item")
+
+
+def _call_types(path):
+    state = _objects.machine().get_state_by_path(path, as_check=True)
+    if not hasattr(state, "states"):
+        return (CallType.EXECUTE,)
+    stands_alone = state.is_root_state or state.is_root_state_of_library
+    return (CallType.CONTAINER,) if stands_alone else (CallType.EXECUTE, CallType.CONTAINER)

@@ -11,7 +11,7 @@ CallType = Enum("METHOD_NAME", "EXECUTE CONTAINER", module=__name__)
 class HistoryItem:
     """Something that happened to a state."""
 
-    def __init__(self, sequence, timestamp, path, data, backward):
+    def __init__(self, sequence, timestamp, path, data, backward, call_type=CallType.EXECUTE):
         #: The number of the event in the journal of the run.
         self.sequence = sequence
         #: When it happened: s since 1970.
@@ -20,12 +20,14 @@ class HistoryItem:
         self.path = path
         #: Whether it undoes an earlier entry: a step back.
         self.backward = backward
+        #: ``CONTAINER`` for what runs the states inside, ``EXECUTE`` for the state as its container sees it.
+        self.call_type = call_type
         self._data = data
 
     @property
     def history_item_id(self):
         """Unique in the run (``str``)."""
-        return str(self.sequence)
+        return f"{self.sequence}.{self.call_type.name}"
 
     @property
     def state_reference(self):
@@ -36,12 +38,6 @@ class HistoryItem:
     def state_type(self):
         """The name of the state's class."""
         return type(self.state_reference).__name__
-
-    @property
-    def call_type(self):
-        """``EXECUTE`` for states with a script, ``CONTAINER`` for the others."""
-        is_container = hasattr(self.state_reference, "states") or hasattr(self.state_reference, "state_copy")
-        return CallType["CONTAINER" if is_container else "EXECUTE"]
 
     @property
     def input_output_data(self):
@@ -94,8 +90,8 @@ class CallItem(ScopedDataItem):
 class ReturnItem(ScopedDataItem):
     """A state was left."""
 
-    def __init__(self, sequence, timestamp, path, outcome, data, backward):
-        ScopedDataItem.__init__(self, sequence, timestamp, path, data, backward)
+    def __init__(self, sequence, timestamp, path, outcome, data, backward, call_type=CallType.EXECUTE):
+        ScopedDataItem.__init__(self, sequence, timestamp, path, data, backward, call_type)
         self._outcome = outcome
 
     @property
@@ -106,8 +102,10 @@ class ReturnItem(ScopedDataItem):
         return Outcome(*self._outcome)
 
 
-def item(sequence, timestamp, path, outcome, data, backward):
-    """The item of an event as the compiled module tells it."""
+def items(told, call_types):
+    """The items of an event as the compiled module tells it, one for each call type, the outer one first."""
+    sequence, timestamp, path, outcome, data, backward = told
     if outcome is None:
-        return CallItem(sequence, timestamp, path, data, backward)
-    return ReturnItem(sequence, timestamp, path, outcome, data, backward)
+        return [CallItem(sequence, timestamp, path, data, backward, kind) for kind in call_types]
+    about = (sequence, timestamp, path, outcome, data, backward)
+    return [ReturnItem(*about, kind) for kind in reversed(call_types)]
