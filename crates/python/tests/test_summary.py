@@ -51,6 +51,30 @@ class Questions(Built):
             """,
         )
 
+    def test_a_state_is_waited_for(self):
+        self.check(
+            """
+            import threading
+            one.script_text = "def execute(self, inputs, outputs, gvm):\\n    self.preemptive_wait()\\n    return -2\\n"
+            one.join()
+            engine.start(machine.state_machine_id)
+            pause = threading.Event()
+            while not one.active:
+                pause.wait(0.005)
+            waits = threading.Thread(target=one.join)
+            waits.start()
+            print(waits.is_alive(), one._execution_counter)
+            engine.stop()
+            waits.join()
+            print(one.active)
+            engine.join()
+            """,
+            """
+            True 1
+            False
+            """,
+        )
+
     def test_equal_states_have_equal_hashes(self):
         self.check(
             """

@@ -23,7 +23,7 @@ class ExecutionEngine(Observable):
         #: Where the run is held: a :class:`~rafcon.core.execution.breakpoint_manager.BreakpointManager`.
         self.breakpoint_manager = BreakpointManager()
         #: ``status.execution_mode`` is a ``StateMachineExecutionStatus``.
-        self.status = ExecutionStatus(_mode)
+        self.status = self._status = ExecutionStatus(_mode)
 
     @staticmethod
     def instance():

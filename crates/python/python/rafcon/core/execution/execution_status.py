@@ -1,5 +1,6 @@
 """What the engine does."""
 
+import threading
 from enum import Enum
 
 StateMachineExecutionStatus = Enum(
@@ -15,6 +16,8 @@ class ExecutionStatus:
 
     def __init__(self, read):
         self._read = read
+        #: For programs that guard what they read and set of the engine; the engine itself does not need it.
+        self.execution_condition_variable = threading.Condition()
 
     @property
     def execution_mode(self):

@@ -1,8 +1,12 @@
 """A state in numbers, as plain dictionaries, and as a hash; and names of the reference that mean little here."""
 
 import os
+import threading
 
 from rafcon.utils.hashable import Hashable
+
+#: Nothing wakes a thread of the program when a state ends, so it is asked this often.
+_ASK_EVERY_S = 0.005
 
 
 class StateSummary(Hashable):
@@ -59,10 +63,15 @@ class StateSummary(Hashable):
         self.update_hash_from_dict(obj_hash, {state.state_id: state for state in self._states_inside()})
 
     def join(self):
-        """Waits for the end of the run of the machine that the state is part of."""
-        machine = self.get_state_machine()
-        if machine is not None:
-            machine.join()
+        """Waits until the state does not run any more."""
+        pause = threading.Event()
+        while self.active:
+            pause.wait(_ASK_EVERY_S)
+
+    @property
+    def _execution_counter(self):
+        """How often the state was entered in this run; tests of the reference wait for it to change."""
+        return self._live()["run_count"]
 
     def destroy(self, recursive=True):
         """Means nothing: what nobody holds goes by itself."""
