@@ -135,7 +135,7 @@ journey(
       await mission.getByText(/^Only operators, engineers and admins command runs/).waitFor();
       await mission.getByText("You cannot answer: only operators").waitFor();
       await mission.getByText("You cannot be in control: only operators").waitFor();
-      for (const name of ["Stop", "Hold", "Resume", "Step", "Cancel"]) {
+      for (const name of ["Stop", "Pause", "Resume", "Step", "Cancel"]) {
         const button = mission.getByRole("button", { name, exact: true });
         expect(await button.isDisabled(), name).toBe(true);
       }
@@ -161,8 +161,8 @@ journey(
         };
         await vi.waitUntil(strike, { timeout: 20_000, interval: 100 });
       };
-      const carriedOut = mission.getByText("Hold was carried out");
-      await Promise.all([carriedOut.waitFor(), hammer("Hold", mission.getByText("Paused"))]);
+      const carriedOut = mission.getByText("Pause was carried out");
+      await Promise.all([carriedOut.waitFor(), hammer("Pause", mission.getByText("Paused"))]);
       await button("Resume").click();
       await mission.getByText("Running").waitFor();
       await Promise.all([button("Press again: stop").waitFor(), button("Stop").dblclick()]);
@@ -183,7 +183,7 @@ journey(
       const mission = missionOf(app);
       const places = () =>
         Promise.all(
-          ["Stop", "Hold"].map((name) =>
+          ["Stop", "Pause"].map((name) =>
             mission.getByRole("button", { name, exact: true }).boundingBox(),
           ),
         );

@@ -76,7 +76,7 @@ journey(
     await others.selectOption(loads);
     await branch("Load the box").waitFor();
     await branch("Drive to the bay").waitFor({ state: "detached" });
-    await mission.getByRole("button", { name: "Hold", exact: true }).focus();
+    await mission.getByRole("button", { name: "Pause", exact: true }).focus();
     await vi.waitUntil(
       async () => {
         await app.sheet.keyboard.press("Enter");

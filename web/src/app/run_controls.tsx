@@ -13,7 +13,7 @@ import {
 } from "lucide-react";
 import { type ReactNode, useRef, useState } from "react";
 import { refusalOf } from "../commands/command.ts";
-import { liveRun, snapshotOf } from "../store/running.ts";
+import { liveRun, runningBeside, snapshotOf } from "../store/running.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
@@ -122,16 +122,21 @@ function useRefusal(id: string): string | null {
 
 /** Start, and a menu with the other ways to begin. */
 function Start() {
+  const { page } = useSession();
   const place = useRef<HTMLDivElement>(null);
   const [at, setAt] = useState<{ x: number; y: number } | null>(null);
   const refusal = useRefusal("run.start");
+  const isOn = useDerived(() => {
+    const tab = page.active.value;
+    return tab !== null && runningBeside(page, tab).length > 0;
+  }, [page]);
   const items = useEntries(["run.start", "run.start-with", "run.start-held", "run.start-here"]);
   const open = () => {
     const box = place.current?.getBoundingClientRect();
     if (box) setAt({ x: box.left, y: box.bottom + 2 });
   };
   return (
-    <div ref={place} className="run-start">
+    <div ref={place} className={isOn ? "run-start run-start-beside" : "run-start"}>
       <RunButton id="run.start" icon={<Play size={14} />}>
         Start
       </RunButton>

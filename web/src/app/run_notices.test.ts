@@ -1,9 +1,10 @@
 import { expect, test } from "vitest";
 import type { Failure } from "../store/failures.ts";
-import { failuresInWords, failuresSince } from "./run_notices.ts";
+import { failuresInWords, failuresSince, longerInWords } from "./run_notices.ts";
 
 const at = (sequence: number, some: Partial<Failure>): Failure => ({
   sequence,
+  first: sequence,
   t_ns: 0,
   kind: "aborted",
   level: "error",
@@ -32,4 +33,11 @@ test("the newest failure is told, with how many there are", () => {
     "3 failures, the last: Plan aborted: NoPath: none",
   );
   expect(failuresInWords(at(1, { kind: "log", text: "no link" }), 1, "Plan")).toBe("Plan: no link");
+});
+
+test("a state that takes longer than ever is told with what was usual", () => {
+  const usual = { typical_ms: 3_000, isMedian: true, max_ms: 5_000, count: 14 };
+  expect(longerInWords("Drill", { since_ms: 12_000, usual })).toBe(
+    "Drill runs longer than ever: for 12 s, usually 3.0 s, at most 5.0 s (14 times)",
+  );
 });

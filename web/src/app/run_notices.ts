@@ -1,15 +1,18 @@
 /** Tells what matters of the runs that are shown while nobody looks at mission control: questions, failures, crashes, who is in
- * control. Each thing once; all failures in one notice, that counts. Warnings only count in the badges. */
+ * control; and what takes longer than ever. Each thing once; all failures in one notice, that counts. Warnings only count in the badges. */
 
 import { effect } from "@preact/signals-core";
 import { MISSION_PANEL } from "../commands/mission.ts";
+import { duration } from "../panels/parts/duration.ts";
 import { openFailures } from "../store/acknowledged.ts";
 import { didInWords, type Failure } from "../store/failures.ts";
+import { type Longer, longerThanEver } from "../store/longer.ts";
 import { nameSoon } from "../store/name_soon.ts";
 import type { Notice, OpenTab } from "../store/page.ts";
 import { openQuestions } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
 import { sessionOfPage, summaryOf } from "../store/running.ts";
+import { usualInWords } from "../store/usual.ts";
 import type { AppSession } from "./session.ts";
 
 /** Failures that come together are told together. */
@@ -63,6 +66,7 @@ function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void 
   const stops = [
     tellQuestions(watch, tab, tell),
     tellFailures(watch, tab, tell),
+    tellLonger(session, watch, tab),
     // Over the machine in front, a bar says that its run crashed.
     tellCrash(watch, name, (news) => page.active.peek() !== tab && tell(news)),
     tellControl(session, watch, name, tell),
@@ -94,7 +98,7 @@ function tellFailures(watch: Watch, { room }: OpenTab, tell: Tell): () => void {
   const say = async () => {
     timer = undefined;
     const fresh = failuresSince(openFailures(watch).peek(), from);
-    const last = fresh.at(-1);
+    const last = newest(fresh);
     if (!last || last.sequence === told) return;
     told = last.sequence;
     const name = last.path === "" ? "" : await nameSoon(room, last.path);
@@ -107,13 +111,20 @@ function tellFailures(watch: Watch, { room }: OpenTab, tell: Tell): () => void {
       if (watch.isCaughtUp.value) from = watch.journal.next;
       return;
     }
-    const last = failuresSince(all, from).at(-1);
+    const last = newest(failuresSince(all, from));
     if (last && last.sequence !== told) timer ??= setTimeout(() => void say(), TOGETHER_MS);
   });
   return () => {
     stop();
     clearTimeout(timer);
   };
+}
+
+function newest(all: readonly Failure[]): Failure | undefined {
+  return all.reduce<Failure | undefined>(
+    (last, each) => (last && last.sequence > each.sequence ? last : each),
+    undefined,
+  );
 }
 
 /** Those that are told: a warning is not, nor what a crash did, which has its own notice. */
@@ -132,6 +143,28 @@ export function failuresInWords(
   const did = [name, didInWords(kind)].filter((part) => part !== "").join(" ");
   const last = [did, text].filter((part) => part !== "").join(": ");
   return count === 1 ? last : `${count} failures, the last: ${last}`;
+}
+
+/** Once for each time that a state takes longer than ever: it may hang. It is kept in the log, whatever is in sight. */
+function tellLonger({ page }: AppSession, watch: Watch, { room }: OpenTab): () => void {
+  let before: ReadonlySet<string> = new Set();
+  return effect(() => {
+    const all = longerThanEver(page, watch);
+    for (const longer of all) {
+      if (before.has(longer.path)) continue;
+      void nameSoon(room, longer.path).then((name) => {
+        const text = longerInWords(name, longer);
+        const action = { title: "Mission control", command: "mission.show", argument: watch.id };
+        page.tell({ level: "warning", text, action });
+      });
+    }
+    before = new Set(all.map(({ path }) => path));
+  });
+}
+
+/** `Drill runs longer than ever: for 12 s, usually 3 s, at most 5 s (14 times)`. */
+export function longerInWords(name: string, { since_ms, usual }: Omit<Longer, "path">): string {
+  return `${name} runs longer than ever: for ${duration(since_ms)}, ${usualInWords(usual, duration)}`;
 }
 
 function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {

@@ -6,6 +6,7 @@ import { type ReactNode, useEffect, useState } from "react";
 import { commandInWords } from "../model/command_words.ts";
 import { sentLines } from "../panels/parts/sent.ts";
 import { dismiss, dismissed } from "../store/dismissed.ts";
+import { answeredBy, askedQuestions } from "../store/questions.ts";
 import type { Sent, Watch } from "../store/run.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
@@ -25,7 +26,8 @@ export function SentCommands({ watch }: { watch: Watch }) {
   const sent = useSignal(watch.sent);
   const seen = useSignal(dismissed(watch));
   const now_ms = useTicks(sent);
-  const lines = sentLines(sent, seen, now_ms);
+  useSignal(askedQuestions(watch));
+  const lines = sentLines(sent, seen, now_ms, (question) => answeredBy(watch, question));
   return (
     <ul className="sent" aria-label="Commands under way" aria-live="polite">
       {lines.map(({ id, command, kind, words }) => (

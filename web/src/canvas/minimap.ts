@@ -11,12 +11,14 @@ import { inkOf } from "./paint/ink.ts";
 import { paint } from "./paint/paint.ts";
 import type { Picture } from "./picture.ts";
 import { PLAIN } from "./scene/input.ts";
+import type { BoxMark } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
 
 const SIZE: Size = { width: 168, height: 104 };
 /** The small picture is drawn so much larger, for its detail, and then made smaller. */
 const FINER = 4;
 const MARGIN = 6;
+const WAITING_LINE = 2.5 * FINER;
 const TIGHT = { width: 520, height: 300 };
 /** After a change of the machine the small picture follows within so many ms. */
 const REST_MS = 200;
@@ -183,8 +185,17 @@ function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: Pictur
     mayRoute: () => false,
   });
   const nothing = { dots: [], icons: [], texts: [], lines: [], under: [] };
-  const boxes = list.layers.map((layer) => ({ ...layer, ...nothing }));
+  const boxes = list.layers.map((layer) => ({
+    ...layer,
+    ...nothing,
+    boxes: layer.boxes.map(asLarge),
+  }));
   paint(context, { ...list, layers: boxes }, colours);
+}
+
+/** What waits for somebody is seen from afar: dashes would be too fine. */
+function asLarge(box: BoxMark): BoxMark {
+  return box.stroke === "waiting" ? { ...box, dash: false, line: WAITING_LINE, alpha: 1 } : box;
 }
 
 function paintMap(

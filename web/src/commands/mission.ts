@@ -1,11 +1,14 @@
 /** What mission control does beside steering a run: who is in control, answers to questions, what was seen by a human. */
 
+import { effect } from "@preact/signals-core";
 import type { ControlMove, JsonValue, Question } from "../model/generated/protocol.ts";
 import { acknowledge, openFailures } from "../store/acknowledged.ts";
 import { type Page, runOf } from "../store/page.ts";
+import { answeredBy } from "../store/questions.ts";
+import type { Watch } from "../store/run.ts";
 import { sessionOfPage } from "../store/running.ts";
 import type { Choice, Command, Context } from "./command.ts";
-import { give } from "./give.ts";
+import { failureOf } from "./give.ts";
 import { cannotCommand } from "./run_rules.ts";
 
 /** The layout for operators, and the panel in it. */
@@ -63,8 +66,7 @@ export const MISSION: readonly Command[] = [
     run: (context, argument) => {
       if (argument === undefined) return context.shell.showPanel(MISSION_PANEL);
       const { question, value } = argument as Answering;
-      const order = { type: "answer_question", question: question.id, value } as const;
-      return give(context, "Your answer", order);
+      return answer(context, question, value);
     },
   },
   {
@@ -102,6 +104,35 @@ export const MISSION: readonly Command[] = [
     run: (context) => move(context, { move: "take_over" }),
   },
 ];
+
+/** So long the answer of somebody else may be on its way. */
+const OTHERS_MS = 1_000;
+
+/** Of two answers one counts: who came too late is told who was first, and not why a command is refused. */
+async function answer({ page, tab }: Context, question: Question, value: JsonValue): Promise<void> {
+  const watch = tab?.run.peek();
+  if (!watch) return;
+  const sent = await watch.command({ type: "answer_question", question: question.id, value });
+  const why = failureOf(sent);
+  if (why === null) return;
+  const other = await otherAnswer(watch, question.id);
+  const text =
+    other === null ? `Your answer: ${why}` : `${other} has answered “${question.message}”`;
+  page.tell({ level: other === null ? "warning" : "info", text, isQuiet: true });
+}
+
+function otherAnswer(watch: Watch, question: number): Promise<string | null> {
+  return new Promise((found) => {
+    const timer = setTimeout(() => found(null), OTHERS_MS);
+    const stop = effect(() => {
+      const other = answeredBy(watch, question);
+      if (other === null) return;
+      clearTimeout(timer);
+      found(other);
+    });
+    setTimeout(stop, OTHERS_MS);
+  });
+}
 
 /** Where the run is shown already, else where runs of its machine are. */
 async function toRun(page: Page, run: string): Promise<void> {

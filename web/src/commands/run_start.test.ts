@@ -53,6 +53,29 @@ test("edits that are not saved are saved first, left out, or nothing is started"
   expect(none.started).toEqual([]);
 });
 
+test("beside a run of the same machine that is not shown here another one is started only if it is meant", async () => {
+  const { context, started } = setUp({ answers: [false, true] });
+  const run = {
+    id: "r7",
+    name: "Drill",
+    phase: "live",
+    author: "bob",
+    started_ms: 0,
+    machine: FILE,
+  };
+  const other = { ...run, id: "r8", machine: { project: "p", path: "mill" } };
+  Object.assign(context.page.runs, { all: signal([other]) });
+  await startRun(context);
+  Object.assign(context.page.runs, { all: signal([other, run]) });
+  expect(await startRun(context)).toBeNull();
+  await startRun(context);
+  expect(started.length).toBe(2);
+  expect(context.record.filter((line) => line.startsWith("ask"))).toEqual([
+    "ask Start another run?",
+    "ask Start another run?",
+  ]);
+});
+
 test("beside a run that goes on another one is started only if it is meant", async () => {
   const { context, started } = setUp({ live: true, answers: [false, true] });
   expect(await startRun(context)).toBeNull();

@@ -2,11 +2,12 @@
 
 import { effect } from "@preact/signals-core";
 import type { Breakpoint, MachineFile } from "../model/generated/protocol.ts";
+import { startedInWords } from "../model/run_words.ts";
 import { keptBreakpoints } from "../store/breakpoints.ts";
 import { drafts } from "../store/drafts.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Start, Watch } from "../store/run.ts";
-import { fileOfTab, liveRun, summaryOf } from "../store/running.ts";
+import { fileOfTab, runningBeside } from "../store/running.ts";
 import type { Context } from "./command.ts";
 import { lacks } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";
@@ -26,12 +27,17 @@ export async function startRun(context: Context, more: Partial<Start> = {}): Pro
 
 /** A second run beside one that goes on is seldom meant: robots have one body. */
 async function mayBeAnother({ page, shell }: Context, tab: OpenTab): Promise<boolean> {
-  const live = liveRun(tab);
-  if (!live) return true;
-  const name = summaryOf(page, live)?.name ?? "this machine";
+  const live = runningBeside(page, tab);
+  const [first] = live;
+  if (!first) return true;
+  const name = first.name === "" ? "this machine" : `“${first.name}”`;
+  const goOn =
+    live.length === 1 ? `A run of ${name} goes on` : `${live.length} runs of ${name} go on`;
+  const began = startedInWords(first.started_ms, Date.now());
+  const by = first.author === null ? "" : ` by ${first.author}`;
   return shell.confirm({
     title: "Start another run?",
-    text: `A run of “${name}” goes on. Both would run at the same time.`,
+    text: `${goOn}, begun ${began}${by}. Both would run at the same time, perhaps on the same robot.`,
     yes: "Start another",
     danger: true,
   });

@@ -24,13 +24,18 @@ const ACTIVE: ActiveState = {
   held: [],
 };
 
-function live(status: RunStatus, active: readonly Partial<ActiveState>[]): RunNow {
+function live(
+  status: RunStatus,
+  active: readonly Partial<ActiveState>[],
+  asks: readonly string[] = [],
+): RunNow {
   return {
     run: { ...SUMMARY, phase: "live" },
     snapshot: {
       status,
       active: active.map((state) => ({ ...ACTIVE, ...state })),
       journal_problem: null,
+      questions: asks.map((path, id) => ({ id, path })),
     },
   } as unknown as RunNow;
 }
@@ -64,6 +69,12 @@ test("a run waits only if nothing of it is at work", () => {
   expect(inShort(live("stepping", [{ phase: "interrupted" }, {}]))).toMatch(
     /^waiting: for a decision/,
   );
+});
+
+test("a run whose only branch has asked waits for an answer, also while its script runs", () => {
+  const asks = { path: "R/A", phase: "running" } as const;
+  expect(inShort(live("running", [{ path: "R" }, asks], ["R/A"]))).toBe("waiting: an answer");
+  expect(inShort(live("running", [{ path: "R" }, asks, { path: "R/B" }], ["R/A"]))).toBe("running");
 });
 
 test("what is held says by what, each reason once", () => {

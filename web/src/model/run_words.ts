@@ -1,6 +1,6 @@
 /** How a run stands, in words that people read: one word, and what belongs to it. */
 
-import type { ActiveState, HeldBy, RunNow, RunSummary } from "./generated/protocol.ts";
+import type { ActiveState, HeldBy, RunNow, RunSummary, Snapshot } from "./generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "./machine.ts";
 
 export type RunWord =
@@ -43,6 +43,9 @@ export function summaryStand(run: RunSummary): RunStand {
   }
 }
 
+/** For what a script waits that has asked. */
+export const AN_ANSWER = "an answer";
+
 const UNDECIDED: RunStand = {
   word: "waiting",
   tone: "waiting",
@@ -58,7 +61,7 @@ export function runStand(now: RunNow): RunStand {
   if (isUndecided && snapshot.status !== "stopping") return UNDECIDED;
   switch (snapshot.status) {
     case "running":
-      return runningStand(snapshot.active);
+      return runningStand(snapshot);
     case "paused":
       return { word: "paused", tone: "held", detail: snapshot.journal_problem ?? held };
     case "stepping":
@@ -70,11 +73,18 @@ export function runStand(now: RunNow): RunStand {
   }
 }
 
-function runningStand(active: readonly ActiveState[]): RunStand {
+/** It waits if none of its branches is at work; a script that asks waits for people, whatever else it does. */
+function runningStand({ active, questions }: Snapshot): RunStand {
+  const asks = new Set(questions.map(({ path }) => path));
+  const atWork = leaves(active).filter(
+    ({ phase, path }) => phase === "preempted" || (phase === "running" && !asks.has(path)),
+  );
   const [first] = active.filter(({ phase }) => phase === "waiting");
-  const isAtWork = leaves(active).some(({ phase }) => phase === "running" || phase === "preempted");
-  if (!first || isAtWork) return { word: "running", tone: "running", detail: "" };
-  return { word: "waiting", tone: "waiting", detail: first.detail ?? "" };
+  if (atWork.length > 0 || (asks.size === 0 && !first)) {
+    return { word: "running", tone: "running", detail: "" };
+  }
+  const detail = asks.size > 0 ? AN_ANSWER : (first?.detail ?? "");
+  return { word: "waiting", tone: "waiting", detail };
 }
 
 function leaves(active: readonly ActiveState[]): readonly ActiveState[] {

@@ -45,6 +45,24 @@ test("an error that climbs is one failure, and one elsewhere is another", () => 
   expect(words(watch)).toEqual(["1 aborted R/A/B up to R ", "5 aborted R/C "]);
 });
 
+test("the same of the same state counts, whatever comes between, and stays at its place", () => {
+  const { watch, tell } = run("loop");
+  for (const distance of ["0.31", "0.28", "0.5"]) {
+    tell(log("warning", `an obstacle is ${distance} m away`));
+    tell(log("error", "Traceback (most recent call last):\nValueError: no box\n"), left("R/A"));
+    tell({ type: "entered", path: "R/B" }, left("R/B", 0));
+  }
+  expect(words(watch)).toEqual([
+    "11 log R/A ×3 an obstacle is 0.5 m away",
+    "13 aborted R/A ×3 ValueError: no box",
+  ]);
+  const before = openFailures(watch).value.map(({ first }) => first);
+  acknowledge(watch, [13], memoryShed());
+  tell(left("R/A", -1, NO_BOX));
+  expect(words(watch).at(-1)).toBe("16 aborted R/A ×4 ValueError: no box");
+  expect(openFailures(watch).value.map(({ first }) => first)).toEqual(before);
+});
+
 test("an error that was handled does not climb", () => {
   const { watch, tell } = run("handled");
   tell(left("R/A"), { type: "entered", path: "R/B" }, left("R/B", 0), left("R"));

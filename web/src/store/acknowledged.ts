@@ -1,6 +1,7 @@
 /** Which failures of a run somebody has acknowledged, in this browser: kept in its storage by run. */
 
 import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
+import { openDecisions } from "./decisions.ts";
 import { type Failure, Failures } from "./failures.ts";
 import { openQuestions } from "./questions.ts";
 import type { Watch } from "./run.ts";
@@ -32,9 +33,10 @@ export function openFailures(watch: Known): ReadonlySignal<readonly Failure[]> {
   return about(watch).open;
 }
 
-/** How many things of a run want a human: questions and failures. */
+/** How many things of a run want a human: questions, decisions and failures. */
 export function countWanting(watch: Watch | null): number {
-  return watch ? openQuestions(watch).length + openFailures(watch).value.length : 0;
+  if (!watch) return 0;
+  return openQuestions(watch).length + openDecisions(watch) + openFailures(watch).value.length;
 }
 
 /** The sequence numbers of what was acknowledged. */

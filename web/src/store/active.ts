@@ -13,6 +13,7 @@ import type {
   Snapshot,
 } from "../model/generated/protocol.ts";
 import { parentOf } from "../model/path.ts";
+import { AN_ANSWER } from "../model/run_words.ts";
 import type { Watch } from "./run.ts";
 
 export interface Active {
@@ -106,7 +107,7 @@ function ofSnapshot(snapshot: Snapshot | null): readonly Active[] {
 /** A script that asks waits for people, whatever else it does. */
 function answered(state: ActiveState | Active, asked: ReadonlySet<string>): Active {
   if (state.phase !== "running" || !asked.has(state.path)) return state;
-  return { ...state, phase: "waiting", detail: "an answer" };
+  return { ...state, phase: "waiting", detail: AN_ANSWER };
 }
 
 function askers(questions: readonly Question[]): ReadonlySet<string> {

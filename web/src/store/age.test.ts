@@ -14,14 +14,17 @@ interface Given {
   readonly link?: Link;
   readonly phase?: "live" | "finished";
   readonly runner?: RunNow["link"];
-  readonly heard_ms?: number;
+  /** When the server said what was heard last, by this browser's clock. */
+  readonly server_ms?: number;
+  readonly old_ms?: number;
   readonly ahead_ms?: number;
   readonly moment?: number;
   readonly isHeard?: boolean;
 }
 
 function age(given: Given) {
-  const { link = UP, phase = "live", runner = "up", heard_ms = NOW_MS - 500 } = given;
+  const { link = UP, phase = "live", runner = "up", server_ms = NOW_MS - 500 } = given;
+  const { ahead_ms = 0 } = given;
   const run = { phase, started_ms: 0 };
   const [snapshot_ms, runner_heard_ms] = [NOW_MS - 90_000, NOW_MS - 3_000];
   const now = { run, link: runner, snapshot_ms, runner_heard_ms, now_ms: NOW_MS } as RunNow;
@@ -36,13 +39,18 @@ function age(given: Given) {
   );
   const watch = {
     now: signal(now),
-    heard_ms: signal(given.isHeard === false ? NOW_MS - 7_000 : heard_ms),
+    proven_ms: signal(NOW_MS + ahead_ms - 7_000),
     isHeard: signal(given.isHeard ?? true),
     moment: signal(given.moment ?? null),
     grown: signal(3),
     journal,
   } as unknown as Watch;
-  const pulse: Pulse = { heard_ms, delay_ms: 3, ahead_ms: given.ahead_ms ?? 0 };
+  const times = {
+    heard_ms: NOW_MS,
+    server_ms: server_ms + ahead_ms,
+    old_ms: given.old_ms ?? 4_000,
+  };
+  const pulse: Pulse = { ...times, delay_ms: 3, ahead_ms };
   const server = { link: signal(link), pulse: signal(pulse) };
   return runAge({ server } as unknown as Parameters<typeof runAge>[0], watch, NOW_MS);
 }
@@ -52,14 +60,24 @@ describe("what is shown of a run", () => {
     expect(age({})).toEqual({ age_ms: 0, isOld: false, why: null });
   });
 
-  it("is as old as the server was heard last", () => {
+  it("is as old as what the server said last, also when that was held back on the way", () => {
     expect(age({ link: DOWN })).toEqual({ age_ms: 500, isOld: true, why: "link" });
-    const silent = { heard_ms: NOW_MS - 9_000 };
-    expect(age(silent)).toEqual({ age_ms: 9_000, isOld: true, why: "link" });
+    const silent = { server_ms: NOW_MS - 9_000 };
+    expect(age({ ...silent, isHeard: true })).toEqual({ age_ms: 7_000, isOld: true, why: "link" });
+  });
+
+  it("is not old on a slow network before the delay says so", () => {
+    const slow = { server_ms: NOW_MS - 6_000, old_ms: 9_000, ahead_ms: -2_000 };
+    expect(age(slow)).toEqual({ age_ms: 0, isOld: false, why: null });
+    expect(age({ ...slow, old_ms: 4_000 })).toEqual({ age_ms: 6_000, isOld: true, why: "link" });
   });
 
   it("is old until the server has told it over the connection that there is now", () => {
-    expect(age({ isHeard: false })).toEqual({ age_ms: 7_000, isOld: true, why: "link" });
+    expect(age({ isHeard: false, server_ms: NOW_MS })).toEqual({
+      age_ms: 7_000,
+      isOld: true,
+      why: "link",
+    });
   });
 
   it("is as old as the runner was heard last by the server, by the server's clock", () => {

@@ -3,7 +3,7 @@
 import type { RunNow } from "../model/generated/protocol.ts";
 import type { Page } from "./page.ts";
 import type { Watch } from "./run.ts";
-import type { Link, Pulse } from "./server.ts";
+import type { Pulse } from "./server.ts";
 
 export interface RunAge {
   /** So long ago it was true for sure. */
@@ -14,9 +14,6 @@ export interface RunAge {
    * `moment`: a past moment is shown, which is what the user wants, and never old. */
   readonly why: "link" | "runner" | "silence" | "moment" | null;
 }
-
-/** A server that is there is heard more often than this. */
-export const SILENCE_MS = 4_000;
 
 const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };
 
@@ -31,10 +28,9 @@ export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: numbe
   const now = watch.now.value;
   if (!now || !isGoingOn(now)) return FRESH;
   const [link, pulse] = [page.server.link.value, page.server.pulse.value];
-  const heard_ms = Math.max(pulse?.heard_ms ?? 0, watch.heard_ms.value ?? 0);
-  const silent_ms = Math.max(0, now_ms - heard_ms);
-  if (isLost(link, silent_ms)) return { age_ms: silent_ms, isOld: true, why: "link" };
-  if (!watch.isHeard.value) return { age_ms: unheard(watch, now_ms), isOld: true, why: "link" };
+  const age_ms = pictureAge(watch, pulse, now_ms);
+  const isLost = link.state !== "up" || !watch.isHeard.value || age_ms >= (pulse?.old_ms ?? 0);
+  if (isLost && pulse) return { age_ms, isOld: true, why: "link" };
   if (now.link === "up") return FRESH;
   const why = now.link === "silent" ? "silence" : "runner";
   return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why };
@@ -45,13 +41,11 @@ export function isGoingOn(now: RunNow): boolean {
   return now.run.phase === "live" || now.run.phase === "starting";
 }
 
-function isLost(link: Link, silent_ms: number): boolean {
-  return link.state !== "up" || silent_ms >= SILENCE_MS;
-}
-
-/** The server is there again, and has not told yet how the run stands. */
-function unheard({ heard_ms }: Watch, now_ms: number): number {
-  return Math.max(0, now_ms - (heard_ms.value ?? now_ms));
+/** Since what is shown was true for sure. By the server's clock: what was held back on the way is no younger for that. */
+function pictureAge(watch: Watch, pulse: Pulse | null, now_ms: number): number {
+  const heard_ms = watch.isHeard.value ? (pulse?.server_ms ?? 0) : 0;
+  const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
+  return Math.max(0, there_ms - Math.max(heard_ms, watch.proven_ms.value ?? there_ms));
 }
 
 /** Since the server heard the runner, by the server's clock. */

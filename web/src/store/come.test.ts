@@ -28,14 +28,14 @@ function come({ phase = "live", moment, heard_ms = NOW_MS }: Given): number {
   };
   const watch = {
     now: signal(now as RunNow),
-    heard_ms: signal(heard_ms),
+    proven_ms: signal(heard_ms),
     isHeard: signal(true),
     moment: signal(moment ?? null),
     journal,
   };
   const server = {
     link: signal({ state: "up" }),
-    pulse: signal({ heard_ms, delay_ms: 1, ahead_ms: 0 }),
+    pulse: signal({ heard_ms, delay_ms: 1, ahead_ms: 0, server_ms: heard_ms, old_ms: 4_000 }),
   };
   return comeAt({ server } as unknown as Page, watch as unknown as Watch, NOW_MS);
 }

@@ -11,6 +11,8 @@ export interface Count {
   readonly total_ns: number;
   readonly min_ns: number;
   readonly max_ns: number;
+  /** How long it ran the last times, at most `LENGTHS_MAX` of them, in no order. */
+  readonly lengths_ns: readonly number[];
   /** When it was entered last. */
   readonly entered_ns: number;
   /** When it was left last; null if it never was. */
@@ -18,7 +20,10 @@ export interface Count {
   readonly last: Outcome | null;
 }
 
-type Draft = { -readonly [K in keyof Count]: Count[K] };
+/** Of so many ends the length is kept, the newest: enough for what is usual. */
+export const LENGTHS_MAX = 31;
+
+type Draft = { -readonly [K in keyof Count]: Count[K] } & { readonly lengths_ns: number[] };
 
 export class Counts {
   readonly #all = new Map<number, Draft>();
@@ -44,6 +49,7 @@ export class Counts {
     if (isBack) return;
     const length = t_ns - count.entered_ns;
     count.last = outcome;
+    count.lengths_ns[count.ends % LENGTHS_MAX] = length;
     count.ends += 1;
     count.total_ns += length;
     count.min_ns = Math.min(count.min_ns, length);
@@ -60,6 +66,7 @@ export class Counts {
         total_ns: 0,
         min_ns: Number.POSITIVE_INFINITY,
         max_ns: 0,
+        lengths_ns: [],
         entered_ns: 0,
         left_ns: null,
         last: null,

@@ -1,5 +1,5 @@
 /** What went wrong in a run and wants a human: found while the journal grows, each event looked at once. An error that climbs
- * through the states around it is one failure; the same warning again counts. */
+ * through the states around it is one failure; the same failure of the same state again counts, whatever comes between. */
 
 import type { Event } from "../model/generated/protocol.ts";
 import { ABORTED } from "../model/machine.ts";
@@ -12,6 +12,8 @@ import { ENTERED, type Journal, LEFT, OTHER } from "./journal.ts";
 export interface Failure {
   /** Of the event that it is told by; of what happened several times, the newest. */
   readonly sequence: number;
+  /** The same of the first time: by this it is known. */
+  readonly first: number;
   readonly t_ns: number;
   /** `error`: it left an error with another outcome than *aborted*. */
   readonly kind: "aborted" | "error" | "log" | "deadline" | "cut-off" | "crash";
@@ -22,7 +24,7 @@ export interface Failure {
   readonly text: string;
   /** The outermost state that the error has climbed to; else the state itself. */
   readonly reach: string;
-  /** How often the same happened in a row. */
+  /** How often the same happened. */
   readonly count: number;
 }
 
@@ -32,57 +34,75 @@ export const FAILURES_MAX = 1_000;
 const TRACEBACK_NEAR = 5;
 
 export class Failures {
-  #all: readonly Failure[] = [];
+  /** By state and cause, in the order in which they happened first. */
+  readonly #all = new Map<string, Failure>();
+  #told: readonly Failure[] = [];
   #next = 0;
+  /** The newest by itself, its cause, and what stood there before it; null before anything went wrong. */
+  #last: {
+    readonly failure: Failure;
+    readonly cause: string;
+    readonly before: Failure | null;
+  } | null = null;
   /** The state that an error has climbed to and may climb on from: nothing has run beside it since. */
   #climbing: string | null = null;
 
-  /** All of them, the oldest first; the same object as before if there is nothing new. */
+  /** All of them, in the order in which they happened first; the same object as before if there is nothing new. */
   found(journal: Journal): readonly Failure[] {
-    const fresh: Failure[] = [];
+    let isNew = false;
     for (; this.#next < journal.length; this.#next += 1) {
-      this.#look(journal, this.#next, fresh);
+      if (this.#look(journal, this.#next)) isNew = true;
     }
-    if (fresh.length > 0) this.#all = [...this.#all, ...fresh].slice(-FAILURES_MAX);
-    return this.#all;
+    if (isNew) this.#told = [...this.#all.values()];
+    return this.#told;
   }
 
-  #look(journal: Journal, index: number, fresh: Failure[]): void {
+  #look(journal: Journal, index: number): boolean {
     if (this.#climbing !== null && journal.kind(index) === ENTERED) {
       const path = journal.pathOf(journal.pathNumber(index));
       if (parentOf(path) === parentOf(this.#climbing)) this.#climbing = null;
     }
     const failure = at(journal, index);
-    if (failure) this.#put(fresh, failure);
+    if (failure) this.#put(failure);
+    return failure !== null;
   }
 
   /** Beside the one before, or as a part of it. */
-  #put(fresh: Failure[], failure: Failure): void {
-    const before = fresh.at(-1) ?? this.#all.at(-1);
-    const joined = before && this.#together(before, failure);
+  #put(failure: Failure): void {
+    const last = this.#last;
+    const joined = last && this.#together(last.failure, failure);
     if (isEnd(failure)) this.#climbing = failure.path;
-    if (!joined) {
-      fresh.push(failure);
-      return;
+    if (joined) {
+      if (last.before) this.#all.set(last.cause, last.before);
+      else this.#all.delete(last.cause);
     }
-    if (fresh.length > 0) fresh.pop();
-    else this.#all = this.#all.slice(0, -1);
-    fresh.push(joined);
+    this.#fold(joined ?? failure);
+  }
+
+  /** Counts it where the same happened before. */
+  #fold(failure: Failure): void {
+    const cause = causeOf(failure);
+    const before = this.#all.get(cause) ?? null;
+    const { first, count } = before ?? { first: failure.sequence, count: 0 };
+    this.#all.set(cause, { ...failure, first, count: count + 1 });
+    this.#last = { failure, cause, before };
+    const [oldest] = this.#all.keys();
+    if (this.#all.size > FAILURES_MAX && oldest !== undefined) this.#all.delete(oldest);
   }
 
   #together(before: Failure, failure: Failure): Failure | null {
-    const { kind, path, text, sequence, t_ns } = failure;
-    if (isEnd(failure) && isTracebackOf(before, failure)) {
-      return { ...failure, text: text || lastLine(before.text) };
+    if (!isEnd(failure)) return null;
+    if (isTracebackOf(before, failure)) {
+      return { ...failure, text: failure.text || lastLine(before.text) };
     }
-    if (isEnd(failure)) {
-      const climbs = this.#climbing === before.reach && parentOf(before.reach) === path;
-      return isEnd(before) && climbs ? { ...before, reach: path } : null;
-    }
-    if (kind !== before.kind) return null;
-    const isSame = path === before.path && text === before.text;
-    return isSame ? { ...before, sequence, t_ns, count: before.count + 1 } : null;
+    const climbs = this.#climbing === before.reach && parentOf(before.reach) === failure.path;
+    return isEnd(before) && climbs ? { ...before, reach: failure.path } : null;
   }
+}
+
+/** The same for what happened to the same state for the same reason. Numbers in a text are seldom a reason of their own. */
+function causeOf({ kind, level, path, text }: Failure): string {
+  return [kind, level, path, text.replace(/\d+([.,]\d+)?/g, "#")].join("\n");
 }
 
 /** Whether it is about a state that ended. */
@@ -109,11 +129,11 @@ function at(journal: Journal, index: number): Failure | null {
   ];
   if (kind === LEFT) {
     const about = ofEnd(journal, index);
-    return about && { sequence, t_ns, ...about, reach: about.path, count: 1 };
+    return about && { sequence, first: sequence, t_ns, ...about, reach: about.path, count: 1 };
   }
   const event = kind === OTHER ? journal.other(index) : undefined;
   const about = event && ofEvent(event);
-  return about ? { sequence, t_ns, ...about, reach: about.path, count: 1 } : null;
+  return about ? { sequence, first: sequence, t_ns, ...about, reach: about.path, count: 1 } : null;
 }
 
 type About = Pick<Failure, "kind" | "level" | "path" | "text">;

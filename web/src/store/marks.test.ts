@@ -152,6 +152,14 @@ test("a held branch shows which state comes next", () => {
   expect(written(marks)).toBe("R held leaf\nR/A trail\nR/B next");
 });
 
+test("what waits is told around it, whatever failed there before", () => {
+  const all = [active("R"), active("R/C"), active("R/C/X", "waiting"), active("R/C/Y")];
+  const marks = stateMarks(all, trailOf(">R"), new Set(["R/C/X/U", "R/C"]));
+  const around = ["R", "R/C", "R/C/X", "R/C/Y"].map((path) => marks.get(path)?.loudestActive);
+  expect(around).toEqual(["waiting", "waiting", "waiting", "running"]);
+  expect(marks.get("R")?.loudest).toBe("failed");
+});
+
 test("what failed is told around it too, also while it runs again", () => {
   const marks = stateMarks(
     [active("R"), active("R/C"), active("R/C/X"), active("R/C/X/U"), active("R/C/Y")],
@@ -170,7 +178,7 @@ test("what failed is told around it too, also while it runs again", () => {
 });
 
 test("an abort that climbed marks every state on its way, until its event", () => {
-  const failure = { kind: "aborted", path: "R/C/X", reach: "R/C", sequence: 5 } as const;
+  const failure = { kind: "aborted", path: "R/C/X", reach: "R/C", sequence: 5, first: 5 } as const;
   const open = [{ ...failure, level: "error", t_ns: 0, text: "", count: 1 }] as const;
   expect([...failedStates(open, 9)]).toEqual(["R/C/X", "R/C"]);
   expect([...failedStates(open, 4)]).toEqual([]);

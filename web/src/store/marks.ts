@@ -30,6 +30,8 @@ export interface RunMark {
   readonly phase: MarkPhase;
   /** The loudest of itself and all that is inside it. */
   readonly loudest: MarkPhase;
+  /** The same without what failed: what goes on, or wants a human, is not hidden by that. */
+  readonly loudestActive: MarkPhase;
   /** Whether it is active and nothing inside it is. */
   readonly isLeaf: boolean;
   /** How many branches are active inside it. */
@@ -124,8 +126,8 @@ function shownUntil(watch: Watch): number | null {
 export function failedStates(open: readonly Failure[], until: number): ReadonlySet<string> {
   const found = new Set<string>();
   for (const failure of open) {
-    const { path, reach, sequence } = failure;
-    if (!isEnd(failure) || sequence > until) continue;
+    const { path, reach, first } = failure;
+    if (!isEnd(failure) || first > until) continue;
     for (let at: string | null = path; at !== null; at = at === reach ? null : parentOf(at)) {
       found.add(at);
     }
@@ -155,8 +157,9 @@ export function stateMarks(
   for (const path of failed) mark(path, "failed").failed = true;
   activeMarks(active, mark);
   for (const [path, { phase, failed: isFailed }] of [...marks]) {
-    spread(path, phase, mark);
-    if (isFailed) spread(path, "failed", mark);
+    spread(path, phase, "loudest", mark);
+    if (phase !== "failed") spread(path, phase, "loudestActive", mark);
+    if (isFailed) spread(path, "failed", "loudest", mark);
   }
   return marks;
 }
@@ -186,6 +189,7 @@ function newMark(): Draft {
   return {
     phase: "inside",
     loudest: "inside",
+    loudestActive: "inside",
     isLeaf: false,
     lanes: 0,
     age: 0,
@@ -197,11 +201,16 @@ function newMark(): Draft {
 }
 
 /** Trails of what is inside are of no weight around it. */
-function spread(path: string, phase: MarkPhase, mark: (path: string, phase: MarkPhase) => Draft) {
+function spread(
+  path: string,
+  phase: MarkPhase,
+  what: "loudest" | "loudestActive",
+  mark: (path: string, phase: MarkPhase) => Draft,
+) {
   for (let at: string | null = path; at !== null; at = parentOf(at)) {
     const found = mark(at, "inside");
-    const isLouder = louder(phase, found.loudest);
-    if (isLouder) found.loudest = phase;
+    const isLouder = louder(phase, found[what]);
+    if (isLouder) found[what] = phase;
     else if (at !== path) return;
     if (phase === "trail") return;
   }

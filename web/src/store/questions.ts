@@ -49,6 +49,12 @@ export function askedQuestions(watch: Known): ReadonlySignal<Asked> {
   return made;
 }
 
+/** Who else answered a question; null while nobody is known to. A signal's reader. */
+export function answeredBy(watch: Known, question: number): string | null {
+  const end = askedQuestions(watch).value.closed.find((each) => each.question.id === question);
+  return end?.how === "answered" && end.author !== "" ? end.author : null;
+}
+
 class Walker {
   #asked: Asked = { since_ns: new Map(), closed: [] };
   readonly #open = new Map<number, Question>();

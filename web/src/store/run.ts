@@ -40,8 +40,8 @@ export interface Watch {
   readonly id: string;
   /** The latest truth; null before it came. */
   readonly now: ReadonlySignal<RunNow | null>;
-  /** When `now` came: ms since 1970 by this browser's clock. */
-  readonly heard_ms: ReadonlySignal<number | null>;
+  /** The server's time at which `now` was true for sure, as far as that is known from before the connection that there is now. */
+  readonly proven_ms: ReadonlySignal<number | null>;
   /** Whether it came over the connection that there is now: not yet in the first moments after a break. */
   readonly isHeard: ReadonlySignal<boolean>;
   /** All that happened, as far as it was told. The object stays. */

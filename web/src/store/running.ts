@@ -37,6 +37,15 @@ export function runsOfTab(page: Page, tab: OpenTab): readonly RunSummary[] {
   );
 }
 
+/** Runs of the machine of a tab that go on: what is started now runs beside them. */
+export function runningBeside(page: Page, tab: OpenTab): readonly RunSummary[] {
+  const shown = liveRun(tab)?.now.value?.run;
+  const all = runsOfTab(page, tab);
+  const listed = all.filter(({ phase }) => phase === "live" || phase === "starting");
+  const isListed = shown === undefined || listed.some(({ id }) => id === shown.id);
+  return isListed ? listed : [shown, ...listed];
+}
+
 /** Who works at this page; null while that is not known. */
 export function sessionOfPage(page: Page): Session | null {
   const link = page.server.link.value;

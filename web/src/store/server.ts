@@ -32,7 +32,14 @@ export interface Pulse {
   readonly delay_ms: number | null;
   /** So much is the server's clock ahead of this browser's. */
   readonly ahead_ms: number;
+  /** The server's time when it said what was heard last: ms since 1970 by its own clock. */
+  readonly server_ms: number;
+  /** What was not confirmed for so long counts as old: it follows from the delay. */
+  readonly old_ms: number;
 }
+
+/** Of a request that is repeated until it is answered: it is given up sooner. */
+export const REPEATED = "repeated";
 
 /** What the server refused, or why it could not be asked. */
 export class RefusalError extends Error {
@@ -59,11 +66,12 @@ export interface Server {
   readonly link: ReadonlySignal<Link>;
   /** Null before the server was heard for the first time. */
   readonly pulse: ReadonlySignal<Pulse | null>;
-  /** Asks below `/api/v1`; throws a [`RefusalError`]. */
+  /** Asks below `/api/v1`; throws a [`RefusalError`], also if nothing comes for too long. */
   readonly request: <T>(
     method: "GET" | "POST" | "PUT" | "PATCH" | "DELETE",
     path: string,
     body?: unknown,
+    patience?: typeof REPEATED,
   ) => Promise<T>;
   /** Follows a topic until the returned function is called, over every break of the connection. */
   readonly follow: (follower: Follower) => () => void;

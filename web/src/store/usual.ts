@@ -3,21 +3,27 @@
 import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import type { RunSummary, Statistics } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
+import type { Active } from "./active.ts";
 import type { Page } from "./page.ts";
 import type { Watch } from "./run.ts";
 import { summaryOf } from "./running.ts";
 import { RefusalError } from "./server.ts";
 
-/** How long a state was active: half of the times no longer than `median_ms`, never longer than `max_ms`. */
+/** How long a state was active: never longer than `max_ms`. */
 export interface Usual {
-  readonly median_ms: number;
+  /** Half of the times it took no longer, of so many that this says something; else the mean of the few times. */
+  readonly typical_ms: number;
+  readonly isMedian: boolean;
   readonly max_ms: number;
   /** How often it was seen. */
   readonly count: number;
 }
 
-/** So often a state has to have run in this run before earlier runs do not count any more. */
+/** So often a state has to have run before anything is usual; then earlier runs do not count any more. */
 const ENOUGH = 5;
+/** It runs longer than ever when it runs so much longer than it ever did. */
+const LONGER = 1.1;
+const LONGER_MS = 1_000;
 /** Of so many earlier runs the length is looked at, the newest. */
 const RUNS_MAX = 20;
 
@@ -41,10 +47,14 @@ export function earlierRuns(page: Page, watch: Watch): readonly RunSummary[] {
 
 /** How long such a run usually takes: the median of earlier ones, in ms; null if there are none. */
 export function expectedLength(earlier: readonly RunSummary[]): number | null {
-  const lengths = earlier.map(({ length_ms }) => length_ms).sort((one, other) => one - other);
-  const half = lengths.length >> 1;
-  const [low, high] = [lengths[half - 1 + (lengths.length % 2)], lengths[half]];
-  return low === undefined || high === undefined ? null : (low + high) / 2;
+  return earlier.length === 0 ? null : median(earlier.map(({ length_ms }) => length_ms));
+}
+
+function median(lengths: readonly number[]): number {
+  const sorted = [...lengths].sort((one, other) => one - other);
+  const half = sorted.length >> 1;
+  const [low, high] = [sorted[half - 1 + (sorted.length % 2)] ?? 0, sorted[half] ?? 0];
+  return (low + high) / 2;
 }
 
 /** How long states of this machine were active in an earlier run; asked for once, and empty until that is here. */
@@ -68,10 +78,11 @@ async function ask(page: Page, run: string, into: Signal<ReadonlyMap<string, Usu
   try {
     const { states } = await page.runs.get<Statistics>(run, "statistics");
     into.value = new Map(
-      states.map(({ path, median_ns, max_ns, count }) => [
-        path,
-        { median_ms: median_ns / 1e6, max_ms: max_ns / 1e6, count },
-      ]),
+      states.map(({ path, total_ns, median_ns, max_ns, count }) => {
+        const isMedian = count >= ENOUGH;
+        const typical_ms = (isMedian ? median_ns : total_ns / Math.max(1, count)) / 1e6;
+        return [path, { typical_ms, isMedian, max_ms: max_ns / 1e6, count }];
+      }),
     );
   } catch (error) {
     if (!(error instanceof RefusalError)) throw error;
@@ -88,5 +99,23 @@ export function usualOf(
   const own = journal.counts.get(path);
   const before = past.get(path) ?? null;
   if (!own || own.ends === 0 || (own.ends < ENOUGH && before)) return before;
-  return { median_ms: own.total_ns / own.ends / 1e6, max_ms: own.max_ns / 1e6, count: own.ends };
+  const isMedian = own.ends >= ENOUGH;
+  const typical_ns = isMedian ? median(own.lengths_ns) : own.total_ns / own.ends;
+  return { typical_ms: typical_ns / 1e6, isMedian, max_ms: own.max_ns / 1e6, count: own.ends };
+}
+
+/** Whether a state takes longer than it ever did, of so many times that this says something. What waits, or is held, takes the
+ * time of somebody else. */
+export function isLongerThanEver({ phase }: Pick<Active, "phase">, usual: Usual, since_ms: number) {
+  const { isMedian, max_ms } = usual;
+  const isAtWork = phase === "running" || phase === "preempted";
+  return isMedian && isAtWork && since_ms > max_ms * LONGER && since_ms > max_ms + LONGER_MS;
+}
+
+/** The same in words: `usually 1.3 s, at most 4 s (12 times)`. */
+export function usualInWords(usual: Usual, duration: (ms: number) => string): string {
+  const { typical_ms, isMedian, max_ms, count } = usual;
+  if (count === 1) return `${duration(typical_ms)} the one time before`;
+  const typical = `${isMedian ? "usually" : "on average"} ${duration(typical_ms)}`;
+  return `${typical}, at most ${duration(max_ms)} (${count} times)`;
 }

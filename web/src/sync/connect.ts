@@ -1,25 +1,40 @@
 /** The server as the page has it: requests and the WebSocket of this browser. */
 
+import { effect } from "@preact/signals-core";
 import type { Done, ToServer } from "../model/generated/protocol.ts";
-import { RefusalError, type Server } from "../store/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/server.ts";
 import { WALL_CLOCK } from "./clock.ts";
+import { Delay } from "./delay.ts";
 import { type Address, requests } from "./http.ts";
 import { Socket, type Wire, type WireNews } from "./socket.ts";
 
 /** Connects, and goes on connecting until `close`. */
 export function connect(address: Address): Server & { readonly close: () => void } {
-  const request = requests(address, (method, path, status) => {
-    if (path !== "/session") {
-      if (status === 401) socket.refuse("the server asks for a login");
-    } else if (method === "POST" && status === 200) socket.retry();
-    else if (method === "DELETE" && status < 300) socket.refuse("you have logged out");
+  const delay = new Delay();
+  const { request, askAgain } = requests(address, {
+    clock: WALL_CLOCK,
+    limit_ms: (isRepeated, bytes) => delay.request_ms(isRepeated, bytes),
+    alive: () => socket.alive(),
+    heard: (method, path, status) => {
+      if (path !== "/session") {
+        if (status === 401) socket.refuse("the server asks for a login");
+      } else if (method === "POST" && status === 200) socket.retry();
+      else if (method === "DELETE" && status < 300) socket.refuse("you have logged out");
+    },
   });
   const socket = new Socket({
     dial: (news) => dial(address, news),
     probe: () => probe(request),
     post: (frame) => post(request, frame),
     clock: WALL_CLOCK,
+    delay,
     random: Math.random,
+  });
+  let wasDown = false;
+  const back = effect(() => {
+    const { state } = socket.link.value;
+    if (state === "up" && wasDown) askAgain();
+    wasDown = state === "down";
   });
   const deaf = hearBrowser(() => socket.retry());
   return {
@@ -34,6 +49,7 @@ export function connect(address: Address): Server & { readonly close: () => void
     retry: () => socket.retry(),
     close: () => {
       deaf();
+      back();
       socket.close();
     },
   };
@@ -47,7 +63,7 @@ async function post(request: Server["request"], frame: ToServer): Promise<number
 
 async function probe(request: Server["request"]): Promise<"welcome" | "stranger" | "silent"> {
   try {
-    await request("GET", "/session");
+    await request("GET", "/session", undefined, REPEATED);
     return "welcome";
   } catch (error) {
     const status = error instanceof RefusalError ? error.status : 0;

@@ -4,7 +4,7 @@
 import { signal } from "@preact/signals-core";
 import type { Answer, Command, CommandAnswer, Event } from "../model/generated/protocol.ts";
 import type { Sent } from "../store/run.ts";
-import { RefusalError, type Server } from "../store/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 
 export interface GivenPorts {
@@ -90,7 +90,7 @@ export class Given {
 
   async #ask(body: { readonly id: string }): Promise<Answer> {
     const { server, path } = this.#ports;
-    const { id: _, ...answer } = await server.request<CommandAnswer>("POST", path, body);
+    const { id: _, ...answer } = await server.request<CommandAnswer>("POST", path, body, REPEATED);
     return answer;
   }
 

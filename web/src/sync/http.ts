@@ -1,7 +1,8 @@
 /** Requests below `/api/v1`: what they are answered, or why they were refused. */
 
 import type { Refusal } from "../model/generated/protocol.ts";
-import { RefusalError, type Server } from "../store/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/server.ts";
+import type { Clock } from "./clock.ts";
 
 /** Where the server is, and by what it lets in. In its own page both are empty: the cookie goes along. */
 export interface Address {
@@ -10,27 +11,102 @@ export interface Address {
   readonly token?: string;
 }
 
-/** Who is told of each answer's status; 0 if there was none. */
-export type Heard = (method: string, path: string, status: number) => void;
+/** What requests need of the connection. */
+export interface RequestPorts {
+  readonly clock: Clock;
+  /** How long nothing may come of a request. */
+  readonly limit_ms: (isRepeated: boolean, bytes: number) => number;
+  /** Called for each piece of an answer that comes. */
+  readonly alive: () => void;
+  /** Called with the status of each answer; 0 if there was none. */
+  readonly heard: (method: string, path: string, status: number) => void;
+}
+
+export interface Requests {
+  readonly request: Server["request"];
+  /** Gives up requests that are repeated and have no answer yet: what they were sent over was silent. */
+  readonly askAgain: () => void;
+}
 
 /** Asks the server. */
-export function requests(address: Address, heard: Heard): Server["request"] {
+export function requests(address: Address, ports: RequestPorts): Requests {
   const headers: Record<string, string> = { "Content-Type": "application/json" };
   if (address.token) headers["Authorization"] = `Bearer ${address.token}`;
-  return async <T>(method: string, path: string, body?: unknown): Promise<T> => {
-    const sent = body === undefined ? {} : { body: JSON.stringify(body) };
-    let answer: Response;
+  const repeated = new Set<AbortController>();
+
+  const ask = async (method: string, path: string, text: string | null, isRepeated: boolean) => {
+    const control = new AbortController();
+    if (isRepeated) repeated.add(control);
+    const waits = new Waits(ports.clock, () => control.abort());
+    let status = 0;
     try {
-      answer = await fetch(`${address.url}/api/v1${path}`, { method, headers, ...sent });
+      waits.begin(ports.limit_ms(isRepeated, text?.length ?? 0));
+      const init = {
+        method,
+        headers,
+        signal: control.signal,
+        ...(text === null ? {} : { body: text }),
+      };
+      const answer = await fetch(`${address.url}/api/v1${path}`, init);
+      repeated.delete(control);
+      const found = await read(answer, () => {
+        ports.alive();
+        waits.begin(ports.limit_ms(isRepeated, 0));
+      });
+      status = answer.status;
+      return { status, text: found };
     } catch {
-      heard(method, path, 0);
       throw new RefusalError(NO_ANSWER, 0);
+    } finally {
+      waits.end();
+      repeated.delete(control);
+      ports.heard(method, path, status);
     }
-    heard(method, path, answer.status);
-    const text = await answer.text();
-    if (!answer.ok) throw new RefusalError(refusal(text, answer.status), answer.status);
-    return (text === "" ? null : JSON.parse(text)) as T;
   };
+
+  return {
+    askAgain: () => {
+      for (const control of repeated) control.abort();
+    },
+    request: async <T>(method: string, path: string, body?: unknown, patience?: string) => {
+      const sent = body === undefined ? null : JSON.stringify(body);
+      const { status, text } = await ask(method, path, sent, patience === REPEATED);
+      if (status < 200 || status > 299) throw new RefusalError(refusal(text, status), status);
+      return (text === "" ? null : JSON.parse(text)) as T;
+    },
+  };
+}
+
+/** One limit of time that begins again with each piece. */
+class Waits {
+  readonly #clock: Clock;
+  readonly #over: () => void;
+  end: () => void = () => {};
+
+  constructor(clock: Clock, over: () => void) {
+    this.#clock = clock;
+    this.#over = over;
+  }
+
+  begin(limit_ms: number): void {
+    this.end();
+    this.end = this.#clock.after(limit_ms, this.#over);
+  }
+}
+
+/** The whole text of an answer, piece by piece. */
+async function read(answer: Response, came: () => void): Promise<string> {
+  came();
+  const reader = answer.body?.getReader();
+  if (!reader) return answer.text();
+  const decoder = new TextDecoder();
+  let text = "";
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return text + decoder.decode();
+    came();
+    text += decoder.decode(value, { stream: true });
+  }
 }
 
 const NO_ANSWER: Refusal = {

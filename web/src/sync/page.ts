@@ -106,7 +106,8 @@ function followFiles(server: Server, house: Signal<HouseStatus | null>, shelf: S
     }
   };
   effect(() => {
-    if (server.link.value.state !== "up") known = null;
+    // What could not be had is asked for after the next break; what is here, only when it is another.
+    server.link.value;
     const revision = house.value?.files_revision ?? null;
     if (revision === null || revision === known) return;
     known = revision;

@@ -64,8 +64,13 @@ export function followRuns(
       });
     }
   };
+  let connection: number | null = null;
   effect(() => {
-    if (server.link.value.state === "up") void refresh();
+    const link = server.link.value;
+    // One that was only silent tells what has changed.
+    if (link.state !== "up" || link.connection === connection) return;
+    connection = link.connection;
+    void refresh();
   });
   effect(() => take(all.peek(), house.value?.runs ?? []));
   return {

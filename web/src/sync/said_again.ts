@@ -1,6 +1,6 @@
 /** A request with an id of its own, which is carried out once: said again for as long as its answer may have been lost. */
 
-import { RefusalError, type Server } from "../store/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 
 /** So long after it was lost it is said again, and for so long at all. */
@@ -16,7 +16,7 @@ export async function saidAgain<T>(
   const end_ms = clock.now() + PATIENCE_MS;
   for (;;) {
     try {
-      return await server.request<T>("POST", path, body);
+      return await server.request<T>("POST", path, body, REPEATED);
     } catch (error) {
       if (!(error instanceof RefusalError) || !isLost(error)) throw error;
       if (clock.now() >= end_ms) throw unknown(error);

@@ -1,9 +1,10 @@
 import { describe, expect, it } from "vitest";
 import type { ToClient, ToServer } from "../model/generated/protocol.ts";
+import { Delay } from "./delay.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { Socket, type WireNews } from "./socket.ts";
 
-type Verdict = "welcome" | "stranger" | "silent";
+type Verdict = "welcome" | "stranger" | "silent" | "never";
 
 function setUp(verdict: Verdict = "welcome") {
   const clock = new FakeClock();
@@ -11,8 +12,9 @@ function setUp(verdict: Verdict = "welcome") {
   const posts: { frame: ToServer; done: (revision: number) => void }[] = [];
   const socket = new Socket({
     clock,
+    delay: new Delay(),
     random: () => 0.5,
-    probe: () => Promise.resolve(verdict),
+    probe: () => (verdict === "never" ? new Promise(() => {}) : Promise.resolve(verdict)),
     post: (frame) => new Promise((done) => posts.push({ frame, done })),
     dial: (news) => {
       const wire = { news, said: [] as ToServer[], isOpen: true };
@@ -174,19 +176,153 @@ describe("the socket", () => {
     expect(socket.link.value.state).toBe("up");
   });
 
-  it("takes a silent connection for dead, and knows how long a question takes", () => {
+  it("says that a connection is silent, and how long a question takes", () => {
     const { clock, socket, wires, hear, welcome } = setUp();
     welcome();
     clock.pass(30);
     hear({ frame: "pong", id: 1, now_ms: clock.now() + 20 });
-    expect(socket.pulse.value).toEqual({ heard_ms: clock.now(), delay_ms: 30, ahead_ms: 35 });
+    const heard_ms = clock.now();
+    const times = { server_ms: heard_ms + 20, old_ms: 4_090 };
+    expect(socket.pulse.value).toEqual({ heard_ms, delay_ms: 30, ahead_ms: 35, ...times });
     clock.pass(5_000);
     expect(wires).toHaveLength(1);
-    const heard_ms = clock.now() - 5_000;
     clock.pass(13_000);
     expect(socket.link.value).toMatchObject({ state: "down", since_ms: heard_ms });
-    clock.pass(7_000);
-    expect(wires.length).toBeGreaterThan(1);
-    expect(wires[0]?.isOpen).toBe(false);
+    expect(wires).toHaveLength(2);
+    expect(wires[0]?.isOpen).toBe(true);
+    welcome();
+    expect([socket.link.value.state, wires[0]?.isOpen]).toEqual(["up", false]);
+  });
+
+  it("goes on with a connection that was only silent, and asks for nothing again", () => {
+    const { clock, socket, wires, welcome } = setUp();
+    socket.follow(SILENT);
+    const stop = socket.follow(SILENT);
+    welcome();
+    const [first] = wires;
+    const pings = () =>
+      first?.said.flatMap((frame) => (frame.frame === "ping" ? frame.id : [])) ?? [];
+    clock.pass(60_000);
+    expect([socket.link.value.state, wires.length]).toEqual(["down", 4]);
+    stop();
+    socket.follow(SILENT);
+    first?.news.text(
+      JSON.stringify({ frame: "pong", id: pings()[0], now_ms: clock.now() - 59_000 }),
+    );
+    expect(socket.link.value).toMatchObject({ state: "up", connection: 7 });
+    expect(wires.map(({ isOpen }) => isOpen)).toEqual([true, false, false, false]);
+    const said = first?.said.filter(({ frame }) => frame !== "ping");
+    expect(
+      said?.map((frame) => "subscription" in frame && `${frame.frame} ${frame.subscription}`),
+    ).toEqual(["subscribe 1", "subscribe 2", "unsubscribe 2", "subscribe 3"]);
+    clock.pass(4_000);
+    expect(wires).toHaveLength(4);
+  });
+
+  it("does not wait for ever to be told whether it is let in", async () => {
+    const { clock, socket, wires, wire } = setUp("never");
+    wire().news.closed("refused");
+    clock.pass(0);
+    wire().news.closed("refused");
+    clock.pass(250);
+    await settle();
+    expect(wires).toHaveLength(2);
+    clock.pass(40_000);
+    await settle();
+    expect(socket.link.value).toMatchObject({
+      state: "down",
+      reason: "the server does not answer",
+    });
+  });
+});
+
+/** A network that takes its time: handshakes of so many rounds, each way so long, and the server's clock is 5 s ahead. */
+function slowly(oneWay_ms: number, rounds: number, minutes: number): string {
+  const clock = new FakeClock();
+  let dials = 0;
+  const socket = new Socket({
+    clock,
+    delay: new Delay(),
+    random: () => 0.5,
+    probe: () => Promise.resolve("welcome"),
+    post: () => Promise.reject(new Error("nothing is posted")),
+    dial: (news) => {
+      dials += 1;
+      let isOpen = true;
+      const later = (ms: number, frame: () => ToClient) =>
+        clock.after(ms, () => {
+          const text = JSON.stringify(frame());
+          clock.after(oneWay_ms, () => isOpen && news.text(text));
+        });
+      later((2 * rounds - 1) * oneWay_ms, () => welcomeAt(clock.now() + 5_000));
+      return {
+        send: (text) => {
+          const said = JSON.parse(text) as ToServer;
+          if (said.frame !== "ping") return;
+          later(oneWay_ms, () => ({ frame: "pong", id: said.id, now_ms: clock.now() + 5_000 }));
+        },
+        close: () => {
+          isOpen = false;
+        },
+      };
+    },
+  });
+  const seen: string[] = [];
+  let oldest_ms = 0;
+  for (let second = 0; second < minutes * 60; second += 1) {
+    clock.pass(1_000);
+    const { state } = socket.link.value;
+    if (seen.at(-1)?.endsWith(state) !== true) seen.push(`${second + 1} s: ${state}`);
+    const pulse = socket.pulse.value;
+    if (!pulse) continue;
+    const age_ms = clock.now() + pulse.ahead_ms - pulse.server_ms;
+    if (age_ms >= pulse.old_ms) seen.push(`${second + 1} s: old`);
+    oldest_ms = Math.max(oldest_ms, age_ms);
+  }
+  const pulse = socket.pulse.value;
+  seen.push(`round trip ${pulse?.delay_ms} ms, clock ahead ${pulse?.ahead_ms} ms, ${dials} dials`);
+  return seen.join("\n");
+}
+
+function welcomeAt(now_ms: number): ToClient {
+  const session = {
+    user: "anna",
+    role: "engineer",
+    rights: [],
+    version: "0",
+    expires_ms: null,
+  } as const;
+  return {
+    frame: "welcome",
+    protocol: 1,
+    session: { ...session, rights: [] },
+    connection: 7,
+    now_ms,
+  };
+}
+
+describe("over a slow network", () => {
+  it("connects by TLS at 2 s each way, measures it, and never flaps", () => {
+    expect(slowly(2_000, 3, 5)).toMatchInlineSnapshot(`
+      "1 s: connecting
+      12 s: up
+      round trip 4000 ms, clock ahead 5000 ms, 1 dials"
+    `);
+  });
+
+  it("connects at 6 s each way, farther than anybody is", () => {
+    expect(slowly(6_000, 3, 5)).toMatchInlineSnapshot(`
+      "1 s: connecting
+      30 s: down
+      66 s: up
+      round trip 12000 ms, clock ahead 5000 ms, 2 dials"
+    `);
+  });
+
+  it("is as quick as it can be at 1 ms", () => {
+    expect(slowly(1, 2, 1)).toMatchInlineSnapshot(`
+      "1 s: up
+      round trip 2 ms, clock ahead 5000 ms, 1 dials"
+    `);
   });
 });

@@ -1,10 +1,12 @@
-/** The one WebSocket to the server, over all its breaks: subscriptions go on from their cursors, and edits are said again until
- * they are answered. Knows frames and times; never what a frame is about. */
+/** The connection to the server, over all its breaks: subscriptions go on from their cursors, and edits are sent again until they
+ * are answered. A WebSocket that has gone silent is kept while another one is dialled: the first that speaks is the connection, so
+ * that a slow network is never taken for a dead one. Knows frames; never what a frame is about. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Refusal, ToClient, ToServer } from "../model/generated/protocol.ts";
 import type { Follower, Link, Pulse } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
+import { type Delay, PING_MS } from "./delay.ts";
 import { Outgoing } from "./outgoing.ts";
 
 /** An open, or opening, WebSocket. */
@@ -21,7 +23,9 @@ export interface WireNews {
 
 export interface SocketPorts {
   readonly dial: (news: WireNews) => Wire;
-  /** Asked after a failed dial: whether the server lets us in at all. */
+  /** All limits of time. */
+  readonly delay: Delay;
+  /** Asked after a dial that was turned away: whether the server lets us in at all. */
   readonly probe: () => Promise<"welcome" | "stranger" | "silent">;
   /** Sends what is too large for a frame. */
   readonly post: (frame: ToServer) => Promise<number>;
@@ -30,15 +34,22 @@ export interface SocketPorts {
   readonly random: () => number;
 }
 
-/** The server is asked so often whether it is there: what is shown counts as old soon after (`store/age.ts`). */
-const PING_MS = 2_000;
-/** A connection on which a question stays without any news for so long is taken for dead. */
-const SILENCE_MS = 12_000;
-/** A connection that does not say welcome for so long is given up. */
-const WELCOME_MS = 10_000;
 const RETRY_MS = [0, 250, 500, 1_000, 2_000];
 /** Refusals by which a server that is about to end asks for patience. */
 const LATER = new Set(["server_ends"]);
+
+/** One WebSocket, from its dial to its end. */
+interface Line {
+  readonly wire: Wire;
+  readonly dialled_ms: number;
+  /** The subscriptions that the server has of it. */
+  readonly subscribed: Set<number>;
+  heard_ms: number;
+  /** Since when a question waits without any news; null: none does. */
+  waits_ms: number | null;
+  /** As what it is up, from its welcome on. */
+  up: Extract<Link, { state: "up" }> | null;
+}
 
 export class Socket {
   readonly link: Signal<Link> = signal<Link>({ state: "connecting" });
@@ -46,14 +57,15 @@ export class Socket {
   readonly #ports: SocketPorts;
   readonly #followers = new Map<number, Follower>();
   readonly #outgoing: Outgoing;
-  #wire: Wire | null = null;
-  #isUp = false;
+  /** The one that is up. */
+  #line: Line | null = null;
+  #dialled: Line | null = null;
+  /** It was up, and may speak again. */
+  #silent: Line | null = null;
   #subscription = 0;
-  #ping = 0;
-  #pinged_ms = 0;
-  #isAnswered = false;
   #tries = 0;
-  #heard_ms = 0;
+  /** Dials in a row without an answer. */
+  #unanswered = 0;
   #isOver = false;
   #cancel: () => void = () => {};
 
@@ -71,27 +83,35 @@ export class Socket {
     this.#subscription += 1;
     const subscription = this.#subscription;
     this.#followers.set(subscription, follower);
-    if (this.#isUp) this.#subscribe(subscription, follower);
+    if (this.#line) this.#subscribe(this.#line, subscription, follower);
     return () => {
-      if (this.#followers.delete(subscription)) this.say({ frame: "unsubscribe", subscription });
+      if (this.#followers.delete(subscription)) this.#unsubscribe(this.#line, subscription);
     };
   }
 
-  /** Says what has an id, again after each break, until it is answered: with the revision that it made. */
+  /** Sends what has an id, again after each break, until it is answered: with the revision that it made. */
   ask(id: string, frame: ToServer): Promise<number> {
     return this.#outgoing.ask(id, frame);
   }
 
-  /** Says it if there is a connection. */
+  /** Sends it if there is a connection. */
   say(frame: ToServer): void {
-    if (this.#isUp) this.#wire?.send(JSON.stringify(frame));
+    this.#line?.wire.send(JSON.stringify(frame));
   }
 
-  /** Dials at once if there is no connection. */
+  /** Dials at once if there is no connection, and none has just been dialled. */
   retry(): void {
-    if (this.#wire || this.#isOver) return;
+    if (this.#line || this.#isOver) return;
+    const dialled_ms = this.#dialled?.dialled_ms ?? 0;
+    if (this.#ports.clock.now() - dialled_ms < this.#ports.delay.old_ms) return;
     this.#tries = 0;
+    this.#hangUp();
     this.#dial();
+  }
+
+  /** Something else came from the server: the network is there. */
+  alive(): void {
+    if (this.#line) this.#line.waits_ms = null;
   }
 
   /** Nobody is let in any more without a login. */
@@ -107,57 +127,95 @@ export class Socket {
   }
 
   #drop(): void {
-    this.#cancel();
-    const wire = this.#wire;
-    this.#wire = null;
-    this.#isUp = false;
+    this.#hangUp();
+    for (const line of [this.#line, this.#silent]) line?.wire.close();
+    [this.#line, this.#silent] = [null, null];
     this.#outgoing.down();
-    wire?.close();
+  }
+
+  /** Gives the dial up, and all that was to come later. */
+  #hangUp(): void {
+    this.#cancel();
+    this.#dialled?.wire.close();
+    this.#dialled = null;
   }
 
   #dial(): void {
-    this.#cancel();
-    const wire = this.#ports.dial({
-      text: (text) => {
-        if (this.#wire === wire) this.#hear(JSON.parse(text) as ToClient);
-      },
-      closed: (reason) => {
-        if (this.#wire === wire) this.#lost(reason);
-      },
+    const { clock, delay, dial } = this.#ports;
+    this.#hangUp();
+    const now_ms = clock.now();
+    const wire = dial({
+      text: (text) => this.#hear(line, JSON.parse(text) as ToClient),
+      closed: (reason) => this.#closed(line, reason),
     });
-    this.#wire = wire;
-    this.#cancel = this.#ports.clock.after(WELCOME_MS, () => this.#lost("no answer"));
+    const times = { dialled_ms: now_ms, heard_ms: now_ms, waits_ms: null };
+    const line: Line = { wire, ...times, subscribed: new Set(), up: null };
+    this.#dialled = line;
+    this.#cancel = clock.after(delay.dial_ms(this.#unanswered), () => {
+      this.#unanswered += 1;
+      this.#hangUp();
+      this.#down("no answer", clock.now(), () => this.#dial());
+    });
   }
 
-  /** `heard_ms`: since when nothing is heard. */
-  #lost(reason: string, heard_ms = this.#ports.clock.now()): void {
-    const wasUp = this.#isUp;
-    this.#drop();
+  #closed(line: Line, reason: string): void {
+    if (line === this.#silent) this.#silent = null;
+    if (line === this.#dialled) {
+      this.#hangUp();
+      this.#unanswered = 0;
+      this.#down(reason, this.#ports.clock.now(), () => void this.#again());
+    } else if (line === this.#line) {
+      this.#line = null;
+      this.#lost(reason, this.#ports.clock.now());
+    }
+  }
+
+  /** There is no connection any more. `heard_ms`: since when nothing is heard. */
+  #lost(reason: string, heard_ms: number): void {
+    this.#cancel();
+    this.#outgoing.down();
+    [this.#tries, this.#unanswered] = [0, 0];
+    this.#down(reason, heard_ms, () => this.#dial());
+  }
+
+  /** Says so, and does something about it soon. */
+  #down(reason: string, heard_ms: number, then: () => void): void {
     const now = this.#ports.clock.now();
     const before = this.link.peek();
     const since_ms = before.state === "down" ? before.since_ms : heard_ms;
-    if (wasUp) this.#tries = 0;
     const wait = RETRY_MS[Math.min(this.#tries, RETRY_MS.length - 1)] ?? 0;
     const wait_ms = Math.round(wait * (0.8 + 0.4 * this.#ports.random()));
     this.#tries += 1;
     this.link.value = { state: "down", since_ms, retry_ms: now + wait_ms, reason };
-    this.#cancel = this.#ports.clock.after(wait_ms, () => void this.#again());
+    this.#cancel = this.#ports.clock.after(wait_ms, then);
   }
 
   async #again(): Promise<void> {
-    const verdict = this.#tries > 1 ? await this.#ports.probe() : "welcome";
-    if (this.#wire || this.#isOver || this.link.peek().state !== "down") return;
+    const verdict = this.#tries > 1 ? await this.#verdict() : "welcome";
+    if (this.#line || this.#dialled || this.#isOver || this.link.peek().state !== "down") return;
     if (verdict === "stranger") this.refuse("the server asks for a login");
-    else if (verdict === "silent") this.#lost("the server does not answer");
-    else this.#dial();
+    else if (verdict === "welcome") this.#dial();
+    else {
+      const then = () => void this.#again();
+      this.#down("the server does not answer", this.#ports.clock.now(), then);
+    }
   }
 
-  #hear(frame: ToClient): void {
-    this.#heard();
+  /** Whether the server lets us in; silent if it does not say so in time. */
+  #verdict(): Promise<"welcome" | "stranger" | "silent"> {
+    const { clock, delay, probe } = this.#ports;
+    const late = new Promise<"silent">((over) => {
+      clock.after(delay.request_ms(true, 0), () => over("silent"));
+    });
+    return Promise.race([probe(), late]);
+  }
+
+  #hear(line: Line, frame: ToClient): void {
+    if (line === this.#silent) this.#revive(line);
+    if (frame.frame === "welcome" && line === this.#dialled) this.#welcome(line, frame);
+    if (line !== this.#line) return;
+    this.#heard(line);
     switch (frame.frame) {
-      case "welcome":
-        this.#welcome(frame);
-        break;
       case "pong":
         this.#pong(frame.id, frame.now_ms);
         break;
@@ -167,68 +225,105 @@ export class Socket {
       case "refused":
         this.#refused(frame.id, frame.refusal);
         break;
+      case "welcome":
       case "answer":
         break;
       default:
-        this.#told(frame);
+        this.#told(line, frame);
     }
   }
 
-  #heard(): void {
-    this.#heard_ms = this.#ports.clock.now();
+  #heard(line: Line): void {
+    const now_ms = this.#ports.clock.now();
+    [line.heard_ms, line.waits_ms] = [now_ms, null];
     const pulse = this.pulse.peek();
-    if (pulse && this.#heard_ms - pulse.heard_ms >= 1_000) {
-      this.pulse.value = { ...pulse, heard_ms: this.#heard_ms };
+    if (pulse && now_ms - pulse.heard_ms >= 1_000) {
+      this.pulse.value = { ...pulse, heard_ms: now_ms };
     }
   }
 
-  #welcome(frame: Extract<ToClient, { frame: "welcome" }>): void {
-    this.#isUp = true;
-    const heard_ms = this.#heard_ms;
-    const delay_ms = this.pulse.peek()?.delay_ms ?? null;
-    this.pulse.value = { heard_ms, delay_ms, ahead_ms: frame.now_ms - heard_ms };
-    for (const [subscription, follower] of this.#followers) this.#subscribe(subscription, follower);
+  #welcome(line: Line, frame: Extract<ToClient, { frame: "welcome" }>): void {
+    const { clock, delay } = this.#ports;
+    const now_ms = clock.now();
+    this.#cancel();
+    [this.#line, this.#dialled, this.#unanswered] = [line, null, 0];
+    this.#silent?.wire.close();
+    this.#silent = null;
+    delay.dialled(now_ms - line.dialled_ms, frame.now_ms, now_ms);
+    line.up = { state: "up", session: frame.session, connection: frame.connection };
+    // What was heard over the connection before is as old as that: the followers are asked before this one counts.
+    this.#catchUp(line);
+    this.#tell(this.pulse.peek()?.delay_ms ?? null, frame.now_ms);
+    this.link.value = line.up;
+    this.#beat(line);
+  }
+
+  /** It only was silent: what was held back comes, and nothing is asked for again. */
+  #revive(line: Line): void {
+    this.#hangUp();
+    [this.#line, this.#silent, this.#tries, this.#unanswered] = [line, null, 0, 0];
+    this.#catchUp(line);
+    if (line.up) this.link.value = line.up;
+    this.#beat(line);
+  }
+
+  /** Subscribes to what is followed, and to nothing else. */
+  #catchUp(line: Line): void {
+    for (const subscription of [...line.subscribed]) {
+      if (!this.#followers.has(subscription)) this.#unsubscribe(line, subscription);
+    }
+    for (const [subscription, follower] of this.#followers) {
+      if (!line.subscribed.has(subscription)) this.#subscribe(line, subscription, follower);
+    }
     this.#outgoing.up();
-    this.link.value = { state: "up", session: frame.session, connection: frame.connection };
-    this.#beat();
   }
 
   /** Asks whether the server is there, again and again. */
-  #beat(): void {
-    this.#ping += 1;
-    this.#isAnswered = false;
-    this.#pinged_ms = this.#ports.clock.now();
-    this.say({ frame: "ping", id: this.#ping });
-    this.#listen();
-  }
-
-  #listen(): void {
+  #beat(line: Line): void {
+    const { clock, delay } = this.#ports;
+    const now_ms = clock.now();
+    line.waits_ms ??= now_ms;
+    this.say({ frame: "ping", id: delay.ask(now_ms) });
     this.#cancel();
-    this.#cancel = this.#ports.clock.after(PING_MS, () => {
-      const silence_ms = this.#ports.clock.now() - this.#pinged_ms;
-      if (this.#heard_ms > this.#pinged_ms || this.#isAnswered) this.#beat();
-      else if (silence_ms >= SILENCE_MS) this.#lost("the server has gone silent", this.#heard_ms);
-      else this.#listen();
+    this.#cancel = clock.after(PING_MS, () => {
+      const silent_ms = line.waits_ms === null ? 0 : clock.now() - line.waits_ms;
+      if (silent_ms < delay.silent_ms) return this.#beat(line);
+      [this.#line, this.#silent] = [null, line];
+      this.#lost("the server has gone silent", line.heard_ms);
     });
   }
 
-  #pong(id: number, now_ms: number): void {
+  #pong(id: number, server_ms: number): void {
     this.#tries = 0;
-    if (id !== this.#ping) return;
-    this.#isAnswered = true;
-    const heard_ms = this.#heard_ms;
-    const delay_ms = heard_ms - this.#pinged_ms;
-    this.pulse.value = { heard_ms, delay_ms, ahead_ms: now_ms + delay_ms / 2 - heard_ms };
+    const { clock, delay } = this.#ports;
+    const round_ms = delay.answer(id, server_ms, clock.now());
+    if (round_ms !== null) this.#tell(round_ms, server_ms);
   }
 
-  #subscribe(subscription: number, follower: Follower): void {
-    this.say({ frame: "subscribe", subscription, topic: follower.topic() });
+  #tell(delay_ms: number | null, server_ms: number): void {
+    const { ahead_ms, old_ms } = this.#ports.delay;
+    const heard_ms = this.#ports.clock.now();
+    this.pulse.value = { heard_ms, delay_ms, ahead_ms, server_ms, old_ms };
   }
 
-  #told(frame: ToClient & { subscription: number }): void {
+  #subscribe({ wire, subscribed }: Line, subscription: number, follower: Follower): void {
+    subscribed.add(subscription);
+    wire.send(JSON.stringify({ frame: "subscribe", subscription, topic: follower.topic() }));
+  }
+
+  #unsubscribe(line: Line | null, subscription: number): void {
+    if (line?.subscribed.delete(subscription)) {
+      line.wire.send(JSON.stringify({ frame: "unsubscribe", subscription }));
+    }
+  }
+
+  #told(line: Line, frame: ToClient & { subscription: number }): void {
     const follower = this.#followers.get(frame.subscription);
     const isLast = frame.frame === "reset" || frame.frame === "ended";
-    if (isLast) this.#followers.delete(frame.subscription);
+    if (isLast) {
+      this.#followers.delete(frame.subscription);
+      line.subscribed.delete(frame.subscription);
+    }
     follower?.frame(frame);
   }
 

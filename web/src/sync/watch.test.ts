@@ -133,11 +133,29 @@ describe("the history of a run", () => {
     server.end("run_status", { code: "busy", message: "busy" });
     clock.pass(1_000);
     server.stand(now("live", 0));
-    expect([watch.now.value?.run.phase, watch.heard_ms.value]).toEqual(["live", clock.now()]);
+    expect([watch.now.value?.run.phase, watch.isHeard.value]).toEqual(["live", true]);
   });
 });
 
 describe("the truth about a run", () => {
+  it("is proven until the server was heard last over the connection that told it, and not by a new one", () => {
+    const { server, watch } = setUp();
+    const told = (server_ms: number) => {
+      const times = { heard_ms: 0, delay_ms: 2, ahead_ms: 0, old_ms: 4_000 };
+      server.pulse.value = { ...times, server_ms };
+    };
+    told(5_000);
+    server.stand({ ...now("live", 0), now_ms: 4_000 });
+    expect(watch.proven_ms.value).toBe(5_000);
+    told(9_000);
+    server.breakUp();
+    told(90_000);
+    server.breakUp();
+    expect(watch.proven_ms.value).toBe(9_000);
+    server.stand({ ...now("live", 0), now_ms: 91_000 });
+    expect(watch.proven_ms.value).toBe(91_000);
+  });
+
   it("counts as heard once it came over the connection that there is", () => {
     const { server, watch } = setUp();
     expect(watch.isHeard.value).toBe(false);
@@ -156,7 +174,9 @@ describe("a command", () => {
 
   it("is under way until it is answered, and expires by the server's clock", async () => {
     const { server, clock, watch } = setUp();
-    server.pulse.value = { heard_ms: clock.now(), delay_ms: 2, ahead_ms: 5_000 };
+    const heard_ms = clock.now();
+    const pulse = { heard_ms, delay_ms: 2, ahead_ms: 5_000, server_ms: heard_ms, old_ms: 4_000 };
+    server.pulse.value = pulse;
     const sent_ms = clock.now();
     const given = watch.command(PAUSE, 3_000);
     const expiry_ms = sent_ms + 3_000;

@@ -12,7 +12,7 @@ import type {
 } from "../model/generated/protocol.ts";
 import { Journal } from "../store/journal.ts";
 import type { Seen, Sent, Watch } from "../store/run.ts";
-import type { Server } from "../store/server.ts";
+import { REPEATED, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 import { Given } from "./given.ts";
 import { Looking } from "./looking.ts";
@@ -33,7 +33,7 @@ const FOR_GOOD = new Set(["no_such_run", "no_history", "journal_too_short"]);
 
 export class RunWatch implements Watch {
   readonly now = signal<RunNow | null>(null);
-  readonly heard_ms = signal<number | null>(null);
+  readonly proven_ms = signal<number | null>(null);
   readonly isHeard = signal(false);
   readonly journal = new Journal();
   readonly grown = signal(0);
@@ -65,14 +65,18 @@ export class RunWatch implements Watch {
     });
     this.#looking = new Looking({
       clock,
-      ask: (at) => server.request("GET", this.#path(at === null ? "moments" : `moments/${at}`)),
+      ask: (at) => {
+        const path = this.#path(at === null ? "moments" : `moments/${at}`);
+        return server.request("GET", path, undefined, REPEATED);
+      },
       newest: () => Math.max(this.journal.next - 1, this.#written()),
     });
     this.sent = this.#given.sent;
     this.moment = this.#looking.moment;
     this.seen = this.#looking.seen;
-    this.#followHistory();
+    // In this order: how it stands comes before all that happened.
     this.#followStatus();
+    this.#followHistory();
   }
 
   wantValues(): () => void {
@@ -115,6 +119,11 @@ export class RunWatch implements Watch {
     return this.now.peek()?.snapshot?.disk_safe ?? 0;
   }
 
+  /** The server's time when it said what was heard last. */
+  #server_ms(): number | null {
+    return this.#ports.server.pulse.peek()?.server_ms ?? null;
+  }
+
   #followHistory(): void {
     this.#isTold = false;
     this.#unfollowHistory = this.#ports.server.follow({
@@ -130,6 +139,7 @@ export class RunWatch implements Watch {
   #followStatus(): void {
     this.#unfollowStatus = this.#ports.server.follow({
       topic: () => {
+        if (this.isHeard.peek()) this.proven_ms.value = this.#server_ms();
         this.isHeard.value = false;
         return { topic: "run_status", run: this.id };
       },
@@ -166,7 +176,7 @@ export class RunWatch implements Watch {
   #stands(now: RunNow): void {
     batch(() => {
       this.now.value = now;
-      this.heard_ms.value = this.#ports.clock.now();
+      this.proven_ms.value = Math.max(now.now_ms, this.#server_ms() ?? now.now_ms);
       this.isHeard.value = true;
     });
     const isLive = now.run.phase === "live" || now.run.phase === "starting";

@@ -25,6 +25,7 @@ const MACHINE = machineOf(
 const MARK: RunMark = {
   phase: "running",
   loudest: "running",
+  loudestActive: "running",
   isLeaf: true,
   lanes: 0,
   age: 0,
@@ -42,7 +43,7 @@ function about(words: string, marked: Marked, scale = 1, more: Partial<SceneInpu
   const runs = new Map(
     Object.entries(marked).map(([path, mark]) => {
       const phase = mark.phase ?? "running";
-      return [path, { ...MARK, loudest: phase, ...mark }] as const;
+      return [path, { ...MARK, loudest: phase, loudestActive: phase, ...mark }] as const;
     }),
   );
   const list = scene({
@@ -120,6 +121,17 @@ describe("the same at every size", () => {
     expect(about("speck state:R/B", marks, 0.15)).toEqual([
       "1 speck state:R/B 33 9 21 18 aborted 45%",
     ]);
+  });
+
+  test("a closed container in which something waits shows that, whatever failed in it before", () => {
+    const inside = { isLeaf: false, loudest: "failed", loudestActive: "waiting" } as const;
+    const mark = { ...inside, since_ms: 2_000, failed: true };
+    const text = about("state:R/B run", { "R/B": mark }, 0.7).join("\n");
+    expect(text).toContain("icon state:R/B run waiting");
+    expect(text).toContain("icon state:R/B run failed");
+    const small = about("state:R run", { R: mark }, 0.05).join("\n");
+    expect(small).toContain("|waiting| dashed");
+    expect(small).not.toContain("aborted");
   });
 
   test("a closed container shows the loudest inside, and how many branches", () => {

@@ -42,6 +42,8 @@ const PLATE = 80;
 const FILLED = DETAIL.name;
 const ICON = 12;
 
+const WANTS: ReadonlySet<MarkPhase> = new Set(["waiting", "held"]);
+
 export function runMarks(drawing: Drawing, spot: Spot, mark: RunMark, isOpen: boolean): void {
   const layer = drawing.layer(spot.depth);
   const phase = isOpen ? mark.phase : closedPhase(mark);
@@ -67,9 +69,12 @@ export function runMarks(drawing: Drawing, spot: Spot, mark: RunMark, isOpen: bo
   );
 }
 
-/** Of a state whose content does not show: the loudest inside; what runs is not hidden by what failed before. */
-export function closedPhase({ phase, loudest, since_ms, isLeaf }: RunMark): MarkPhase {
-  return isLeaf || (loudest === "failed" && since_ms !== null) ? phase : loudest;
+/** Of a state whose content does not show: the loudest inside; what goes on, or waits for somebody, is not hidden by what failed
+ * before. */
+export function closedPhase(mark: RunMark): MarkPhase {
+  const { phase, loudest, loudestActive, since_ms, isLeaf } = mark;
+  if (isLeaf) return phase;
+  return loudest === "failed" && since_ms !== null ? loudestActive : loudest;
 }
 
 /** States that neither run nor ran lately say how often they did. */
@@ -110,7 +115,8 @@ function smallMarks(
   const isFull = phase === "running" || phase === "failed";
   layer.boxes.push({
     ...mark,
-    ...(hasFailed ? { stroke: "aborted" } : {}),
+    // What wants somebody now is louder than what went wrong before.
+    ...(hasFailed && !WANTS.has(phase) ? { stroke: "aborted" } : {}),
     fill: isFull ? ink : null,
     dash: phase === "waiting" || phase === "next",
   });

@@ -17,7 +17,14 @@ import { holdInWords } from "../../model/run_words.ts";
 import { type Active, placeOfLane } from "../../store/active.ts";
 import { type LastEnd, lastEndBeside } from "../../store/last_end.ts";
 import type { Watch } from "../../store/run.ts";
-import { earlierRuns, pastUsual, type Usual, usualOf } from "../../store/usual.ts";
+import {
+  earlierRuns,
+  isLongerThanEver,
+  pastUsual,
+  type Usual,
+  usualInWords,
+  usualOf,
+} from "../../store/usual.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
@@ -104,6 +111,7 @@ function Card({ lane, names, last, usual, later_ms }: CardProps) {
   const host = useHost();
   const place = placeOfLane(lane);
   const since_ms = lane.since_ms + later_ms;
+  const isLong = usual !== null && isLongerThanEver(lane, usual, since_ms);
   const { word, Sign } = PHASES[lane.phase];
   const around = pathInWords(names, place).split(" › ");
   const name = around.pop() ?? lane.name;
@@ -127,9 +135,14 @@ function Card({ lane, names, last, usual, later_ms }: CardProps) {
         </button>
         {!isBefore(lane) && <span className="mission-card-time">{growing(since_ms)}</span>}
       </div>
-      {lane.phase !== "held" && usual && <Bar usual={usual} since_ms={since_ms} />}
+      {lane.phase !== "held" && usual && <Bar usual={usual} since_ms={since_ms} isLong={isLong} />}
       <div className="mission-card-foot">
-        {lane.phase !== "held" && usual && <UsualTime usual={usual} since_ms={since_ms} />}
+        {lane.phase !== "held" && usual && (
+          <p className={isLong ? "mission-long" : undefined}>
+            {isLong ? "longer than ever: " : ""}
+            {usualInWords(usual, duration)}
+          </p>
+        )}
         {last && <Before last={last} names={names} />}
       </div>
     </li>
@@ -158,39 +171,22 @@ function isBefore({ phase, held: [hold] }: Active): boolean {
   return phase === "held" && hold !== undefined && hold.next !== null;
 }
 
-interface AgainstProps {
+interface BarProps {
   readonly usual: Usual;
   readonly since_ms: number;
+  readonly isLong: boolean;
 }
 
 /** The time in the state against how long it usually takes. */
-function Bar({ usual: { median_ms, max_ms }, since_ms }: AgainstProps) {
+function Bar({ usual: { typical_ms, max_ms }, since_ms, isLong }: BarProps) {
   const scale = Math.max(max_ms, since_ms, 1);
   const width = (ms: number) => ({ width: `${(ms / scale) * 100}%` });
   return (
-    <span
-      className={`mission-bar ${isLong(since_ms, max_ms) ? "mission-bar-long" : ""}`}
-      aria-hidden
-    >
+    <span className={`mission-bar ${isLong ? "mission-bar-long" : ""}`} aria-hidden>
       <span className="mission-bar-now" style={width(since_ms)} />
-      <span className="mission-bar-usual" style={width(median_ms)} />
+      <span className="mission-bar-usual" style={width(typical_ms)} />
     </span>
   );
-}
-
-/** The same in words. */
-function UsualTime({ usual: { median_ms, max_ms, count }, since_ms }: AgainstProps) {
-  return (
-    <p className={isLong(since_ms, max_ms) ? "mission-long" : undefined}>
-      {isLong(since_ms, max_ms) ? "longer than ever: " : ""}usually {duration(median_ms)}, at most{" "}
-      {duration(max_ms)}
-      <span className="mission-soft"> ({count === 1 ? "once" : `${count} times`})</span>
-    </p>
-  );
-}
-
-function isLong(since_ms: number, max_ms: number): boolean {
-  return since_ms > max_ms * 1.1 && since_ms > max_ms + 1_000;
 }
 
 function Before({ last, names }: { readonly last: LastEnd; readonly names: Names }) {

@@ -29,8 +29,9 @@ export function Events({ watch }: { readonly watch: Watch }) {
   const [showsDone, setShowsDone] = useState(false);
   const shown = showsDone ? all : open;
   // What one acknowledges oneself is meant to make room for the next.
-  const isStill = useStill(String(all.at(-1)?.sequence));
   const newest = shown.slice(-SHOWN_MAX).reverse();
+  // A line that counts on stays where it is: only another line could come under the pointer.
+  const isStill = useStill(String(all.at(-1)?.first));
   return (
     <section className="mission-part mission-events" aria-label="Events to acknowledge">
       <div className="mission-part-head">
@@ -61,7 +62,7 @@ export function Events({ watch }: { readonly watch: Watch }) {
       <ul className="mission-event-list">
         {newest.map((failure) => (
           <Line
-            key={failure.sequence}
+            key={failure.first}
             failure={failure}
             watch={watch}
             names={names}

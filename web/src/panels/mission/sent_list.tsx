@@ -3,6 +3,7 @@
 import { Check, Clock, Send, X } from "lucide-react";
 import { commandInWords } from "../../model/command_words.ts";
 import { dismiss, dismissed } from "../../store/dismissed.ts";
+import { answeredBy, askedQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
 import { seconds } from "../../store/seconds.ts";
 import { IconButton } from "../../ui/button.tsx";
@@ -12,10 +13,11 @@ import { type SentLine, sentLines } from "../parts/sent.ts";
 export function SentList({ watch }: { readonly watch: Watch }) {
   const sent = useSignal(watch.sent);
   const seen = useSignal(dismissed(watch));
+  useSignal(askedQuestions(watch));
   const now_ms = useComputed(() => (watch.sent.value.length > 0 ? seconds.value : 0), [watch]);
   return (
     <ul className="mission-sent" aria-label="What you told the run" aria-live="polite">
-      {sentLines(sent, seen, now_ms)
+      {sentLines(sent, seen, now_ms, (question) => answeredBy(watch, question))
         .filter((line) => !isToldElsewhere(line))
         .map((line) => (
           <Line key={line.id} line={line} onClose={() => dismiss(watch, line.id)} />
@@ -32,7 +34,7 @@ function isToldElsewhere({ command, kind }: SentLine): boolean {
 }
 
 /** What is called otherwise on the buttons here. */
-const BUTTONS: Readonly<Record<string, string>> = { pause: "Hold", step_over: "Step" };
+const BUTTONS: Readonly<Record<string, string>> = { step_over: "Step" };
 
 function Line({ line, onClose }: { readonly line: SentLine; readonly onClose: () => void }) {
   const { command, kind, words } = line;

@@ -1,4 +1,4 @@
-/** Stop and Hold, always in the same place: asking once by a second press; Resume and Step beside. */
+/** Stop and Pause, always in the same place: asking once by a second press; Resume and Step beside. */
 
 import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from "lucide-react";
 import type { MouseEvent, ReactNode } from "react";
@@ -22,8 +22,8 @@ export function Steering() {
         onSure={() => run("run.stop", SURE)}
       />
       <Twice
-        className="mission-hold"
-        name="Hold"
+        className="mission-pause"
+        name="Pause"
         sign={CirclePause}
         refusal={refusal["run.pause"]}
         onSure={() => run("run.pause")}

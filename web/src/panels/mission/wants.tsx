@@ -1,8 +1,10 @@
-/** What wants a human, in one line that is always there: questions with the least time that is left, and events; one press away. */
+/** What wants a human, in one line that is always there: questions with the least time that is left, decisions after a crash, and
+ * events; one press away. */
 
-import { CircleHelp, TriangleAlert } from "lucide-react";
+import { CircleHelp, OctagonAlert, TriangleAlert } from "lucide-react";
 import type { MouseEvent } from "react";
 import { openFailures } from "../../store/acknowledged.ts";
+import { openDecisions } from "../../store/decisions.ts";
 import { byUrgency, timeLeft } from "../../store/question_time.ts";
 import { openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
@@ -17,6 +19,7 @@ import { LinkAge } from "./link_age.tsx";
 
 export function Wants({ watch }: { readonly watch: Watch }) {
   const questions = useComputed(() => openQuestions(watch).length, [watch]);
+  const decisions = useComputed(() => openDecisions(watch), [watch]);
   const { length } = useSignal(openFailures(watch));
   const { page } = useHost().context();
   const { isOld } = useRunAge(page, watch);
@@ -24,10 +27,14 @@ export function Wants({ watch }: { readonly watch: Watch }) {
     <div className="mission-wants">
       <span className="visually-hidden" role="status">
         {askedInWords(questions)}
+        {decisions > 0 ? ` ${decisionsInWords(decisions)} to make after a crash` : ""}
       </span>
       {questions > 0 && <Asked watch={watch} count={questions} />}
+      {decisions > 0 && <ToDecide count={decisions} />}
       {length > 0 && <ToAcknowledge count={length} />}
-      {questions + length === 0 && !isOld && <p className="mission-soft">Nothing wants you</p>}
+      {questions + decisions + length === 0 && !isOld && (
+        <p className="mission-soft">Nothing to decide</p>
+      )}
       <LinkAge watch={watch} />
     </div>
   );
@@ -53,6 +60,24 @@ function Asked({ watch, count }: { readonly watch: Watch; readonly count: number
       {left_ms !== null && <span className="mission-want-left">{duration(left_ms)}</span>}
     </button>
   );
+}
+
+function ToDecide({ count }: { readonly count: number }) {
+  return (
+    <button
+      type="button"
+      className="mission-want mission-want-crash"
+      title="Show what is to be decided after the crash"
+      onClick={(event) => show(event, ".mission-crash")}
+    >
+      <OctagonAlert size={18} aria-hidden />
+      {decisionsInWords(count)}
+    </button>
+  );
+}
+
+function decisionsInWords(count: number): string {
+  return count === 1 ? "1 decision" : `${count} decisions`;
 }
 
 function ToAcknowledge({ count }: { readonly count: number }) {

@@ -43,3 +43,13 @@ test("what was not carried out stays until it was seen", () => {
   expect(line({ answer: "lost", reason: "cut" }, 60_000)).toContain("nobody knows");
   expect(line({ answer: "expired" }, 60_000, ["1"])).toBe(undefined);
 });
+
+test("an answer that came after that of somebody else says who has answered", () => {
+  const command = { type: "answer_question", question: 4, value: { button: 0 } } as const;
+  const answer = { answer: "refused", reason: "bob holds control of this run" } as const;
+  const times = { sent_ms: NOW_MS, expiry_ms: NOW_MS, answered_ms: NOW_MS };
+  const words = (by: string | null) =>
+    sentLines([{ id: "2", command, answer, ...times }], new Set(), NOW_MS, () => by)[0]?.words;
+  expect(words("bob")).toBe("was not needed any more: bob has answered");
+  expect(words(null)).toBe("was refused: bob holds control of this run");
+});

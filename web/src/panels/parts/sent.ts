@@ -20,6 +20,7 @@ export function sentLines(
   sent: readonly Sent[],
   dismissed: ReadonlySet<string>,
   now_ms: number,
+  answeredBy: (question: number) => string | null = () => null,
 ): readonly SentLine[] {
   const wanted = sent.filter(({ id, answer, answered_ms, sent_ms }) =>
     answer?.answer === "applied"
@@ -30,8 +31,18 @@ export function sentLines(
     id: each.id,
     command: each.command,
     kind: each.answer?.answer ?? "sent",
-    words: words(each, now_ms),
+    words: lateAnswer(each, answeredBy) ?? words(each, now_ms),
   }));
+}
+
+/** Of two answers one counts: who came too late reads who was first. */
+function lateAnswer(
+  { command, answer }: Sent,
+  answeredBy: (question: number) => string | null,
+): string | null {
+  if (command.type !== "answer_question" || answer?.answer !== "refused") return null;
+  const other = answeredBy(command.question);
+  return other === null ? null : `was not needed any more: ${other} has answered`;
 }
 
 function words({ answer, sent_ms, expiry_ms }: Sent, now_ms: number): string {

@@ -21,7 +21,7 @@ import { type Active, activeStates, lanes, placeOfLane } from "../../store/activ
 import { lastEndBeside } from "../../store/last_end.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
-import { type Usual, usualOf } from "../../store/usual.ts";
+import { type Usual, usualInWords, usualOf } from "../../store/usual.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
@@ -152,7 +152,7 @@ function Against({ watch, path }: { readonly watch: Watch; readonly path: string
   const usual = useComputed(() => {
     watch.grown.value;
     const found = usualOf(watch, NO_PAST, path);
-    return found ? `usually ${duration(found.median_ms)}, at most ${duration(found.max_ms)}` : "";
+    return found ? usualInWords(found, duration) : "";
   }, [watch, path]);
   return usual === "" ? null : <span className="running-soft"> · {usual}</span>;
 }

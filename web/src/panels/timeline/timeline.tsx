@@ -23,11 +23,13 @@ import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
 import { namesOf } from "../parts/happened.ts";
 import { useMoment } from "../parts/moment_words.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { partedAt } from "../parts/parted.ts";
 import { reveal } from "../reveal.ts";
+import { useRunAge } from "../run_age.ts";
 import { mountChart } from "./chart.ts";
 import { timelineKey } from "./keys.ts";
 import { type TimelineModel, timelineOf } from "./model.ts";
@@ -57,17 +59,26 @@ interface OfRunProps {
 }
 
 function OfRun({ tab, watch, model }: OfRunProps) {
+  const { page } = useHost().context();
+  const { isOld } = useRunAge(page, watch);
   return (
-    <section className="timeline" aria-label="Timeline">
+    <section className={isOld ? "timeline is-old" : "timeline"} aria-label="Timeline">
       <Bar tab={tab} watch={watch} model={model} />
       <Chart tab={tab} watch={watch} model={model} />
     </section>
   );
 }
 
+function liveTitle(isLive: boolean, isOld: boolean): string {
+  if (!isLive) return "Shows what is now";
+  return isOld ? "The page shows the last that was heard" : "The page shows what is now";
+}
+
 function Bar({ tab, watch, model }: OfRunProps) {
   const isLive = useSignal(watch.moment) === null;
   const isOver = useSignal(watch.now)?.link === "over";
+  const { page } = useHost().context();
+  const { isOld, age_ms } = useRunAge(page, watch);
   const isOnlyInSight = useSignal(model.isOnlyInSight);
   useSignal(model.wanted);
   const [state] = useSelectedStates(tab);
@@ -76,11 +87,11 @@ function Bar({ tab, watch, model }: OfRunProps) {
       <Button
         icon={<Radio size={14} />}
         kind={isLive ? "quiet" : "primary"}
-        title={isLive ? "The page shows what is now" : "Shows what is now"}
+        title={liveTitle(isLive, isOld)}
         pressed={isLive}
         onClick={() => toEnd(watch, "last")}
       >
-        {isOver ? "End" : "Live"}
+        {isOver ? "End" : isOld && isLive ? `${duration(age_ms)} old` : "Live"}
       </Button>
       <Now tab={tab} watch={watch} />
       <span className="timeline-gap" />

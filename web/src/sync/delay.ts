@@ -1,0 +1,132 @@
+/** The measured delay between this page and the server, and all limits of time that follow from it. Any answer measures; no other
+ * file decides how long the network may take. Knows times; never what is asked. */
+
+/** A question and its answer, in ms. */
+interface Sample {
+  readonly round_ms: number;
+  /** How far the server's clock is ahead, if both ways took equally long. */
+  readonly ahead_ms: number;
+}
+
+/** The server is asked so often whether it is there, whether it has answered before or not. */
+export const PING_MS = 2_000;
+/** What is shown counts as old after so long, plus the delay. */
+const OLD_MS = 4_000;
+/** Another connection is tried after so much silence, plus the delay. The silent one is kept meanwhile. */
+const SILENT_MS = 12_000;
+/** Until the first answer nobody knows how slow the network is: so long it is waited for. */
+const UNMEASURED_MS = 30_000;
+/** A dial: what a busy server and three lost packets take, and the rounds of TCP, TLS and the upgrade. */
+const DIAL_MS = 15_000;
+const DIAL_ROUNDS = 3;
+/** After so many dials in a row without an answer one of them may take longer, each time twice as long. */
+const DIALS_EACH = 4;
+const DIAL_MAX_MS = 120_000;
+/** A request that is repeated if its answer is lost, and one that is not: the server may work on it. */
+const AGAIN_MS = 8_000;
+const ONCE_MS = 45_000;
+/** TCP, TLS, the request, and one to spare. */
+const REQUEST_ROUNDS = 4;
+/** What is sent counts by the slowest network that is served: 64 kbit/s, shared. */
+const BYTES_PER_MS = 4;
+/** Clocks are compared by the quickest of so many answers. */
+const SAMPLES_MAX = 8;
+/** So many questions are remembered. */
+const ASKED_MAX = 100;
+
+export class Delay {
+  readonly #asked = new Map<number, number>();
+  #id = 0;
+  /** Smoothed round trip and its variation, as TCP reckons them (RFC 6298). */
+  #round_ms: number | null = null;
+  #varies_ms = 0;
+  /** Nothing but a dial was measured so far. */
+  #isGuess = true;
+  #samples: readonly Sample[] = [];
+
+  /** A question is sent: its id. */
+  ask(now_ms: number): number {
+    this.#id += 1;
+    this.#asked.set(this.#id, now_ms);
+    if (this.#asked.size > ASKED_MAX) this.#asked.delete(this.#id - ASKED_MAX);
+    return this.#id;
+  }
+
+  /** The server answered a question at its time `server_ms`. Gives how long that took; null if nobody had asked. */
+  answer(id: number, server_ms: number, now_ms: number): number | null {
+    const asked_ms = this.#asked.get(id);
+    if (asked_ms === undefined) return null;
+    this.#asked.delete(id);
+    const round_ms = Math.max(0, now_ms - asked_ms);
+    this.#measure(round_ms);
+    this.#isGuess = false;
+    const sample = { round_ms, ahead_ms: server_ms + round_ms / 2 - now_ms };
+    this.#samples = [...this.#samples, sample].slice(-SAMPLES_MAX);
+    return round_ms;
+  }
+
+  /** A dial took so long, at the end of which the server said its time. It is a guess: good until the first answer. */
+  dialled(took_ms: number, server_ms: number, now_ms: number): void {
+    this.#asked.clear();
+    const ahead_ms = this.#ahead() ?? server_ms + took_ms / (2 * DIAL_ROUNDS) - now_ms;
+    // What was measured over the last connection counts until it is measured again.
+    this.#samples = [{ round_ms: Number.POSITIVE_INFINITY, ahead_ms }];
+    if (this.#isGuess) this.#measure(took_ms / 2);
+  }
+
+  /** So much the server's clock is ahead of this browser's. */
+  get ahead_ms(): number {
+    return this.#ahead() ?? 0;
+  }
+
+  /** What is shown counts as old when it was not confirmed for so long. */
+  get old_ms(): number {
+    return OLD_MS + this.#late_ms;
+  }
+
+  /** Another connection is tried after so much silence. */
+  get silent_ms(): number {
+    return this.#round_ms === null ? UNMEASURED_MS : SILENT_MS + 3 * this.#late_ms;
+  }
+
+  /** So long a dial may take, after so many that had no answer. */
+  dial_ms(unanswered: number): number {
+    const round_ms = DIAL_ROUNDS * this.#late_ms;
+    const limit_ms =
+      this.#round_ms === null ? UNMEASURED_MS : Math.max(DIAL_MS, DIAL_MS / 2 + round_ms);
+    const isLonger = unanswered % DIALS_EACH === DIALS_EACH - 1;
+    const each = isLonger ? (unanswered + 1) / DIALS_EACH : 0;
+    // While nothing is known, each may take longer than the one before.
+    const doubled = this.#isGuess ? unanswered : each;
+    return Math.min(limit_ms * 2 ** doubled, Math.max(limit_ms, DIAL_MAX_MS));
+  }
+
+  /** So long nothing may come of a request that sends so many bytes. */
+  request_ms(isRepeated: boolean, bytes: number): number {
+    const least_ms = this.#round_ms === null ? UNMEASURED_MS : AGAIN_MS;
+    const limit_ms = isRepeated ? least_ms : ONCE_MS;
+    return limit_ms + REQUEST_ROUNDS * this.#late_ms + bytes / BYTES_PER_MS;
+  }
+
+  /** An answer is hardly ever later than this. */
+  get #late_ms(): number {
+    return Math.round((this.#round_ms ?? 0) + 4 * this.#varies_ms);
+  }
+
+  #ahead(): number | null {
+    const [first, ...others] = this.#samples;
+    if (!first) return null;
+    return others.reduce((best, each) => (each.round_ms <= best.round_ms ? each : best), first)
+      .ahead_ms;
+  }
+
+  #measure(round_ms: number): void {
+    if (this.#round_ms === null || this.#isGuess) {
+      [this.#round_ms, this.#varies_ms] = [round_ms, round_ms / 2];
+      return;
+    }
+    const off_ms = Math.abs(this.#round_ms - round_ms);
+    this.#varies_ms += (off_ms - this.#varies_ms) / 4;
+    this.#round_ms += (round_ms - this.#round_ms) / 8;
+  }
+}
