@@ -1,14 +1,23 @@
 //! That something is different now: three counters that whoever waits is woken by. Knows no more than that; what is
 //! different is asked of whoever owns it.
 
+use rafcon_supervisor::clock;
 use tokio::sync::watch;
 
 /// Counts changes of files, open machines and runs. Counting wakes everybody who waits, and costs nothing if nobody does.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct News {
     files: watch::Sender<u64>,
     machines: watch::Sender<u64>,
     runs: watch::Sender<u64>,
+}
+
+impl Default for News {
+    fn default() -> Self {
+        // Clients ask for files again when this is another number: it must be, of another server.
+        let files = watch::Sender::new(clock::since_1970_ms());
+        Self { files, machines: watch::Sender::default(), runs: watch::Sender::default() }
+    }
 }
 
 impl News {
@@ -42,7 +51,7 @@ impl News {
         self.runs.clone()
     }
 
-    /// How often files changed so far.
+    /// Another number whenever files have changed, also after a restart of the server.
     pub(crate) fn files_revision(&self) -> u64 {
         *self.files.borrow()
     }

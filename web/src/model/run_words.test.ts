@@ -12,6 +12,7 @@ const SUMMARY = {
   events: 4,
   bytes: 100,
   keeping: "full",
+  waits: null,
 } as const;
 
 const ACTIVE: ActiveState = {
@@ -75,6 +76,15 @@ test("a run whose only branch has asked waits for an answer, also while its scri
   const asks = { path: "R/A", phase: "running" } as const;
   expect(inShort(live("running", [{ path: "R" }, asks], ["R/A"]))).toBe("waiting: an answer");
   expect(inShort(live("running", [{ path: "R" }, asks, { path: "R/B" }], ["R/A"]))).toBe("running");
+  const line = (waits: RunSummary["waits"]) =>
+    standInWords(summaryStand({ ...SUMMARY, phase: "live", waits }));
+  expect([line(null), line("answer"), line("decision"), line("paused"), line("other")]).toEqual([
+    "running",
+    "waiting: an answer",
+    "waiting: for a decision after the crash",
+    "paused",
+    "waiting",
+  ]);
 });
 
 test("what is held says by what, each reason once", () => {

@@ -31,7 +31,7 @@ export function summaryStand(run: RunSummary): RunStand {
     case "starting":
       return { word: "starting", tone: "plain", detail: "" };
     case "live":
-      return { word: "running", tone: "running", detail: "" };
+      return waitingStand(run);
     case "finished":
       return { word: "finished", tone: outcomeTone(run.outcome.id), detail: run.outcome.name };
     case "crashed":
@@ -40,6 +40,22 @@ export function summaryStand(run: RunSummary): RunStand {
       return { word: "not started", tone: "aborted", detail: run.reason };
     case "unreadable":
       return { word: "unreadable", tone: "aborted", detail: run.reason };
+  }
+}
+
+/** Of a run that goes on: for what it waits, if it does. */
+function waitingStand({ waits }: RunSummary): RunStand {
+  switch (waits) {
+    case "answer":
+      return { word: "waiting", tone: "waiting", detail: AN_ANSWER };
+    case "decision":
+      return UNDECIDED;
+    case "paused":
+      return { word: "paused", tone: "held", detail: "" };
+    case "other":
+      return { word: "waiting", tone: "waiting", detail: "" };
+    default:
+      return { word: "running", tone: "running", detail: "" };
   }
 }
 

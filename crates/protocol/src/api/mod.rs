@@ -9,6 +9,7 @@ mod past;
 mod people;
 mod python;
 mod refusal;
+mod run_wait;
 mod runs;
 mod steps;
 mod versions;
@@ -37,6 +38,7 @@ pub use people::{
 };
 pub use python::{CheckScript, ScriptProblem};
 pub use refusal::Refusal;
+pub use run_wait::RunWait;
 pub use runs::{
     CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine,
     OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,

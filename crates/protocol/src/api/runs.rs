@@ -1,6 +1,6 @@
 //! Runs: how they begin, how they stand, who commands them, what they leave.
 
-use super::MachineFile;
+use super::{MachineFile, RunWait};
 use crate::{Afterwards, Answer, Breakpoint, Event, Keeping, OnCrash, Outcome, Snapshot};
 use serde::{Deserialize, Serialize};
 
@@ -111,6 +111,9 @@ pub struct RunSummary {
     pub bytes: u64,
     /// How much of it is kept.
     pub keeping: Keeping,
+    /// What it waits for, if it goes on and none of its branches is at work.
+    #[serde(default)]
+    pub waits: Option<RunWait>,
 }
 
 /// The latest truth about one run.

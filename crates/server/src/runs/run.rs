@@ -10,7 +10,7 @@ use super::ring::Ring;
 use super::told::Told;
 use crate::house::House;
 use parking_lot::Mutex;
-use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary};
+use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
 use rafcon_protocol::{Event, Snapshot};
 use rafcon_supervisor::{Exit, clock};
 use std::path::{Path, PathBuf};
@@ -106,9 +106,14 @@ impl Run {
         self.now.subscribe()
     }
 
-    /// The run in one line.
+    /// The run in one line. While it goes on it gets longer, whether its runner has something to say or not.
     pub(crate) fn summary(&self) -> RunSummary {
-        self.now.borrow().run.clone()
+        let now = self.now.borrow();
+        let mut run = now.run.clone();
+        if let (RunPhase::Live, LinkState::Up, Some(at)) = (&run.phase, now.link, now.snapshot_ms) {
+            run.length_ms += clock::since_1970_ms().saturating_sub(at);
+        }
+        run
     }
 
     /// Its id.
@@ -232,7 +237,7 @@ impl Run {
 
     /// The run is in this phase.
     pub(super) fn is_in(&self, phase: RunPhase) {
-        self.change(|now| now.run.phase = phase);
+        self.change(|now| (now.run.phase, now.run.waits) = (phase, None));
     }
 
     /// Events happened, in this order.
@@ -246,6 +251,7 @@ impl Run {
             self.change(|now| {
                 now.run.events = events;
                 now.run.phase = RunPhase::Finished { outcome, states_run };
+                now.run.waits = None;
             });
         }
     }
@@ -257,14 +263,20 @@ impl Run {
 
     /// This is how its runner says that it stands.
     pub(super) fn stands(&self, snapshot: Snapshot) {
-        let at = clock::since_1970_ms();
+        let (at, waits) = (clock::since_1970_ms(), RunWait::of(&snapshot));
+        let mut is_news = false;
         self.now.send_modify(|now| {
             let now = Arc::make_mut(now);
+            is_news = now.run.waits != waits;
+            now.run.waits = waits;
             (now.now_ms, now.snapshot_ms, now.runner_heard_ms) = (at, Some(at), Some(at));
             now.run.length_ms = snapshot.elapsed_ms;
             now.run.events = now.run.events.max(snapshot.disk_safe);
             now.snapshot = Some(snapshot);
         });
+        if is_news {
+            self.is_other();
+        }
     }
 
     /// Does something with who holds control; whoever follows the run is told.
@@ -320,9 +332,14 @@ impl Run {
             !is_same
         });
         if is_news {
-            self.has_changed.store(true, Ordering::Relaxed);
-            self.news.send_modify(|revision| *revision += 1);
+            self.is_other();
         }
+    }
+
+    /// Whoever lists runs is woken.
+    fn is_other(&self) {
+        self.has_changed.store(true, Ordering::Relaxed);
+        self.news.send_modify(|revision| *revision += 1);
     }
 }
 

@@ -48,6 +48,7 @@ fn kept(folder: &Path, projects: &Projects, request: Option<&Request>) -> RunSum
         events,
         bytes,
         keeping: about.keeping,
+        waits: None,
     }
 }
 
@@ -69,6 +70,7 @@ fn asked_for(folder: &Path, request: &Request) -> RunSummary {
         events: 0,
         bytes: 0,
         keeping: request.start.as_ref().map_or(Keeping::default(), |start| start.keeping),
+        waits: None,
     }
 }
 

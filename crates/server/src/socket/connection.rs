@@ -2,7 +2,7 @@
 //! for; must never know what lies behind the desk, or how a frame reaches the other side.
 
 use super::desk::{Desk, now_ms};
-use super::outbox::{Outbox, length};
+use super::outbox::{Lane, Outbox, length};
 use super::pulse::Pulse;
 use super::session::{Act, Session, binary};
 use super::words;
@@ -67,13 +67,13 @@ async fn write(
     pulse: &Pulse,
 ) {
     loop {
-        let frame = outbox.next().await;
+        let (lane, frame) = outbox.next().await;
         let (length, is_text) = (length(&frame), matches!(frame, Message::Text(_)));
         let is_last = matches!(frame, Message::Close(_));
         if sink.send(frame).await.is_err() || is_last {
             return;
         }
-        outbox.sent(length);
+        outbox.sent(lane, length);
         // A ping only shows that nobody was there to be asked before.
         if is_text {
             pulse.beat();
@@ -146,7 +146,7 @@ impl Connection {
     }
 
     fn tell(&self, frame: &ToClient) {
-        self.outbox.push(words::text(frame));
+        self.outbox.push(Lane::Status, words::text(frame));
     }
 
     fn hear(&mut self, message: Message) {
@@ -184,7 +184,8 @@ impl Connection {
         let (desk, outbox) = (self.desk.clone(), Arc::clone(&self.outbox));
         let told = async move {
             if let Err(failure) = desk.tell(subscription, topic, &outbox).await {
-                outbox.push(words::text(&words::ended(subscription, Some(&failure))));
+                let ended = words::text(&words::ended(subscription, Some(&failure)));
+                outbox.push(Lane::History, ended);
             }
             subscription
         };
@@ -197,7 +198,8 @@ impl Connection {
         if let Some(handle) = self.handles.remove(&subscription) {
             handle.abort();
         }
-        self.tell(&words::ended(subscription, None));
+        // After all that was told of it.
+        self.outbox.push(Lane::History, words::text(&words::ended(subscription, None)));
     }
 
     /// Nothing more will come of a subscription; one that was given up is forgotten already.

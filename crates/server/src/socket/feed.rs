@@ -58,12 +58,12 @@ impl<F: Feed> Telling<'_, F> {
         match self.feed.take().await {
             Told::Now(frame) => {
                 self.due = Instant::now() + F::EVERY;
-                self.last = self.outbox.push(frame);
+                self.last = self.outbox.push(F::LANE, frame);
             }
-            Told::Part(frame) => self.last = self.outbox.push(frame),
+            Told::Part(frame) => self.last = self.outbox.push(F::LANE, frame),
             Told::Nothing => {}
             Told::Last(frame) => {
-                self.outbox.push(frame);
+                self.outbox.push(F::LANE, frame);
                 return false;
             }
         }

@@ -14,8 +14,9 @@ use tokio::select;
 use tokio::sync::watch;
 use tokio::time::timeout;
 
-/// About so many bytes of events are told at once.
-const PAGE_BYTES: usize = 64 << 10;
+/// About so many bytes of events are told at once: a page is four seconds of the slowest network that is served (64 kbit/s), and
+/// the latest truth waits for one page at most.
+const PAGE_BYTES: usize = 32 << 10;
 /// At most so many events are told at once.
 const PAGE_COUNT: usize = 1000;
 /// After so long a journal is read again that lacks what its run told of, if nothing happens before.

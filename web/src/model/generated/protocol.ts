@@ -1451,7 +1451,9 @@ export type RunSummary = {
   /** What it takes on disk, in bytes. */
   bytes: number,
   /** How much of it is kept. */
-  keeping: Keeping, } & ({ "phase": "starting" } | { "phase": "live" } | { "phase": "finished",
+  keeping: Keeping,
+  /** What it waits for, if it goes on and none of its branches is at work. */
+  waits: RunWait | null, } & ({ "phase": "starting" } | { "phase": "live" } | { "phase": "finished",
   /** By this outcome. */
   outcome: Outcome,
   /** States that it ran. */
@@ -1460,6 +1462,9 @@ export type RunSummary = {
   reason: string, } | { "phase": "unreadable",
   /** Why. */
   reason: string, });
+
+/** What a run waits for. */
+export type RunWait = "answer" | "decision" | "paused" | "other";
 
 /** What a library state sets for a port. */
 export type RuntimeValueDocument = {

@@ -12,6 +12,7 @@ const RUN: RunSummary = {
   events: 4,
   bytes: 100,
   keeping: "full",
+  waits: null,
   phase: "finished",
   outcome: { id: 0, name: "success" },
   states_run: 2,

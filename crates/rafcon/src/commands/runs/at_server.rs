@@ -6,11 +6,12 @@ use crate::client::Server;
 use crate::commands::kept::{out, paint};
 use crate::commands::remote::{refuse, refuse_runs};
 use crate::environment::Environment;
-use crate::view::{Line, Style, harmless};
+use crate::view::{Line, Style, counted, harmless, time};
 use anyhow::Result;
-use rafcon_protocol::api::{RunPhase, RunSummary};
+use rafcon_protocol::api::{RunPhase, RunSummary, RunWait};
 use std::io::Write as _;
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Lists them, the newest last.
 pub(super) fn runs(
@@ -43,7 +44,7 @@ fn line(run: &RunSummary, width: usize) -> Line {
     let facts = facts(run.length_ms, run.events, run.bytes);
     match &run.phase {
         RunPhase::Starting => line.and(Style::Good, "starting"),
-        RunPhase::Live => line.and(Style::Good, "running").and(Style::Dim, facts),
+        RunPhase::Live => live(line, run),
         RunPhase::Finished { outcome, .. } => ended(line, outcome, facts),
         RunPhase::Crashed => line.and(Style::Bad, "crashed").and(Style::Dim, facts),
         RunPhase::NotStarted { reason } => {
@@ -53,4 +54,17 @@ fn line(run: &RunSummary, width: usize) -> Line {
             line.and(Style::Bad, "unreadable: ").and(Style::Plain, harmless(reason))
         }
     }
+}
+
+/// What it takes on disk is known when it is over.
+fn live(line: Line, run: &RunSummary) -> Line {
+    let line = match run.waits {
+        None => line.and(Style::Good, "running"),
+        Some(RunWait::Answer) => line.and(Style::Warning, "waits for an answer"),
+        Some(RunWait::Decision) => line.and(Style::Warning, "waits for a decision after a crash"),
+        Some(RunWait::Paused) => line.and(Style::Plain, "paused"),
+        Some(RunWait::Other) => line.and(Style::Plain, "waiting"),
+    };
+    let length = time(Duration::from_millis(run.length_ms));
+    line.and(Style::Dim, format!(" after {length}, {}", counted(run.events, "event")))
 }

@@ -15,11 +15,11 @@ use tokio::time::{Instant, sleep, sleep_until, timeout, timeout_at};
 async fn taken(outbox: &Outbox, ms: u64, slowness: Duration) -> String {
     let (begin, mut text) = (Instant::now(), String::new());
     let end = begin + Duration::from_millis(ms);
-    while let Ok(frame) = timeout_at(end, outbox.next()).await {
+    while let Ok((lane, frame)) = timeout_at(end, outbox.next()).await {
         let at = begin.elapsed().as_millis();
         writeln!(text, "{at} {}", frame.to_text().unwrap()).unwrap();
         sleep(slowness).await;
-        outbox.sent(length(&frame));
+        outbox.sent(lane, length(&frame));
     }
     text
 }
@@ -112,5 +112,33 @@ async fn the_latest_truth_does_not_wait_for_history_to_be_read() {
     let frame = |number: &u64| words::text(&ToClient::Pong { id: *number, now_ms: 0 });
     let status = Status::new(7, number.subscribe(), frame);
     let told = tokio::join!(timeout(Duration::from_secs(1), tell(status, &outbox)), outbox.next());
-    assert_eq!(told.1.to_text().unwrap(), r#"{"frame":"pong","id":3,"now_ms":0}"#);
+    assert_eq!(told.1.1.to_text().unwrap(), r#"{"frame":"pong","id":3,"now_ms":0}"#);
+}
+
+#[tokio::test(start_paused = true)]
+async fn the_latest_truth_is_sent_before_history_that_waits_and_history_is_never_starved() {
+    let outbox = Outbox::new();
+    for number in 0..3 {
+        outbox.push(Lane::History, format!("history {number}"));
+    }
+    for number in 0..10 {
+        outbox.push(Lane::Status, format!("status {number}"));
+    }
+    let text = taken(&outbox, 1000, Duration::ZERO).await;
+    expect![[r"
+        0 status 0
+        0 status 1
+        0 status 2
+        0 status 3
+        0 status 4
+        0 status 5
+        0 status 6
+        0 status 7
+        0 history 0
+        0 status 8
+        0 status 9
+        0 history 1
+        0 history 2
+    "]]
+    .assert_eq(&text);
 }
