@@ -1,5 +1,6 @@
 """Questions to people: asked by scripts, answered by a viewer, by nobody, or not at all."""
 
+import importlib.metadata
 import os
 import pathlib
 import subprocess
@@ -197,6 +198,21 @@ class DialogsOfTheDesktop(unittest.TestCase):
     def test_a_module_that_a_script_imports_asks(self):
         helper = "from gi.repository import GLib, Gtk\nfrom rafcon.gui.utils.dialog import RAFCONMessageDialog\n"
         self.check_import("from helper import RAFCONMessageDialog", helper)
+
+    def test_other_modules_and_packages_are_found_as_ever(self):
+        (self.folder / "helper.py").write_text("import os\nvalue = os.sep\n")
+        text = f"""
+        import sys
+        sys.path.insert(0, {str(self.folder)!r})
+        def execute(self, inputs, outputs, gvm):
+            import helper, importlib.metadata, inspect
+            print(helper.value, inspect.getsource(helper).splitlines()[0], type(helper.__builtins__) is dict)
+            print(len(list(importlib.metadata.distributions())))
+            return 0
+        """
+        result = run(save(self.folder / "m", sequence(script(textwrap.dedent(text)))))
+        known = len(list(importlib.metadata.distributions()))
+        self.assertEqual(result.logged("stdout"), ["/ import os True", str(known)], result.logged())
 
     def test_a_stop_ends_it(self):
         runner = Runner(save(self.folder / "m", sequence(script(OLD))))

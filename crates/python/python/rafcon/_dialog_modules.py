@@ -28,20 +28,16 @@ def builtins_for(module):
     return _desktop.builtins_with_dialogs()
 
 
-class _Finder:
+class _Finder(importlib.machinery.PathFinder):
     """In the place of Python's own finder of files: the same modules, with dialogs for those that open some."""
 
-    @staticmethod
-    def find_spec(name, path=None, target=None):
-        spec = importlib.machinery.PathFinder.find_spec(name, path, target)
+    @classmethod
+    def find_spec(cls, fullname, path=None, target=None):
+        spec = super().find_spec(fullname, path, target)
         loader = None if spec is None else spec.loader
         if type(loader) is importlib.machinery.SourceFileLoader and not loader.path.startswith(_INSTALLED):
             spec.loader = _Loader(loader.name, loader.path)
         return spec
-
-    @staticmethod
-    def invalidate_caches():
-        importlib.machinery.PathFinder.invalidate_caches()
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
