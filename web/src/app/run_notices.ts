@@ -3,6 +3,7 @@
 
 import { effect } from "@preact/signals-core";
 import { MISSION_PANEL } from "../commands/mission.ts";
+import type { Control } from "../model/generated/protocol.ts";
 import { duration } from "../panels/parts/duration.ts";
 import { openFailures } from "../store/acknowledged.ts";
 import { didInWords, type Failure } from "../store/failures.ts";
@@ -179,22 +180,30 @@ function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {
   });
 }
 
+/** What somebody wants of the user about control since before, or offers; null if it is nothing new. */
+function wishOf(control: Control, before: Control | null, user: string): string | null {
+  const { holder, requests, offered_to } = control;
+  const asker = requests.find((other) => !before?.requests.includes(other));
+  if (holder === user && asker !== undefined) return `${asker} asks for`;
+  const isOffered = offered_to === user && before?.offered_to !== user;
+  return isOffered ? `${holder} offers you` : null;
+}
+
 function tellControl(
   { page }: AppSession,
   watch: Watch,
   name: () => string,
   tell: Tell,
 ): () => void {
-  let before: { readonly holder: string | null; readonly requests: readonly string[] } | null =
-    null;
+  let before: Control | null = null;
   return effect(() => {
     const control = watch.now.value?.control;
     const user = sessionOfPage(page)?.user;
     if (!control || user === undefined) return;
-    const { holder, requests } = control;
-    const asker = requests.find((other) => !before?.requests.includes(other));
-    if (holder === user && asker !== undefined) {
-      const text = `${asker} asks for control of ${name()}`;
+    const { holder } = control;
+    const wish = wishOf(control, before, user);
+    if (wish !== null) {
+      const text = `${wish} control of ${name()}`;
       tell({ topic: "request", level: "warning", text, title: "Mission control" });
     }
     if (before && before.holder !== holder && (holder === user || before.holder === user)) {
@@ -203,6 +212,6 @@ function tellControl(
       if (before.holder !== null)
         tell({ topic: "control", level: "info", text, title: "Mission control" });
     }
-    before = { holder, requests };
+    before = control;
   });
 }

@@ -2,6 +2,7 @@
 
 import { ARRANGE } from "./arrange.ts";
 import { Commands } from "./command.ts";
+import { CONTROL } from "./control.ts";
 import { EDIT } from "./edit.ts";
 import { FILE } from "./file.ts";
 import { HELP } from "./help.ts";
@@ -27,6 +28,7 @@ export function allCommands(): Commands {
     ...RUN_SHOW,
     ...RUN_TIME,
   ];
-  for (const topic of [FILE, EDIT, INSERT, ARRANGE, VIEW, runs, MISSION, HELP]) commands.add(topic);
+  for (const topic of [FILE, EDIT, INSERT, ARRANGE, VIEW, runs, MISSION, CONTROL, HELP])
+    commands.add(topic);
   return commands;
 }

@@ -1,13 +1,12 @@
-/** What mission control does beside steering a run: who is in control, answers to questions, what was seen by a human. */
+/** What mission control does beside steering a run: answers to questions, what was seen by a human. */
 
 import { effect } from "@preact/signals-core";
-import type { ControlMove, JsonValue, Question } from "../model/generated/protocol.ts";
+import type { JsonValue, Question } from "../model/generated/protocol.ts";
 import { acknowledge, openFailures } from "../store/acknowledged.ts";
 import { type Page, runOf } from "../store/page.ts";
 import { answeredBy } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
-import { sessionOfPage } from "../store/running.ts";
-import type { Choice, Command, Context } from "./command.ts";
+import type { Command, Context } from "./command.ts";
 import { failureOf } from "./give.ts";
 import { cannotCommand } from "./run_rules.ts";
 
@@ -69,40 +68,6 @@ export const MISSION: readonly Command[] = [
       return answer(context, question, value);
     },
   },
-  {
-    id: "control.request",
-    title: "Ask for control",
-    detail: "Who is in control is told that you want it; if nobody is, you get it at once.",
-    refusal: (context) => refusalOfMove(context, "request"),
-    run: (context) => move(context, { move: "request" }),
-  },
-  {
-    id: "control.withdraw",
-    title: "Ask no more for control",
-    refusal: (context) => refusalOfMove(context, "withdraw"),
-    run: (context) => move(context, { move: "withdraw" }),
-  },
-  {
-    id: "control.hand-over",
-    title: "Hand control over",
-    refusal: (context) => refusalOfMove(context, "hand_over"),
-    choices: askers,
-    run: (context, argument) => handOver(context, argument),
-  },
-  {
-    id: "control.release",
-    title: "Release control",
-    detail: "Who asked first gets it; if nobody did, whoever commands next.",
-    refusal: (context) => refusalOfMove(context, "release"),
-    run: (context) => move(context, { move: "release" }),
-  },
-  {
-    id: "control.take-over",
-    title: "Take control over",
-    detail: "From somebody who was not heard for a while.",
-    refusal: (context) => refusalOfMove(context, "take_over"),
-    run: (context) => move(context, { move: "take_over" }),
-  },
 ];
 
 /** So long the answer of somebody else may be on its way. */
@@ -144,66 +109,4 @@ async function toRun(page: Page, run: string): Promise<void> {
 
 function sequenceOf({ sequence }: { readonly sequence: number }): number {
   return sequence;
-}
-
-async function move({ tab }: Context, wanted: ControlMove): Promise<void> {
-  await tab?.run.peek()?.control(wanted);
-}
-
-async function handOver({ tab, shell }: Context, argument: unknown): Promise<void> {
-  const watch = tab?.run.peek();
-  const to =
-    typeof argument === "string"
-      ? argument
-      : await shell.prompt({
-          title: "Hand control over",
-          label: "To the user",
-          check: (text) => (text.trim() === "" ? "Control is handed over to somebody." : null),
-        });
-  if (to) await watch?.control({ move: "hand_over", to: to.trim() });
-}
-
-function askers({ tab }: Context): readonly Choice[] {
-  const requests = tab?.run.value?.now.value?.control.requests ?? [];
-  return requests.map((user) => ({ title: user, detail: "asks for it", argument: user }));
-}
-
-/** Why control cannot be moved so; null if it can. */
-function refusalOfMove(context: Context, wanted: ControlMove["move"]): string | null {
-  const why = cannotCommand(context, { rest: true });
-  const control = context.tab?.run.value?.now.value?.control;
-  const session = sessionOfPage(context.page);
-  if (why !== null || !control) return why ?? "who is in control is not known yet";
-  if (!session) return "there is no connection to the server";
-  const [isMine, asks] = [control.holder === session.user, control.requests.includes(session.user)];
-  switch (wanted) {
-    case "request":
-      return isMine ? "you are in control" : asks ? "you have asked for it" : null;
-    case "withdraw":
-      return asks ? null : "you have not asked for it";
-    case "hand_over":
-    case "release":
-      return isMine ? null : "only who is in control can give it away";
-    case "take_over":
-      return isMine ? "you are in control" : stillHeard(context);
-  }
-}
-
-/** The server tells of a holder who goes on being heard once in this part of the silence: they may have been heard so much later. */
-const UNTOLD = 1 / 10;
-
-/** So long nobody can take control over from its holder, in ms; 0: anybody may. */
-export function silenceLeft({ page, tab }: Context, now_ms: number): number {
-  const control = tab?.run.value?.now.value?.control;
-  if (!control || control.holder === null) return 0;
-  const there_ms = now_ms + (page.server.pulse.value?.ahead_ms ?? 0);
-  const heardTill_ms = control.heard_ms + control.silence_ms * UNTOLD;
-  return Math.max(0, heardTill_ms + control.silence_ms - there_ms);
-}
-
-function stillHeard(context: Context): string | null {
-  const left_ms = silenceLeft(context, Date.now());
-  if (left_ms === 0) return null;
-  const holder = context.tab?.run.value?.now.value?.control.holder;
-  return `${holder} was heard lately: ask for control, or wait until ${holder} has been silent for long`;
 }

@@ -180,12 +180,14 @@ export type Control = {
   /** After how many ms of the holder's silence anybody with the right may take over. */
   silence_ms: number,
   /** Who asks for it, the first first. */
-  requests: Array<string>, };
+  requests: Array<string>,
+  /** The user to whom the holder offers it, and who has not accepted yet. */
+  offered_to?: string, };
 
 /** What somebody wants about control. */
 export type ControlMove = { "move": "request" } | { "move": "withdraw" } | { "move": "hand_over",
   /** To this user. */
-  to: string, } | { "move": "release" } | { "move": "take_over" };
+  to: string, } | { "move": "release" } | { "move": "take_over" } | { "move": "accept" } | { "move": "decline" } | { "move": "override" };
 
 /** Copies states of an open machine. */
 export type CopyStates = {
@@ -1404,7 +1406,7 @@ export type RunNow = {
   /** When the runner was heard last: ms since 1970, UTC, by the server's clock; none if it never was. While the link is up it is
    * heard all the time, and this is told beside other news only. */
   runner_heard_ms: number | null,
-  /** When this was put together: ms since 1970, UTC, by the server's clock. */
+  /** The server's clock when it answers, and in a status of a subscription when it changed: ms since 1970, UTC. */
   now_ms: number,
   /** Who commands. */
   control: Control, };

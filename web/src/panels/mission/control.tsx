@@ -1,9 +1,9 @@
 /** Who is in control of the run, who asks for it, and what one can do about that. */
 
-import { ArrowRightLeft, Hand, KeyRound, LogOut, Undo2 } from "lucide-react";
+import { ArrowRightLeft, Hand, KeyRound, LogOut, ShieldAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";
 import { refusalOf } from "../../commands/command.ts";
-import { silenceLeft } from "../../commands/mission.ts";
+import { silenceLeft } from "../../commands/control.ts";
 import { lacks } from "../../commands/run_rules.ts";
 import { startedInWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/run.ts";
@@ -73,9 +73,57 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
           ))}
         </ul>
       )}
+      {control.offered_to && (
+        <Offer holder={holder} to={control.offered_to} isMine={isMine} user={user} />
+      )}
       <Moves isMine={isMine} holder={holder} asks={requests.includes(user ?? "")} />
       <Identity />
     </section>
+  );
+}
+
+interface OfferProps {
+  readonly holder: string | null;
+  readonly to: string;
+  readonly isMine: boolean;
+  readonly user: string | null;
+}
+
+/** Control that is offered, until it is accepted: the holder keeps it meanwhile. */
+function Offer({ holder, to, isMine, user }: OfferProps) {
+  const isForMe = to === user;
+  if (!isMine && !isForMe) {
+    return (
+      <p className="mission-soft">
+        {holder} offers control to {to}, who has not accepted it yet
+      </p>
+    );
+  }
+  return (
+    <div className="mission-offer" role="group" aria-label="Control is offered">
+      <p role="status">
+        <ArrowRightLeft size={16} aria-hidden />
+        {isForMe ? (
+          <span>
+            <strong>{holder}</strong> offers you control
+          </span>
+        ) : (
+          <span>
+            Offered to <strong>{to}</strong>, not accepted yet
+          </span>
+        )}
+      </p>
+      <div className="mission-buttons">
+        {isForMe ? (
+          <>
+            <Move command="control.accept" title="Accept" primary />
+            <Move command="control.decline" title="Decline" />
+          </>
+        ) : (
+          <Move command="control.withdraw" title="Withdraw" />
+        )}
+      </div>
+    </div>
   );
 }
 
@@ -110,7 +158,7 @@ function Moves({
       {asks ? (
         <Move
           command="control.withdraw"
-          title="Ask no more"
+          title="Withdraw request"
           sign={<Undo2 size={16} aria-hidden />}
         />
       ) : (
@@ -121,6 +169,7 @@ function Moves({
         />
       )}
       {holder !== null && <TakeOver holder={holder} />}
+      {holder !== null && <Override />}
     </div>
   );
 }
@@ -146,6 +195,20 @@ function TakeOver({ holder }: { readonly holder: string }) {
           : `${holder} was not heard for long`}
       </span>
     </>
+  );
+}
+
+/** For admins only: others need not see it. */
+function Override() {
+  const { page } = useHost().context();
+  const mayNot = useComputed(() => lacks(page, "administer") !== null, [page]);
+  if (mayNot) return null;
+  return (
+    <Move
+      command="control.override"
+      title="Take control…"
+      sign={<ShieldAlert size={16} aria-hidden />}
+    />
   );
 }
 

@@ -1,0 +1,171 @@
+/** Who is in control of the run in front, and how that changes. */
+
+import type { Control, ControlMove } from "../model/generated/protocol.ts";
+import { sessionOfPage, summaryOf } from "../store/running.ts";
+import type { Choice, Command, Context } from "./command.ts";
+import { cannotCommand, lacks } from "./run_rules.ts";
+
+export const CONTROL: readonly Command[] = [
+  {
+    id: "control.request",
+    title: "Ask for control",
+    detail: "Who is in control is told that you want it; if nobody is, you get it at once.",
+    refusal: (context) => refusalOfMove(context, "request"),
+    run: (context) => move(context, { move: "request" }),
+  },
+  {
+    id: "control.withdraw",
+    title: "Withdraw the request for control, or the offer",
+    refusal: (context) => refusalOfMove(context, "withdraw"),
+    run: (context) => move(context, { move: "withdraw" }),
+  },
+  {
+    id: "control.accept",
+    title: "Accept control",
+    detail: "Who is in control offers it to you.",
+    refusal: (context) => refusalOfMove(context, "accept"),
+    run: (context) => move(context, { move: "accept" }),
+  },
+  {
+    id: "control.decline",
+    title: "Decline control",
+    detail: "Who is in control offers it to you, and keeps it.",
+    refusal: (context) => refusalOfMove(context, "decline"),
+    run: (context) => move(context, { move: "decline" }),
+  },
+  {
+    id: "control.hand-over",
+    title: "Hand control over",
+    detail: "Who has asked for it gets it at once; anybody else has to accept it first.",
+    refusal: (context) => refusalOfMove(context, "hand_over"),
+    choices: askers,
+    run: (context, argument) => handOver(context, argument),
+  },
+  {
+    id: "control.release",
+    title: "Release control",
+    detail: "Who asked first gets it; if nobody did, whoever commands next.",
+    refusal: (context) => refusalOfMove(context, "release"),
+    run: (context) => move(context, { move: "release" }),
+  },
+  {
+    id: "control.take-over",
+    title: "Take control over",
+    detail: "From somebody who was not heard for a while.",
+    refusal: (context) => refusalOfMove(context, "take_over"),
+    run: (context) => move(context, { move: "take_over" }),
+  },
+  {
+    id: "control.override",
+    title: "Take control from its holder…",
+    detail: "At once, from anybody: for admins, and on record.",
+    refusal: (context) => refusalOfMove(context, "override"),
+    run: override,
+  },
+];
+
+async function move({ tab }: Context, wanted: ControlMove): Promise<void> {
+  await tab?.run.peek()?.control(wanted);
+}
+
+async function handOver({ tab, shell }: Context, argument: unknown): Promise<void> {
+  const watch = tab?.run.peek();
+  const to =
+    typeof argument === "string"
+      ? argument
+      : await shell.prompt({
+          title: "Hand control over",
+          label: "To the user",
+          check: (text) => (text.trim() === "" ? "Control is handed over to somebody." : null),
+        });
+  if (to) await watch?.control({ move: "hand_over", to: to.trim() });
+}
+
+/** A holder who is at work loses control in the middle of it: that is asked about first. */
+async function override({ page, tab, shell }: Context): Promise<void> {
+  const watch = tab?.run.peek();
+  const holder = watch?.now.peek()?.control.holder;
+  if (!watch || !holder) return;
+  const name = summaryOf(page, watch)?.name ?? watch.id;
+  const isSure = await shell.confirm({
+    title: `Take control from ${holder}?`,
+    text: `${holder} is in control of “${name}” and loses it at once. It stands in the history of the run that you took it.`,
+    yes: "Take control",
+    danger: true,
+  });
+  if (isSure) await watch.control({ move: "override" });
+}
+
+function askers({ tab }: Context): readonly Choice[] {
+  const requests = tab?.run.value?.now.value?.control.requests ?? [];
+  return requests.map((user) => ({ title: user, detail: "asks for it", argument: user }));
+}
+
+/** Why control cannot be moved so; null if it can. */
+function refusalOfMove(context: Context, wanted: ControlMove["move"]): string | null {
+  const why = cannotCommand(context, { rest: true });
+  const control = context.tab?.run.value?.now.value?.control;
+  const session = sessionOfPage(context.page);
+  if (why !== null || !control) return why ?? "who is in control is not known yet";
+  if (!session) return "there is no connection to the server";
+  const isMine = control.holder === session.user;
+  return isMine ? ofHolder(control, wanted) : ofOther(context, control, session.user, wanted);
+}
+
+/** What who is in control cannot do about it. */
+function ofHolder({ offered_to }: Control, wanted: ControlMove["move"]): string | null {
+  switch (wanted) {
+    case "hand_over":
+    case "release":
+      return null;
+    case "withdraw":
+      return offered_to === undefined ? "you offer it to nobody" : null;
+    default:
+      return "you are in control";
+  }
+}
+
+/** What somebody else cannot do about it. */
+function ofOther(
+  context: Context,
+  { holder, requests, offered_to }: Control,
+  user: string,
+  wanted: ControlMove["move"],
+): string | null {
+  const asks = requests.includes(user);
+  switch (wanted) {
+    case "request":
+      return asks ? "you have asked for it" : null;
+    case "withdraw":
+      return asks ? null : "you have not asked for it";
+    case "accept":
+    case "decline":
+      return offered_to === user ? null : "nobody offers it to you";
+    case "override":
+      return holder === null ? "nobody is in control" : lacks(context.page, "administer");
+    case "take_over":
+      return stillHeard(context);
+    case "hand_over":
+    case "release":
+      return "only who is in control can give it away";
+  }
+}
+
+/** The server tells of a holder who goes on being heard once in this part of the silence: they may have been heard so much later. */
+const UNTOLD = 1 / 10;
+
+/** So long nobody can take control over from its holder, in ms; 0: anybody may. */
+export function silenceLeft({ page, tab }: Context, now_ms: number): number {
+  const control = tab?.run.value?.now.value?.control;
+  if (!control || control.holder === null) return 0;
+  const there_ms = now_ms + (page.server.pulse.value?.ahead_ms ?? 0);
+  const heardTill_ms = control.heard_ms + control.silence_ms * UNTOLD;
+  return Math.max(0, heardTill_ms + control.silence_ms - there_ms);
+}
+
+function stillHeard(context: Context): string | null {
+  const left_ms = silenceLeft(context, Date.now());
+  if (left_ms === 0) return null;
+  const holder = context.tab?.run.value?.now.value?.control.holder;
+  return `${holder} was heard lately: ask for control, or wait until ${holder} has been silent for long`;
+}
