@@ -65,23 +65,23 @@ test("a run that is over says by which outcome, and one that failed looks so", (
 test("a run waits only if nothing of it is at work", () => {
   const waits = { path: "R/W", phase: "waiting", detail: "a transition" } as const;
   const root = { path: "R" } as const;
-  expect(inShort(live("running", [root, waits]))).toBe("waiting: a transition");
+  expect(inShort(live("running", [root, waits]))).toBe("waiting for a transition");
   expect(inShort(live("running", [root, waits, {}]))).toBe("running");
   expect(inShort(live("stepping", [{ phase: "interrupted" }, {}]))).toMatch(
-    /^waiting: for a decision/,
+    /^waiting for a decision/,
   );
 });
 
 test("a run whose only branch has asked waits for an answer, also while its script runs", () => {
   const asks = { path: "R/A", phase: "running" } as const;
-  expect(inShort(live("running", [{ path: "R" }, asks], ["R/A"]))).toBe("waiting: an answer");
+  expect(inShort(live("running", [{ path: "R" }, asks], ["R/A"]))).toBe("waiting for an answer");
   expect(inShort(live("running", [{ path: "R" }, asks, { path: "R/B" }], ["R/A"]))).toBe("running");
   const line = (waits: RunSummary["waits"]) =>
     standInWords(summaryStand({ ...SUMMARY, phase: "live", waits }));
   expect([line(null), line("answer"), line("decision"), line("paused"), line("other")]).toEqual([
     "running",
-    "waiting: an answer",
-    "waiting: for a decision after the crash",
+    "waiting for an answer",
+    "waiting for a decision after the crash",
     "paused",
     "waiting",
   ]);

@@ -47,16 +47,20 @@ export function summaryStand(run: RunSummary): RunStand {
 function waitingStand({ waits }: RunSummary): RunStand {
   switch (waits) {
     case "answer":
-      return { word: "waiting", tone: "waiting", detail: AN_ANSWER };
+      return waitingFor(AN_ANSWER);
     case "decision":
       return UNDECIDED;
     case "paused":
       return { word: "paused", tone: "held", detail: "" };
     case "other":
-      return { word: "waiting", tone: "waiting", detail: "" };
+      return waitingFor("");
     default:
       return { word: "running", tone: "running", detail: "" };
   }
+}
+
+function waitingFor(what: string): RunStand {
+  return { word: "waiting", tone: "waiting", detail: what === "" ? "" : `for ${what}` };
 }
 
 /** For what a script waits that has asked. */
@@ -99,8 +103,7 @@ function runningStand({ active, questions }: Snapshot): RunStand {
   if (atWork.length > 0 || (asks.size === 0 && !first)) {
     return { word: "running", tone: "running", detail: "" };
   }
-  const detail = asks.size > 0 ? AN_ANSWER : (first?.detail ?? "");
-  return { word: "waiting", tone: "waiting", detail };
+  return waitingFor(asks.size > 0 ? AN_ANSWER : (first?.detail ?? ""));
 }
 
 function leaves(active: readonly ActiveState[]): readonly ActiveState[] {
@@ -137,7 +140,8 @@ export function holdInWords(by: HeldBy): string {
 
 /** `finished: success`. */
 export function standInWords({ word, detail }: RunStand): string {
-  return detail === "" ? word : `${word}: ${detail}`;
+  if (detail === "") return word;
+  return word === "waiting" ? `${word} ${detail}` : `${word}: ${detail}`;
 }
 
 const TIME = { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" } as const;

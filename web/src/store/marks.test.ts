@@ -160,6 +160,25 @@ test("what waits is told around it, whatever failed there before", () => {
   expect(marks.get("R")?.loudest).toBe("failed");
 });
 
+test("around a branch that waits all waits, unless something beside it is at work", () => {
+  const phases = (...all: readonly Active[]) => {
+    const marks = stateMarks(all, trailOf(">R"), new Set());
+    return all.map(({ path }) => `${path} ${marks.get(path)?.phase}`);
+  };
+  const waits = active("R/C/X", "waiting");
+  expect(phases(active("R"), active("R/C"), waits)).toEqual([
+    "R waiting",
+    "R/C waiting",
+    "R/C/X waiting",
+  ]);
+  expect(phases(active("R"), active("R/C"), waits, active("R/C/Y"))).toEqual([
+    "R running",
+    "R/C running",
+    "R/C/X waiting",
+    "R/C/Y running",
+  ]);
+});
+
 test("what failed is told around it too, also while it runs again", () => {
   const marks = stateMarks(
     [active("R"), active("R/C"), active("R/C/X"), active("R/C/X/U"), active("R/C/Y")],

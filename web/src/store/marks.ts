@@ -180,9 +180,23 @@ function activeMarks(active: readonly Active[], mark: (path: string, phase: Mark
     });
     for (const { next } of state.held) if (next !== null) mark(next, "next");
   }
+  for (const path of stillAround(active)) mark(path, "inside").phase = "waiting";
   for (const { path } of lanes(active)) {
     for (let at = parentOf(path); at !== null; at = parentOf(at)) mark(at, "inside").lanes += 1;
   }
+}
+
+/** The states around branches that wait, in which nothing is at work: they wait too. */
+function stillAround(active: readonly Active[]): readonly string[] {
+  const busy = new Set<string>();
+  const inner = new Set(active.map(({ path }) => parentOf(path)));
+  for (const { path, phase } of lanes(active)) {
+    if (phase === "waiting" || phase === "interrupted") continue;
+    for (let at: string | null = path; at !== null; at = parentOf(at)) busy.add(at);
+  }
+  return active
+    .filter(({ path, phase }) => phase === "running" && inner.has(path) && !busy.has(path))
+    .map(({ path }) => path);
 }
 
 function newMark(): Draft {
