@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { Counts, LENGTHS_MAX } from "./counts.ts";
 import type { Watch } from "./run.ts";
-import { isLongerThanEver, type Usual, usualInWords, usualOf } from "./usual.ts";
+import { expectedLength, isLongerThanEver, type Usual, usualInWords, usualOf } from "./usual.ts";
 
 const SECONDS = (ms: number) => `${ms / 1_000} s`;
 
@@ -37,6 +37,14 @@ test("earlier runs count until this one has run often enough", () => {
   const past = { typical_ms: 8_000, isMedian: true, max_ms: 9_000, count: 12 };
   expect(words([1, 1], past)).toBe("usually 8 s, at most 9 s (12 times)");
   expect(words([1, 1, 1, 1, 1], past)).toBe("usually 1 s, at most 1 s (5 times)");
+});
+
+test("a run usually takes the median of five earlier ones, and below that their mean", () => {
+  const of = (...seconds: readonly number[]) =>
+    expectedLength(seconds.map((length) => ({ length_ms: length * 1_000 })));
+  expect(of()).toBe(null);
+  expect(of(1, 2, 6)).toEqual({ length_ms: 3_000, isMedian: false });
+  expect(of(1, 1, 2, 9, 60)).toEqual({ length_ms: 2_000, isMedian: true });
 });
 
 test("longer than ever needs five times, and is never said of what waits", () => {

@@ -45,9 +45,15 @@ export function earlierRuns(page: Page, watch: Watch): readonly RunSummary[] {
   return page.runs.all.value.filter(isLike).slice(0, RUNS_MAX);
 }
 
-/** How long such a run usually takes: the median of earlier ones, in ms; null if there are none. */
-export function expectedLength(earlier: readonly RunSummary[]): number | null {
-  return earlier.length === 0 ? null : median(earlier.map(({ length_ms }) => length_ms));
+/** How long such a run took before, in ms: usually, if there were enough, else on average; null if there were none. */
+export function expectedLength(
+  earlier: readonly Pick<RunSummary, "length_ms">[],
+): { readonly length_ms: number; readonly isMedian: boolean } | null {
+  const lengths = earlier.map(({ length_ms }) => length_ms);
+  if (lengths.length === 0) return null;
+  const isMedian = lengths.length >= ENOUGH;
+  const mean = lengths.reduce((sum, length) => sum + length, 0) / lengths.length;
+  return { length_ms: isMedian ? median(lengths) : mean, isMedian };
 }
 
 function median(lengths: readonly number[]): number {

@@ -49,24 +49,31 @@ function Times({ watch }: { readonly watch: Watch }) {
     return now && isGoingOn(now) ? growing(elapsed_ms) : duration(elapsed_ms);
   }, [page, watch]);
   const expected = useComputed(() => {
-    const length_ms = expectedLength(earlierRuns(page, watch));
-    return length_ms === null ? null : duration(length_ms);
+    const found = expectedLength(earlierRuns(page, watch));
+    if (found === null) return "";
+    return `${found.isMedian ? "usually" : "on average"} ${duration(found.length_ms)}`;
   }, [page, watch]);
+  const [, how = "", length = ""] = expected.match(/^(usually|on average) (.*)$/) ?? [];
   return (
     <dl className="mission-times">
       <div>
         <dt>elapsed</dt>
         <dd>{elapsed}</dd>
       </div>
-      {expected !== null && (
-        <div title="Half of the earlier runs of this machine took no longer.">
-          <dt>usually</dt>
-          <dd>{expected}</dd>
+      {length !== "" && (
+        <div title={HOW[how]}>
+          <dt>{how}</dt>
+          <dd>{length}</dd>
         </div>
       )}
     </dl>
   );
 }
+
+const HOW: Readonly<Record<string, string>> = {
+  usually: "Half of the earlier runs of this machine took no longer.",
+  "on average": "Of the few runs of this machine that ended well before.",
+};
 
 /** Other runs that go on, one press away. */
 function OtherRuns({ watch }: { readonly watch: Watch }) {

@@ -3,10 +3,11 @@
 import { Radar } from "lucide-react";
 import { refusalOf } from "../../commands/command.ts";
 import { startedInWords, summaryStand } from "../../model/run_words.ts";
+import { seconds } from "../../store/seconds.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { duration } from "../parts/duration.ts";
+import { duration, growing } from "../parts/duration.ts";
 import { Identity } from "./identity.tsx";
 import { StatusWord } from "./status_word.tsx";
 
@@ -77,13 +78,24 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
             <StatusWord stand={summaryStand(one)} />
             <small>
               began {startedInWords(one.started_ms, Date.now())}
-              {one.author ? ` by ${one.author}` : ""}, {duration(one.length_ms)}
+              {one.author ? ` by ${one.author}` : ""}, <Length run={one} />
             </small>
           </button>
         </li>
       ))}
     </ul>
   );
+}
+
+/** Of a run that goes on until now: the list does not say each second how long that is. */
+function Length({ run }: { readonly run: RunLine }) {
+  const { page } = useHost().context();
+  const text = useComputed(() => {
+    if (!isGoingOn(run)) return duration(run.length_ms);
+    const there_ms = seconds.value + (page.server.pulse.value?.ahead_ms ?? 0);
+    return growing(Math.max(0, there_ms - run.started_ms));
+  }, [page, run]);
+  return <>{text}</>;
 }
 
 type RunLine = Parameters<typeof summaryStand>[0];
