@@ -15,6 +15,7 @@ import {
   startRun,
   status,
 } from "./house/mission.ts";
+import { answer } from "./house/runs.ts";
 import type { Server } from "./house/server.ts";
 
 const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(600)"] };
@@ -96,6 +97,38 @@ journey(
       await control(anna).getByText("bob is in control").waitFor();
       await control(bob).getByRole("button", { name: "Release" }).click();
       await control(anna).getByText("Nobody is in control").waitFor();
+    });
+  },
+);
+
+journey(
+  "control that is offered has to be accepted, and an admin takes it from its holder",
+  { machines: MACHINES, open: "drives" },
+  async ({ app, server, colleague }) => {
+    await during(server, "drives", async () => {
+      const anna = await colleague("anna", "operator");
+      const bob = await colleague("bob", "operator");
+      for (const person of [anna, bob, app]) await openMission(person, "drives");
+      await control(anna).getByRole("button", { name: "Take control" }).click();
+      await control(anna).getByText("You are in control").waitFor();
+      const offer = async () => {
+        await control(anna).getByRole("button", { name: "Hand over to…" }).click();
+        const asked = anna.sheet.getByRole("dialog", { name: "Hand control over" });
+        await asked.getByLabel("To the user").fill("bob");
+        await anna.sheet.keyboard.press("Enter");
+        await control(bob).getByText("anna offers you control").waitFor();
+      };
+      await offer();
+      await control(anna).getByText("Offered to bob, not accepted yet").waitFor();
+      await control(bob).getByRole("button", { name: "Decline" }).click();
+      await control(anna).getByText("Offered to bob").waitFor({ state: "detached" });
+      await offer();
+      await control(bob).getByRole("button", { name: "Accept" }).click();
+      await control(bob).getByText("You are in control").waitFor();
+      await control(app).getByRole("button", { name: "Take control…" }).click();
+      await answer(app, "Take control from bob?", "Take control");
+      await control(app).getByText("You are in control").waitFor();
+      await control(bob).getByText("owner is in control").waitFor();
     });
   },
 );
