@@ -57,11 +57,12 @@ fn by_python<'py>(
     Runtime::get(py)?.convert.bind(py).call1((object(py, value)?, name.as_str()))
 }
 
-/// The Python object for JSON as `docs/protocol.md` encodes values.
+/// The Python object for a value that a client sends, as `docs/protocol.md` encodes values. Imports nothing: what names a class
+/// that is no plain data is an error.
 pub(crate) fn from_json(json: &serde_json::Value) -> Result<Handle, String> {
     Python::attach(|py| {
-        let value =
-            Runtime::get(py).and_then(|runtime| runtime.decode.bind(py).call1((json.to_string(),)));
+        let value = Runtime::get(py)
+            .and_then(|runtime| runtime.decode_plain.bind(py).call1((json.to_string(),)));
         value.map(kept).map_err(|error| error.value(py).to_string())
     })
 }

@@ -32,6 +32,8 @@ pub(crate) struct Runtime {
     pub(crate) convert: Py<PyAny>,
     /// An object from the encoding of files.
     pub(crate) decode: Py<PyAny>,
+    /// `decode` for values that a client sends: plain data only, nothing is imported.
+    pub(crate) decode_plain: Py<PyAny>,
     /// An object as the protocol encodes it.
     pub(crate) encode: Py<PyAny>,
     /// All global variables as the protocol encodes them.
@@ -133,6 +135,7 @@ impl Runtime {
             resolve_type: get("resolve_type")?,
             convert: get("convert")?,
             decode: get("decode")?,
+            decode_plain: get("decode_plain")?,
             encode: get("encode")?,
             encode_globals: get("encode_globals")?,
             format_error: get("format_error")?,

@@ -5,7 +5,7 @@ import json
 import unittest
 
 import stage  # noqa: F401, it comes before `rafcon`
-from rafcon._runtime import convert, decode, encode, format_error, resolve_type
+from rafcon._runtime import convert, decode, decode_plain, encode, format_error, resolve_type
 
 try:
     import numpy
@@ -46,6 +46,27 @@ class Decode(unittest.TestCase):
     def test_an_array(self):
         found = decode('{"__jsonqualname__": "numpy.ndarray", "items": [[1, 2], [3, 4]]}')
         self.assertEqual(found.tolist(), [[1, 2], [3, 4]])
+
+
+class DecodePlain(unittest.TestCase):
+    def test_plain_data_is_as_in_files(self):
+        for text in ('[1, {"2": null}]', '{"__jsonqualname__": "builtins.set", "items": [1]}', '{"__type__": "NoneType"}'):
+            self.assertEqual(decode_plain(text), decode(text))
+
+    def test_nothing_is_imported_or_constructed(self):
+        hostile = (
+            '{"__type__": "unittest.__main__.x"}',
+            '{"__type__": "builtins.open"}',
+            '{"__type__": 3}',
+            '{"__jsonqualname__": "numpy.ndarray", "items": [1]}',
+            '{"__jsonqualname__": ["builtins.tuple"], "items": [1]}',
+            '{"__jsonqualname__": "builtins.tuple"}',
+            '{"__jsonqualname__": "collections.OrderedDict"}',
+            '{"__jsonqualname__": null, "__type__": "builtins.int"}',
+        )
+        for text in hostile:
+            with self.subTest(text), self.assertRaisesRegex(ValueError, "send plain JSON"):
+                decode_plain(text)
 
 
 class Broken:

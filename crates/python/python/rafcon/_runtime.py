@@ -13,7 +13,7 @@ from rafcon._keeping import pickle, unpickle
 from rafcon._threads import adopt as adopt_thread
 from rafcon._tracebacks import format_error
 from rafcon._types import convert, resolve_type
-from rafcon._values import decode, encode
+from rafcon._values import decode, decode_plain, encode
 from rafcon.core.custom_exceptions import StatePreempted
 from rafcon.core.global_variable_manager import global_variables as global_variable_manager
 
@@ -25,6 +25,7 @@ __all__ = [
     "configure",
     "convert",
     "decode",
+    "decode_plain",
     "encode",
     "encode_globals",
     "flush_all",

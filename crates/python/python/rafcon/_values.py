@@ -1,6 +1,7 @@
 """Values as text: the encoding of state machine files, and the one in which results are shown.
 
-``decode`` reads what stands in files; ``encode`` makes JSON of anything for people and programs to look at.
+``decode`` reads what stands in files; ``decode_plain`` reads what a client sends; ``encode`` makes JSON of anything for
+people and programs to look at.
 """
 
 import json
@@ -13,6 +14,15 @@ _DEPTH_MAX = 64
 _REPRESENTATION_MAX = 200
 #: A key with more digits stays a text.
 _DIGITS_MAX = 18
+#: What an object of a file may be without importing anything.
+_PLAIN_COLLECTIONS = {
+    "__builtin__.tuple": tuple,
+    "builtins.tuple": tuple,
+    "__builtin__.set": set,
+    "builtins.set": set,
+}
+#: The types that a client may name.
+_PLAIN_TYPES = {kind.__name__: kind for kind in (bool, bytes, complex, dict, float, int, list, set, str, tuple, type(None))}
 
 
 def decode(text):
@@ -36,6 +46,34 @@ def _decode_object(members):
     return members
 
 
+def decode_plain(text):
+    """The value of a JSON text that a client sends: an input, an answer, data of a start.
+
+    Reads the encoding of ``decode`` as far as it is plain data: tuples, sets and Python's own types of values. Imports no
+    module and constructs no object: raises ``ValueError`` for anything else that names a class.
+    """
+    return json.loads(text, object_hook=_decode_plain_object)
+
+
+def _decode_plain_object(members):
+    if "__jsonqualname__" in members:
+        name = members["__jsonqualname__"]
+        items = members.get("items")
+        if isinstance(name, str) and name in _PLAIN_COLLECTIONS and isinstance(items, list):
+            return _PLAIN_COLLECTIONS[name](items)
+    elif "__type__" in members:
+        name = members["__type__"]
+        module, _dot, attribute = name.rpartition(".") if isinstance(name, str) else (None, None, None)
+        if module in ("", "builtins", "__builtin__") and attribute in _PLAIN_TYPES:
+            return _PLAIN_TYPES[attribute]
+    else:
+        return _decode_object(members)
+    raise ValueError(
+        f"a client's value names the class {name!r}, and no class is imported for a client: send plain JSON, "
+        "and let a script make the object"
+    )
+
+
 def _is_integer(key):
     digits = key[1:] if key.startswith("-") else key
     if not (digits.isascii() and digits.isdigit()) or len(digits) > _DIGITS_MAX:
@@ -44,10 +82,8 @@ def _is_integer(key):
 
 
 def _decode_qualified(name, members):
-    if name in ("__builtin__.tuple", "builtins.tuple"):
-        return tuple(members["items"])
-    if name in ("__builtin__.set", "builtins.set"):
-        return set(members["items"])
+    if name in _PLAIN_COLLECTIONS:
+        return _PLAIN_COLLECTIONS[name](members["items"])
     if name == "numpy.ndarray":
         import numpy
 

@@ -11,6 +11,7 @@ mod debugging;
 mod endings;
 mod examples;
 mod harness;
+mod hostile_values;
 mod kept_runs;
 mod readme;
 mod script_check;
