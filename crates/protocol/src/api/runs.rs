@@ -135,7 +135,7 @@ pub struct RunNow {
     /// heard all the time, and this is told beside other news only.
     #[serde(default)]
     pub runner_heard_ms: Option<u64>,
-    /// When this was put together: ms since 1970, UTC, by the server's clock.
+    /// The server's clock when it answers, and in a status of a subscription when it changed: ms since 1970, UTC.
     pub now_ms: u64,
     /// Who commands.
     pub control: Control,
@@ -181,6 +181,10 @@ pub struct Control {
     pub silence_ms: u64,
     /// Who asks for it, the first first.
     pub requests: Vec<String>,
+    /// The user to whom the holder offers it, and who has not accepted yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub offered_to: Option<String>,
 }
 
 /// What somebody wants about control.
@@ -190,9 +194,10 @@ pub struct Control {
 pub enum ControlMove {
     /// Ask for it; given at once if nobody holds it.
     Request,
-    /// Not ask any more.
+    /// Take back the own request; the holder takes back the offer.
     Withdraw,
-    /// Give it to somebody.
+    /// Give it to a user: at once if that user requested it, else as an offer, which the user accepts or declines. The holder
+    /// keeps control until then.
     HandOver {
         /// To this user.
         to: String,
@@ -201,6 +206,12 @@ pub enum ControlMove {
     Release,
     /// Take it from a holder who is silent.
     TakeOver,
+    /// Accept the holder's offer.
+    Accept,
+    /// Decline the holder's offer.
+    Decline,
+    /// Take it from any holder at once. Needs the right to administer, and is on record.
+    Override,
 }
 
 /// Which active state is asked about.

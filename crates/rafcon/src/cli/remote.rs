@@ -71,12 +71,18 @@ pub(crate) enum Wanted {
     Show,
     /// Ask for it; it is given at once if nobody holds it
     Request,
-    /// Ask for it no more
+    /// Take back the own request, or, as its holder, the offer
     Withdraw,
     /// Hold it no more
     Release,
     /// Take it from a holder who has not been heard for a while
     TakeOver,
-    /// Give it to USER
+    /// Give it to USER: at once if they requested it, else when they accept
     HandOver,
+    /// Accept the holder's offer
+    Accept,
+    /// Decline the holder's offer
+    Decline,
+    /// Take it from any holder at once; for admins, and on record
+    Override,
 }

@@ -31,6 +31,9 @@ fn wanted(raw: &cli::Control) -> Result<Option<ControlMove>> {
         cli::Wanted::Withdraw => ControlMove::Withdraw,
         cli::Wanted::Release => ControlMove::Release,
         cli::Wanted::TakeOver => ControlMove::TakeOver,
+        cli::Wanted::Accept => ControlMove::Accept,
+        cli::Wanted::Decline => ControlMove::Decline,
+        cli::Wanted::Override => ControlMove::Override,
         cli::Wanted::HandOver => {
             ControlMove::HandOver { to: raw.user.clone().context("name the user")? }
         }
@@ -43,6 +46,9 @@ fn words(control: &Control, now_ms: u64) -> String {
     };
     let ago = time(Duration::from_millis(now_ms.saturating_sub(control.heard_ms)));
     let mut text = format!("{} commands it, heard {ago} ago", harmless(holder));
+    if let Some(user) = &control.offered_to {
+        text.extend(["; offered to ", &harmless(user), ", who has not accepted yet"]);
+    }
     if !control.requests.is_empty() {
         let names: Vec<String> = control.requests.iter().map(|name| harmless(name)).collect();
         text.extend(["; asked for by ", &names.join(", ")]);
@@ -65,5 +71,10 @@ mod tests {
         let holder = Some("ana".to_owned());
         let control = Control { holder, heard_ms: 1000, requests, ..Control::default() };
         assert_eq!(words(&control, 3500), "ana commands it, heard 2.5 s ago; asked for by bo, cy");
+        let control = Control { requests: vec![], offered_to: Some("di".to_owned()), ..control };
+        assert_eq!(
+            words(&control, 3500),
+            "ana commands it, heard 2.5 s ago; offered to di, who has not accepted yet"
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! What is asked of runs twice, by two, or in vain: ids are their author's own, and what came to nothing leaves nothing. With
 //! the real server and real runners.
 
+use crate::served::Door;
 use crate::server_runs::{Site, WAITS, check, command, control, is_running, said};
 use expect_test::expect;
 use rafcon_protocol::api::{Role, RunPhase};
@@ -76,8 +77,45 @@ fn control_is_handed_over_to_nobody_who_could_not_command() {
         200 ana
         409 not_in_control
         409 not_in_control
-        200 owner"]],
+        200 ana"]],
     );
+}
+
+#[test]
+fn control_is_offered_and_accepted_and_an_admin_takes_it_from_anybody() {
+    let site = Site::new(WAITS);
+    let run = begun(&site);
+    let door = |user: &str, role| site.door_of(user, role);
+    let (ana, bob) = (door("ana", Role::Operator), door("bob", Role::Operator));
+    let adam = door("adam", Role::Admin);
+    let moves = |door: &Door, word: &str| control(door, &run, &json!({ "move": word }));
+    let offers = || control(&ana, &run, &json!({ "move": "hand_over", "to": "bob" }));
+    let answers = [
+        moves(&ana, "request"),
+        moves(&bob, "accept"),
+        offers(),
+        moves(&bob, "decline"),
+        offers(),
+        moves(&bob, "accept"),
+        moves(&ana, "override"),
+        moves(&adam, "take_over"),
+        moves(&adam, "override"),
+    ];
+    check(
+        &answers,
+        &expect![[r"
+        200 ana
+        409 not_in_control
+        200 ana
+        200 ana
+        200 ana
+        200 bob
+        403 not_your_right
+        409 not_in_control
+        200 adam"]],
+    );
+    let audit = std::fs::read_to_string(site.place.path("state/audit.jsonl")).unwrap();
+    assert!(audit.lines().any(|line| line.contains("control_override") && line.contains("adam")));
 }
 
 #[test]

@@ -76,13 +76,18 @@ pub(crate) async fn control(
         let message = "nobody commands a run that does not go on: resume it, or start another";
         return Err(Failure::conflict("run_is_not_live", message));
     }
-    if let ControlMove::HandOver { to } = wanted {
-        may_command(house, to).await?;
+    match wanted {
+        ControlMove::HandOver { to } => may_command(house, to).await?,
+        ControlMove::Override => who.must(Right::Administer)?,
+        _ => {}
     }
     let now_ms = clock::since_1970_ms();
     with_control(house, &run, who, |holding| {
         holding.apply(&who.user, wanted, now_ms, run.silence())
     })?;
+    if *wanted == ControlMove::Override {
+        house.audit().note(&who.user, "control_override", &format!("of {}", run.id()));
+    }
     let control = run.now().borrow().control.clone();
     Ok(control)
 }

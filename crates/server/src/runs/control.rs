@@ -13,6 +13,9 @@ const REQUESTS_MAX: usize = 64;
 pub(super) struct Holding {
     holder: Option<Holder>,
     requests: Vec<String>,
+    /// To whom the holder offers it.
+    #[serde(default)]
+    offered_to: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,6 +61,9 @@ pub(super) enum Denied {
     /// Nobody can be called that.
     #[error("control is handed over to a user: a name of 1 to 64 characters")]
     NoName,
+    /// There is nothing to accept or to decline.
+    #[error("nobody offers you control of this run: request it (\"move\": \"request\")")]
+    NotOffered,
     /// There is a limit.
     #[error(
         "{REQUESTS_MAX} users ask for control of this run already: wait until some of them have withdrawn"
@@ -88,6 +94,7 @@ impl Holding {
             heard_ms: holder.map_or(0, |holder| holder.heard_ms),
             silence_ms: millis(silence),
             requests: self.requests.clone(),
+            offered_to: self.offered_to.clone(),
         }
     }
 
@@ -130,19 +137,25 @@ impl Holding {
         self.heard(user, now_ms);
         match wanted {
             ControlMove::Request => return self.request(user, now_ms),
-            ControlMove::Withdraw => self.requests.retain(|other| other != user),
+            ControlMove::Withdraw => self.withdraw(user),
             ControlMove::HandOver { to } => {
                 self.own(user, silence)?;
                 if to.is_empty() || to.chars().count() > 64 {
                     return Err(Denied::NoName);
                 }
-                self.give(to, now_ms);
+                self.hand_over(to, now_ms);
             }
             ControlMove::Release => {
                 self.own(user, silence)?;
                 self.let_go(now_ms);
             }
             ControlMove::TakeOver => self.take_over(user, now_ms, silence)?,
+            ControlMove::Accept => {
+                self.answer_offer(user)?;
+                self.give(user, now_ms);
+            }
+            ControlMove::Decline => self.answer_offer(user)?,
+            ControlMove::Override => self.give(user, now_ms),
         }
         Ok(())
     }
@@ -152,6 +165,10 @@ impl Holding {
             self.give(user, now_ms);
             return Ok(());
         };
+        if self.offered_to.as_deref() == Some(user) {
+            self.give(user, now_ms);
+            return Ok(());
+        }
         if holder.user == user || self.requests.iter().any(|other| other == user) {
             return Ok(());
         }
@@ -159,6 +176,31 @@ impl Holding {
             return Err(Denied::TooMany);
         }
         self.requests.push(user.to_owned());
+        Ok(())
+    }
+
+    fn withdraw(&mut self, user: &str) {
+        if self.holder() == Some(user) {
+            self.offered_to = None;
+        }
+        self.requests.retain(|other| other != user);
+    }
+
+    /// A user who requested control gets it; anybody else has to accept it first.
+    fn hand_over(&mut self, to: &str, now_ms: u64) {
+        if self.requests.iter().any(|other| other == to) || self.holder() == Some(to) {
+            self.give(to, now_ms);
+        } else {
+            self.offered_to = Some(to.to_owned());
+        }
+    }
+
+    /// Ends the offer to this user.
+    fn answer_offer(&mut self, user: &str) -> Result<(), Denied> {
+        if self.offered_to.as_deref() != Some(user) {
+            return Err(Denied::NotOffered);
+        }
+        self.offered_to = None;
         Ok(())
     }
 
@@ -189,6 +231,7 @@ impl Holding {
     /// Who asked first gets it, if anybody did.
     fn let_go(&mut self, now_ms: u64) {
         self.holder = None;
+        self.offered_to = None;
         if !self.requests.is_empty() {
             let first = self.requests.remove(0);
             self.give(&first, now_ms);
@@ -197,6 +240,7 @@ impl Holding {
 
     fn give(&mut self, user: &str, now_ms: u64) {
         self.requests.retain(|other| other != user);
+        self.offered_to = None;
         if self.holder() != Some(user) {
             self.holder =
                 Some(Holder { user: user.to_owned(), since_ms: now_ms, heard_ms: now_ms });

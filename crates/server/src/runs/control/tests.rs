@@ -14,8 +14,12 @@ fn wanted(word: &str) -> Option<ControlMove> {
         "requests" => ControlMove::Request,
         "withdraws" => ControlMove::Withdraw,
         "hands-to-cy" => ControlMove::HandOver { to: "cy".to_owned() },
+        "hands-to-ana" => ControlMove::HandOver { to: "ana".to_owned() },
         "releases" => ControlMove::Release,
         "takes-over" => ControlMove::TakeOver,
+        "accepts" => ControlMove::Accept,
+        "declines" => ControlMove::Decline,
+        "overrides" => ControlMove::Override,
         _ => return None,
     })
 }
@@ -37,7 +41,8 @@ fn play(holding: &mut Holding, line: &str) -> Result<(), super::Denied> {
 
 fn shown(holding: &Holding) -> String {
     let control = holding.told(SILENCE);
-    format!("{} {:?}", control.holder.as_deref().unwrap_or("nobody"), control.requests)
+    let offer = control.offered_to.map_or_else(String::new, |user| format!(", offered to {user}"));
+    format!("{} {:?}{offer}", control.holder.as_deref().unwrap_or("nobody"), control.requests)
 }
 
 fn check(script: &str, expect: &Expect) {
@@ -60,8 +65,22 @@ fn table() -> String {
         ("bob", "0 bob commands"),
         ("bob, ana asks", "0 bob commands; 1 ana requests"),
         ("bob, cy asks", "0 bob commands; 1 cy requests"),
+        ("ana, cy asks", "0 ana commands; 1 cy requests"),
+        ("ana, offered to cy", "0 ana commands; 1 ana hands-to-cy"),
+        ("bob, offered to ana", "0 bob commands; 1 bob hands-to-ana"),
+        ("bob, offered to cy", "0 bob commands; 1 bob hands-to-cy"),
     ];
-    let moves = ["commands", "requests", "withdraws", "hands-to-cy", "releases", "takes-over"];
+    let moves = [
+        "commands",
+        "requests",
+        "withdraws",
+        "hands-to-cy",
+        "releases",
+        "takes-over",
+        "accepts",
+        "declines",
+        "overrides",
+    ];
     let mut table = String::new();
     for (name, before) in situations {
         for what in moves {
@@ -91,18 +110,27 @@ fn every_move_has_an_answer_in_every_situation() {
         nobody | ana hands-to-cy | nobody [], denied: nobody holds it
         nobody | ana releases | nobody [], denied: nobody holds it
         nobody | ana takes-over | ana []
+        nobody | ana accepts | nobody [], denied: not offered
+        nobody | ana declines | nobody [], denied: not offered
+        nobody | ana overrides | ana []
         ana | ana commands | ana []
         ana | ana requests | ana []
         ana | ana withdraws | ana []
-        ana | ana hands-to-cy | cy []
+        ana | ana hands-to-cy | ana [], offered to cy
         ana | ana releases | nobody []
         ana | ana takes-over | ana []
+        ana | ana accepts | ana [], denied: not offered
+        ana | ana declines | ana [], denied: not offered
+        ana | ana overrides | ana []
         ana, bob asks | ana commands | ana ["bob"]
         ana, bob asks | ana requests | ana ["bob"]
         ana, bob asks | ana withdraws | ana ["bob"]
-        ana, bob asks | ana hands-to-cy | cy ["bob"]
+        ana, bob asks | ana hands-to-cy | ana ["bob"], offered to cy
         ana, bob asks | ana releases | bob []
         ana, bob asks | ana takes-over | ana ["bob"]
+        ana, bob asks | ana accepts | ana ["bob"], denied: not offered
+        ana, bob asks | ana declines | ana ["bob"], denied: not offered
+        ana, bob asks | ana overrides | ana ["bob"]
         bob | ana commands | bob [], denied: held
         bob | ana requests | bob ["ana"]
         bob | ana withdraws | bob []
@@ -110,6 +138,9 @@ fn every_move_has_an_answer_in_every_situation() {
         bob | ana releases | bob [], denied: held
         bob | ana takes-over | bob [], denied: heard
         bob, silent | ana takes-over | ana []
+        bob | ana accepts | bob [], denied: not offered
+        bob | ana declines | bob [], denied: not offered
+        bob | ana overrides | ana []
         bob, ana asks | ana commands | bob ["ana"], denied: held
         bob, ana asks | ana requests | bob ["ana"]
         bob, ana asks | ana withdraws | bob []
@@ -117,6 +148,9 @@ fn every_move_has_an_answer_in_every_situation() {
         bob, ana asks | ana releases | bob ["ana"], denied: held
         bob, ana asks | ana takes-over | bob ["ana"], denied: heard
         bob, ana asks, silent | ana takes-over | ana []
+        bob, ana asks | ana accepts | bob ["ana"], denied: not offered
+        bob, ana asks | ana declines | bob ["ana"], denied: not offered
+        bob, ana asks | ana overrides | ana []
         bob, cy asks | ana commands | bob ["cy"], denied: held
         bob, cy asks | ana requests | bob ["cy", "ana"]
         bob, cy asks | ana withdraws | bob ["cy"]
@@ -124,6 +158,47 @@ fn every_move_has_an_answer_in_every_situation() {
         bob, cy asks | ana releases | bob ["cy"], denied: held
         bob, cy asks | ana takes-over | bob ["cy"], denied: heard
         bob, cy asks, silent | ana takes-over | ana ["cy"]
+        bob, cy asks | ana accepts | bob ["cy"], denied: not offered
+        bob, cy asks | ana declines | bob ["cy"], denied: not offered
+        bob, cy asks | ana overrides | ana ["cy"]
+        ana, cy asks | ana commands | ana ["cy"]
+        ana, cy asks | ana requests | ana ["cy"]
+        ana, cy asks | ana withdraws | ana ["cy"]
+        ana, cy asks | ana hands-to-cy | cy []
+        ana, cy asks | ana releases | cy []
+        ana, cy asks | ana takes-over | ana ["cy"]
+        ana, cy asks | ana accepts | ana ["cy"], denied: not offered
+        ana, cy asks | ana declines | ana ["cy"], denied: not offered
+        ana, cy asks | ana overrides | ana ["cy"]
+        ana, offered to cy | ana commands | ana [], offered to cy
+        ana, offered to cy | ana requests | ana [], offered to cy
+        ana, offered to cy | ana withdraws | ana []
+        ana, offered to cy | ana hands-to-cy | ana [], offered to cy
+        ana, offered to cy | ana releases | nobody []
+        ana, offered to cy | ana takes-over | ana []
+        ana, offered to cy | ana accepts | ana [], offered to cy, denied: not offered
+        ana, offered to cy | ana declines | ana [], offered to cy, denied: not offered
+        ana, offered to cy | ana overrides | ana []
+        bob, offered to ana | ana commands | bob [], offered to ana, denied: held
+        bob, offered to ana | ana requests | ana []
+        bob, offered to ana | ana withdraws | bob [], offered to ana
+        bob, offered to ana | ana hands-to-cy | bob [], offered to ana, denied: held
+        bob, offered to ana | ana releases | bob [], offered to ana, denied: held
+        bob, offered to ana | ana takes-over | bob [], offered to ana, denied: heard
+        bob, offered to ana, silent | ana takes-over | ana []
+        bob, offered to ana | ana accepts | ana []
+        bob, offered to ana | ana declines | bob []
+        bob, offered to ana | ana overrides | ana []
+        bob, offered to cy | ana commands | bob [], offered to cy, denied: held
+        bob, offered to cy | ana requests | bob ["ana"], offered to cy
+        bob, offered to cy | ana withdraws | bob [], offered to cy
+        bob, offered to cy | ana hands-to-cy | bob [], offered to cy, denied: held
+        bob, offered to cy | ana releases | bob [], offered to cy, denied: held
+        bob, offered to cy | ana takes-over | bob [], offered to cy, denied: heard
+        bob, offered to cy, silent | ana takes-over | ana []
+        bob, offered to cy | ana accepts | bob [], offered to cy, denied: not offered
+        bob, offered to cy | ana declines | bob [], offered to cy, denied: not offered
+        bob, offered to cy | ana overrides | ana []
     "#]]
     .assert_eq(&table());
 }
@@ -142,6 +217,7 @@ fn denied_as(denied: &super::Denied) -> &'static str {
         super::Denied::Heard { .. } => ", denied: heard",
         super::Denied::Nobody => ", denied: nobody holds it",
         super::Denied::NoName => ", denied: no name",
+        super::Denied::NotOffered => ", denied: not offered",
         super::Denied::TooMany => ", denied: too many",
     }
 }
@@ -153,6 +229,10 @@ fn control_changes_hands() {
          1 bob commands
          2 bob requests
          3 ana hands-to-cy
+         3 bob accepts
+         3 cy declines
+         3 ana hands-to-cy
+         3 cy accepts
          4 cy releases
          5 bob takes-over
          20 bob heard
@@ -162,7 +242,11 @@ fn control_changes_hands() {
             0 ana commands -> ana []
             1 bob commands -> ana []: ana holds control of this run: request it (POST …/control with "move": "request"), or take it over when they have been silent for 30 s; stop and pause need no control
             2 bob requests -> ana ["bob"]
-            3 ana hands-to-cy -> cy ["bob"]
+            3 ana hands-to-cy -> ana ["bob"], offered to cy
+            3 bob accepts -> ana ["bob"], offered to cy: nobody offers you control of this run: request it ("move": "request")
+            3 cy declines -> ana ["bob"]
+            3 ana hands-to-cy -> ana ["bob"], offered to cy
+            3 cy accepts -> cy ["bob"]
             4 cy releases -> bob []
             5 bob takes-over -> bob []
             20 bob heard -> bob []
@@ -173,12 +257,12 @@ fn control_changes_hands() {
 }
 
 proptest! {
-    /// Whoever does what when: nobody loses control who was heard in time and did not give it away.
+    /// Any user moves at any time: a holder who was heard in time loses control only by giving it or by an accepted offer.
     #[test]
-    fn control_is_only_lost_by_silence(moves in prop::collection::vec((0..3_usize, 0..7_usize, 0..20_u64), 0..60)) {
-        let words = ["commands", "requests", "withdraws", "hands-to-cy", "releases", "takes-over", "heard"];
+    fn control_is_only_lost_by_silence(moves in prop::collection::vec((0..3_usize, 0..9_usize, 0..20_u64), 0..60)) {
+        let words = ["commands", "requests", "withdraws", "hands-to-cy", "releases", "takes-over", "heard", "accepts", "declines"];
         let users = ["ana", "bob", "cy"];
-        let (mut holding, mut now, mut heard) = (Holding::default(), 0, 0);
+        let (mut holding, mut now, mut heard, mut offered) = (Holding::default(), 0, 0, None::<String>);
         for (user, word, later) in moves {
             now += later;
             let before = holding.holder().map(str::to_owned);
@@ -186,8 +270,11 @@ proptest! {
             let after = holding.holder().map(str::to_owned);
             if before.is_some() && before != after {
                 let given = before.as_deref() == Some(users[user]);
-                prop_assert!(answer.is_ok() && (given || now - heard >= 30));
+                let accepted = offered.as_deref() == Some(users[user]);
+                prop_assert!(answer.is_ok() && (given || accepted || now - heard >= 30));
             }
+            offered = holding.told(SILENCE).offered_to;
+            prop_assert!(offered.is_none() || after.is_some());
             if after.as_deref() == Some(users[user]) || before != after {
                 heard = now;
             }
