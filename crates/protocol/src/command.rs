@@ -22,10 +22,31 @@ pub struct Envelope {
     pub command: Command,
 }
 
+impl Envelope {
+    /// With the expiry that a command of a person has, unless it has one; `now_ms` is the runner's clock.
+    #[must_use]
+    pub fn dated(self, now_ms: u64) -> Self {
+        let until = |lifetime_ms| Expiry(now_ms.saturating_add(lifetime_ms));
+        let expiry = self.expiry.or_else(|| self.command.lifetime_ms().map(until));
+        Self { expiry, ..self }
+    }
+}
+
 /// The moment after which a command must not be carried out, in ms since 1970 UTC by the runner's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Expiry(pub u64);
+
+impl Command {
+    /// For how long a person who gives the command wants it, in ms: the one rule of the page, `rafcon attach` and `rafcon tell`.
+    /// `None`: it is wanted whenever it arrives, for it only brings the run to its end.
+    pub fn lifetime_ms(&self) -> Option<u64> {
+        match self {
+            Self::Stop | Self::Kill => None,
+            _ => Some(10_000),
+        }
+    }
+}
 
 /// Everything that can be asked of a run. Paths are state ids joined by `/`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

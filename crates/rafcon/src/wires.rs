@@ -5,6 +5,7 @@
 use crate::console::{Key, Wish};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Hello, Stream, ToRunner, ToViewer, decode, encode};
+use rafcon_supervisor::clock::since_1970_ms;
 use rafcon_supervisor::{Exit, Process};
 use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::io::Errno;
@@ -75,9 +76,15 @@ pub(crate) trait Line {
 }
 
 impl Line for UnixStream {
-    /// A runner that does not listen any more is noticed by its silence.
+    /// A runner that does not listen any more is noticed by its silence. It goes by this computer's clock.
     fn say(&mut self, message: &ToRunner) -> Result<()> {
-        self.write_all(&encode(message)?).unwrap_or_default();
+        let line = match message {
+            ToRunner::Command(envelope) => {
+                encode(&ToRunner::Command(envelope.clone().dated(since_1970_ms())))
+            }
+            message => encode(message),
+        };
+        self.write_all(&line?).unwrap_or_default();
         Ok(())
     }
 }

@@ -26,7 +26,7 @@ pub(crate) use notebook::Notebook;
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, Login, MachineAt, MachineDocument, MachineFile,
-    MachineSummary, NewToken, ResumeRun, RunSummary, StartRun, TokenMade,
+    MachineSummary, NewToken, ResumeRun, RunNow, RunSummary, StartRun, TokenMade,
 };
 use rafcon_protocol::document::{Document, leave};
 use rafcon_protocol::{Envelope, StateData};
@@ -69,6 +69,11 @@ impl Server {
     /// Takes a run up again.
     pub(crate) fn resume(&self, run: &str, request: &ResumeRun) -> Result<RunSummary, Fault> {
         self.send(&format!("/runs/{}/resume", escaped(run)), request)
+    }
+
+    /// How a run stands.
+    pub(crate) fn now(&self, run: &str) -> Result<RunNow, Fault> {
+        self.get(&format!("/runs/{}", escaped(run)))
     }
 
     /// Says a command to a run.

@@ -7,9 +7,7 @@
 use crate::wires::Cause;
 use rafcon_protocol::api::{CommandAnswer, LinkState, Refusal, RunNow, RunPhase};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
-use rafcon_protocol::{
-    Answer, Command, Envelope, Event, Expiry, Hello, Join, Snapshot, ToRunner, ToViewer,
-};
+use rafcon_protocol::{Answer, Envelope, Event, Expiry, Hello, Join, Snapshot, ToRunner, ToViewer};
 
 /// The subscription of the run's status.
 const STATUS: u32 = 1;
@@ -17,8 +15,6 @@ const STATUS: u32 = 1;
 const HISTORY: u32 = 2;
 /// A run that crashed is lost after this time, in ms: until then the server may take it up again.
 const TAKEN_UP_MS: u64 = 2000;
-/// For how long a command of a person is wanted, in ms.
-const WANTED_MS: u64 = 10_000;
 /// After so long a command is said again to which the runner had no answer, in ms.
 const AGAIN_MS: u64 = 1000;
 
@@ -150,13 +146,11 @@ impl Session {
         }
     }
 
-    /// A person's command is not wanted for ever, except one that stops the run.
+    /// Sets the expiry by the server's clock.
     fn dated(&self, envelope: Envelope, now_ms: u64) -> Envelope {
-        let is_urgent = matches!(envelope.command, Command::Stop | Command::Kill);
-        let until = now_ms.saturating_add_signed(self.offset_ms).saturating_add(WANTED_MS);
-        let expiry = envelope.expiry.or((!is_urgent).then_some(Expiry(until)));
+        let envelope = envelope.dated(now_ms.saturating_add_signed(self.offset_ms));
         let seen = self.next.map(|next| next.saturating_sub(1)).filter(|seen| *seen > 0);
-        Envelope { expiry, decided_on: envelope.decided_on.or(seen), ..envelope }
+        Envelope { decided_on: envelope.decided_on.or(seen), ..envelope }
     }
 
     fn frame_of(&self, envelope: &Envelope) -> ToServer {

@@ -1,11 +1,13 @@
 //! `rafcon tell`: one command to a run that is going on, for scripts and for hands without a live view.
 
 use crate::cli;
+use crate::clock::Clock;
 use crate::commands::attach::envelope;
 use crate::commands::remote;
 use crate::environment::Environment;
 use crate::failure::{Usage, complain};
 use crate::runs;
+use crate::wires::Line as _;
 use anyhow::{Context as _, Result, bail};
 use rafcon_protocol::{Answer, Command, Hello, Join, ToRunner, ToViewer, decode, encode};
 use rafcon_supervisor::{clock, socket};
@@ -20,6 +22,10 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         remote::refuse_runs(&raw.runs, environment)?;
         let run = remote::run(&server, &raw.run)?.id;
         let envelope = envelope(remote::unique("tell")?, &environment.user, command);
+        let waiting = Clock::start();
+        let now_ms = server.now(&run)?.now_ms;
+        let waited_ms = u64::try_from(waiting.now().as_millis()).unwrap_or(u64::MAX);
+        let envelope = envelope.dated(now_ms.saturating_sub(waited_ms));
         return said(server.command(&run, &envelope)?.answer);
     }
     let folder = runs::find(&raw.runs, environment, &raw.run)?;
@@ -34,12 +40,8 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     control.write_all(&encode(&Hello::ours())?)?;
     decode::<Hello>(&next()?)?.check()?;
     let id = format!("tell-{}-{}", std::process::id(), clock::salt(0));
-    control.write_all(&encode(&ToRunner::Join(Join::default()))?)?;
-    control.write_all(&encode(&ToRunner::Command(envelope(
-        id.clone(),
-        &environment.user,
-        command,
-    )))?)?;
+    control.say(&ToRunner::Join(Join::default()))?;
+    control.say(&ToRunner::Command(envelope(id.clone(), &environment.user, command)))?;
     loop {
         match decode(&next()?)? {
             ToViewer::Answer { id: about, answer } if about == id => return said(answer),

@@ -12,6 +12,7 @@ use rafcon_protocol::api::{
     RunSummary, StartRun, StateAt,
 };
 use rafcon_protocol::{Breakpoint, Envelope, Question, StateData, Values};
+use rafcon_supervisor::clock;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -76,7 +77,7 @@ async fn now(
 ) -> Result<Json<RunNow>, Failure> {
     let run = house.runs.get(&run).await?;
     let now = RunNow::clone(&run.now().borrow());
-    Ok(Json(now))
+    Ok(Json(RunNow { now_ms: clock::since_1970_ms(), ..now }))
 }
 
 /// Takes a run up again whose runner died, or that is to begin again at an entry of its history.
