@@ -55,6 +55,8 @@ pub struct Listen {
     pub head_patience: Duration,
     /// How long a client may be silent in the middle of a body.
     pub body_patience: Duration,
+    /// How long a client that does not read may hold an answer up.
+    pub write_limit: Duration,
 }
 
 /// Who may come in.
@@ -105,6 +107,7 @@ impl Default for Listen {
             connections_max: 1024,
             head_patience: Duration::from_secs(10),
             body_patience: Duration::from_secs(30),
+            write_limit: Duration::from_mins(1),
         }
     }
 }

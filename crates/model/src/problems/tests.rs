@@ -92,7 +92,7 @@ fn names_and_ids() {
             Error StateNameSlash: ROOT/ROOT, state: the name `a/b` contains a `/`; take the `/` out of the name
             Error StateIdOfParent: ROOT/ROOT, state: its parent has the id ROOT, too; give the state another id
             Error StateNameSlash: ROOT/a/b, state: the name `a/b` contains a `/`; take the `/` out of the name
-            Error StateId: ROOT/a/b, state: the id `a/b` is empty or contains a `/`; give the state another id
+            Error StateId: ROOT/a/b, state: the id `a/b` is empty or contains a `/` or a control character; give the state another id
             Note ScriptMissing: ROOT/a/b, state: there is no script; write a script
         "]],
     );

@@ -33,11 +33,11 @@ fn name_fault(name: &str) -> Option<Fault> {
 }
 
 fn id_fault(parent: Option<&State>, id: &StateId) -> Option<Fault> {
-    if id.as_str().is_empty() || id.as_str().contains('/') {
-        return Some(Fault::new(
-            Rule::StateId,
-            format!("the id `{id}` is empty or contains a `/`"),
-        ));
+    let is_forbidden = |letter: char| letter == '/' || letter.is_control();
+    if id.as_str().is_empty() || id.as_str().contains(is_forbidden) {
+        let shown = id.as_str().escape_debug();
+        let what = format!("the id `{shown}` is empty or contains a `/` or a control character");
+        return Some(Fault::new(Rule::StateId, what));
     }
     let what = || format!("its parent has the id {id}, too");
     let parent = parent.filter(|parent| parent.id == *id && parent.container().is_some());

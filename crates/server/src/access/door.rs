@@ -4,7 +4,7 @@
 use super::people::Claim;
 use super::rights::{self, ROUTES};
 use super::who::{Who, nobody};
-use crate::listen::Peer;
+use crate::listen::{Peer, Place};
 use crate::{Failure, House};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{self, HeaderMap};
@@ -33,6 +33,9 @@ pub(crate) async fn door(
     match admit(&house, &request) {
         Ok(Some(who)) => {
             house.heard(&who.user);
+            if let Some(place) = request.extensions().get::<Arc<Place>>() {
+                place.log_in(&who.user);
+            }
             request.extensions_mut().insert(who);
             next.run(request).await
         }
@@ -43,7 +46,7 @@ pub(crate) async fn door(
 
 /// Who asks, if it matters; or why the request is refused.
 fn admit(house: &House, request: &Request) -> Result<Option<Who>, Failure> {
-    let host = host(request).unwrap_or_default();
+    let host = host(request)?.unwrap_or_default();
     if !house.names().answers_to(host) {
         return Err(elsewhere(host));
     }
@@ -96,10 +99,16 @@ fn no_row(method: &Method, path: &str) -> Failure {
     failure.with_header("allow", others)
 }
 
-/// The name that the client called.
-fn host(request: &Request) -> Option<&str> {
-    let named = request.headers().get(header::HOST).and_then(|host| host.to_str().ok());
-    named.or_else(|| request.uri().authority().map(axum::http::uri::Authority::as_str))
+/// The name that the client called. Two names are refused: a proxy in between may go by the other one.
+fn host(request: &Request) -> Result<Option<&str>, Failure> {
+    let mut named = request.headers().get_all(header::HOST).iter();
+    let (first, second) = (named.next(), named.next());
+    if second.is_some() {
+        let message = "the request names two hosts: send one `Host` header";
+        return Err(Failure::bad("two_hosts", message));
+    }
+    let named = first.and_then(|host| host.to_str().ok());
+    Ok(named.or_else(|| request.uri().authority().map(axum::http::uri::Authority::as_str)))
 }
 
 fn elsewhere(host: &str) -> Failure {

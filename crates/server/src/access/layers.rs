@@ -5,7 +5,7 @@ use super::door::door;
 use crate::extract::BODY_MAX;
 use crate::{Failure, House, log};
 use axum::Router;
-use axum::extract::{DefaultBodyLimit, Request};
+use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::StatusCode;
 use axum::http::header::{self, HeaderName, HeaderValue};
 use axum::middleware::{self, Next};
@@ -39,11 +39,17 @@ pub(crate) fn guarded(router: Router<Arc<House>>, house: &Arc<House>) -> Router<
         .layer(RequestBodyTimeoutLayer::new(patience))
         .layer(CompressionLayer::new().quality(CompressionLevel::Fastest))
         .layer(CatchPanicLayer::custom(|panic: Box<dyn Any + Send>| broken(&*panic)))
-        .layer(middleware::from_fn(with_headers))
+        .layer(middleware::from_fn_with_state(Arc::clone(house), with_headers))
 }
 
-async fn with_headers(request: Request, next: Next) -> Response {
+/// For 30 days a browser that trusts the server's certificate asks by TLS only.
+const ONLY_TLS: HeaderValue = HeaderValue::from_static("max-age=2592000");
+
+async fn with_headers(State(house): State<Arc<House>>, request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
+    if house.names().is_secure {
+        response.headers_mut().insert(header::STRICT_TRANSPORT_SECURITY, ONLY_TLS);
+    }
     for (name, value) in HEADERS {
         response.headers_mut().entry(name).or_insert(value);
     }

@@ -1,9 +1,10 @@
 //! Passwords and what is kept of them. Slow on purpose: never call this where others wait.
 
 use crate::settings::HashCost;
-use argon2::password_hash::phc::PasswordHash;
-use argon2::password_hash::{PasswordHasher as _, PasswordVerifier as _};
-use argon2::{Algorithm, Argon2, Params, Version};
+use argon2::password_hash::PasswordHasher as _;
+use argon2::password_hash::phc::{Output, PasswordHash};
+use argon2::{Algorithm, Argon2, Block, Params, Version};
+use parking_lot::Mutex;
 
 /// How many characters a password has at least.
 pub(super) const LENGTH_MIN: usize = 10;
@@ -31,12 +32,50 @@ pub(super) fn hash(password: &str, cost: HashCost) -> Result<String, HashError> 
     Ok(hash.to_string())
 }
 
-/// Whether this is the password of which `kept` was kept. Where nothing was, it takes as long to say no.
-pub(super) fn is_right(password: &str, kept: Option<&str>, cost: HashCost) -> bool {
-    match kept.map(PasswordHash::new) {
-        Some(Ok(kept)) => Argon2::default().verify_password(password.as_bytes(), &kept).is_ok(),
-        Some(Err(_)) | None => hash(password, cost).is_err(),
+/// The memory that comparing passwords takes. It is used again and again: given back to the allocator, each thread would keep
+/// some of it.
+#[derive(Debug, Default)]
+pub(super) struct HashMemory {
+    spare: Mutex<Vec<Vec<Block>>>,
+}
+
+impl HashMemory {
+    /// Whether this is the password of which `kept` was kept. Where nothing was, it takes as long to say no.
+    pub(super) fn is_right(&self, password: &str, kept: Option<&str>, cost: HashCost) -> bool {
+        let kept = kept.and_then(|kept| PasswordHash::new(kept).ok());
+        let none = || Params::new(cost.memory_kib, cost.passes, 1, None).unwrap_or_default();
+        let (params, salt, expected) = match kept.as_ref().and_then(parts) {
+            Some((params, salt, hash)) => (params, salt, Some(hash)),
+            None => (none(), &[0; 16][..], None),
+        };
+        let length = expected.map_or(Params::DEFAULT_OUTPUT_LEN, Output::len);
+        let output = self.output(password, (params, salt, length));
+        output.is_some_and(|output| expected == Some(&output))
     }
+
+    fn output(
+        &self,
+        password: &str,
+        (params, salt, length): (Params, &[u8], usize),
+    ) -> Option<Output> {
+        let mut memory = self.spare.lock().pop().unwrap_or_default();
+        memory.resize(params.block_count(), Block::default());
+        let mut output = [0; Output::MAX_LENGTH];
+        let output = output.get_mut(..length)?;
+        let hasher = Argon2::new(Algorithm::Argon2id, Version::V0x13, params);
+        let hashed =
+            hasher.hash_password_into_with_memory(password.as_bytes(), salt, output, &mut memory);
+        self.spare.lock().push(memory);
+        hashed.ok().and_then(|()| Output::new(output).ok())
+    }
+}
+
+/// Parameters, salt and hash, if it is a hash as [`hash`] makes them.
+fn parts(kept: &PasswordHash) -> Option<(Params, &[u8], &Output)> {
+    let is_ours =
+        kept.algorithm.as_str() == "argon2id" && kept.version == Some(Version::V0x13.into());
+    let params = Params::try_from(kept).ok().filter(|_| is_ours)?;
+    Some((params, kept.salt.as_ref()?.as_ref(), kept.hash.as_ref()?))
 }
 
 /// Whether it was kept at this cost.
@@ -47,18 +86,29 @@ pub(super) fn is_of(kept: &str, cost: HashCost) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{hash, is_of, is_right};
+    use super::{HashMemory, hash, is_of};
     use crate::settings::HashCost;
 
     const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
 
     #[test]
     fn a_password_is_known_again() {
-        let kept = hash("correct horse", CHEAP).unwrap();
-        assert!(is_right("correct horse", Some(&kept), CHEAP));
-        assert!(!is_right("wrong horse", Some(&kept), CHEAP));
-        assert!(!is_right("correct horse", None, CHEAP));
-        assert!(!is_right("correct horse", Some("$broken"), CHEAP));
+        let (kept, memory) = (hash("correct horse", CHEAP).unwrap(), HashMemory::default());
+        let is_right = |password, kept| memory.is_right(password, kept, CHEAP);
+        assert!(is_right("correct horse", Some(&*kept)));
+        assert!(!is_right("wrong horse", Some(&kept)));
+        assert!(!is_right("correct horse", None));
+        assert!(!is_right("correct horse", Some("$broken")));
+        assert!(!is_right("correct horse", Some(&kept.replace("argon2id", "argon2i"))));
+    }
+
+    #[test]
+    fn the_memory_of_one_comparison_serves_the_next() {
+        let (kept, memory) = (hash("correct horse", CHEAP).unwrap(), HashMemory::default());
+        for kept in [Some(&*kept), None, Some("$broken"), Some(&kept)] {
+            memory.is_right("wrong horse", kept, CHEAP);
+            assert_eq!(memory.spare.lock().len(), 1);
+        }
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! Who is let in: the owner of this computer's account, users with passwords, and programs with tokens.
 
 use super::limiter::Limiter;
-use super::passwords::{self, BYTES_MAX};
+use super::passwords::{self, BYTES_MAX, HashMemory};
 use super::private::{self, PrivateError};
 use super::roster::{Roster, Token};
 use super::secret::{Digest, Secret};
 use super::sessions::{Login, Sessions};
 use super::users::Users;
 use super::who::{Credential, Who};
-use crate::blocking::blocking;
+use crate::gate::Gate;
 use crate::{Failure, Settings};
 use axum::http::StatusCode;
 use parking_lot::Mutex;
@@ -17,7 +17,7 @@ use rafcon_supervisor::clock::since_1970_ms;
 use std::net::IpAddr;
 use std::path::Path;
 use std::sync::Arc;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 use tokio::time::Instant;
 
 /// The name of whoever has the owner's token.
@@ -42,7 +42,8 @@ pub struct People {
     users: Arc<Users>,
     sessions: Sessions,
     limiter: Mutex<Limiter>,
-    hashing: Semaphore,
+    hashing: Gate,
+    memory: Arc<HashMemory>,
     /// Since when tries are counted.
     begun: Instant,
 }
@@ -56,7 +57,8 @@ impl People {
             users: Arc::new(Users::open(state, settings.access.cost)?),
             sessions: Sessions::open(state.join("sessions.json"))?,
             limiter: Mutex::default(),
-            hashing: Semaphore::new(HASHES_MAX),
+            hashing: Gate::of(HASHES_MAX),
+            memory: Arc::default(),
             begun: Instant::now(),
         })
     }
@@ -141,26 +143,24 @@ impl People {
         u64::try_from(self.begun.elapsed().as_millis()).unwrap_or(u64::MAX)
     }
 
-    /// Compares, at most so many at a time; what was hashed at another cost is hashed again.
+    /// Compares, at most so many at a time; what was hashed at another cost is hashed again. A client that goes away meanwhile
+    /// leaves its turn to the work.
     async fn is_right(
         &self,
         user: String,
         password: String,
         kept: Option<String>,
     ) -> Result<bool, Failure> {
-        let turn = self.hashing.acquire().await;
-        let users = Arc::clone(&self.users);
-        let is_right = blocking(move || {
+        let (users, memory) = (Arc::clone(&self.users), Arc::clone(&self.memory));
+        let work = move || {
             let cost = users.cost();
-            let is_right = passwords::is_right(&password, kept.as_deref(), cost);
+            let is_right = memory.is_right(&password, kept.as_deref(), cost);
             if let Some(kept) = kept.filter(|kept| is_right && !passwords::is_of(kept, cost)) {
                 users.keep_again(&user, &kept, &password)?;
             }
             Ok(is_right)
-        });
-        let is_right = is_right.await;
-        drop(turn);
-        is_right
+        };
+        self.hashing.work(work).await
     }
 
     /// Begins a login of somebody who was checked.

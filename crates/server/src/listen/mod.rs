@@ -4,12 +4,14 @@
 mod card;
 mod connection;
 mod names;
+mod paced;
 mod places;
 mod signals;
 mod tls;
 
 pub use card::Card;
 pub(crate) use connection::Peer;
+pub(crate) use places::Place;
 pub use tls::TlsError;
 
 use crate::access::notice;

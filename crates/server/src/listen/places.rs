@@ -1,5 +1,7 @@
-//! Places for connections: so many at a time, and one other network gets a part of them only, so that it cannot keep all others
-//! out. Knows addresses; must never know streams.
+//! Places for connections: a limit for all, a part of it for one other network, and those who are logged in before all others.
+//! When every place is taken, a new connection takes the place of the oldest one that nobody has logged in on. So connections
+//! that only wait, or never read, cannot keep out who has to stop a robot. Knows addresses and users' names; must never know
+//! streams.
 
 use super::connection::Peer;
 use crate::access::network;
@@ -8,89 +10,218 @@ use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::{oneshot, watch};
 use tokio::time::timeout;
 
-/// Which part of all places one other network gets at most.
-const PART: u32 = 4;
+/// Which part of all places one other network gets at most, and one user.
+const PART: usize = 4;
 
 /// All places of a server.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Places {
-    max: u32,
-    free: Arc<Semaphore>,
-    taken: Arc<Mutex<BTreeMap<IpAddr, u32>>>,
+    max: usize,
+    taken: Arc<Mutex<Taken>>,
+    /// How many connections there are, with those that have lost their place and are about to end.
+    count: watch::Sender<usize>,
 }
 
-/// One that is taken, until dropped.
+/// By number: the lower, the older.
+#[derive(Debug, Default)]
+struct Taken {
+    next: u64,
+    places: BTreeMap<u64, Holder>,
+}
+
 #[derive(Debug)]
-pub(super) struct Place {
+struct Holder {
     network: IpAddr,
-    taken: Arc<Mutex<BTreeMap<IpAddr, u32>>>,
-    _permit: OwnedSemaphorePermit,
+    user: Option<String>,
+    /// Dropped when another connection takes the place.
+    _kept: oneshot::Sender<()>,
+}
+
+/// Ends when another connection has taken the place.
+pub(super) type Lost = oneshot::Receiver<()>;
+
+/// The place of one connection, until dropped.
+#[derive(Debug)]
+pub(crate) struct Place {
+    number: u64,
+    places: Places,
 }
 
 impl Places {
     pub(super) fn new(max: usize) -> Self {
-        let max = u32::try_from(max).unwrap_or(u32::MAX >> 4);
-        Self { max, free: Arc::new(Semaphore::new(max as usize)), taken: Arc::default() }
+        Self { max, taken: Arc::default(), count: watch::Sender::new(0) }
     }
 
-    /// A place for somebody, if there is one.
-    pub(super) fn take(&self, peer: Peer) -> Option<Place> {
-        let permit = Arc::clone(&self.free).try_acquire_owned().ok()?;
+    /// A place for a new connection: a free one, or that of the oldest on which nobody has logged in.
+    pub(super) fn take(&self, peer: Peer) -> Option<(Arc<Place>, Lost)> {
         let network = network(peer.ip);
         let most = if peer.is_near { self.max } else { (self.max / PART).max(1) };
         let mut taken = self.taken.lock();
-        let count = taken.entry(network).or_default();
-        if *count >= most {
-            return None;
+        if taken.of(network) >= most {
+            taken.end_oldest(network)?;
+        } else if taken.places.len() >= self.max {
+            let crowd = taken.most_anonymous()?;
+            taken.end_oldest(crowd)?;
         }
-        *count += 1;
-        Some(Place { network, taken: Arc::clone(&self.taken), _permit: permit })
+        let number = taken.next;
+        let (kept, lost) = oneshot::channel();
+        taken.next += 1;
+        taken.places.insert(number, Holder { network, user: None, _kept: kept });
+        self.count.send_modify(|count| *count += 1);
+        Some((Arc::new(Place { number, places: self.clone() }), lost))
     }
 
-    /// Waits until all are free, but not for ever.
-    pub(super) async fn are_free(&self, patience: Duration) {
-        drop(timeout(patience, self.free.acquire_many(self.max)).await);
+    /// Waits until no connection is left, but not for ever.
+    pub(super) async fn wait_until_free(&self, limit: Duration) {
+        let mut count = self.count.subscribe();
+        drop(timeout(limit, count.wait_for(|count| *count == 0)).await);
+    }
+}
+
+impl Taken {
+    fn of(&self, network: IpAddr) -> usize {
+        self.places.values().filter(|holder| holder.network == network).count()
+    }
+
+    /// The network with the most connections on which nobody has logged in.
+    fn most_anonymous(&self) -> Option<IpAddr> {
+        let mut counts = BTreeMap::<IpAddr, usize>::new();
+        for holder in self.places.values().filter(|holder| holder.user.is_none()) {
+            *counts.entry(holder.network).or_default() += 1;
+        }
+        counts.into_iter().max_by_key(|(_, count)| *count).map(|(network, _)| network)
+    }
+
+    /// Ends the oldest connection of a network on which nobody has logged in; nothing if there is none.
+    fn end_oldest(&mut self, network: IpAddr) -> Option<()> {
+        let is_anonymous = |holder: &Holder| holder.network == network && holder.user.is_none();
+        let (&number, _) = self.places.iter().find(|(_, holder)| is_anonymous(holder))?;
+        self.places.remove(&number).map(drop)
+    }
+}
+
+impl Place {
+    /// A request of this user came over the connection. One user gets a part of all places in this way.
+    pub(crate) fn log_in(&self, user: &str) {
+        let mut taken = self.places.taken.lock();
+        let of_user = taken.places.values().filter(|holder| holder.user.as_deref() == Some(user));
+        if of_user.count() >= (self.places.max / PART).max(1) {
+            return;
+        }
+        if let Some(holder) = taken.places.get_mut(&self.number) {
+            holder.user = Some(user.to_owned());
+        }
     }
 }
 
 impl Drop for Place {
     fn drop(&mut self) {
-        let mut taken = self.taken.lock();
-        if let Some(count) = taken.get_mut(&self.network) {
-            *count -= 1;
-        }
-        taken.retain(|_, count| *count > 0);
+        self.places.taken.lock().places.remove(&self.number);
+        self.places.count.send_modify(|count| *count -= 1);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Peer, Places};
+    use super::{Peer, Place, Places};
+    use expect_test::{Expect, expect};
+    use std::fmt::Write as _;
+    use std::sync::Arc;
 
-    fn peer(text: &str) -> Peer {
-        let ip: std::net::IpAddr = text.parse().unwrap();
-        Peer { ip, is_near: ip.is_loopback() }
+    /// Lines of `name comes address` (with a `!` behind it, somebody logs in on it) or `name goes`: who is there then.
+    fn check(max: usize, script: &str, expect: &Expect) {
+        let places = Places::new(max);
+        let mut there: Vec<(String, Arc<Place>)> = Vec::new();
+        let mut seen = String::new();
+        for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            match words[..] {
+                [name, "comes", address] => {
+                    let ip: std::net::IpAddr = address.trim_end_matches('!').parse().unwrap();
+                    let place = places.take(Peer { ip, is_near: ip.is_loopback() });
+                    if let Some((place, _lost)) = place {
+                        if address.ends_with('!') {
+                            place.log_in("ana");
+                        }
+                        there.push((name.to_owned(), place));
+                    }
+                }
+                [name, "goes"] => there.retain(|(other, _)| other != name),
+                _ => panic!("{line}"),
+            }
+            let taken = places.taken.lock();
+            let held = there.iter().filter(|(_, place)| taken.places.contains_key(&place.number));
+            let names: Vec<&str> = held.map(|(name, _)| name.as_str()).collect();
+            writeln!(seen, "{line} -> {}", names.join(" ")).unwrap();
+        }
+        expect.assert_eq(&seen);
+        drop(there);
+        assert!(places.taken.lock().places.is_empty() && *places.count.borrow() == 0);
     }
 
     #[test]
     fn one_network_cannot_keep_the_others_out() {
-        let places = Places::new(8);
-        let take = |text| places.take(peer(text));
-        let (first, second) = (take("2001:db8::1"), take("2001:db8::2"));
-        assert!(first.is_some() && second.is_some());
-        assert!(take("2001:db8::3").is_none());
-        let other = take("10.0.0.1");
-        assert!(other.is_some());
-        drop(first);
-        let again = take("2001:db8::3");
-        assert!(again.is_some());
-        let near = [0; 5].map(|_| take("127.0.0.1"));
-        assert!(near.iter().all(Option::is_some));
-        assert!(take("127.0.0.1").is_none());
-        drop((second, other, again, near));
-        assert!(places.taken.lock().is_empty());
+        check(
+            8,
+            "a comes 2001:db8::1
+             b comes 2001:db8::2
+             c comes 2001:db8::3
+             d comes 10.0.0.1
+             b goes
+             e comes 2001:db8::4",
+            &expect![[r"
+                a comes 2001:db8::1 -> a
+                b comes 2001:db8::2 -> a b
+                c comes 2001:db8::3 -> b c
+                d comes 10.0.0.1 -> b c d
+                b goes -> c d
+                e comes 2001:db8::4 -> c d e
+            "]],
+        );
+    }
+
+    #[test]
+    fn who_is_logged_in_keeps_the_place_and_a_newcomer_takes_that_of_the_oldest_stranger() {
+        check(
+            4,
+            "a comes 127.0.0.1!
+             b comes 127.0.0.1
+             c comes 127.0.0.1
+             d comes 127.0.0.1
+             e comes 127.0.0.1
+             f comes 127.0.0.1
+             g comes 10.0.0.1",
+            &expect![[r"
+                a comes 127.0.0.1! -> a
+                b comes 127.0.0.1 -> a b
+                c comes 127.0.0.1 -> a b c
+                d comes 127.0.0.1 -> a b c d
+                e comes 127.0.0.1 -> a c d e
+                f comes 127.0.0.1 -> a d e f
+                g comes 10.0.0.1 -> a e f g
+            "]],
+        );
+    }
+
+    #[test]
+    fn one_user_cannot_keep_the_others_out() {
+        check(
+            4,
+            "a comes 127.0.0.1!
+             b comes 127.0.0.1!
+             c comes 127.0.0.1!
+             d comes 127.0.0.1!
+             e comes 127.0.0.1",
+            &expect![[r"
+                a comes 127.0.0.1! -> a
+                b comes 127.0.0.1! -> a b
+                c comes 127.0.0.1! -> a b c
+                d comes 127.0.0.1! -> a b c d
+                e comes 127.0.0.1 -> a c d e
+            "]],
+        );
     }
 }

@@ -29,13 +29,14 @@ pub(super) fn below(project: &Path, path: &str) -> Result<PathBuf, Failure> {
 /// The names that a path consists of, each of them one that a folder can have.
 fn segments(path: &str) -> Result<Vec<&str>, Failure> {
     let names = path.split('/').filter(|_| !path.is_empty()).collect::<Vec<_>>();
-    let is_name = |name: &&str| !matches!(*name, "" | "." | "..") && !name.contains('\0');
+    // Programs keep their own files in hidden folders, such as `.git`.
+    let is_name = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains('\0');
     if path.len() <= LONGEST && names.iter().all(is_name) {
         return Ok(names);
     }
     let shown = path.chars().take(100).collect::<String>().escape_debug().to_string();
     let message = format!(
-        "`{shown}` is not a path in a project: names joined by `/`, none of them empty, `.` or `..`, \
+        "`{shown}` is not a path in a project: names joined by `/`, none of them empty or hidden (with a dot in front), \
          no `/` at the beginning, {LONGEST} bytes at most"
     );
     Err(Failure::bad("bad_path", message))

@@ -92,6 +92,13 @@ impl Projects {
         projects.chain(self.shelf.folders()).collect()
     }
 
+    /// The project in which a folder lies, with every link followed.
+    pub(crate) fn home_of(&self, folder: &Path) -> Option<PathBuf> {
+        let folder = at_home(folder);
+        let homes = self.known.iter().map(|project| at_home(Path::new(&project.folder)));
+        homes.filter(|home| folder.starts_with(home)).max_by_key(|home| home.as_os_str().len())
+    }
+
     /// How requests name a folder; nothing if it lies in no project.
     pub(crate) fn file_of(&self, folder: &Path) -> Option<MachineFile> {
         let folder = at_home(folder);

@@ -165,21 +165,49 @@ fn a_head_without_bounds_is_refused() {
 }
 
 #[test]
-fn there_is_room_for_so_many_and_who_comes_later_is_hung_up_on() {
+fn where_all_places_are_taken_who_is_logged_in_keeps_theirs() {
     let house = House::with(|settings| settings.listen.connections_max = 2);
-    let health = format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n\r\n", house.address());
-    let mut guests = [Raw::to(&house), Raw::to(&house)];
-    for guest in &mut guests {
-        guest.say(&health);
-        assert_eq!(status(&guest.head()), 200);
+    let mut known = [Raw::to(&house), Raw::to(&house)];
+    for (connection, role) in known.iter_mut().zip([Role::Admin, Role::Operator]) {
+        connection.say(health(&house, Some(role)));
+        assert_eq!(status(&connection.head()), 200);
     }
     let mut late = Raw::to(&house);
-    late.say(&health);
+    late.say(health(&house, None));
     assert_eq!(status(&late.rest()), 0);
-    for guest in &mut guests {
-        guest.say("GET / HTTP/1.0\r\n\r\n");
+    drop(known);
+}
+
+#[test]
+fn connections_that_never_read_do_not_keep_out_who_has_to_stop_a_robot() {
+    let house = House::with(|settings| settings.listen.connections_max = 4);
+    let mut strangers: Vec<Raw> = (0..20).map(|_| Raw::to(&house)).collect();
+    for stranger in &mut strangers {
+        stranger.say(health(&house, None));
     }
-    drop(guests.map(Raw::rest));
+    let mut operator = Raw::to(&house);
+    operator.say(health(&house, Some(Role::Operator)));
+    assert_eq!(status(&operator.head()), 200);
+    let more: Vec<Raw> = (0..20).map(|_| Raw::to(&house)).collect();
+    operator.say(health(&house, Some(Role::Operator)));
+    assert_eq!(status(&operator.head()), 200);
+    drop((strangers, more));
+}
+
+fn health(house: &House, role: Option<Role>) -> String {
+    let bearer = role.map(|role| format!("Authorization: Bearer {}\r\n", house.token(role)));
+    let (host, bearer) = (house.address(), bearer.unwrap_or_default());
+    format!("GET /api/v1/health HTTP/1.1\r\nHost: {host}\r\n{bearer}\r\n")
+}
+
+#[test]
+fn a_request_that_names_two_hosts_is_refused() {
+    let house = House::new();
+    let own = house.address().to_string();
+    for others in [["evil.example", &own], [&own, "evil.example"], [&own, &own]] {
+        let head = others.map(|host| ("Host", host));
+        assert_eq!(status(&ask(&house, "GET /api/v1/health", &head)), 400, "{others:?}");
+    }
 }
 
 #[test]

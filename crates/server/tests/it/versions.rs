@@ -79,6 +79,44 @@ fn an_open_machine_is_compared_with_its_files_and_its_versions() {
 }
 
 #[test]
+fn a_repository_outside_the_project_is_not_asked() {
+    let house = House::new();
+    let outside = house.state().join("outside");
+    std::fs::create_dir_all(outside.join("one")).unwrap();
+    std::fs::write(outside.join("one/secret"), "secret").unwrap();
+    git(&outside, &["init", "--quiet"]);
+    git(&outside, &["add", "--all"]);
+    git(&outside, &["commit", "--quiet", "--message", "A secret"]);
+    let is_git = |name: &str| {
+        write(&house, &format!("{name}/one"), MACHINE);
+        let link = house.project().join(name).join(".git");
+        match name {
+            "file" => {
+                let target = format!("gitdir: {}/.git\n", outside.display());
+                std::fs::write(link, target).unwrap();
+            }
+            "link" => std::os::unix::fs::symlink(outside.join(".git"), link).unwrap(),
+            "common" => {
+                git(&house.project().join(name), &["init", "--quiet"]);
+                let target = format!("{}/.git\n", outside.display());
+                std::fs::write(link.join("commondir"), target).unwrap();
+            }
+            "borrowed" => {
+                git(&house.project().join(name), &["init", "--quiet"]);
+                let target = format!("{}/.git/objects\n", outside.display());
+                std::fs::write(link.join("objects/info/alternates"), target).unwrap();
+            }
+            _ => {}
+        }
+        let id = open(&house, &format!("{name}/one"));
+        get(&house, &format!("/{id}/versions"))["is_git"].clone()
+    };
+    for name in ["none", "file", "link", "common", "borrowed"] {
+        assert_eq!(is_git(name), json!(false), "{name}");
+    }
+}
+
+#[test]
 fn what_is_no_version_is_refused() {
     let (house, id) = committed();
     let said = |commit: &str| ask(&house, &format!("/{id}/versions/{commit}")).said();

@@ -89,6 +89,7 @@ fn a_state_is_changed() {
             edit(StateEdit::SetScript(Some("pass\n".into()))),
             edit(StateEdit::SetId(StateId::new("SECOND"))),
             edit(StateEdit::SetId(StateId::new("ROOT"))),
+            edit(StateEdit::SetId(StateId::new("NUL\0"))),
             edit(StateEdit::SetId(StateId::new("THIRDX"))),
             Edit::State(at("ROOT"), StateEdit::SetId(StateId::new("MAINXX"))),
             Edit::State(at("MAINXX"), StateEdit::SetScript(None)),
@@ -98,6 +99,7 @@ fn a_state_is_changed() {
             refused: ROOT/FIRSTX, state: the name `a/b` contains a `/`; take the `/` out of the name
             refused: ROOT/FIRSTX, state: something else has this id; take another id
             refused: ROOT/FIRSTX, state: something else has this id; take another id
+            refused: ROOT/NUL\u{0}, state: X
             refused: MAINXX, state: a state of the kind hierarchy has no script; change the kind of the state first
             refused: MAINXX/NOPEXX, state: there is no such state; look at the machine again: it may have changed
             hierarchy MAINXX "ROOT"

@@ -33,6 +33,8 @@ pub(super) struct File {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Folder<'f> {
     pub(super) path: &'f Path,
+    /// The project in which it lies: no repository outside is asked.
+    pub(super) project: &'f Path,
     /// Where programs are looked for.
     pub(super) programs: Option<&'f str>,
 }
@@ -41,6 +43,7 @@ impl Folder<'_> {
     fn git(&self, arguments: &[&str]) -> Command {
         let mut git = Command::new("git");
         git.env_clear().envs(self.programs.map(|path| ("PATH", path)));
+        git.env("GIT_CEILING_DIRECTORIES", self.project.parent().unwrap_or(self.project));
         git.env("GIT_CONFIG_NOSYSTEM", "1").env("GIT_CONFIG_GLOBAL", "/dev/null");
         git.env("GIT_ALLOW_PROTOCOL", "none").env("GIT_NO_LAZY_FETCH", "1");
         git.env("GIT_OPTIONAL_LOCKS", "0").env("GIT_TERMINAL_PROMPT", "0").env("LC_ALL", "C.UTF-8");
@@ -58,16 +61,32 @@ impl Folder<'_> {
         ask(self.git(arguments), input, Bounds { patience: PATIENCE, output }).await
     }
 
+    /// Whether there is a repository and all of it lies in the project. A file `.git`, a link or `commondir` may lead to another.
+    async fn has_repository(&self) -> Result<bool, ChildError> {
+        let folders = ["rev-parse", "--path-format=absolute", "--git-dir", "--git-common-dir"];
+        let said = self.ask(&folders, Vec::new(), 64 << 10).await?;
+        let text = String::from_utf8_lossy(&said.output);
+        let (mut folders, mut is_inside) = (0, said.status.success());
+        for folder in text.lines().map(Path::new) {
+            folders += 1;
+            let lends = folder.join("objects/info/alternates").exists();
+            let home = folder.canonicalize();
+            is_inside &= !lends && home.is_ok_and(|home| home.starts_with(self.project));
+        }
+        Ok(is_inside && folders == 2)
+    }
+
     /// Commits that touched it, the newest first.
     pub(super) async fn versions(&self) -> Result<MachineVersions, Failure> {
+        match self.has_repository().await {
+            Ok(false) | Err(ChildError::NotStarted(_)) => return Ok(MachineVersions::default()),
+            found => found.map_err(|error| failed(&error))?,
+        };
         let most = format!("--max-count={}", COMMITS_MAX + 1);
         let form = "--format=%H%n%an%n%at%n%s";
         let log = ["log", "-z", "--no-color", "--no-show-signature", "--encoding=UTF-8", &most];
         let log = [&log[..], &[form, "--", "."]].concat();
-        let said = match self.ask(&log, Vec::new(), 8 << 20).await {
-            Err(ChildError::NotStarted(_)) => return Ok(MachineVersions::default()),
-            said => said.map_err(|error| failed(&error))?,
-        };
+        let said = self.ask(&log, Vec::new(), 8 << 20).await.map_err(|error| failed(&error))?;
         if !said.status.success() {
             return no_versions(&said);
         }
@@ -81,6 +100,9 @@ impl Folder<'_> {
     /// The files below it in a commit.
     pub(super) async fn files(&self, commit: &str) -> Result<Vec<File>, Failure> {
         check_hash(commit)?;
+        if !self.has_repository().await.map_err(|error| failed(&error))? {
+            return Err(no_version(commit, "the project has no git repository of its own"));
+        }
         let list = ["ls-tree", "-r", "-z", "--long", commit, "--"];
         let said = self.ask(&list, Vec::new(), 64 << 20).await.map_err(|error| failed(&error))?;
         if !said.status.success() {
@@ -159,11 +181,8 @@ fn check_hash(commit: &str) -> Result<(), Failure> {
     Err(Failure::bad("bad_commit", message))
 }
 
-/// There is no repository, none with a commit, or git does not want to tell.
+/// There is no commit yet, or git refuses.
 fn no_versions(said: &Said) -> Result<MachineVersions, Failure> {
-    if said.error.contains("not a git repository") {
-        return Ok(MachineVersions::default());
-    }
     if said.error.contains("does not have any commits yet") {
         return Ok(MachineVersions { is_git: true, ..MachineVersions::default() });
     }

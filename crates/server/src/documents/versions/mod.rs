@@ -30,18 +30,19 @@ fn saved(house: &House, id: &str) -> Result<Vec<u8>, Failure> {
 /// The commits that touched the machine's folder.
 async fn versions(house: &House, id: &str) -> Result<MachineVersions, Failure> {
     let path = house.documents.room(id)?.folder();
-    if !path.is_dir() {
+    let Some(project) = house.projects.home_of(&path).filter(|_| path.is_dir()) else {
         return Ok(MachineVersions::default());
-    }
+    };
     let programs = (house.settings.variable)("PATH");
-    Folder { path: &path, programs: programs.as_deref() }.versions().await
+    Folder { path: &path, project: &project, programs: programs.as_deref() }.versions().await
 }
 
 /// The machine as of a commit: a [`Document`] as JSON. To be called on a thread that may wait.
 fn version(house: &House, id: &str, commit: &str) -> Result<Vec<u8>, Failure> {
     let path = house.documents.room(id)?.folder();
+    let project = house.projects.home_of(&path).unwrap_or_else(|| path.clone());
     let programs = (house.settings.variable)("PATH");
-    let folder = Folder { path: &path, programs: programs.as_deref() };
+    let folder = Folder { path: &path, project: &project, programs: programs.as_deref() };
     let (files, contents) = Handle::current().block_on(async {
         let mut files = folder.files(commit).await?;
         files.retain(|file| is_of_machine(&file.path));
