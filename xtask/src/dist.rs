@@ -1,6 +1,7 @@
-//! What a user installs: an archive with binary (which carries the page), extension and examples, and a Python wheel.
+//! What a user installs: an archive with binary (which carries the page), extension and examples, and a Python wheel. The
+//! debugging symbols of the archive's programs are packed apart.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
@@ -15,7 +16,7 @@ const PAPERS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-
 /// Packs both into `dist` below the target folder.
 pub(crate) fn run() -> Result<()> {
     web::build()?;
-    let product = Product::build(Profile::Release)?;
+    let product = Product::build(Profile::Symbols)?;
     let folder = workspace::target()?.join("dist");
     create(&folder)?;
     archive(&product, &folder)?;
@@ -31,29 +32,51 @@ fn archive(product: &Product, folder: &Path) -> Result<()> {
         std::env::consts::OS,
         std::env::consts::ARCH
     );
-    let stage = folder.join(&name);
-    if stage.exists() {
-        std::fs::remove_dir_all(&stage)
-            .with_context(|| format!("cannot remove {}", stage.display()))?;
-    }
+    let stage = emptied(folder.join(&name))?;
+    let symbols = emptied(folder.join(format!("{name}-symbols")))?;
     create(&stage.join("bin"))?;
     create(&stage.join("lib/rafcon"))?;
-    copy(&product.binary, &stage.join("bin/rafcon"))?;
-    copy(&product.extension, &stage.join("lib/rafcon/librafcon_python.so"))?;
+    split(&product.binary, &stage.join("bin/rafcon"), &symbols)?;
+    split(&product.extension, &stage.join("lib/rafcon/librafcon_python.so"), &symbols)?;
     for paper in PAPERS {
         copy(&workspace::path(paper), &stage.join(paper))?;
     }
     workspace::copy("examples", &stage.join("examples"))?;
+    pack(&stage)?;
+    pack(&symbols)
+}
+
+/// A folder that is there and empty.
+fn emptied(folder: PathBuf) -> Result<PathBuf> {
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder)
+            .with_context(|| format!("cannot remove {}", folder.display()))?;
+    }
+    create(&folder)?;
+    Ok(folder)
+}
+
+/// Copies a program without its symbols, which go into `symbols` under its name; a debugger finds them by the link in the program.
+fn split(program: &Path, to: &Path, symbols: &Path) -> Result<()> {
+    let name = to.file_name().context("a program has a name")?.to_string_lossy();
+    let kept = symbols.join(format!("{name}.debug"));
+    let objcopy = || process::command("objcopy");
+    process::run(objcopy().arg("--only-keep-debug").arg(program).arg(&kept))?;
+    let mut link = std::ffi::OsString::from("--add-gnu-debuglink=");
+    link.push(&kept);
+    process::run(objcopy().arg("--strip-debug").arg(link).arg(program).arg(to))
+}
+
+/// Packs a folder into an archive beside it.
+fn pack(folder: &Path) -> Result<()> {
+    let (Some(around), Some(name)) = (folder.parent(), folder.file_name()) else {
+        anyhow::bail!("{} is no folder to pack", folder.display());
+    };
+    let mut archive = folder.as_os_str().to_owned();
+    archive.push(".tar.gz");
     let mut tar = process::command("tar");
-    process::run(
-        tar.arg("--create")
-            .arg("--gzip")
-            .arg("--directory")
-            .arg(folder)
-            .args(["--file"])
-            .arg(format!("{}.tar.gz", stage.display()))
-            .arg(name),
-    )
+    tar.args(["--create", "--gzip", "--directory"]).arg(around).arg("--file").arg(archive);
+    process::run(tar.arg(name))
 }
 
 /// The wheel carries extension and Python package; its import name is `rafcon`.

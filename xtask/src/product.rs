@@ -13,6 +13,19 @@ pub(crate) enum Profile {
     Debug,
     /// Quick to run, for figures and users.
     Release,
+    /// The same with debugging symbols, to be packed.
+    Symbols,
+}
+
+impl Profile {
+    /// As cargo calls it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Debug => "dev",
+            Self::Release => "release",
+            Self::Symbols => "symbols",
+        }
+    }
 }
 
 /// A finished build.
@@ -28,20 +41,16 @@ impl Product {
     /// Builds the workspace, as a user does by `cargo build --workspace`.
     pub(crate) fn build(profile: Profile) -> Result<Self> {
         let mut cargo = process::cargo();
-        cargo.args(["build", "--workspace"]);
-        if profile == Profile::Release {
-            cargo.arg("--release");
-        }
+        cargo.args(["build", "--workspace", "--profile", profile.name()]);
         process::run(&mut cargo)?;
         Self::built(profile)
     }
 
     /// What an earlier build made.
     pub(crate) fn built(profile: Profile) -> Result<Self> {
-        let folder = workspace::target()?.join(if profile == Profile::Release {
-            "release"
-        } else {
-            "debug"
+        let folder = workspace::target()?.join(match profile {
+            Profile::Debug => "debug",
+            Profile::Release | Profile::Symbols => profile.name(),
         });
         Ok(Self { binary: folder.join("rafcon"), extension: folder.join("librafcon_python.so") })
     }
