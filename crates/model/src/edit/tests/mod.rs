@@ -77,6 +77,16 @@ const TWO: &str = "
 ";
 
 #[test]
+fn an_id_has_no_control_characters() {
+    let mut machine = notation::parse(TWO).unwrap();
+    for id in ["NUL\0", "A\nB", "A/B"] {
+        let edit = Edit::State(at("ROOT/FIRSTX"), StateEdit::SetId(StateId::new(id)));
+        let refused = apply(&mut machine, edit, &BuiltinTypes).unwrap_err();
+        assert!(refused.to_string().contains("or a control character"), "{refused}");
+    }
+}
+
+#[test]
 fn a_state_is_changed() {
     let edit = |edit| Edit::State(at("ROOT/FIRSTX"), edit);
     check(
@@ -89,7 +99,6 @@ fn a_state_is_changed() {
             edit(StateEdit::SetScript(Some("pass\n".into()))),
             edit(StateEdit::SetId(StateId::new("SECOND"))),
             edit(StateEdit::SetId(StateId::new("ROOT"))),
-            edit(StateEdit::SetId(StateId::new("NUL\0"))),
             edit(StateEdit::SetId(StateId::new("THIRDX"))),
             Edit::State(at("ROOT"), StateEdit::SetId(StateId::new("MAINXX"))),
             Edit::State(at("MAINXX"), StateEdit::SetScript(None)),
@@ -99,7 +108,6 @@ fn a_state_is_changed() {
             refused: ROOT/FIRSTX, state: the name `a/b` contains a `/`; take the `/` out of the name
             refused: ROOT/FIRSTX, state: something else has this id; take another id
             refused: ROOT/FIRSTX, state: something else has this id; take another id
-            refused: ROOT/NUL\u{0}, state: X
             refused: MAINXX, state: a state of the kind hierarchy has no script; change the kind of the state first
             refused: MAINXX/NOPEXX, state: there is no such state; look at the machine again: it may have changed
             hierarchy MAINXX "ROOT"
