@@ -1,5 +1,5 @@
 //! The long form of what the tests do briefly: random runs of the engine by the hundred thousand, saves killed by the
-//! thousand; or a server with hundreds of clients. Not a part of continuous integration.
+//! thousand; runs with many branches while viewers come and go; or a server with hundreds of clients. Not a part of continuous integration.
 
 use anyhow::Result;
 
@@ -15,6 +15,9 @@ pub(crate) struct Options {
     /// How many saving processes are killed.
     #[arg(long, default_value_t = 1000)]
     kills: u32,
+    /// How many runs with 64 branches are watched by viewers that come and go.
+    #[arg(long, default_value_t = 20)]
+    wide: u32,
     /// Instead of these: a server with many clients, one of them slow, one that never reads.
     #[arg(long)]
     server: bool,
@@ -36,7 +39,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let one = ["kill::a_killed_process_leaves_one_of_its_machines", "--", "--exact"];
     let mut kill_often = process::cargo();
     kill_often.args(kill).args(one).env("RAFCON_TEST_KILLS", options.kills.to_string());
-    process::run(&mut kill_often)
+    process::run(&mut kill_often)?;
+    Product::build(Profile::Release)?;
+    let mut wide = torture::long_form("wide::a_wide_run_ends_while_viewers_come_and_go");
+    process::run(wide.env("RAFCON_TEST_WIDE", options.wide.to_string()))
 }
 
 fn served(options: &Options) -> Result<()> {

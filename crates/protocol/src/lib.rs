@@ -31,6 +31,6 @@ pub use event::{
 pub use frame::{FrameError, decode, encode};
 pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::Launch;
-pub use message::{Join, StateData, ToRunner, ToViewer};
+pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};
 pub use run::{Afterwards, Crash, Keeping, OnCrash, Resume};

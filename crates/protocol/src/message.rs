@@ -96,7 +96,23 @@ pub enum ToViewer {
         id: u64,
         /// The runner's clock: ms since 1970, UTC.
         now_ms: u64,
+        /// Whether the engine takes inputs; runners of other builds may not say.
+        #[serde(default)]
+        engine: Option<EnginePulse>,
     },
+}
+
+/// Whether the engine of a run takes inputs, as the runner found out for this answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EnginePulse {
+    /// For how long the engine could not be reached, in ms; 0: it was reached just now. While it cannot be, nothing moves on and
+    /// no command is carried out.
+    pub unreached_ms: u64,
+    /// How long ago the engine moved last, in ms: long if the scripts that run take long, or all wait.
+    pub still_ms: u64,
+    /// How many scripts run; not known while the engine cannot be reached.
+    #[serde(default)]
+    pub scripts: Option<u32>,
 }
 
 /// The data of one active state, by port name.

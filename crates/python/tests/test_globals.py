@@ -57,6 +57,22 @@ class Values(unittest.TestCase):
     def setUp(self):
         self.gvm = GlobalVariableManager()
 
+    def test_a_port_default_runs_no_code_of_the_value(self):
+        # The engine is locked meanwhile: a copy that waits for another state would wait for ever.
+        copies = []
+
+        class Counted:
+            def __deepcopy__(self, memo):
+                copies.append(self)
+                return Counted()
+
+        self.gvm.set_variable("a", Counted())
+        copies.clear()
+        found, value, _kept = self.gvm._resolve("a")
+        self.assertTrue(found)
+        self.assertIsInstance(value, Counted)
+        self.assertEqual(copies, [])
+
     def test_a_value_is_copied_both_ways(self):
         mine = [1]
         self.gvm.set_variable("list", mine)

@@ -27,7 +27,8 @@ impl Active {
     /// Makes the files in `folder`.
     pub(crate) fn open(folder: &Path) -> io::Result<Self> {
         let file = create(&folder.join(SLOTS_FILE))?;
-        file.set_len(SLOTS as u64 * 4)?;
+        // Not only its length: on a full disk the first mark in a hole would end the process.
+        (&file).write_all(&vec![0; SLOTS * 4])?;
         Ok(Self {
             files: Some(Files {
                 slots: map(&file)?,
@@ -94,6 +95,7 @@ mod tests {
     use expect_test::expect;
     use rafcon_engine::{NodeId, PathId};
     use rafcon_protocol::active::{PATHS_FILE, SLOTS_FILE, running};
+    use std::os::unix::fs::MetadataExt as _;
 
     #[test]
     fn what_runs_can_be_read_from_outside() {
@@ -108,5 +110,13 @@ mod tests {
         let slots = std::fs::read(folder.path().join(SLOTS_FILE)).unwrap();
         let paths = std::fs::read_to_string(folder.path().join(PATHS_FILE)).unwrap();
         expect![[r#"["A/B", "A/C"]"#]].assert_eq(&format!("{:?}", running(&slots, &paths)));
+    }
+
+    #[test]
+    fn marks_have_their_space_on_disk_before_they_are_made() {
+        let folder = tempfile::tempdir().unwrap();
+        let _active = Active::open(folder.path()).unwrap();
+        let file = std::fs::metadata(folder.path().join(SLOTS_FILE)).unwrap();
+        assert!(file.blocks() * 512 >= file.len(), "{} blocks of {}", file.blocks(), file.len());
     }
 }

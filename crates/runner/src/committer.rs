@@ -69,7 +69,7 @@ fn attempt<T>(act: impl FnOnce() -> Result<T, JournalError>) -> Result<T, String
 
 /// Pauses the run while nothing can be made safe, until the record is closed.
 pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
-    let mut attendant = Attendant { driver, paused: false };
+    let attendant = Attendant { driver };
     let mut was = false;
     while let Some(turn) = driver.recorder().safety().next_turn(was) {
         match turn {
@@ -88,21 +88,21 @@ pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
 
 struct Attendant<'d, S: Scripts> {
     driver: &'d Arc<Driver<S>>,
-    /// The run is paused because the journal could not be written.
-    paused: bool,
 }
 
 impl<S: Scripts> Attendant<'_, S> {
     /// Nothing must happen that is not kept.
-    fn fails(&mut self, problem: &str) {
-        self.paused = self.is(Status::Running) && self.driver.command(Input::Pause).is_ok();
-        let rest = if self.paused { "; the run is paused until it can be" } else { "" };
+    fn fails(&self, problem: &str) {
+        let mut pauses = self.driver.journal_pauses().lock();
+        *pauses = self.is(Status::Running) && self.driver.command(Input::Pause).is_ok();
+        let rest = if *pauses { "; the run is paused until it can be" } else { "" };
         self.say(LogLevel::Error, format!("the journal cannot be written: {problem}{rest}"));
     }
 
-    fn works_again(&mut self) {
+    fn works_again(&self) {
         self.say(LogLevel::Info, "the journal is written again".to_owned());
-        if std::mem::take(&mut self.paused)
+        let mut pauses = self.driver.journal_pauses().lock();
+        if std::mem::take(&mut *pauses)
             && self.is(Status::Paused)
             && let Err(refusal) = self.driver.command(Input::Resume(None))
         {

@@ -110,7 +110,9 @@ impl<S: Scripts> Company<S> {
         let [heard, heeded, told] = [(); 3].map(|()| Arc::clone(guest));
         let (rest, words) = hearing::way();
         named("commands").spawn_scoped(scope, move || self.heed(&heeded, &words))?;
-        let hear = move || hearing::hear(receiver, &heard.sender, &rest);
+        let hear = move || {
+            hearing::hear(receiver, &heard.sender, &rest, || self.driver.engine_pulse());
+        };
         named("hearing").spawn_scoped(scope, hear)?;
         named("viewer").spawn_scoped(scope, move || self.tell(&told, &join))?;
         Ok(())

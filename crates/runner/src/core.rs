@@ -28,6 +28,8 @@ pub(crate) struct Core<D> {
     places: Arc<Places>,
     pub(crate) crew: Crew<D>,
     pub(crate) threads: Vec<JoinHandle<()>>,
+    /// The engine has panicked.
+    pub(crate) is_broken: bool,
     /// The flags of every place that no script has been asked to end at.
     flags: u8,
 }
@@ -72,6 +74,7 @@ impl<D: Datum> Core<D> {
             places,
             crew: Crew::new(active),
             threads: Vec::new(),
+            is_broken: false,
             flags: 0,
         }
     }

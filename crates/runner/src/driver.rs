@@ -6,6 +6,7 @@ use crate::branch::{self, Work, Worker};
 use crate::core::{Core, Next, Turning};
 use crate::document::Document;
 use crate::points::Points;
+use crate::pulse::Pulse;
 use crate::questions::Questions;
 use crate::recorder::Recorder;
 use crate::roots::Roots;
@@ -18,8 +19,10 @@ use rafcon_engine::{
     BranchId, Effect, Event, Finish, Input, Job, NodeId, PathId, Program, Refusal,
 };
 use rafcon_protocol::LogLevel;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// How a run of a process ends.
 #[derive(Debug)]
@@ -28,6 +31,8 @@ pub(crate) enum End<D> {
     Finished(Finish<D>),
     /// A script does not end: the process has to.
     CutOff,
+    /// The engine failed: nothing that it says can be trusted any more, and the process has to end.
+    Broken,
 }
 
 /// Why the engine did not get an input.
@@ -57,6 +62,9 @@ pub struct Driver<S: Scripts> {
     questions: Questions,
     points: Points,
     timers: Timers,
+    pulse: Pulse,
+    /// Who has paused the run: true if its journal did, and not a command.
+    journal_pauses: Mutex<bool>,
     /// Whether there are stand-ins among the values, for which scripts must be looked through.
     any_lost: AtomicBool,
     roots: Roots,
@@ -90,6 +98,8 @@ impl<S: Scripts> Driver<S> {
             questions: Questions::default(),
             points: Points::default(),
             timers,
+            pulse: Pulse::default(),
+            journal_pauses: Mutex::new(false),
             any_lost: AtomicBool::new(false),
             roots: Roots::default(),
             over: Mutex::new(false),
@@ -133,6 +143,15 @@ impl<S: Scripts> Driver<S> {
         &self.points
     }
 
+    pub(crate) fn pulse(&self) -> &Pulse {
+        &self.pulse
+    }
+
+    /// Whether the run is paused because its journal could not be written. Held by whoever pauses the run or lets it go on.
+    pub(crate) fn journal_pauses(&self) -> &Mutex<bool> {
+        &self.journal_pauses
+    }
+
     pub(crate) fn roots(&self) -> &Roots {
         &self.roots
     }
@@ -164,6 +183,16 @@ impl<S: Scripts> Driver<S> {
             self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
             None
         })
+    }
+
+    /// Does something with the engine that gives it no input, if it can be had until a moment. Called outside the interpreter.
+    pub(crate) fn try_core<T>(
+        &self,
+        until: Instant,
+        act: impl FnOnce(&mut Core<S::Value>) -> T,
+    ) -> Option<T> {
+        let mut core = self.core.try_lock_until(until)?;
+        Some(act(&mut core))
     }
 
     /// Does something with the engine that gives it no input.
@@ -284,13 +313,29 @@ impl<S: Scripts> Driver<S> {
         own: Option<BranchId>,
         then: impl FnOnce() -> Beside,
     ) -> Result<Next<S::Value>, Refusal> {
-        let mut turn = Turning::of(own);
-        core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
-        self.carry_out(core, &mut turn, then());
-        self.answer_pending(core, &mut turn)?;
-        let next = core.settle(turn);
-        self.staff(core);
-        Ok(next)
+        if core.is_broken {
+            return Err(Refusal::Broken);
+        }
+        let drive = || -> Result<Next<S::Value>, Refusal> {
+            let mut turn = Turning::of(own);
+            core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
+            self.carry_out(core, &mut turn, then());
+            self.answer_pending(core, &mut turn)?;
+            let next = core.settle(turn);
+            self.staff(core);
+            Ok(next)
+        };
+        catch_unwind(AssertUnwindSafe(drive)).unwrap_or_else(|_panic| Err(self.breaks(core)))
+    }
+
+    /// The engine, or what carries out what it says, has panicked: it may be changed by half, and takes no further input. The run
+    /// ends with its process, as after any crash.
+    fn breaks(&self, core: &mut Core<S::Value>) -> Refusal {
+        core.is_broken = true;
+        let what = "the engine failed; the process of this run ends, and it can be taken up";
+        self.recorder.push(self.clock.now_ns(), [tell::defect(what)]);
+        self.end_with(End::Broken);
+        Refusal::Broken
     }
 
     /// Sees to it that a thread is on its way to branches that have none, and that scripts without a thread are answered.
@@ -320,7 +365,9 @@ impl<S: Scripts> Driver<S> {
 
     fn carry_out(&self, core: &mut Core<S::Value>, turn: &mut Turning<S::Value>, beside: Beside) {
         let entered = self.look_ahead(core);
-        written::record(core, &self.scripts, self.clock, (&self.recorder, beside));
+        let now_ns = self.clock.now_ns();
+        self.pulse.moved(now_ns);
+        written::record(core, &self.scripts, now_ns, (&self.recorder, beside));
         self.set_alarms(core, &entered);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {

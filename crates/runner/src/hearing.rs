@@ -1,9 +1,9 @@
-//! Hearing what viewers say, whatever the runner does meanwhile: that it is there is said at once, the rest is handed on. Waits
-//! neither for the engine nor for the interpreter; must never know what a command does.
+//! Hearing what viewers say, whatever the runner does meanwhile: whether it is there and its engine takes inputs is said at once,
+//! the rest is handed on. Never waits for the interpreter, and for the engine only briefly; must never know what a command does.
 
 use crate::Clock;
 use crate::connection::{Receiver, Sender, Words};
-use rafcon_protocol::{ToRunner, ToViewer, decode};
+use rafcon_protocol::{EnginePulse, ToRunner, ToViewer, decode};
 use std::sync::mpsc::{self, SyncSender};
 
 /// So many words of one viewer wait for their turn; then it is not listened to.
@@ -14,11 +14,19 @@ pub(crate) fn way() -> (SyncSender<Words>, mpsc::Receiver<Words>) {
     mpsc::sync_channel(WAITING)
 }
 
-/// Hears one viewer until it goes away, or nobody heeds it any more.
-pub(crate) fn hear(mut receiver: Receiver, sender: &Sender, rest: &SyncSender<Words>) {
+/// Hears one viewer until it goes away, or nobody heeds it any more; `pulse` asks for the engine.
+pub(crate) fn hear(
+    mut receiver: Receiver,
+    sender: &Sender,
+    rest: &SyncSender<Words>,
+    pulse: impl Fn() -> EnginePulse,
+) {
     while let Some(words) = receiver.line() {
         match ping(&words) {
-            Some(id) => sender.send(&ToViewer::Pong { id, now_ms: Clock::epoch_ms() }),
+            Some(id) => {
+                let engine = Some(pulse());
+                sender.send(&ToViewer::Pong { id, now_ms: Clock::epoch_ms(), engine });
+            }
             None if rest.send(words).is_err() => return,
             None => {}
         }

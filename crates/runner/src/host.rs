@@ -23,6 +23,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread::{self, Scope};
 
+/// The exit status of a runner whose engine failed.
+const BROKEN: i32 = 87;
+
 /// Why there was no run.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
@@ -159,8 +162,8 @@ impl<S: Scripts> Begun<S> {
                     driver.scripts().released();
                 }
             });
-            if end.is_break() {
-                cut_off();
+            if let ControlFlow::Break(status) = end {
+                exit(status);
             }
             started.map_err(ServeError::System)
         })
@@ -222,7 +225,7 @@ fn set_out<S: Scripts>(
 
 /// Waits for the end of the run, and notes it down; breaks off if a script does not end. Then the interpreter is not entered
 /// any more: that script may never leave it.
-fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<()> {
+fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
     let end = driver.wait();
     let flow = match end {
         Some(End::Finished(finish)) => {
@@ -236,14 +239,15 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<()> {
             driver.tell(event);
             ControlFlow::Continue(())
         }
-        Some(End::CutOff) | None => ControlFlow::Break(()),
+        Some(End::Broken) => ControlFlow::Break(BROKEN),
+        Some(End::CutOff) | None => ControlFlow::Break(due::CUT_OFF),
     };
     driver.recorder().close();
     flow
 }
 
 /// Lets the threads end that a run has, as it cannot have all that it needs; its scripts are asked to end.
-pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) -> ControlFlow<()> {
+pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) -> ControlFlow<i32> {
     let message = format!("the system gave no thread to look after this run, which ends: {error}");
     driver.tell_in_time(tell::log(String::new(), LogLevel::Error, message));
     driver.dismiss_roots();
@@ -255,8 +259,8 @@ pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) ->
 }
 
 /// Ends the process with all its threads.
-fn cut_off() -> ! {
-    signal_hook::low_level::exit(due::CUT_OFF)
+fn exit(status: i32) -> ! {
+    signal_hook::low_level::exit(status)
 }
 
 fn finished<S: Scripts>(scripts: &S, finish: Finish<S::Value>) -> Event {

@@ -35,6 +35,7 @@ mod pen;
 mod place;
 mod points;
 mod prepare;
+mod pulse;
 mod questions;
 mod recorder;
 mod resume;

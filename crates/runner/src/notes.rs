@@ -1,4 +1,5 @@
-//! What goes into the record beside the engine's events. Called on any thread, never while the engine is locked.
+//! What goes into the record beside the engine's events. Called on any thread, also by the holder of the engine:
+//! it takes the lock of the record, and nothing that whoever writes a record waits for.
 
 use crate::driver::Driver;
 use crate::{Place, Scripts, tell};

@@ -90,14 +90,49 @@ impl<S: Scripts> Driver<S> {
             Command::StartFromHistory { sequence } => {
                 return self.start_from_history(*sequence, &order).map(|()| Done::Noted);
             }
-            command => {
-                let input = self.input_of(command)?;
-                let beside = || Beside { first: None, last: order.note() };
-                let taken = self.input_beside(input, || order.is_late(), beside);
-                return taken.map(|()| Done::Noted);
-            }
+            command => return self.carry_out_input(command, &order).map(|()| Done::Noted),
         }
         Ok(Done::Unnoted)
+    }
+
+    /// Carries out a command that the engine takes. A command about the pace of the run also decides that its journal does not
+    /// any more: a run that is paused until a disk has room stays paused if somebody wants that.
+    fn carry_out_input(
+        self: &Arc<Self>,
+        command: &Command,
+        order: &Order<'_>,
+    ) -> Result<(), NotTaken> {
+        let beside = || Beside { first: None, last: order.note() };
+        if *command == Command::Stop {
+            self.reach_for_stop(|why| self.tell_briefly(tell::defect(&why)));
+        }
+        if !is_about_pace(command) {
+            return self.input_beside(self.input_of(command)?, || order.is_late(), beside);
+        }
+        let input = self.input_of(command)?;
+        let mut pauses = self.journal_pauses().lock();
+        let is_paused_already = *pauses && *command == Command::Pause && !order.is_late();
+        if is_paused_already {
+            self.recorder().push(self.clock().now_ns(), order.note());
+        } else {
+            self.input_beside(input, || order.is_late(), beside)?;
+        }
+        *pauses = false;
+        Ok(())
+    }
+
+    /// Writes something down, if that takes no longer than a moment.
+    fn tell_briefly(self: &Arc<Self>, record: Record) {
+        let driver = Arc::clone(self);
+        let (told, wait) = mpsc::sync_channel::<()>(1);
+        let tell = move || {
+            driver.recorder().push(driver.clock().now_ns(), [record]);
+            drop(told);
+        };
+        // A disk that refuses must not keep anybody from ending a run.
+        if thread::Builder::new().name("last line".to_owned()).spawn(tell).is_ok() {
+            let _told = wait.recv_timeout(LAST_LINE);
+        }
     }
 
     /// The input that a command stands for.
@@ -154,22 +189,27 @@ impl<S: Scripts> Driver<S> {
 
     /// Ends the process, whatever its scripts do. Viewers see the connection end.
     fn kill(self: &Arc<Self>, envelope: &Envelope) -> ! {
-        let (driver, envelope) = (Arc::clone(self), Box::new(envelope.clone()));
-        let (told, wait) = mpsc::sync_channel::<()>(1);
-        let tell = move || {
-            driver.tell(Event::Commanded { envelope, answer: Answer::Applied });
-            drop(told);
-        };
-        // A disk that refuses must not keep anybody from killing a run.
-        if thread::Builder::new().name("kill".to_owned()).spawn(tell).is_ok() {
-            let _told = wait.recv_timeout(LAST_LINE);
-        }
+        self.tell_briefly(commanded(envelope, Answer::Applied));
         signal_hook::low_level::exit(KILLED)
     }
 
     pub(crate) fn input(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), String> {
         self.command(input).map_err(|refusal| refusal.to_string())
     }
+}
+
+fn is_about_pace(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Pause
+            | Command::Resume { .. }
+            | Command::StepMode
+            | Command::StepInto { .. }
+            | Command::StepOver { .. }
+            | Command::StepOut { .. }
+            | Command::StepBack { .. }
+            | Command::RunTo { .. }
+    )
 }
 
 fn state(path: Option<&String>) -> Option<StatePath> {

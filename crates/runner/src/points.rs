@@ -1,11 +1,14 @@
 //! The breakpoints of a run in the words of viewers. Knows both vocabularies; what holds where, the engine knows.
 
-use crate::{Driver, Scripts};
+use crate::driver::NotTaken;
+use crate::written::Beside;
+use crate::{Driver, Scripts, tell};
 use parking_lot::Mutex;
 use rafcon_engine as engine;
 use rafcon_engine::Input;
 use rafcon_model::StatePath;
 use rafcon_protocol::{Breakpoint, Event, Scope, Unattended, When};
+use rafcon_storage::journal::Record;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -25,18 +28,33 @@ impl Points {
 impl<S: Scripts> Driver<S> {
     /// Sets a breakpoint; the error is for people.
     pub(crate) fn set_breakpoint(self: &Arc<Self>, breakpoint: &Breakpoint) -> Result<(), String> {
-        self.input(Input::Break(for_engine(breakpoint)))?;
-        self.points().list.lock().insert(breakpoint.id, breakpoint.clone());
-        self.tell(Event::BreakpointSet { breakpoint: breakpoint.clone() });
-        Ok(())
+        let set = || {
+            self.points().list.lock().insert(breakpoint.id, breakpoint.clone());
+            tell::told(Event::BreakpointSet { breakpoint: breakpoint.clone() })
+        };
+        self.change_points(Input::Break(for_engine(breakpoint)), set)
     }
 
     /// Removes a breakpoint; the error is for people.
     pub(crate) fn remove_breakpoint(self: &Arc<Self>, id: u64) -> Result<(), String> {
-        self.input(Input::Unbreak(id))?;
-        self.points().list.lock().remove(&id);
-        self.tell(Event::BreakpointRemoved { id });
-        Ok(())
+        let remove = || {
+            self.points().list.lock().remove(&id);
+            tell::told(Event::BreakpointRemoved { id })
+        };
+        self.change_points(Input::Unbreak(id), remove)
+    }
+
+    /// Engine, list and record learn of it in one go, so that they never differ, whoever sets and removes at the same time.
+    fn change_points(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        note: impl FnOnce() -> Record + Send,
+    ) -> Result<(), String> {
+        let beside = || Beside { first: Some(note()), last: None };
+        self.input_beside(input, || false, beside).map_err(|not_taken| match not_taken {
+            NotTaken::Refused(why) => why,
+            NotTaken::Late => "it came too late".to_owned(),
+        })
     }
 }
 

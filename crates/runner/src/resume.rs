@@ -10,9 +10,11 @@ use crate::recorder::Recorder;
 use crate::revive::{Reviver, Surroundings};
 use crate::written::Beside;
 use crate::{Driver, Host, Scripts, tell};
-use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start};
+use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start, Status};
 use rafcon_model::OutcomeId;
-use rafcon_protocol::{Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active};
+use rafcon_protocol::{
+    Answer, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
+};
 use rafcon_storage::journal::{
     About, Hash, Journal, Kept, Moment, Place, Reader, Record, TakenUp, unpack,
 };
@@ -154,7 +156,11 @@ impl Past {
             driver.finish(finish);
             return Ok(());
         }
-        let held = matches!(whole.status, RunStatus::Paused | RunStatus::Stepping);
+        let held = match whole.status {
+            RunStatus::Stepping => true,
+            RunStatus::Paused => somebody_paused(&mut self.reader, &self.last),
+            _ => false,
+        };
         let (root, around) = driver.revive(&self.reader, &self.last);
         driver.put_back(around);
         let Some(root) = root else {
@@ -170,8 +176,40 @@ impl Past {
         let hold = hold || held;
         let restore = Restore { root, interrupted, crash, hold, counted };
         driver.input(Input::Restore(Box::new(restore)))?;
-        if whole.status == RunStatus::Stopping { driver.input(Input::Stop) } else { Ok(()) }
+        let is_over = || driver.with_core(|core| core.engine.status() == Status::Finished);
+        // What was interrupted may have been all that was left to end.
+        if whole.status == RunStatus::Stopping && is_over() == Some(false) {
+            return driver.input(Input::Stop);
+        }
+        Ok(())
     }
+}
+
+/// Whether a run that was paused at its end was so because somebody wanted it: then a command says so, in one group with the pause
+/// or later. Else its journal could not be written, and nobody holds it.
+fn somebody_paused(reader: &mut Reader, last: &Moment) -> bool {
+    let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
+    let count = usize::try_from(LAST_EVENTS).unwrap_or(usize::MAX);
+    let Ok(entries) = reader.page(first, count.saturating_add(1)) else { return true };
+    let mut events = entries.iter().rev().filter_map(|entry| match &entry.record {
+        Record::Told(event) => Some(&**event),
+        _ => None,
+    });
+    while let Some(event) = events.next() {
+        match event {
+            Event::Commanded { envelope, answer: Answer::Applied }
+                if envelope.command == Command::Pause =>
+            {
+                return true;
+            }
+            // A breakpoint may pause the whole run.
+            Event::Paused { paused: true } => {
+                return matches!(events.next(), Some(Event::Hit { held: true, .. }));
+            }
+            _ => {}
+        }
+    }
+    true
 }
 
 /// What the engine of the life before had counted.
@@ -348,5 +386,38 @@ fn clear(folder: &PathBuf) -> Result<(), String> {
             Err(format!("cannot remove {}: {error}", folder.display()))
         }
         Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::somebody_paused;
+    use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
+
+    const PAUSED: &str = r#"told {"type":"paused","paused":true}"#;
+    const LINE: &str =
+        r#"told {"type":"log","path":"","level":"error","stream":"engine","message":"full"}"#;
+    const COMMAND: &str = r#"told {"type":"commanded","envelope":{"id":"1","command":{"type":"pause"}},"answer":{"answer":"applied"}}"#;
+    const HIT: &str = r#"told {"type":"hit","breakpoint":1,"path":"R","hits":1,"held":true}"#;
+
+    /// Whether somebody wanted the pause at the end of this run.
+    fn check(events: &[&str], expected: bool) {
+        let folder = tempfile::tempdir().unwrap();
+        let run = format!("place R \"Root\" outcome done\nenter R\n{}\n", events.join("\n"));
+        let journal =
+            Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
+        journal.append(&notation::batch(&run, 0).unwrap()).unwrap();
+        drop(journal);
+        let mut reader = Reader::open(folder.path()).unwrap();
+        let last = reader.moment(events.len() as u64 + 1).unwrap();
+        assert_eq!(somebody_paused(&mut reader, &last), expected, "{events:?}");
+    }
+
+    #[test]
+    fn a_pause_that_the_journal_needed_holds_nobody_after_a_crash() {
+        check(&[PAUSED, LINE], false);
+        check(&[PAUSED, COMMAND], true);
+        check(&[PAUSED, LINE, COMMAND], true);
+        check(&[HIT, PAUSED], true);
     }
 }

@@ -83,6 +83,8 @@ impl<S: Scripts> Driver<S> {
 /// Keeps machines until [`Driver::close_roots`].
 pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
     let roots = driver.roots();
+    // Also if it ends by a panic: somebody waits for that.
+    let _done = Done(&roots.done);
     while let Wanted::Keep(machine, change) = roots.wanted.wait() {
         let (journal, files) = (driver.recorder().journal(), roots.files.get());
         if let (Some(journal), Some(files)) = (journal, files)
@@ -91,7 +93,15 @@ pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
             driver.tell_root(hash, change);
         }
     }
-    roots.done.post(());
+}
+
+/// Says that no more machines are kept.
+struct Done<'r>(&'r Mailbox<()>);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        self.0.post(());
+    }
 }
 
 /// Keeps one machine; a disk that is full is waited for, as long as the run goes on.

@@ -19,6 +19,7 @@ pub(crate) fn take_over() -> io::Result<(Signals, Handle)> {
 pub(crate) fn serve<S: Scripts>(driver: &Arc<Driver<S>>, mut signals: Signals) {
     for signal in signals.forever() {
         if signal != SIGHUP {
+            driver.reach_for_stop(|_why| ());
             // Refused when the run is over or has not begun, and then there is nothing to stop.
             drop(driver.command(Input::Stop));
         }

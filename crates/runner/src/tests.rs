@@ -6,6 +6,7 @@ mod house;
 mod keeping;
 mod limits;
 mod players;
+mod pulse;
 mod resuming;
 mod runs;
 mod stress;

@@ -6,7 +6,7 @@ use crate::keep::Keep;
 use crate::names::{self, port_number};
 use crate::pen::End;
 use crate::recorder::{Recorder, Writing};
-use crate::{Clock, Scripts, tell};
+use crate::{Scripts, tell};
 use rafcon_engine::{Event, NodeId, PathId};
 use rafcon_model::OutcomeId;
 use rafcon_protocol::Keeping;
@@ -34,7 +34,7 @@ pub(crate) struct Beside {
 pub(crate) fn record<S: Scripts>(
     core: &mut Core<S::Value>,
     scripts: &S,
-    clock: Clock,
+    now: u64,
     (recorder, beside): (&Recorder, Beside),
 ) {
     let Beside { first, last } = beside;
@@ -43,7 +43,7 @@ pub(crate) fn record<S: Scripts>(
     }
     let mut events = std::mem::take(&mut core.outbox.events);
     let pen = recorder.write();
-    let mut page = Page { core, scripts, pen, now: clock.now_ns() };
+    let mut page = Page { core, scripts, pen, now };
     if let Some(first) = first {
         page.pen.note(page.now, &first);
     }

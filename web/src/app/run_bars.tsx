@@ -35,13 +35,15 @@ function OldBar({ watch }: { watch: Watch }) {
   // Of a broken connection there is a bar already.
   if (!isOld || (why === "link" && link.state === "down")) return null;
   return (
-    <Bar kind="warning" icon={<Unplug size={16} aria-hidden />}>
+    <Bar kind={why === "engine" ? "danger" : "warning"} icon={<Unplug size={16} aria-hidden />}>
       {oldInWords(why, agePhrase(age_ms), isHeard)}
     </Bar>
   );
 }
 
 function oldInWords(why: RunAge["why"], age: string, isHeard: boolean): string {
+  if (why === "engine")
+    return `The run stands still: its program answers, but its engine has not moved for ${age}. Stop it; if the engine does not take the stop, the program is ended, and the run can be taken up.`;
   if (why === "silence")
     return `The run has not been heard of for ${age}: its program does not answer the server. What is shown is as old; the robot may be elsewhere.`;
   if (why === "runner")

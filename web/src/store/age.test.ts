@@ -90,6 +90,7 @@ describe("what is shown of a run", () => {
   it("is as old as its program has been silent, however long ago that had something to say", () => {
     const runner = "silent" as const;
     expect(age({ runner })).toEqual({ age_ms: 3_000, isOld: true, why: "silence" });
+    expect(age({ runner: "stuck" })).toEqual({ age_ms: 3_000, isOld: true, why: "engine" });
     expect(age({ runner, ahead_ms: 60_000 }).age_ms).toBe(63_000);
     expect(age({ runner, link: DOWN }).why).toBe("link");
   });

@@ -11,9 +11,12 @@ export interface RunAge {
   /** Whether something else may be true by now; what is shown of the run is greyed then. */
   readonly isOld: boolean;
   /** `link`: the server is not heard. `runner`: the server has lost the run's program. `silence`: it does not answer the server.
+   * `engine`: it answers, but its engine takes no inputs.
    * `moment`: a past moment is shown, which is what the user wants, and never old. */
-  readonly why: "link" | "runner" | "silence" | "moment" | null;
+  readonly why: "link" | "runner" | "silence" | "engine" | "moment" | null;
 }
+
+const WHY: { readonly [link: string]: RunAge["why"] } = { silent: "silence", stuck: "engine" };
 
 const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };
 
@@ -32,7 +35,7 @@ export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: numbe
   const isLost = link.state !== "up" || !watch.isHeard.value || age_ms >= (pulse?.old_ms ?? 0);
   if (isLost && pulse) return { age_ms, isOld: true, why: "link" };
   if (now.link === "up") return FRESH;
-  const why = now.link === "silent" ? "silence" : "runner";
+  const why = WHY[now.link] ?? "runner";
   return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why };
 }
 

@@ -63,6 +63,11 @@ pub enum Command {
 /// An input that changed nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Refusal {
+    /// The engine failed at an earlier input.
+    #[error(
+        "the engine of this run failed inside RAFCON itself, and the run ends; please report it"
+    )]
+    Broken,
     /// The command means nothing in this status.
     #[error("cannot {command}: the run {status}; {}", way_out(*status))]
     NotNow {

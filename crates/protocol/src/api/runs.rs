@@ -160,6 +160,9 @@ pub enum LinkState {
     Up,
     /// It stands, but the runner does not answer: it is stopped, swapped out or hangs, and what it said last may be old.
     Silent,
+    /// It stands and the runner answers, but its engine has not taken inputs for some seconds: nothing moves on, and no command is
+    /// carried out. `runner_heard_ms` is when the engine was reached last.
+    Stuck,
     /// It is gone, or being made.
     Down,
     /// The run is over: there is nothing to connect to.

@@ -77,6 +77,8 @@ enum Runner {
     Heard,
     /// It does not answer, though its socket is open.
     Silent,
+    /// It answers, but its engine takes no inputs.
+    Stuck,
 }
 
 /// What is known about the run that is followed.
@@ -285,7 +287,7 @@ impl Session {
     fn status(&mut self, now: RunNow, todo: &mut Todo) {
         let mut messages = Vec::new();
         let link = now.link;
-        let is_linked = matches!(link, LinkState::Up | LinkState::Silent);
+        let is_linked = matches!(link, LinkState::Up | LinkState::Silent | LinkState::Stuck);
         let is_told = is_linked && (self.next.is_some() || now.snapshot.is_some());
         if !self.is_loaded && (is_told || !is_live(&now.run.phase)) {
             self.is_loaded = true;
@@ -313,6 +315,7 @@ impl Session {
         let runner = match link {
             LinkState::Up => Runner::Heard,
             LinkState::Silent => Runner::Silent,
+            LinkState::Stuck => Runner::Stuck,
             _ => return,
         };
         if std::mem::replace(&mut self.runner, runner) != runner {
@@ -321,6 +324,11 @@ impl Session {
                 Runner::Silent => {
                     Told::Cut("the run is not heard: its program does not answer".to_owned())
                 }
+                Runner::Stuck => Told::Cut(
+                    "the run stands still: its program is heard, but its engine takes no inputs; \
+                     a stop ends the program if need be"
+                        .to_owned(),
+                ),
             });
         }
     }

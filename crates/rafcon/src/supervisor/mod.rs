@@ -164,6 +164,11 @@ impl Supervisor {
         self.end.as_ref().filter(|_| over)
     }
 
+    /// Whether the runner ended itself to bring the run to a stop.
+    pub(crate) fn is_stopped_by_itself(&self) -> bool {
+        self.exit.is_some_and(Exit::is_stopped)
+    }
+
     /// When the next tick is needed at the latest.
     pub(crate) fn wake_at(&self) -> Option<Duration> {
         [self.deadline, self.kill_at, self.settled_at].into_iter().flatten().min()

@@ -28,3 +28,4 @@ mod strangers;
 mod terminal;
 mod torture;
 mod users;
+mod wide;

@@ -206,6 +206,32 @@ fn a_runner_that_hangs_is_told_from_one_that_has_nothing_to_say() {
     }
 }
 
+#[test]
+fn a_runner_that_does_not_answer_a_stop_is_ended() {
+    let site = Site::new();
+    let mut line = site.door().line().unwrap();
+    let topic = Topic::RunStatus { run: site.run.clone() };
+    line.say(&ToServer::Subscribe { subscription: 1, topic }).unwrap();
+    status(&mut line, LinkState::Up, |now| now.snapshot.is_some());
+    let folder = site.place.path("runs").join(&site.run);
+    let _stopped = Stopped::new(writer_of(&folder).unwrap().unwrap());
+    line.say(&site.command("stop", Command::Stop)).unwrap();
+    let (mut is_answered, mut is_crashed) = (false, false);
+    while !(is_answered && is_crashed) {
+        match line.hear().unwrap() {
+            ToClient::Answer(CommandAnswer { answer, .. }) => {
+                assert_eq!(answer, Answer::Applied);
+                is_answered = true;
+            }
+            ToClient::RunStatus { status, .. } => {
+                is_crashed = status.run.phase == RunPhase::Crashed
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(!site.history(false).is_empty());
+}
+
 /// How the run stands, as soon as its link is like this and it is what is `wanted`; until then nothing but this is told.
 fn status(line: &mut Line, link: LinkState, wanted: impl Fn(&RunNow) -> bool) -> RunNow {
     loop {

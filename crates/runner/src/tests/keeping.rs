@@ -8,7 +8,9 @@ use crate::recorder::{Read, Recorder};
 use crate::{committer, due};
 use expect_test::{Expect, expect};
 use rafcon_engine::{Input, Status};
-use rafcon_protocol::{Command, Event, Join, Keeping, Launch, LogLevel, Stream, ToViewer};
+use rafcon_protocol::{
+    Answer, Command, Envelope, Event, Join, Keeping, Launch, LogLevel, Stream, ToViewer,
+};
 use rafcon_storage::journal::folder::SPILL_FOLDER;
 use rafcon_storage::journal::{About, Journal, Options, Reader, Record};
 use std::fmt::Write as _;
@@ -283,6 +285,31 @@ hierarchy ROOT
     });
     run.driver.command(Input::Stop).unwrap();
     assert_eq!(run.end().finish.outcome_name, "preempted");
+}
+
+#[test]
+fn a_run_that_somebody_holds_while_the_disk_refuses_stays_held_when_there_is_room_again() {
+    let home = tempfile::tempdir().unwrap();
+    let machine = "execution ROOT \"wait\"\n  outcome done\n";
+    let run = Run::recorded(machine, (1, 0), recorder(&home.path().join("run")));
+    run.start();
+    let safety = run.driver.recorder().safety();
+    thread::scope(|scope| {
+        scope.spawn(|| committer::attend(&run.driver));
+        safety.failed("there is no room");
+        run.wait_for_status(Status::Paused);
+        assert_eq!(run.driver.obey(&pause()), Answer::Applied);
+        safety.committed(run.driver.recorder().last(), safety.backlog());
+        safety.closed();
+    });
+    assert_eq!(run.driver.with_core(|core| core.engine.status()), Some(Status::Paused));
+    run.driver.command(Input::Stop).unwrap();
+    run.end();
+}
+
+fn pause() -> Envelope {
+    let (id, author, command) = ("1".to_owned(), "test".to_owned(), Command::Pause);
+    Envelope { id, author, decided_on: None, expiry: None, command }
 }
 
 /// A line that is too large for the recorder; a file lies where it would be written instead.

@@ -10,8 +10,8 @@ use crate::signals::PREEMPTED;
 use crate::words::Wording;
 use crate::{Clock, Driver, Place, Scripts};
 use rafcon_engine::{
-    Finish, Globals, Input, Job, Literals, ModelLiterals, NoGlobals, NodeId, Program, Returned,
-    ScriptResult, Start, Status,
+    Finish, Globals, Input, Job, Literals, ModelLiterals, NodeId, Program, Returned, ScriptResult,
+    Start, Status,
 };
 use rafcon_model::{Value, notation};
 use rafcon_protocol::Event;
@@ -79,7 +79,7 @@ impl Scripts for Players {
     fn released(&self) {}
 
     fn globals(&self) -> &dyn Globals<Value> {
-        &NoGlobals
+        &Panics
     }
 
     fn encode(&self, _value: &Value) -> serde_json::Value {
@@ -104,6 +104,16 @@ impl Scripts for Players {
 
     fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value> {
         serde_json::Map::new()
+    }
+}
+
+/// There is no global variable, and to ask for the one with this name is a defect.
+struct Panics;
+
+impl Globals<Value> for Panics {
+    fn get(&self, name: &str) -> Option<Value> {
+        assert!(name != "panic", "as the test wants it");
+        None
     }
 }
 

@@ -452,3 +452,22 @@ fn a_command_and_what_it_leads_to_are_kept_together() {
     assert_eq!(names, ["paused", "pause", "stopping", "stop"]);
     assert!(told.chunks(2).all(|pair| pair[0].0 == pair[1].0), "{told:?}");
 }
+
+#[test]
+fn a_run_that_was_stopping_when_its_script_was_cut_off_comes_to_its_end() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> B
+  B.ok -> .done
+  execution B \"stuck\"
+    outcome ok
+";
+    let house = House::new(machine);
+    let test = "a_run_that_was_stopping_when_its_script_was_cut_off_comes_to_its_end";
+    house.die_after(&format!("tests::resuming::{test}"), "+ROOT/B", &[("stop", Command::Stop)]);
+    let (viewer, runner) = house.begin(house.resume(OnCrash::Abort, None));
+    let text = viewer.into_end();
+    runner.join().unwrap();
+    assert!(text.contains("-ROOT/B=aborted\n") && text.contains("\nfinished "), "{text}");
+}

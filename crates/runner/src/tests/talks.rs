@@ -237,12 +237,13 @@ fn a_runner_says_that_it_is_there_also_while_a_command_takes_its_time() {
     let (under_way, _) = listener.accept().unwrap();
     first.send(&ToRunner::Ping { id: 7 });
     let pong = first.until(|message| match message {
-        ToViewer::Pong { id, now_ms } => Some((*id, *now_ms)),
+        ToViewer::Pong { id, now_ms, engine } => Some((*id, *now_ms, *engine)),
         ToViewer::Answer { .. } => panic!("{message:?}"),
         _ => None,
     });
     assert_eq!(pong.0, 7);
     assert!((1..=Clock::epoch_ms()).contains(&pong.1), "{pong:?}");
+    assert_eq!(pong.2.map(|engine| (engine.unreached_ms, engine.scripts)), Some((0, Some(1))));
     drop(under_way);
     let answer = first.answer("slow");
     assert!(answer.starts_with("refused: cannot start: "), "{answer}");

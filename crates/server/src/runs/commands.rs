@@ -12,13 +12,22 @@ use crate::{Failure, House};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, Right, RunPhase};
 use rafcon_protocol::{Answer, Command, Envelope, StateData};
+use rafcon_storage::journal::writer_of;
 use rafcon_supervisor::clock;
+use rustix::process::{Pid, Signal, kill_process};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::time::timeout;
+use tokio::time::{sleep, timeout};
 
 /// How long an answer is waited for: a runner whose disk refuses may take long.
 const PATIENCE: Duration = Duration::from_secs(30);
+
+/// How long an answer to a stop is waited for; then the process of the run is ended. A runner whose engine does not take a stop
+/// ends itself a little before that.
+const STOP_PATIENCE: Duration = Duration::from_secs(10);
+
+/// A stop whose link was lost is sent again after this time.
+const AGAIN: Duration = Duration::from_millis(100);
 
 /// Gives a command to a run in the name of whoever asks.
 pub(crate) async fn command(
@@ -43,7 +52,11 @@ pub(crate) async fn command(
         take(house, &run, who)?;
     }
     let envelope = Envelope { id: known, author: who.user.clone(), ..envelope };
-    let answer = send(&run, envelope).await?;
+    let answer = if envelope.command == Command::Stop {
+        stop(house, who, &run, envelope).await?
+    } else {
+        send(&run, envelope).await?
+    };
     Ok(CommandAnswer { id, answer })
 }
 
@@ -147,6 +160,50 @@ fn note(run: &Run, who: &Who, holder: Option<&str>) {
     };
     // Its answer says nothing that is not known.
     drop(link.send(&envelope));
+}
+
+/// Stops a run, whatever its runner does: if that does not answer in time, its process is ended.
+async fn stop(
+    house: &House,
+    who: &Who,
+    run: &Arc<Run>,
+    envelope: Envelope,
+) -> Result<Answer, Failure> {
+    match timeout(STOP_PATIENCE, until_answered(run, envelope)).await {
+        // It has ended itself: its engine did not take the stop.
+        Ok(Err(failure)) if failure.code() == LINK_LOST && !run.is_live() => {
+            return Ok(Answer::Applied);
+        }
+        Ok(answer) => return answer,
+        Err(_over) => {}
+    }
+    let (folder, ended) = (run.folder().to_path_buf(), Arc::clone(run));
+    let end = move || {
+        let process = writer_of(&folder).ok().flatten().and_then(pid);
+        process.is_some_and(|process| {
+            ended.stop_by_force();
+            kill_process(process, Signal::KILL).is_ok()
+        })
+    };
+    if !tokio::task::spawn_blocking(end).await.unwrap_or_default() {
+        return Err(late());
+    }
+    house.audit().note(&who.user, "kill", &format!("of {}: it did not take a stop", run.id()));
+    Ok(Answer::Applied)
+}
+
+/// Sends a command as often as its link is lost while the run goes on.
+async fn until_answered(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
+    loop {
+        match send(run, envelope.clone()).await {
+            Err(failure) if failure.code() == LINK_LOST && run.is_live() => sleep(AGAIN).await,
+            answer => return answer,
+        }
+    }
+}
+
+fn pid(process: u32) -> Option<Pid> {
+    Pid::from_raw(i32::try_from(process).ok()?)
 }
 
 async fn send(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {

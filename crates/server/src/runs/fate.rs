@@ -32,7 +32,7 @@ pub(super) fn of(folder: &Path, exit: Option<Exit>) -> Fate {
     let mut last = last.take_while(|event| !matches!(event, Event::Resumed { .. }));
     let by = last.find(|event| matches!(event, Event::CutOff { .. }) || is_kill(event));
     let is_cut_off = matches!(by, Some(Event::CutOff { .. })) || exit.is_some_and(Exit::is_cut_off);
-    let is_killed = by.is_some_and(is_kill);
+    let is_killed = by.is_some_and(is_kill) || exit.is_some_and(Exit::is_stopped);
     let said = last_lines(&folder.join(OUTPUT_FILE), LINES);
     let death = Death { reason, active: remains::running(folder), said, is_cut_off };
     Fate { death, is_killed }

@@ -150,7 +150,9 @@ impl Life {
         let Some(request) = ours else {
             return self.is_over(&summary);
         };
-        let next = if fate.is_killed {
+        let next = if self.run.take_stop_by_force() {
+            Next::Ask("it did not take a stop, so its process was ended")
+        } else if fate.is_killed {
             Next::Ask("somebody killed it")
         } else {
             let now = Duration::from_millis(clock::since_1970_ms());

@@ -152,6 +152,7 @@ fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<Told>) {
             run.stands(snapshot);
         }
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
+        Ok(ToViewer::Pong { engine: Some(engine), .. }) => run.engine_answers(engine),
         // What a link does not ask for, and what a newer runner may say.
         Ok(
             ToViewer::Loaded { .. }

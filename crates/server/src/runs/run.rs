@@ -11,7 +11,7 @@ use super::told::Told;
 use crate::house::House;
 use parking_lot::Mutex;
 use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
-use rafcon_protocol::{Event, Snapshot};
+use rafcon_protocol::{EnginePulse, Event, Snapshot};
 use rafcon_supervisor::{Exit, clock};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,6 +22,9 @@ use tokio::time::timeout;
 
 /// How long the way to a runner is waited for by those who need it.
 const LINK_PATIENCE: Duration = Duration::from_secs(3);
+
+/// An engine that has taken no inputs for so long is stuck.
+const STUCK_AFTER: Duration = Duration::from_secs(3);
 
 /// So many look into active states at a time, each over a connection of its own: the runner lets few in, and others need it more.
 const GUESTS: usize = 4;
@@ -46,6 +49,8 @@ pub(crate) struct Run {
     is_followed: AtomicBool,
     /// Whether it is different from how it was found.
     has_changed: AtomicBool,
+    /// Whether its process was ended because it did not take a stop.
+    is_stopped_by_force: AtomicBool,
     /// How many notes about control were sent.
     notes: AtomicU64,
     guests: Semaphore,
@@ -84,6 +89,7 @@ impl Run {
             news: house.news.counter_of_runs(),
             is_followed: AtomicBool::new(false),
             has_changed: AtomicBool::new(false),
+            is_stopped_by_force: AtomicBool::new(false),
             notes: AtomicU64::new(0),
             guests: Semaphore::new(GUESTS),
             audience: Audience::default(),
@@ -219,6 +225,31 @@ impl Run {
     pub(super) fn is_heard_again(&self) {
         let heard_ms = clock::since_1970_ms();
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Up, Some(heard_ms)));
+    }
+
+    /// Its runner says whether its engine takes inputs.
+    pub(super) fn engine_answers(&self, engine: EnginePulse) {
+        let unreached = Duration::from_millis(engine.unreached_ms);
+        let reached_ms = clock::since_1970_ms().saturating_sub(engine.unreached_ms);
+        self.change(|now| match now.link {
+            LinkState::Up if unreached >= STUCK_AFTER => {
+                (now.link, now.runner_heard_ms) = (LinkState::Stuck, Some(reached_ms));
+            }
+            LinkState::Stuck if unreached.is_zero() => {
+                (now.link, now.runner_heard_ms) = (LinkState::Up, Some(reached_ms));
+            }
+            _ => {}
+        });
+    }
+
+    /// Its process is ended because it did not take a stop: it is not to go on by itself.
+    pub(super) fn stop_by_force(&self) {
+        self.is_stopped_by_force.store(true, Ordering::Release);
+    }
+
+    /// Whether that is how its last runner ended; asked once.
+    pub(super) fn take_stop_by_force(&self) -> bool {
+        self.is_stopped_by_force.swap(false, Ordering::AcqRel)
     }
 
     /// Who looks at how it stands.

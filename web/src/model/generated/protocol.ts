@@ -926,7 +926,7 @@ export type LibraryUsages = {
   is_cut: boolean, };
 
 /** The connection between server and runner. */
-export type LinkState = "up" | "silent" | "down" | "over";
+export type LinkState = "up" | "silent" | "stuck" | "down" | "over";
 
 /** The machine of a run, as its runner has read it. */
 export type LoadedMachine = {

@@ -52,6 +52,7 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
 }
 
 function oldInWords({ why, age_ms }: RunAge): string {
+  if (why === "engine") return `The engine of the run has not moved for ${duration(age_ms)}.`;
   const who = why === "link" ? "The server is not heard" : "The server does not hear the robot";
   return `${who}: this is ${duration(age_ms)} old.`;
 }

@@ -242,15 +242,18 @@ class GlobalVariableManager(Observable):
     # ---- for the runner
 
     def _resolve(self, name):
-        """(found, value, how the journal keeps it) for a port default `$name`: never waits, for a locked variable neither."""
+        """(found, value, how the journal keeps it) for a port default `$name`: never waits, for a locked variable neither.
+
+        The engine is locked meanwhile, so no code of the user runs, and nothing is copied: the value is the variable's own,
+        which nobody else changes, and a script gets a copy of its inputs anyway.
+        """
         with self._lock:
             variable = self._variables.get(name)
             found = _content(variable)
             kept = None if variable is None else variable.kept
         if found is None:
             return False, None, None
-        value, by_reference = found
-        return True, value if by_reference else _copied(value), kept
+        return True, found[0], kept
 
     def _restore(self, name, value):
         """Puts a variable back as the journal of the run had it."""

@@ -8,7 +8,7 @@ use crate::supervisor::{Action, End, Supervisor};
 use crate::view::{Nothing, View};
 use crate::wires::{self, Cause, Wires};
 use anyhow::Result;
-use rafcon_protocol::{Hello, Launch, encode};
+use rafcon_protocol::{Hello, Launch, OnCrash, encode};
 use rafcon_supervisor::clock::salt;
 use rafcon_supervisor::{Group, Lives, Next, Start, remains};
 use serde::Serialize;
@@ -54,7 +54,9 @@ pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Res
             drive.show(|view| view.end(&end));
             return Ok(end);
         };
-        match lives.next(clock.now(), death, place.on_crash()) {
+        let is_stopped = drive.supervisor.is_stopped_by_itself();
+        let policy = if is_stopped { OnCrash::Ask } else { place.on_crash() };
+        match lives.next(clock.now(), death, policy) {
             Next::Again(resume, crash) if place.is_kept() => {
                 let note = format!("the runner died ({}); the run is taken up again", death.reason);
                 drive.show(|view| view.note(&note));

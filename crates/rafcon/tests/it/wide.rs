@@ -1,0 +1,166 @@
+//! Machines with many branches under the eyes of many viewers: each run goes on, and each command is answered.
+
+use crate::harness::{Place, Run};
+use crate::torture::number;
+use expect_test::{Expect, expect};
+use rustix::process::Signal;
+use serde_json::Value;
+use std::fmt::Write as _;
+
+/// How many runs with 64 branches there are, where one with fewer is not enough.
+const WIDE: &str = "RAFCON_TEST_WIDE";
+const BRANCHES: usize = 24;
+/// States of each branch.
+const STATES: usize = 60;
+
+/// A barrier of hierarchies, whose states each sleep 2 ms and are entered once; the decider does what `last` says.
+fn machine(branches: usize, states: usize, last: &str) -> String {
+    let mut text = "barrier ROOT \"Wide\"\n  outcome success\n".to_owned();
+    text += "  unique_decider_state_id.success -> .success\n";
+    for branch in 0..branches {
+        writeln!(text, "  hierarchy ROW{branch}\n    outcome success\n    start -> S0").unwrap();
+        for state in 1..states {
+            writeln!(text, "    S{}.success -> S{state}", state - 1).unwrap();
+        }
+        writeln!(text, "    S{}.success -> .success", states - 1).unwrap();
+        for state in 0..states {
+            writeln!(text, "    execution S{state} \"Sleep\"\n      outcome success").unwrap();
+            text += "      script |\n        import time\n";
+            text += "        def execute(self, inputs, outputs, gvm):\n";
+            text += "            time.sleep(0.002)\n            return 0\n";
+        }
+    }
+    text += "  decider unique_decider_state_id \"Decider\"\n    outcome success\n    script |\n";
+    text += "      def execute(self, inputs, outputs, gvm):\n";
+    text + &format!("          {last}\n          return 0\n")
+}
+
+/// Runs it beside so many viewers, and gives it each command after a line with a word; what was answered, and how each saw the
+/// end.
+fn check(viewers: usize, commands: &[(&str, &str)], expect: &Expect) {
+    let place = Place::with(&machine(BRANCHES, STATES, "self.preemptive_wait()"));
+    let mut run = Run::start(&place, "--hold --runs runs");
+    run.wait_for("\"held\"");
+    let attach = "attach last --from 1 --output json --runs runs";
+    let mut viewers: Vec<Run> = (0..viewers).map(|_| Run::of(place.command(attach))).collect();
+    for viewer in &mut viewers {
+        viewer.wait_for("\"held\"");
+    }
+    let mut text = String::new();
+    for (until, command) in commands {
+        if !until.is_empty() {
+            run.wait_for(until);
+        }
+        let told = place.call(&format!("tell last {command} --runs runs"));
+        text.extend(["> ", command, ": ", &*told.stdout, &*told.stderr]);
+    }
+    for seen in std::iter::once(run).chain(viewers) {
+        let (_code, lines, said) = seen.end();
+        let events = lines.iter().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        let end = events.filter(|event| event["type"] == "finished").last();
+        let outcome = end.map(|end| end["outcome"]["name"].as_str().unwrap().to_owned());
+        writeln!(text, "{}{said}", outcome.unwrap_or("no end".to_owned())).unwrap();
+    }
+    expect.assert_eq(&text);
+}
+
+/// To its last state, with a pause on the way.
+const WHOLE: [(&str, &str); 4] =
+    [("", "resume"), ("", "pause"), ("", "resume"), ("ROOT/unique_decider_state_id", "stop")];
+
+#[test]
+fn a_wide_run_goes_on_without_viewers() {
+    check(
+        0,
+        &WHOLE,
+        &expect![[r"
+            > resume: applied
+            > pause: applied
+            > resume: applied
+            > stop: applied
+            preempted
+        "]],
+    );
+}
+
+#[test]
+fn a_wide_run_goes_on_beside_a_viewer() {
+    check(
+        1,
+        &WHOLE,
+        &expect![[r"
+            > resume: applied
+            > pause: applied
+            > resume: applied
+            > stop: applied
+            preempted
+            preempted
+        "]],
+    );
+}
+
+#[test]
+fn a_wide_run_goes_on_beside_many_viewers() {
+    check(
+        8,
+        &WHOLE,
+        &expect![[r"
+            > resume: applied
+            > pause: applied
+            > resume: applied
+            > stop: applied
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+        "]],
+    );
+}
+
+#[test]
+fn a_wide_run_beside_many_viewers_is_stopped() {
+    check(
+        8,
+        &[("", "resume"), ("ROOT/ROW0/S5\"", "stop")],
+        &expect![[r"
+            > resume: applied
+            > stop: applied
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+            preempted
+        "]],
+    );
+}
+
+#[test]
+fn a_wide_run_ends_while_viewers_come_and_go() {
+    let runs = number(WIDE).unwrap_or(0);
+    let branches = if runs == 0 { BRANCHES } else { 64 };
+    let place = Place::with(&machine(branches, STATES, "pass"));
+    for seed in 0..runs.max(1) {
+        let words = format!("--runs runs-{seed}");
+        let mut run = Run::start(&place, &words);
+        run.wait_for("\"left\"");
+        let attach = format!("attach last --output json {words}");
+        for row in 0..3 {
+            let mut viewers: Vec<Run> = (0..4).map(|_| Run::of(place.command(&attach))).collect();
+            run.wait_for(&format!("ROOT/ROW{row}/S{}", 10 * (row + 2)));
+            // One has seen nothing yet, perhaps, and one hears on until it is let go.
+            viewers.pop();
+            viewers.into_iter().for_each(|viewer| viewer.signal(Signal::TERM));
+        }
+        let (code, lines, said) = run.end();
+        assert_eq!(code, Some(0), "run {seed}: {said} {:?}", lines.last());
+    }
+}
