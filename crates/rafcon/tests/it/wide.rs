@@ -32,7 +32,8 @@ fn machine(branches: usize, states: usize, last: &str) -> String {
     }
     text += "  decider unique_decider_state_id \"Decider\"\n    outcome success\n    script |\n";
     text += "      def execute(self, inputs, outputs, gvm):\n";
-    text + &format!("          {last}\n          return 0\n")
+    writeln!(text, "          {last}\n          return 0").unwrap();
+    text
 }
 
 /// Runs it beside so many viewers, and gives it each command after a line with a word; what was answered, and how each saw the
@@ -56,10 +57,10 @@ fn check(viewers: usize, commands: &[(&str, &str)], expect: &Expect) {
     }
     for seen in std::iter::once(run).chain(viewers) {
         let (_code, lines, said) = seen.end();
-        let events = lines.iter().map(|line| serde_json::from_str::<Value>(line).unwrap());
-        let end = events.filter(|event| event["type"] == "finished").last();
+        let mut events = lines.iter().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        let end = events.rfind(|event| event["type"] == "finished");
         let outcome = end.map(|end| end["outcome"]["name"].as_str().unwrap().to_owned());
-        writeln!(text, "{}{said}", outcome.unwrap_or("no end".to_owned())).unwrap();
+        writeln!(text, "{}{said}", outcome.unwrap_or_else(|| "no end".to_owned())).unwrap();
     }
     expect.assert_eq(&text);
 }
