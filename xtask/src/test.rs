@@ -12,7 +12,8 @@ use crate::reference::Reference;
 use crate::{bench_web, process, python, types, web, workspace};
 
 /// What the Python-side tests need besides the extension.
-const CONTENTS: python::Contents = python::Contents { bare: &[], full: &["numpy"] };
+const CONTENTS: python::Contents =
+    python::Contents { bare: &[], full: &["numpy", "mypy>=1.11,<2"] };
 
 /// A plugin of the reference that makes machines by this package, with its examples.
 const PLANNER: (&str, &str) = ("rafcon-task-planner-plugin", "1.5.2");

@@ -22,6 +22,9 @@ pub struct Launch {
     /// Values for input ports of the root: name and JSON value.
     #[serde(default)]
     pub inputs: Vec<(String, serde_json::Value)>,
+    /// Global variables that are there before the first state runs: name and JSON value.
+    #[serde(default)]
+    pub globals: Vec<(String, serde_json::Value)>,
     /// Library roots, name and folder, before those of configuration and environment.
     #[serde(default)]
     pub libraries: Vec<(String, PathBuf)>,

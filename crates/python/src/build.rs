@@ -14,6 +14,7 @@ use rafcon_model::{
     Container, Conversion, DataFlowId, Header, Kind, KindName, Library, LibraryContent, Machine,
     Ports, RuntimeValue, RuntimeValues, Script, State, StateId, StatePath, TransitionId, convert,
 };
+use rafcon_runner::Built;
 use rafcon_storage::{Libraries, Saved, fill_library};
 use smol_str::SmolStr;
 use std::sync::Arc;
@@ -38,6 +39,13 @@ impl Document {
     /// A document with this content.
     pub(crate) fn of(machine: Machine, saved: Option<Saved>, libraries: Arc<Libraries>) -> Self {
         Self(Mutex::new(Content { machine, saved, libraries }))
+    }
+
+    /// The machine as it is now, to be run.
+    pub(crate) fn built(&self, py: Python<'_>, libraries: &Arc<Libraries>) -> Built {
+        let content = self.lock(py);
+        let (machine, saved) = (content.machine.clone(), content.saved.clone());
+        Built { machine, saved, libraries: Arc::clone(libraries) }
     }
 
     fn alone(root: State) -> Self {
@@ -86,15 +94,17 @@ impl Document {
         Ok(Self::alone(State::new(StateId::new(state_id), name, kind)))
     }
 
-    /// A new state that stands for a library, which has to be there.
+    /// A new state that stands for a library, which has to be there, by its id and perhaps a name, else that of the library.
     #[staticmethod]
     fn library(
         roots: &LibraryRoots,
         reference: (String, String),
         version: Option<&str>,
-        named: (String, String),
+        named: (String, Option<String>),
     ) -> PyResult<Self> {
         let ((path, library), (state_id, name)) = (reference, named);
+        let is_unnamed = name.is_none();
+        let name = name.unwrap_or_else(|| library.clone());
         let reference = Library {
             path: path.into(),
             name: library.into(),
@@ -107,6 +117,10 @@ impl Document {
         fill_library(&mut state, &roots.libraries);
         set_defaults(&mut state);
         match &state.kind {
+            Kind::Library(Library { content: LibraryContent::Found(root), .. }) if is_unnamed => {
+                state.name = root.name.clone();
+                Ok(Self::alone(state))
+            }
             Kind::Library(Library { content: LibraryContent::Missing { reason }, .. }) => {
                 Err(PyKeyError::new_err(reason.to_string()))
             }
@@ -160,6 +174,13 @@ impl Document {
         let root = content.machine.state(&path).cloned().ok_or_else(|| missing(&path))?;
         let machine = Machine { header: Header::default(), root };
         Ok(Self::of(machine, None, Arc::clone(&content.libraries)))
+    }
+
+    /// Whether another document has the same state.
+    fn is_like(&self, py: Python<'_>, other: &Self) -> bool {
+        let own = self.lock(py).machine.root.clone();
+        let other = other.lock(py).machine.root.clone();
+        Arc::ptr_eq(&own, &other) || own == other
     }
 
     /// The id of the outermost state.

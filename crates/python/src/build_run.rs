@@ -1,17 +1,22 @@
 //! A run inside a program that has built its machine: the program's own process hosts it. Knows the way in; what happens
 //! then is the runner's.
 
+use crate::build::Document;
+use crate::build_files::LibraryRoots;
 use crate::handle::Handle;
+use crate::keeper::Keeper;
 use crate::process::{PythonHost, adopt};
 use crate::{current, fork, runtime::Runtime};
 use parking_lot::Mutex;
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rafcon_engine::Finish;
-use rafcon_runner::{ServeError, serve};
+use rafcon_runner::{Clock, ServeError, reason, serve};
+use rafcon_storage::journal::Retention;
 use smol_str::SmolStr;
 use std::os::fd::RawFd;
+use std::path::PathBuf;
 
 /// How the last run of this program ended.
 static ENDING: Mutex<Option<Ending>> = Mutex::new(None);
@@ -59,16 +64,39 @@ fn named<'py>(py: Python<'py>, values: &[(SmolStr, Handle)]) -> PyResult<Bound<'
     Ok(dict)
 }
 
-/// `rafcon._native.host`: runs what the other end of the socket `fd` asks for, to its end. Output, signals and configuration
-/// stay those of the program.
+/// `rafcon._native.run_id`: the name of the folder of a run that begins now; `salt` tells apart what begins in one second.
 #[pyfunction]
-pub(crate) fn host(py: Python<'_>, fd: RawFd) -> PyResult<()> {
+pub(crate) fn run_id(name: &str, salt: u16) -> String {
+    rafcon_storage::journal::run_id(Clock::epoch_ms(), name, salt)
+}
+
+/// `rafcon._native.give_up_old_runs`: deletes runs in this folder beyond the usual number and size.
+#[pyfunction]
+pub(crate) fn give_up_old_runs(py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+    let prune = || Retention::default().prune(&folder, Clock::epoch_ms()).map(drop);
+    py.detach(prune).map_err(|error| PyOSError::new_err(reason(&error)))
+}
+
+/// `rafcon._native.host`: runs a machine that was built here as the other end of the socket `fd` asks for, to its end; a run
+/// that is taken up again has its machine itself. `roots` are where its libraries lie, `inputs` those of the root. Output,
+/// signals and configuration stay those of the program.
+#[pyfunction]
+pub(crate) fn host(
+    py: Python<'_>,
+    fd: RawFd,
+    document: Option<&Document>,
+    roots: &LibraryRoots,
+    inputs: Vec<(String, Bound<'_, PyAny>)>,
+) -> PyResult<()> {
     let stream = adopt(py, fd)?;
     if current::embed() {
         fork::register(&py.import("rafcon._native")?)?;
     }
     Runtime::get(py)?.heed_plugins(py)?;
-    match py.detach(|| serve(stream, PythonHost::default())) {
+    let built = document.map(|document| document.built(py, &roots.libraries));
+    let kept = |value| Handle::kept(value, &Keeper::before_the_run());
+    let inputs = inputs.into_iter().map(|(name, value)| (name.into(), kept(value))).collect();
+    match py.detach(|| serve(stream, PythonHost::embedded(built, inputs))) {
         Ok(()) | Err(ServeError::Load(_)) => Ok(()),
         Err(error) => Err(PyRuntimeError::new_err(error.to_string())),
     }

@@ -4,7 +4,7 @@
 use crate::runtime::Runtime;
 use parking_lot::Mutex;
 use pyo3::prelude::*;
-use pyo3::types::{PyCode, PyDict, PyTuple};
+use pyo3::types::{PyCode, PyDict, PyString, PyTuple};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -15,6 +15,9 @@ pub(crate) struct Codes(Mutex<BTreeMap<Arc<str>, Py<PyCode>>>);
 impl Codes {
     /// The code of a text as that of a file.
     pub(crate) fn get(&self, py: Python<'_>, text: &Arc<str>, file: &str) -> PyResult<Py<PyCode>> {
+        if file.starts_with('<') {
+            remember_source(py, text, file)?;
+        }
         let known = self.0.lock().get(text).map(|code| code.clone_ref(py));
         if let Some(code) = known {
             return relocated(code.bind(py), file).map(Bound::unbind);
@@ -31,6 +34,13 @@ fn compile(py: Python<'_>, text: &str, file: &str) -> PyResult<Py<PyCode>> {
     let compile = Runtime::get(py)?.builtins.bind(py).get_item("compile")?;
     let code = compile.call((text, file, "exec"), Some(&options))?;
     Ok(code.cast_into::<PyCode>()?.unbind())
+}
+
+/// Lets tracebacks show lines of a script that no file has.
+fn remember_source(py: Python<'_>, text: &str, file: &str) -> PyResult<()> {
+    let lines = PyString::new(py, text).call_method1("splitlines", (true,))?;
+    let cache = py.import("linecache")?.getattr("cache")?;
+    cache.set_item(file, (text.len(), py.None(), lines, file))
 }
 
 /// The same code, and the code of all functions in it, as that of another file.

@@ -15,7 +15,7 @@ mod _rafcon {
     #[pymodule_export]
     use super::build_files::{load_document, save_document};
     #[pymodule_export]
-    use super::build_run::{ending, host};
+    use super::build_run::{ending, give_up_old_runs, host, run_id};
     #[pymodule_export]
     use super::config::read_config;
     #[pymodule_export]
@@ -33,7 +33,7 @@ mod _rafcon {
     #[pymodule_export]
     use super::questions::ask;
     #[pymodule_export]
-    use super::status::status;
+    use super::status::{run_status, status};
     use pyo3::prelude::*;
 
     #[pymodule_init]

@@ -66,7 +66,8 @@ pub(crate) fn machine(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let scripts = run.scripts();
     let header = &scripts.machine.header;
     let facts = PyDict::new(py);
-    facts.set_item("file_system_path", scripts.files.machine().to_string_lossy())?;
+    let folder = scripts.files.machine().to_string_lossy();
+    facts.set_item("file_system_path", (!folder.is_empty()).then_some(folder))?;
     facts.set_item("version", header.version.as_deref())?;
     facts.set_item("creation_time", header.creation_time.as_str())?;
     facts.set_item("root", ROOT.0)?;

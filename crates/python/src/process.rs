@@ -9,7 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyModule;
 use rafcon_engine::Literals;
 use rafcon_protocol::{Launch, LogLevel};
-use rafcon_runner::{Driver, Host, Opening, ServeError, serve};
+use rafcon_runner::{Built, Driver, Host, Opening, ServeError, serve};
+use smol_str::SmolStr;
 use std::os::fd::{FromRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
@@ -18,6 +19,18 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 pub(crate) struct PythonHost {
     literals: PythonLiterals,
+    built: Option<Built>,
+    inputs: Vec<(SmolStr, Handle)>,
+    /// Whether the global variables that the program has set are noted down at the start.
+    notes_globals: bool,
+}
+
+impl PythonHost {
+    /// Hosts a machine that the program has built (or a run that is taken up again), with inputs of its root.
+    pub(crate) fn embedded(built: Option<Built>, inputs: Vec<(SmolStr, Handle)>) -> Self {
+        let notes_globals = built.is_some();
+        Self { literals: PythonLiterals, built, inputs, notes_globals }
+    }
 }
 
 impl Host for PythonHost {
@@ -42,17 +55,30 @@ impl Host for PythonHost {
         }
     }
 
+    fn built(&mut self) -> Option<Built> {
+        self.built.take()
+    }
+
+    fn inputs(&mut self) -> Vec<(SmolStr, Handle)> {
+        std::mem::take(&mut self.inputs)
+    }
+
     fn open(self, opening: Opening<Handle>) -> PythonScripts {
-        PythonScripts::new(opening)
+        PythonScripts::new(opening, self.notes_globals)
     }
 
     fn opened(driver: &Arc<Driver<PythonScripts>>) {
         current::set(driver);
+        let scripts = driver.scripts();
         if current::is_embedded() {
+            let (keeper, notes) = (&scripts.keeper, scripts.notes_globals);
+            if let Err(error) = Python::attach(|py| globals::keep_embedded(py, keeper, notes)) {
+                let message = format!("the global variables cannot be kept: {error}");
+                current::say(LogLevel::Error, message);
+            }
             return;
         }
         early::hand_over(driver);
-        let scripts = driver.scripts();
         let roots = scripts.files.libraries().roots();
         let ready = Python::attach(|py| {
             Runtime::get(py)?.prepare.call1(py, (scripts.seating.script_kinds(),))?;

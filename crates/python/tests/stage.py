@@ -95,6 +95,7 @@ class Native(types.ModuleType):
         self.edits = []
         self.before = {}
         self.happened = []
+        self.doing = "running"
 
     def current_path(self):
         return getattr(self.here, "path", -1)
@@ -103,8 +104,11 @@ class Native(types.ModuleType):
         return self.table[path]
 
     def status(self, path):
-        idle = {"active": True, "phase": "active", "final_outcome": None, "run_count": 1}
+        idle = {"active": True, "phase": "active", "final_outcome": None, "run_count": 1, "entered_ns": 0}
         return {**idle, "input_data": {}, "output_data": {}, "scoped_data": {}, **self.live.get(path, {})}
+
+    def run_status(self):
+        return self.doing
 
     def machine(self):
         return {"file_system_path": "/m", "version": None, "creation_time": "2026-01-31 12:00:00", "root": 0}

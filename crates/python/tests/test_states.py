@@ -271,10 +271,10 @@ class Run(Stage):
         engine.start()
         self.assertFalse(engine.finished_or_stopped())
         self.assertEqual(engine.status.execution_mode.name, "STARTED")
-        self.root.paused = True
+        stage.native.doing = "paused"
         self.assertEqual(engine.status.execution_mode.name, "PAUSED")
         engine.stop()
-        self.root.preempted = True
+        stage.native.doing = "stopping"
         self.assertTrue(engine.finished_or_stopped())
         self.assertEqual(stage.native.commands, ["pause", "resume", "stop"])
 

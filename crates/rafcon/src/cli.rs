@@ -66,6 +66,9 @@ pub(crate) struct Run {
     /// Value for an input port of the root, as JSON (repeat for more)
     #[arg(long = "input", value_name = "NAME=JSON")]
     pub(crate) inputs: Vec<String>,
+    /// Global variable that is there before the first state runs, as JSON (repeat for more)
+    #[arg(long = "global", value_name = "NAME=JSON")]
+    pub(crate) globals: Vec<String>,
     #[command(flatten)]
     pub(crate) libraries: Libraries,
     #[command(flatten)]

@@ -3,6 +3,7 @@
 use crate::active::Active;
 use crate::branch::{Turn, Work, Worker};
 use crate::crew::Crew;
+use crate::last::Last;
 use crate::level;
 use crate::names::Numbering;
 use crate::signals::{PAUSED, PREEMPTED, STARTED};
@@ -20,7 +21,7 @@ pub(crate) struct Core<D> {
     pub(crate) outbox: Outbox<D>,
     /// Answers for work that could not be done.
     pub(crate) pending: VecDeque<Input<D>>,
-    pub(crate) known: Vec<Option<Known>>,
+    pub(crate) known: Vec<Option<Known<D>>>,
     pub(crate) numbering: Numbering,
     /// How often the program changed, counted from 1.
     pub(crate) generation: u32,
@@ -36,10 +37,12 @@ pub(crate) struct Core<D> {
 
 /// A place that the run has met.
 #[derive(Debug)]
-pub(crate) struct Known {
+pub(crate) struct Known<D> {
     pub(crate) place: Arc<Place>,
     /// The generation of its latest definition in the record; 0 if it has none.
     pub(crate) defined: u32,
+    /// Of a container or library state: what it held in its last run.
+    pub(crate) last: Option<Box<Last<D>>>,
 }
 
 /// What one input came to, for the thread that gave it.
@@ -85,7 +88,7 @@ impl<D: Datum> Core<D> {
     }
 
     /// The same with what the record knows of it.
-    pub(crate) fn known(&mut self, path: PathId, node: NodeId) -> &mut Known {
+    pub(crate) fn known(&mut self, path: PathId, node: NodeId) -> &mut Known<D> {
         let index = path.index();
         if self.known.len() <= index {
             self.known.resize_with(index + 1, || None);
@@ -100,7 +103,7 @@ impl<D: Datum> Core<D> {
             let place = Arc::new(place.recorded(number, level(engine, path)));
             place.signals.set(flags, true);
             places.insert(Arc::clone(&place));
-            Known { place, defined: 0 }
+            Known { place, defined: 0, last: None }
         })
     }
 

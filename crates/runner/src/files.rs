@@ -13,15 +13,15 @@ const SCRIPT: &str = "script.py";
 #[derive(Debug, Clone)]
 pub struct StateFiles {
     machine: PathBuf,
-    /// As it was read last.
-    saved: Arc<RwLock<Arc<Saved>>>,
+    /// As it was read or written last; nothing for a machine that no file has.
+    saved: Arc<RwLock<Option<Arc<Saved>>>>,
     libraries: Arc<Libraries>,
 }
 
 impl StateFiles {
-    pub(crate) fn new(saved: Saved, libraries: Arc<Libraries>) -> Self {
-        let machine = saved.dir().to_owned();
-        Self { machine, saved: Arc::new(RwLock::new(Arc::new(saved))), libraries }
+    pub(crate) fn new(saved: Option<Saved>, libraries: Arc<Libraries>) -> Self {
+        let machine = saved.as_ref().map(|saved| saved.dir().to_owned()).unwrap_or_default();
+        Self { machine, saved: Arc::new(RwLock::new(saved.map(Arc::new))), libraries }
     }
 
     /// The same for a copy of the machine that lay in `origin`.
@@ -29,19 +29,19 @@ impl StateFiles {
         Self { machine: origin, ..self }
     }
 
-    /// The folder of the machine.
+    /// The folder of the machine; empty for one that no file has.
     pub fn machine(&self) -> &Path {
         &self.machine
     }
 
-    /// The machine as it was read.
-    pub(crate) fn saved(&self) -> Arc<Saved> {
-        Arc::clone(&self.saved.read())
+    /// The machine as it was read or written, if it was.
+    pub(crate) fn saved(&self) -> Option<Arc<Saved>> {
+        self.saved.read().clone()
     }
 
     /// The machine was read again.
     pub(crate) fn read_again(&self, saved: Saved) {
-        *self.saved.write() = Arc::new(saved);
+        *self.saved.write() = Some(Arc::new(saved));
     }
 
     /// Where libraries are looked up.
@@ -51,12 +51,12 @@ impl StateFiles {
 
     /// The folder of the state at `path` (ids joined by `/`), if it is known.
     pub fn folder(&self, path: &str) -> Option<PathBuf> {
-        self.saved().folder(&StatePath::parse(path), &self.libraries)
+        self.saved()?.folder(&StatePath::parse(path), &self.libraries)
     }
 
-    /// The file name of the state's script, for tracebacks.
+    /// The file name of the state's script, for tracebacks; in angle brackets if there is no such file.
     pub fn script(&self, path: &str) -> String {
-        let folder = self.folder(path).unwrap_or_else(|| Path::new("<unknown>").join(path));
+        let Some(folder) = self.folder(path) else { return format!("<{path}/{SCRIPT}>") };
         std::path::absolute(folder.join(SCRIPT)).unwrap_or(folder).display().to_string()
     }
 }

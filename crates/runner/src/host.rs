@@ -79,7 +79,7 @@ fn begin<H: Host>(
         program.find(path).map_err(|unknown| ServeError::Load(unknown.to_string()))?;
     }
     let loaded = loaded(launch, &machine, problems);
-    let document = Document::new(machine.clone(), Arc::clone(&program), Some(source));
+    let document = Document::new(machine.clone(), Arc::clone(&program), source);
     let (recorder, past) = record(launch, &machine, clock, resumed)?;
     let keeping = recorder.keeping();
     let values = launch.run_folder.as_ref().map(|folder| folder.join(VALUES_FOLDER));
@@ -97,6 +97,9 @@ fn begin<H: Host>(
     let (door, closer) = open_door(launch)?.unzip();
     let answers = past.as_ref().map(Past::answers).unwrap_or_default();
     let begun = Begun { driver, loaded, from, answers, signals: stop::take_over()?, door, closer };
+    if past.is_none() {
+        begun.driver.set_globals(&launch.globals).map_err(ServeError::Load)?;
+    }
     set_out(&begun.driver, launch, start, past).map_err(ServeError::Load)?;
     Ok(begun)
 }

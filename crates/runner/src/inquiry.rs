@@ -2,8 +2,9 @@
 
 use crate::core::Core;
 use crate::driver::Driver;
+use crate::last::Last;
 use crate::{Place, Scripts};
-use rafcon_engine::{Inspection, PathId};
+use rafcon_engine::{Inspection, PathId, Status};
 use rafcon_model::{Machine, Port};
 use rafcon_protocol::{StateData, Values};
 use smol_str::SmolStr;
@@ -29,6 +30,20 @@ impl<S: Scripts> Driver<S> {
     /// What the state at this place holds; `None` if it is not active.
     pub fn inspect(&self, path: PathId) -> Option<Inspection<S::Value>> {
         self.with_core(|core| core.engine.inspect(path))?
+    }
+
+    /// What the container or library state at this place held in its last run; `None` if it has not run.
+    pub fn last(&self, path: PathId) -> Option<Last<S::Value>> {
+        let last = |core: &mut Core<S::Value>| {
+            let known = core.known.get(path.index())?.as_ref()?;
+            known.last.as_deref().cloned()
+        };
+        self.with_core(last)?
+    }
+
+    /// What the run as a whole does.
+    pub fn status(&self) -> Option<Status> {
+        self.with_core(|core| core.engine.status())
     }
 
     /// The machine that is run now.

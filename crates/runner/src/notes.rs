@@ -39,6 +39,21 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
+    /// Sets global variables before anything runs, and notes them down; the error is for people.
+    pub(crate) fn set_globals(
+        &self,
+        globals: &[(String, serde_json::Value)],
+    ) -> Result<(), String> {
+        for (name, json) in globals {
+            let set = self.scripts().value(json).and_then(|value| {
+                self.global(name, Some(&value));
+                self.scripts().restore_global(name, value)
+            });
+            set.map_err(|why| format!("the global variable \"{name}\" cannot be set: {why}"))?;
+        }
+        Ok(())
+    }
+
     /// Notes down that a global variable got a value, or was deleted.
     pub fn global(&self, name: &str, value: Option<&S::Value>) {
         let mut pen = self.recorder().write();

@@ -90,6 +90,17 @@ impl Place {
         (previous != NOWHERE).then_some(PathId(previous))
     }
 
+    /// The child that was left last in the run of its state, if the next has not begun.
+    pub fn left_last(&self) -> Option<PathId> {
+        let last = self.last_left.load(Ordering::Relaxed);
+        (last != NOWHERE).then_some(PathId(last))
+    }
+
+    /// When its state was entered last, in ns since the start.
+    pub fn entered_ns(&self) -> u64 {
+        self.entered_ns.load(Ordering::Relaxed)
+    }
+
     /// When its state was entered last, in ms since the start.
     pub(crate) fn entered_ms(&self) -> u64 {
         self.entered_ns.load(Ordering::Relaxed) / 1_000_000

@@ -1,11 +1,11 @@
 //! From a launch to a machine that can be run. Knows where machines, libraries and the config come from.
 
-use crate::{Host, StateFiles, limits};
+use crate::{Built, Host, StateFiles, limits};
 use rafcon_engine::{Start, Then};
 use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
 use rafcon_protocol::{Afterwards, Launch};
 use rafcon_storage::{Config, Libraries, Loaded, Root, Saved, config, load, roots};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Everything that a run begins with.
@@ -17,8 +17,8 @@ pub(crate) struct Prepared<D> {
     pub(crate) problems: Vec<String>,
     pub(crate) start: Start<D>,
     pub(crate) config: Config,
-    /// From where the machine is read again when it is changed.
-    pub(crate) source: Source,
+    /// From where the machine is read again when it is changed; nothing for one that was not read.
+    pub(crate) source: Option<Source>,
 }
 
 /// Where a machine and its libraries lie.
@@ -59,8 +59,11 @@ pub(crate) fn prepare<H: Host>(
     let environment = |name: &str| std::env::var_os(name)?.into_string().ok();
     let (config, _file) =
         config::find(launch.config.as_deref(), &environment).map_err(|error| reason(&error))?;
+    if let Some(built) = host.built().filter(|_| copied.is_none()) {
+        return ready(host, launch, built, config);
+    }
     let (roots, notes) = roots(&config, &environment, &launch.libraries);
-    let folder = std::path::absolute(&launch.machine).map_err(|error| reason(&error))?;
+    let folder = absolute(&launch.machine)?;
     let own = Arc::new(Libraries::new(roots));
     let (machine, libraries) = match copied {
         Some(copied) => (&copied.machine, Arc::new(Libraries::new(copied.libraries.clone()))),
@@ -73,19 +76,45 @@ pub(crate) fn prepare<H: Host>(
         .chain(faults(&loaded.machine))
         .chain(limits::faults(&loaded.machine))
         .collect();
-    let start = Start {
+    let start = start(host, launch)?;
+    let mut files = StateFiles::new(Some(loaded.saved), libraries);
+    if copied.is_some() {
+        files = files.copied_from(folder.clone());
+    }
+    let source = Some(Source { folder, libraries: own, files: files.clone() });
+    Ok(Prepared { machine: loaded.machine, files, problems, start, config, source })
+}
+
+/// The folder of a machine from anywhere; that of a machine that no file has is empty.
+fn absolute(folder: &Path) -> Result<PathBuf, String> {
+    if folder.as_os_str().is_empty() {
+        return Ok(PathBuf::new());
+    }
+    std::path::absolute(folder).map_err(|error| reason(&error))
+}
+
+/// Everything for a machine that the host has already.
+fn ready<H: Host>(
+    host: &mut H,
+    launch: &Launch,
+    built: Built,
+    config: Config,
+) -> Result<Prepared<crate::HostValue<H>>, String> {
+    let Built { machine, saved, libraries } = built;
+    let problems =
+        lines(&config.notes).chain(faults(&machine)).chain(limits::faults(&machine)).collect();
+    let (files, start) = (StateFiles::new(saved, libraries), start(host, launch)?);
+    Ok(Prepared { machine, files, problems, start, config, source: None })
+}
+
+fn start<H: Host>(host: &mut H, launch: &Launch) -> Result<Start<crate::HostValue<H>>, String> {
+    Ok(Start {
         inputs: inputs(host, launch)?,
         start_from: launch.start_from.as_deref().map(StatePath::parse),
         then: then(launch)?,
         hold: launch.hold,
         ..Start::default()
-    };
-    let mut files = StateFiles::new(loaded.saved, libraries);
-    if copied.is_some() {
-        files = files.copied_from(folder.clone());
-    }
-    let source = Source { folder, libraries: own, files: files.clone() };
-    Ok(Prepared { machine: loaded.machine, files, problems, start, config, source })
+    })
 }
 
 /// What happens after the state at which the run begins.
@@ -116,11 +145,13 @@ fn lines<T: ToString>(notes: &[T]) -> impl Iterator<Item = String> {
 type Inputs<H> = Vec<(smol_str::SmolStr, crate::HostValue<H>)>;
 
 fn inputs<H: Host>(host: &mut H, launch: &Launch) -> Result<Inputs<H>, String> {
+    let mut given = host.inputs();
     let decode = |(name, json): &(String, serde_json::Value)| match host.value(json) {
         Ok(value) => Ok((name.as_str().into(), value)),
         Err(why) => Err(format!("the value for input \"{name}\" cannot be used: {why}")),
     };
-    launch.inputs.iter().map(decode).collect()
+    given.extend(launch.inputs.iter().map(decode).collect::<Result<Vec<_>, String>>()?);
+    Ok(given)
 }
 
 /// An error with its causes, on one line.

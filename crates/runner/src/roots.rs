@@ -72,7 +72,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn pack(&self, machine: &Machine, files: &StateFiles) -> Pack {
-        self.roots().packer.lock().pack(machine, Some(&files.saved()), files.libraries())
+        self.roots().packer.lock().pack(machine, files.saved().as_deref(), files.libraries())
     }
 
     fn tell_root(&self, hash: Hash, change: String) {

@@ -5,8 +5,8 @@ use crate::{Driver, Place, StateFiles};
 use rafcon_engine::{Check, Datum, Finish, Globals, Job, Literals, Program, ScriptResult};
 use rafcon_model::Machine;
 use rafcon_protocol::{Keeping, Launch};
-use rafcon_storage::Config;
 use rafcon_storage::journal::{Kept, Stored};
+use rafcon_storage::{Config, Libraries, Saved};
 use smol_str::SmolStr;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// The reason, if this is such a stand-in. Called with the engine locked: enters no interpreter.
     fn is_lost(&self, value: &Self::Value) -> Option<String>;
 
-    /// Puts a global variable back, before anything of a run that is taken up again runs.
+    /// Sets a global variable before anything runs: one of the launch, or one of a run that is taken up again.
     fn restore_global(&self, name: &str, value: Self::Value) -> Result<(), String> {
         let _ = (name, value);
         Err("this host keeps no global variables".to_owned())
@@ -130,11 +130,32 @@ pub trait Host {
     /// Learns what it is going to run, before anything is loaded.
     fn launched(&mut self, _launch: &Launch) {}
 
+    /// The machine to run, if the host has it already: it is not read from its folder then. Asked once.
+    fn built(&mut self) -> Option<Built> {
+        None
+    }
+
+    /// Values of input ports of the root that the host has, by name; they come before those of the launch.
+    fn inputs(&mut self) -> Vec<(SmolStr, HostValue<Self>)> {
+        Vec::new()
+    }
+
     /// Opens the machine that is going to run.
     fn open(self, opening: Opening<HostValue<Self>>) -> Self::Scripts;
 
     /// The run is ready: scripts that ask about it ask `driver`.
     fn opened(driver: &Arc<Driver<Self::Scripts>>);
+}
+
+/// A machine that a program has built in this process.
+#[derive(Debug)]
+pub struct Built {
+    /// The machine.
+    pub machine: Machine,
+    /// Where it was read or written last, if it was.
+    pub saved: Option<Saved>,
+    /// Where the libraries lie that it uses.
+    pub libraries: Arc<Libraries>,
 }
 
 /// The values of a host.

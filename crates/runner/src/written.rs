@@ -3,6 +3,7 @@
 
 use crate::core::Core;
 use crate::keep::Keep;
+use crate::last::Last;
 use crate::names::{self, port_number};
 use crate::pen::End;
 use crate::recorder::{Recorder, Writing};
@@ -63,6 +64,7 @@ impl<S: Scripts> Page<'_, S> {
             Event::Entered { path, node, inputs, undoes } => {
                 let (place, keeps) = self.place(*path, *node);
                 self.enter(*path);
+                self.begin(*path, *node, inputs);
                 if keeps {
                     inputs.iter().for_each(|value| self.value(value));
                 }
@@ -71,6 +73,9 @@ impl<S: Scripts> Page<'_, S> {
             Event::Left { path, node, outcome, outputs, absent, error, undoes } => {
                 let (place, keeps) = self.place(*path, *node);
                 self.leave(*path, *outcome);
+                if let Some(last) = self.last(*path) {
+                    last.end(outputs, error.clone());
+                }
                 let error = error.as_ref().filter(|_| keeps).map(|error| self.kept(error));
                 if keeps {
                     self.outputs(outputs, absent.as_deref().unwrap_or_default());
@@ -79,6 +84,9 @@ impl<S: Scripts> Page<'_, S> {
                 self.pen.left(self.now, end, error.as_ref());
             }
             Event::Scoped { path, port, value } => {
+                if let Some(last) = self.last(*path) {
+                    last.set_scoped(*port, value.clone());
+                }
                 if let Some((place, true)) = self.place_at(*path) {
                     let value = self.kept(value);
                     self.pen.scoped(self.now, place, port_number(*port), &value);
@@ -158,6 +166,24 @@ impl<S: Scripts> Page<'_, S> {
                 self.value(value);
             }
         }
+    }
+
+    /// The state at `path` begins a run; of a script, its host knows what it held.
+    fn begin(&mut self, path: PathId, node: NodeId, inputs: &Arc<[S::Value]>) {
+        let program = self.core.engine.program();
+        let node = program.node(node);
+        if node.is_script() {
+            return;
+        }
+        let begun = Last::begun(node.state(), inputs);
+        if let Some(known) = self.core.known.get_mut(path.index()).and_then(Option::as_mut) {
+            known.last = Some(Box::new(begun));
+        }
+    }
+
+    fn last(&mut self, path: PathId) -> Option<&mut Last<S::Value>> {
+        let known = self.core.known.get_mut(path.index())?.as_mut()?;
+        known.last.as_deref_mut()
     }
 
     fn enter(&self, path: PathId) {

@@ -9,6 +9,7 @@ import { RunWatch, type WatchPorts } from "./watch.ts";
 
 const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
   inputs: {},
+  globals: {},
   start_from: null,
   afterwards: "go_on",
   keeping: "full",

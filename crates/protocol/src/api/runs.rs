@@ -16,6 +16,10 @@ pub struct StartRun {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub inputs: crate::Values,
+    /// Global variables that are there before the first state runs, by name.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
+    pub globals: crate::Values,
     /// State path to begin at.
     #[serde(default)]
     pub start_from: Option<String>,

@@ -1,12 +1,12 @@
 """Runs of a machine that a program has built, in the program's own process: one at a time.
 
-The engine reads the machine from its folder, or from a copy if it has changed since it was saved or loaded.
+The engine is given the machine as it is in memory: a start writes no file, unless a journal is wanted.
 """
 
 import json
 import logging
+import os
 import socket
-import tempfile
 import threading
 
 from rafcon import _objects
@@ -22,22 +22,34 @@ _LEVELS = {
     "debug": logging.DEBUG,
     "verbose": VERBOSE,
 }
+#: How many names are tried for the folder of a run.
+_TRIES = 100
 
 
 class Run:
-    """One run. Making it sends it off; :meth:`begin` waits until it has begun."""
+    """One run. Making it sends it off; :meth:`begin` waits until it has begun.
 
-    def __init__(self, machine, start_state_path=None, hold=False):
-        self._machine = machine
+    The ``engine`` learns of each branch that is held, and of the end. ``wanted`` are words of
+    the launch; ``folder`` is that of the journal, if one is to be kept.
+    """
+
+    def __init__(self, machine, engine, wanted, inputs=None, folder=None):
+        from rafcon.core.singleton import library_manager
+
+        #: The folder (``str``) of the journal, or None.
+        self.folder = folder
+        self.machine = machine
+        self._engine = engine
         self._error = None
         self._ending = None
         self._is_last = True
         self._begun = threading.Event()
         _objects.forget_machine()
-        self._copy = None if _is_saved(machine) else tempfile.TemporaryDirectory(prefix="rafcon-")
         ours, theirs = socket.socketpair()
-        self._send(ours, {"start_from": start_state_path, "hold": hold})
-        self._host = threading.Thread(target=self._serve, args=(theirs.detach(),), name="rafcon run")
+        document = None if "resume" in wanted else machine._document
+        given = (theirs.detach(), document, library_manager._roots(), list((inputs or {}).items()))
+        self._send(ours, library_manager, wanted)
+        self._host = threading.Thread(target=self._serve, args=given, name="rafcon run")
         self._reader = threading.Thread(target=self._read, args=(ours,), name="rafcon run's log")
         self._reader.start()
         self._host.start()
@@ -49,18 +61,16 @@ class Run:
             self.join()
             raise RuntimeError(f"the state machine cannot be run: {self._error}")
 
-    def _send(self, ours, begin):
-        if self._copy is not None:
-            native.save_document(self._machine._document, self._copy.name, (True, None), (True, False))
-        from rafcon.core.singleton import library_manager
-
+    def _send(self, ours, library_manager, wanted):
         launch = {
             "message": "launch",
-            "machine": self._machine.file_system_path if self._copy is None else self._copy.name,
+            "machine": self.machine.file_system_path or "",
             "libraries": list(library_manager.library_root_paths.items()),
             "config": global_config._path,
             "breakpoints": self._breakpoints(),
-            **begin,
+            "run_folder": self.folder,
+            "listen": self.folder is not None,
+            **wanted,
         }
         for message in ({"protocol": native.PROTOCOL, "program": "python"}, launch):
             ours.sendall(json.dumps(message).encode() + b"\n")
@@ -68,19 +78,18 @@ class Run:
     def _breakpoints(self):
         from rafcon.core.singleton import state_machine_execution_engine
 
-        return state_machine_execution_engine.breakpoint_manager._launched(self._machine)
+        return state_machine_execution_engine.breakpoint_manager._launched(self.machine)
 
-    def _serve(self, theirs):
+    def _serve(self, *given):
         try:
-            native.host(theirs)
+            native.host(*given)
             self._ending = native.ending()
         except Exception as error:
             self._error = self._error or str(error)
         finally:
             # What it said last is heard before it counts as begun or failed.
             self._reader.join()
-            if self._copy is not None:
-                self._copy.cleanup()
+            self._engine._ended(self)
             self._begun.set()
 
     def _read(self, ours):
@@ -96,8 +105,14 @@ class Run:
             for problem in message["problems"]:
                 logger.warning(problem)
             self._begun.set()
-        elif kind == "event" and message["event"]["type"] == "log" and message["event"]["stream"] == "engine":
-            logger.log(_LEVELS.get(message["event"]["level"], logging.INFO), message["event"]["message"])
+        elif kind == "event":
+            self._happened(message["event"])
+
+    def _happened(self, event):
+        if event["type"] == "held":
+            self._engine._held()
+        elif event["type"] == "log" and event["stream"] == "engine":
+            logger.log(_LEVELS.get(event["level"], logging.INFO), event["message"])
 
     def join(self, timeout=None):
         """Waits for the end; False if the time (s) ran out."""
@@ -117,7 +132,7 @@ class Run:
 
     def live(self, state):
         """What a state of the machine holds and does now, or did last."""
-        live = {"active": False, "phase": "inactive", "final_outcome": None, "run_count": 0}
+        live = {"active": False, "phase": "inactive", "final_outcome": None, "run_count": 0, "entered_ns": 0}
         live.update(input_data={}, output_data={}, scoped_data={})
         if self._is_last:
             found = _objects.machine().get_state_by_path(state.get_path(), as_check=True)
@@ -127,5 +142,30 @@ class Run:
         return live
 
 
-def _is_saved(machine):
-    return machine.file_system_path is not None and not machine.marked_dirty
+def run_folder(machine, journal):
+    """Makes the folder of a run that keeps a journal: in the folder ``journal``, or where ``rafcon run`` keeps its runs.
+
+    Old runs there are deleted as ``rafcon run`` deletes them.
+    """
+    runs = os.path.abspath(_usual_runs() if journal is True else os.fspath(journal))
+    os.makedirs(runs, exist_ok=True)
+    try:
+        native.give_up_old_runs(runs)
+    except OSError as error:
+        logger.warning("old runs stay: %s", error)
+    name = os.path.basename(machine.file_system_path or "") or machine.root_state.name
+    for _ in range(_TRIES):
+        folder = os.path.join(runs, native.run_id(name, int.from_bytes(os.urandom(2), "big")))
+        try:
+            os.mkdir(folder, 0o700)
+        except FileExistsError:
+            continue
+        return folder
+    raise FileExistsError(f"cannot find a free name for a run in {runs}")
+
+
+def _usual_runs():
+    if os.environ.get("RAFCON_RUNS"):
+        return os.environ["RAFCON_RUNS"]
+    state = os.environ.get("XDG_STATE_HOME") or os.path.join(os.path.expanduser("~"), ".local", "state")
+    return os.path.join(state, "rafcon", "runs")

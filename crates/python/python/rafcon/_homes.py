@@ -143,7 +143,7 @@ class Built:
         """What a state held and did in the last run."""
         if self.run is not None:
             return self.run.live(state)
-        idle = {"active": False, "phase": "inactive", "final_outcome": None, "run_count": 0}
+        idle = {"active": False, "phase": "inactive", "final_outcome": None, "run_count": 0, "entered_ns": 0}
         return {**idle, "input_data": {}, "output_data": {}, "scoped_data": {}}
 
     def parent(self, state):
@@ -214,6 +214,16 @@ class Built:
         for known in state._known_states():
             known._store_notes()
         return self.document.taken(state._facts["path"])
+
+    def leave_copy(self, state):
+        """The object of a state goes elsewhere; another one stands for the state here."""
+        above = state._above
+        if above is not None:
+            above._inside.pop(state._key, None)
+            return
+        self.top = copy = _objects.blank_state(state._kind)
+        copy._settle(self, None, state._key)
+        self.owner._root = copy
 
     def renamed(self, state, state_id):
         """The state has another id."""

@@ -51,6 +51,20 @@ fn preempted_is_5() {
 }
 
 #[test]
+fn global_variables_of_the_command_line_are_there_from_the_start() {
+    let place = Place::with_script(
+        "def execute(self, inputs, outputs, gvm):\n    \
+         return 'success' if gvm.get_variable('word') == ['a', 1] else 'failure'",
+    );
+    expect![[r"
+        0 finished success
+    "]]
+    .assert_eq(&place.run(r#"--global word=["a",1]"#).ending());
+    let told = place.run(r#"--global word=["a",1] --output json"#).stdout;
+    assert!(told.contains(r#""type":"global","name":"word","value":["a",1]"#), "{told}");
+}
+
+#[test]
 fn timed_out_is_6() {
     let script = "def execute(self, inputs, outputs, gvm):\n    self.preemptive_wait(); return 0";
     let answer = Place::with_script(script).run("--timeout 0.5");

@@ -139,6 +139,7 @@ fn words(house: &House, machine: PathBuf, asked: &StartRun, folder: &Path) -> La
         start_from: asked.start_from.clone(),
         afterwards: asked.afterwards,
         inputs: asked.inputs.clone().into_iter().collect(),
+        globals: asked.globals.clone().into_iter().collect(),
         libraries: house.settings.libraries.clone(),
         config: house.settings.config.clone(),
         every_event: false,

@@ -1,6 +1,7 @@
 """The configuration: the keys of ``config.yaml`` that scripts and plugins ask for."""
 
 import os
+from logging import DEBUG, WARNING
 
 from rafcon._bridge import native
 from rafcon.design_patterns.observer.observable import Observable
@@ -46,7 +47,8 @@ class Config(ObservableConfig):
         folder = os.path.expanduser(path or os.path.join("~", ".config", "rafcon"))
         file = os.path.join(folder, config_file or "config.yaml")
         if not os.path.isfile(file):
-            logger.warning("there is no configuration %s; defaults hold", file)
+            is_named = config_file is not None or path is not None
+            logger.log(WARNING if is_named else DEBUG, "there is no configuration %s; defaults hold", file)
             return
         values, problems = native.read_config(file)
         for problem in problems:

@@ -61,7 +61,7 @@ class LibraryManager(Observable):
         state_id = _ids.state_id() if state_id is None else state_id
         version = None if version is None else str(version)
         reference = (library_path, library_name)
-        return native.Document.library(self._roots(), reference, version, (state_id, str(name))), state_id
+        return native.Document.library(self._roots(), reference, version, (state_id, None if name is None else str(name))), state_id
 
     def get_library_instance(self, library_path, library_name):
         """A new :class:`~rafcon.core.states.library_state.LibraryState` for a library."""

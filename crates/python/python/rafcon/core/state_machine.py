@@ -57,7 +57,7 @@ class StateMachine:
 
     @property
     def root_state(self):
-        """The root state."""
+        """The root state. One that stands elsewhere moves; where it stood, a copy stays behind."""
         return self._root if self._facts is None else _objects.state(self._facts["root"])
 
     @root_state.setter
@@ -66,8 +66,9 @@ class StateMachine:
             raise AttributeError(f"the root state must be a state, not {type(root_state).__name__}")
         if self._facts is not None:
             raise MachineChangeNotSupported("StateMachine.root_state = …")
-        if root_state.parent is not None:
-            raise ValueError(f"{root_state} stands in {root_state.parent} already; remove it there first")
+        if root_state is self._root:
+            return
+        root_state._take_over()
         if self._root is not None:
             self._root._home.owner = None
         self._root = root_state

@@ -24,8 +24,10 @@ class StateMachineManager(Observable):
     @property
     def state_machines(self):
         """Id to :class:`~rafcon.core.state_machine.StateMachine`."""
-        running = None if self._machines else self.get_active_state_machine()
-        return dict(self._machines) if running is None else {running.state_machine_id: running}
+        if not _objects.is_host():
+            return dict(self._machines)
+        running = self.get_active_state_machine()
+        return {} if running is None else {running.state_machine_id: running}
 
     @property
     def active_state_machine_id(self):
@@ -69,7 +71,7 @@ class StateMachineManager(Observable):
         return None if machine is None else self.remove_state_machine(machine.state_machine_id)
 
     def delete_all_state_machines(self):
-        """Forgets all state machines but the active one."""
+        """Forgets all state machines but the active one, which runs."""
         for state_machine_id in [key for key in self._machines if key != self._active_id]:
             self.remove_state_machine(state_machine_id)
 
@@ -82,7 +84,7 @@ class StateMachineManager(Observable):
 
     def get_active_state_machine(self):
         """The state machine that runs, or None."""
-        return self._machines.get(self._active_id) if self._machines else _objects.machine_or_none()
+        return _objects.machine_or_none() if _objects.is_host() else self._machines.get(self._active_id)
 
     def get_state_machine(self, state_machine_id):
         """The state machine of this id, or None."""

@@ -100,7 +100,8 @@ fn start_run(raw: &cli::Run, server: &Arc<Server>) -> Result<StartRun> {
     Ok(StartRun {
         id: remote::unique("run")?,
         machine,
-        inputs: request::inputs(&raw.inputs)?.into_iter().collect(),
+        inputs: request::named(&raw.inputs, request::INPUT)?.into_iter().collect(),
+        globals: request::named(&raw.globals, request::GLOBAL)?.into_iter().collect(),
         start_from: raw.start_from.clone(),
         afterwards: Afterwards::GoOn,
         keeping: request::keeping(raw.keeping.keep),

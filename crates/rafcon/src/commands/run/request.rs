@@ -16,6 +16,7 @@ pub(super) struct Request {
     source: Source,
     start_from: Option<String>,
     inputs: Vec<(String, serde_json::Value)>,
+    globals: Vec<(String, serde_json::Value)>,
     /// When the machine is stopped.
     pub(super) timeout: Option<Duration>,
     keeping: Keeping,
@@ -32,7 +33,8 @@ impl Request {
         Ok(Self {
             source: Source::new(&raw.path, &raw.libraries)?,
             start_from: raw.start_from.clone(),
-            inputs: inputs(&raw.inputs)?,
+            inputs: named(&raw.inputs, INPUT)?,
+            globals: named(&raw.globals, GLOBAL)?,
             timeout: raw.timeout.map(timeout).transpose()?,
             keeping: keeping(raw.keeping.keep),
             strict: raw.keeping.strict,
@@ -49,6 +51,7 @@ impl Request {
             machine: self.source.machine.clone(),
             start_from: self.start_from.clone(),
             inputs: self.inputs.clone(),
+            globals: self.globals.clone(),
             libraries: self.source.libraries.clone(),
             config: self.source.config.clone(),
             run_folder: Some(place.folder().to_path_buf()),
@@ -83,38 +86,53 @@ impl Request {
     }
 }
 
+/// Values of the root's input ports.
+pub(super) const INPUT: Named = Named { option: "--input", what: "an input port" };
+/// Values of global variables.
+pub(super) const GLOBAL: Named = Named { option: "--global", what: "a global variable" };
+
+/// An option that gives something a value.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Named {
+    option: &'static str,
+    what: &'static str,
+}
+
 /// Values of the command line, by name.
-pub(super) fn inputs(texts: &[String]) -> Result<Vec<(String, serde_json::Value)>> {
-    let mut inputs: Vec<(String, serde_json::Value)> = Vec::new();
+pub(super) fn named(texts: &[String], of: Named) -> Result<Vec<(String, serde_json::Value)>> {
+    let mut values: Vec<(String, serde_json::Value)> = Vec::new();
     for text in texts {
-        let (name, value) = input(text)?;
-        if inputs.iter().any(|(other, _)| *other == name) {
-            return Err(Usage(format!("--input {name} is given twice: keep one")).into());
+        let (name, value) = of.value(text)?;
+        if values.iter().any(|(other, _)| *other == name) {
+            return Err(Usage(format!("{} {name} is given twice: keep one", of.option)).into());
         }
-        inputs.push((name, value));
+        values.push((name, value));
     }
-    Ok(inputs)
+    Ok(values)
+}
+
+impl Named {
+    fn value(self, text: &str) -> Result<(String, serde_json::Value)> {
+        let Self { option, what } = self;
+        let Some((name, json)) = text.split_once('=').filter(|(name, _)| !name.is_empty()) else {
+            return Err(Usage(format!(
+                "{option} {text}: write the name of {what} and a value in JSON, such as {option} count=3"
+            ))
+            .into());
+        };
+        match serde_json::from_str(json) {
+            Ok(value) => Ok((name.to_owned(), value)),
+            Err(error) => Err(Usage(format!(
+                "{option} {text}: `{json}` is not JSON ({error}); a text stands in quotes, such as {option} '{name}=\"…\"'"
+            ))
+            .into()),
+        }
+    }
 }
 
 /// Breakpoints of the command line, numbered from 1.
 pub(super) fn breakpoints(texts: &[String], names: &mut Names) -> Result<Vec<Breakpoint>> {
     (1..).zip(texts).map(|(id, text)| breakpoint(id, text, names)).collect()
-}
-
-fn input(text: &str) -> Result<(String, serde_json::Value)> {
-    let Some((name, json)) = text.split_once('=').filter(|(name, _)| !name.is_empty()) else {
-        return Err(Usage(format!(
-            "--input {text}: write the name of an input port and a value in JSON, such as --input count=3"
-        ))
-        .into());
-    };
-    match serde_json::from_str(json) {
-        Ok(value) => Ok((name.to_owned(), value)),
-        Err(error) => Err(Usage(format!(
-            "--input {text}: `{json}` is not JSON ({error}); a text stands in quotes, such as --input '{name}=\"…\"'"
-        ))
-        .into()),
-    }
 }
 
 /// The largest journal, in bytes.
@@ -161,7 +179,9 @@ mod tests {
             panic!("another command")
         };
         expect.assert_eq(&match Request::new(&raw) {
-            Ok(request) => format!("{:?} {:?}", request.inputs, request.timeout),
+            Ok(request) => {
+                format!("{:?} {:?} {:?}", request.inputs, request.globals, request.timeout)
+            }
             Err(error) => error.to_string(),
         });
     }
@@ -170,7 +190,22 @@ mod tests {
     fn values_are_json() {
         check(
             r#"--input n=3 --input text="a=b" --timeout 1.5"#,
-            &expect![[r#"[("n", Number(3)), ("text", String("a=b"))] Some(1.5s)"#]],
+            &expect![[r#"[("n", Number(3)), ("text", String("a=b"))] [] Some(1.5s)"#]],
+        );
+    }
+
+    #[test]
+    fn global_variables_are_json() {
+        check(
+            "--global n=3 --input n=4",
+            &expect![[r#"[("n", Number(4))] [("n", Number(3))] None"#]],
+        );
+        check("--global n=1 --global n=2", &expect!["--global n is given twice: keep one"]);
+        check(
+            "--global n",
+            &expect![
+                "--global n: write the name of a global variable and a value in JSON, such as --global count=3"
+            ],
         );
     }
 

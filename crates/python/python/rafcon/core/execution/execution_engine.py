@@ -2,6 +2,7 @@
 
 from rafcon import _embedding, _objects
 from rafcon._bridge import native
+from rafcon.core.config import global_config
 from rafcon.core.custom_exceptions import CommandNotSupported
 from rafcon.core.execution.breakpoint_manager import BreakpointManager
 from rafcon.core.execution.execution_status import ExecutionStatus, StateMachineExecutionStatus
@@ -9,6 +10,25 @@ from rafcon.design_patterns.observer.observable import Observable
 from rafcon.utils.log import get_logger
 
 logger = get_logger(__name__)
+
+#: The modes that stay until the machine goes on by itself: what a command that steps asks for.
+_STEPS = {
+    "step_mode": StateMachineExecutionStatus.STEP_MODE,
+    "step_into": StateMachineExecutionStatus.FORWARD_INTO,
+    "step_over": StateMachineExecutionStatus.FORWARD_OVER,
+    "step_out": StateMachineExecutionStatus.FORWARD_OUT,
+    "step_back": StateMachineExecutionStatus.BACKWARD,
+    "run_to": StateMachineExecutionStatus.RUN_TO_SELECTED_STATE,
+    "run_selected": StateMachineExecutionStatus.FORWARD_OVER,
+    "run_only_selected": StateMachineExecutionStatus.RUN_ONLY_SELECTED_STATE,
+    "start_from_history": StateMachineExecutionStatus.RUN_TO_SELECTED_STATE,
+}
+#: The modes while the machine runs to where such a command leads.
+_RUNS = {
+    "run_to": StateMachineExecutionStatus.RUN_TO_SELECTED_STATE,
+    "run_selected": StateMachineExecutionStatus.RUN_SELECTED_STATE,
+    "run_only_selected": StateMachineExecutionStatus.RUN_ONLY_SELECTED_STATE,
+}
 
 
 class ExecutionEngine(Observable):
@@ -22,8 +42,11 @@ class ExecutionEngine(Observable):
         self._run = None
         #: Where the run is held: a :class:`~rafcon.core.execution.breakpoint_manager.BreakpointManager`.
         self.breakpoint_manager = BreakpointManager()
+        self._last_command = None
+        #: Counts how often a branch came to be held in a run of this program; may be set. A step is over when it has grown.
+        self.synchronization_counter = 0
         #: ``status.execution_mode`` is a ``StateMachineExecutionStatus``.
-        self.status = self._status = ExecutionStatus(_mode)
+        self.status = self._status = ExecutionStatus(self._mode)
 
     @staticmethod
     def instance():
@@ -32,22 +55,29 @@ class ExecutionEngine(Observable):
 
         return state_machine_execution_engine
 
+    def _command(self, name, *arguments):
+        native.command(name, *arguments)
+        self._last_command = name
+
     @Observable.observed
     def pause(self):
         """Holds every hierarchy before its next state; scripts that run go on."""
-        native.command("pause")
+        self._command("pause")
 
     @Observable.observed
-    def start(self, state_machine_id=None, start_state_path=None):
+    def start(self, state_machine_id=None, start_state_path=None, inputs=None, journal=None):
         """Starts a state machine of this program, the active one unless an id is given; a paused one goes on.
 
-        ``start_state_path`` names the state to begin at. Scripts can only resume the machine that they are part of.
+        ``start_state_path`` names the state to begin at, ``inputs`` are values for input ports of the root, by name.
+        ``journal``: True keeps the run where ``rafcon run`` keeps its runs, a path in that folder; without it the key
+        ``FILE_SYSTEM_EXECUTION_HISTORY_ENABLE`` of the configuration counts. Scripts can only resume the machine that
+        they are part of.
         """
-        if not self._begin(state_machine_id, start_state_path):
-            native.command("resume")
+        if not self._begin(state_machine_id, {"start_from": start_state_path}, inputs, journal):
+            self._command("resume")
 
-    def _begin(self, state_machine_id, start_state_path=None, hold=False):
-        """Starts a machine of this program, perhaps held before its first state; False if one runs already."""
+    def _begin(self, state_machine_id, wanted, inputs=None, journal=None):
+        """Starts a machine of this program, as ``wanted`` says; False if one runs already."""
         if _objects.is_host() or self._is_running():
             return False
         manager = self.state_machine_manager
@@ -56,18 +86,42 @@ class ExecutionEngine(Observable):
         machine = manager.get_active_state_machine()
         if machine is None:
             raise AttributeError("there is no active state machine; give the id of one that was added to the manager")
+        if journal is None:
+            journal = bool(global_config.get_config_value("FILE_SYSTEM_EXECUTION_HISTORY_ENABLE"))
+        folder = _embedding.run_folder(machine, journal) if journal else None
+        inputs = machine.root_state._given_inputs if inputs is None else inputs
+        self._launch(machine, wanted, inputs, folder)
+        return True
+
+    def _launch(self, machine, wanted, inputs=None, folder=None):
         if self._run is not None:
             self._run.retire()
-        self._run = machine.root_state._home.run = _embedding.Run(machine, start_state_path, hold)
+        self._last_command = None
+        run = _embedding.Run(machine, self, wanted, inputs, folder)
+        self._run = machine.root_state._home.run = run
         try:
-            self._run.begin()
+            run.begin()
         except RuntimeError:
             self._run = machine.root_state._home.run = None
             raise
-        return True
+
+    def _held(self):
+        """A branch of the run is held."""
+        self.synchronization_counter += 1
+
+    def _ended(self, run):
+        """A run has ended: its machine is the active one no more."""
+        manager = self.state_machine_manager
+        if manager._active_id == run.machine.state_machine_id:
+            manager._active_id = None
 
     def _is_running(self):
         return self._run is not None and not self._run.is_over()
+
+    @property
+    def run_folder(self):
+        """The folder (``str``) of the last run's journal; None if it keeps none."""
+        return None if self._run is None else self._run.folder
 
     def join(self, timeout=None):
         """Waits for the end of the run; True if it has ended, False if there is none or the time (s) ran out.
@@ -96,51 +150,72 @@ class ExecutionEngine(Observable):
 
     @Observable.observed
     def stop(self):
-        """Preempts everything; the machine then ends as *preempted*."""
-        native.command("stop")
+        """Preempts everything; the machine then ends as *preempted*. Where none runs there is nothing to stop."""
+        if not _objects.is_host() and not self._is_running():
+            return
+        try:
+            self._command("stop")
+        except RuntimeError:
+            if not self.finished_or_stopped():
+                raise
 
     # ---- step by step
 
     @Observable.observed
     def step_mode(self, state_machine_id=None):
         """Holds wherever a next state would begin, from now on; a machine of this program is started for it."""
-        if not self._begin(state_machine_id, hold=True):
-            native.command("step_mode")
+        if self._begin(state_machine_id, {"hold": True}):
+            self._last_command = "step_mode"
+        else:
+            self._command("step_mode")
 
     def step_into(self):
         """One state further on every branch that is held, entering it."""
-        native.command("step_into")
+        self._command("step_into")
 
     def step_over(self):
         """One state further on every branch that is held, running all that is in it."""
-        native.command("step_over")
+        self._command("step_over")
 
     def step_out(self):
         """To the end of the containers that are held."""
-        native.command("step_out")
+        self._command("step_out")
 
     def backward_step(self):
         """One step back on every branch that is held."""
-        native.command("step_back")
+        self._command("step_back")
 
     def run_to_selected_state(self, path, state_machine_id=None):
         """Runs until before the state at a path, and holds there."""
-        self._begin(state_machine_id, hold=True)
-        native.command("run_to", path)
+        self._begin(state_machine_id, {"hold": True})
+        self._command("run_to", path)
 
     def run_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and holds. The machine has to be held."""
-        self._begin(state_machine_id, hold=True)
-        native.command("run_selected", path)
+        self._begin(state_machine_id, {"hold": True})
+        self._command("run_selected", path)
 
     def run_only_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and stops. The machine has to be held."""
-        self._begin(state_machine_id, hold=True)
-        native.command("run_only_selected", path)
+        self._begin(state_machine_id, {"hold": True})
+        self._command("run_only_selected", path)
 
     def replay_from_history(self, call_item, state_machine=None):
-        """Begins again at an entry of ``state.execution_history`` with its data. The machine has to be held."""
-        native.command("start_from_history", None, call_item.sequence)
+        """Begins again at an entry of ``state.execution_history`` with its data, and holds there.
+
+        The run has to be held or, in the program that started it, to have ended; it must have kept a journal.
+        """
+        run = self._run
+        if run is None or not run.is_over():
+            self._command("start_from_history", None, call_item.sequence)
+            return
+        if run.folder is None:
+            raise RuntimeError(
+                "the last run kept no journal, so it has no history to begin from; start it with `journal=True`"
+            )
+        self.state_machine_manager.active_state_machine_id = run.machine.state_machine_id
+        self._launch(run.machine, {"resume": {"from": call_item.sequence}}, folder=run.folder)
+        self._last_command = "start_from_history"
 
     @Observable.observed
     def set_execution_mode(self, execution_mode, notify=True):
@@ -151,21 +226,24 @@ class ExecutionEngine(Observable):
 
     def finished_or_stopped(self):
         """Whether the machine has ended or was told to."""
-        return _mode() in (StateMachineExecutionStatus.FINISHED, StateMachineExecutionStatus.STOPPED)
+        return self._mode() in (StateMachineExecutionStatus.FINISHED, StateMachineExecutionStatus.STOPPED)
 
     @property
     def state_machine_running(self):
         """Whether the machine runs (held or not)."""
         return not self.finished_or_stopped()
 
-
-def _mode():
-    machine = _objects.machine_or_none()
-    if machine is None:
-        return StateMachineExecutionStatus.STOPPED
-    root = machine.root_state
-    if not root.active:
-        return StateMachineExecutionStatus.FINISHED
-    if root._signals.preempted:
-        return StateMachineExecutionStatus.STOPPED
-    return StateMachineExecutionStatus.PAUSED if root._signals.paused else StateMachineExecutionStatus.STARTED
+    def _mode(self):
+        try:
+            status = native.run_status()
+        except RuntimeError:
+            return StateMachineExecutionStatus.STOPPED
+        if status == "finished":
+            return StateMachineExecutionStatus.FINISHED
+        if status == "stopping":
+            return StateMachineExecutionStatus.STOPPED
+        if status == "paused":
+            return StateMachineExecutionStatus.PAUSED
+        if status == "stepping":
+            return _STEPS.get(self._last_command, StateMachineExecutionStatus.STEP_MODE)
+        return _RUNS.get(self._last_command, StateMachineExecutionStatus.STARTED)

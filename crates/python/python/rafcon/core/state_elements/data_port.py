@@ -49,13 +49,22 @@ class DataPort(StateElement):
 
     @property
     def default_value(self):
-        """The value that is there if no data flow brings one; text is converted to the type."""
-        return self._get("default_value")
+        """The value that is there if no data flow brings one; text is converted to the type.
+
+        One that is assigned to a port of a library state is that state's own value.
+        """
+        own = getattr(self._parent, "_own_default", None)
+        is_own, default = (False, None) if own is None else own(self)
+        return default if is_own else self._get("default_value")
 
     @default_value.setter
     def default_value(self, default_value):
         default = port_default(default_value, self.data_type)
-        self._set("default", {"default_value": default}, default)
+        set_default = getattr(self._parent, "_set_default", None)
+        if set_default is None:
+            self._set("default", {"default_value": default}, default)
+        else:
+            set_default(self, default)
 
     def change_data_type(self, data_type, default_value=None):
         """Gives the port another type and another default."""

@@ -46,6 +46,8 @@ class StateConstruction:
         self._take_ports("outputs", OutputDataPort, outputs)
 
     def _begin(self, name, state_id):
+        if self._kind is None:
+            raise TypeError(f"{type(self).__name__} is no kind of state by itself; use a class below it")
         state_id = _ids.state_id() if state_id is None else _text(state_id, "state_id")
         self._settle_alone(native.Document.state(self._kind, state_id, name), state_id)
         self._change("state.name", name)
@@ -64,6 +66,18 @@ class StateConstruction:
         self._init_run(_signals.Idle())
         self._place = -1
         self._settle(Built(document, self), None, document.root_id())
+
+    def _take_over(self):
+        """The state stands alone from now on, with everything inside; where it stood, a copy stays behind."""
+        above = self.parent
+        if above is None:
+            return
+        if self._place >= 0:
+            raise ValueError(f"{self} stands in {above}, which runs; remove it there first, or add a copy")
+        home = self._home
+        document = home.copy_of(self)
+        home.leave_copy(self)
+        self._settle_alone(document, self._key)
 
     def _settle_alone(self, document, state_id):
         if not hasattr(self, "_signals"):
@@ -91,6 +105,16 @@ class StateConstruction:
         for state in self._inside.values():
             found += state._known_states()
         return found
+
+    def __eq__(self, other):
+        """Whether both are of one class and have the same content: id, name, parts, and everything inside."""
+        if self is other:
+            return True
+        if type(self) is not type(other):
+            return NotImplemented
+        return self._home.copy_of(self).is_like(other._home.copy_of(other))
+
+    __hash__ = object.__hash__
 
     def __copy__(self):
         """The same once more, with everything inside; it stands alone."""
@@ -135,10 +159,12 @@ class StateConstruction:
 def _name(cls, name):
     if name is None:
         return _ids.state_name(cls)
-    return str(name) if isinstance(name, (int, float)) else _text(name, "the name of a state")
+    return str(name) if isinstance(name, float) else _text(name, "the name of a state")
 
 
 def _text(value, what):
+    if isinstance(value, int) and not isinstance(value, bool):
+        return str(value)
     if not isinstance(value, str):
         raise TypeError(f"{what} must be a str, not {type(value).__name__}")
     return value

@@ -22,7 +22,7 @@ class ContainerChanges(StateChanges):
     def add_state(self, state, storage_load=False):
         """Puts a state in and returns its id, which is a new one if its own is taken here.
 
-        In a barrier, outcomes from 0 on get a transition to the decider.
+        A state that stands elsewhere moves; where it stood, a copy stays behind. In a barrier, outcomes from 0 on get a transition to the decider.
         """
         self._check_addable(state)
         self._give_free_id(state)
@@ -32,8 +32,9 @@ class ContainerChanges(StateChanges):
     def _check_addable(self, state):
         if not isinstance(state, State):
             raise TypeError(f"a state is expected, not {type(state).__name__}")
-        if state.parent is not None:
-            raise ValueError(f"{state} stands in {state.parent} already; remove it there first")
+        if any(state is above for above in self._line()):
+            raise ValueError(f"{state} cannot stand in itself; {self} is a part of it")
+        state._take_over()
 
     def _give_free_id(self, state, free=None):
         state_id = state.state_id
@@ -133,6 +134,8 @@ class ContainerChanges(StateChanges):
     @lock_state_machine
     def add_data_flow(self, from_state_id, from_data_port_id, to_state_id, to_data_port_id, data_flow_id=None):
         """Adds a data flow between two ports (or scoped variables) and returns its id."""
+        of_type(from_data_port_id, int, "from_data_port_id")
+        of_type(to_data_port_id, int, "to_data_port_id")
         if data_flow_id is None:
             data_flow_id = _ids.data_flow_id(lambda key: self._home.has_line(self, "data_flows", key))
         self._change("flow.add", data_flow_id, from_state_id, from_data_port_id, to_state_id, to_data_port_id)

@@ -56,6 +56,9 @@ class DeciderState(ExecutionState):
 
     _kind = "decider"
 
+    def _begin(self, name, state_id):
+        ExecutionState._begin(self, name, UNIQUE_DECIDER_STATE_ID if state_id is None else state_id)
+
     def _init_run(self, signals):
         ExecutionState._init_run(self, signals)
         self.child_errors = {}

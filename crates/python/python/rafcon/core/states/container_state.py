@@ -35,8 +35,11 @@ class Children(Mapping):
 class ContainerState(ContainerChanges, State):
     """A state with states inside, connected by transitions and data flows.
 
-    ``states``, ``transitions``, ``data_flows`` and ``scoped_variables`` are dictionaries of id to object, or lists.
+    ``states``, ``transitions``, ``data_flows`` and ``scoped_variables`` are dictionaries of id to object, or lists. One of
+    this class itself runs, and is saved, as a hierarchy.
     """
+
+    _kind = "hierarchy"
 
     def __init__(
         self,
@@ -95,12 +98,23 @@ class ContainerState(ContainerChanges, State):
 
     @property
     def scoped_data(self):
-        """The values of the scoped variables and inputs now: port id and state id joined, to :class:`ScopedData`."""
-        values = self._live()["scoped_data"]
-        ports = [*self.input_data_ports.items(), *self.scoped_variables.items()]
+        """The values in the container now, or at the end of its last run: its inputs, its scoped variables, and the
+        outputs of the states inside that have ended in this run. Port id and state id joined, to :class:`ScopedData`.
+        """
+        live = self._live()
+        found = self._scoped(self, self.input_data_ports, live["input_data"])
+        found.update(self._scoped(self, self.scoped_variables, live["scoped_data"]))
+        for state in self.states.values() if live["run_count"] else ():
+            ended = state._live()
+            if ended["final_outcome"] and not ended["active"] and ended["entered_ns"] >= live["entered_ns"]:
+                found.update(self._scoped(state, state.output_data_ports, ended["output_data"]))
+        return found
+
+    def _scoped(self, state, ports, values):
+        key = state.state_id
         return {
-            str(key) + self.state_id: ScopedData(port.name, values[port.name], port.data_type, self.state_id, self)
-            for key, port in ports
+            str(port_id) + key: ScopedData(port.name, values[port.name], port.data_type, key, self)
+            for port_id, port in ports.items()
             if port.name in values
         }
 

@@ -1,5 +1,6 @@
 """States that run another state machine."""
 
+from rafcon.core.states._own_values import OwnValues
 from rafcon.core.states.state import State
 from rafcon.core.storage.storage import LIBRARY_NOT_FOUND_DUMMY_STATE_NAME
 from rafcon.utils.type_helpers import port_default
@@ -9,10 +10,12 @@ class LibraryState(State):
     """A state that stands for a library; the library's root is ``state_copy``.
 
     Outcomes and ports are those of the library, and cannot be changed here (``NotImplementedError``). A value of its
-    own for a port counts instead of the port's default.
+    own for a port counts instead of the port's default. Without a name it is called after the library's root.
     """
 
     _kind = "library"
+    #: The ports that got a default here: which, and their id.
+    _own_defaults = frozenset()
 
     def __init__(
         self,
@@ -33,7 +36,7 @@ class LibraryState(State):
     ):
         from rafcon.core.singleton import library_manager
 
-        named = (name if name is not None else library_name, state_id)
+        named = (name, state_id)
         document, state_id = library_manager._document(library_path, library_name, version, named)
         self._settle_alone(document, state_id)
         inputs = (input_data_port_runtime_values, use_runtime_value_input_data_ports)
@@ -103,25 +106,61 @@ class LibraryState(State):
         ids = self._home.child_ids(self)
         return self._home.child(self, ids[0]) if ids else None
 
+    def _own(self, fact, set_one):
+        return OwnValues(self._facts["library"][fact], set_one)
+
+    def _assign(self, name, values):
+        if not isinstance(values, dict):
+            raise TypeError(f"`{name}` must be a dict, not {type(values).__name__}")
+        getattr(self, name).update(values)
+
     @property
     def input_data_port_runtime_values(self):
-        """Port id to the value used here instead of the port's default."""
-        return self._facts["library"]["input_runtime_values"]
+        """Port id to the value used here instead of the port's default; may be changed in place, or assigned."""
+        return self._own("input_runtime_values", self.set_input_runtime_value)
+
+    @input_data_port_runtime_values.setter
+    def input_data_port_runtime_values(self, values):
+        self._assign("input_data_port_runtime_values", values)
 
     @property
     def output_data_port_runtime_values(self):
-        """Port id to the value used here instead of the port's default."""
-        return self._facts["library"]["output_runtime_values"]
+        """Port id to the value used here instead of the port's default; may be changed in place, or assigned."""
+        return self._own("output_runtime_values", self.set_output_runtime_value)
+
+    @output_data_port_runtime_values.setter
+    def output_data_port_runtime_values(self, values):
+        self._assign("output_data_port_runtime_values", values)
 
     @property
     def use_runtime_value_input_data_ports(self):
-        """Port id to whether the runtime value is used."""
-        return self._facts["library"]["use_input_runtime_values"]
+        """Port id to whether the runtime value is used; may be changed in place, or assigned."""
+        return self._own("use_input_runtime_values", self.set_use_input_runtime_value)
+
+    @use_runtime_value_input_data_ports.setter
+    def use_runtime_value_input_data_ports(self, used):
+        self._assign("use_runtime_value_input_data_ports", used)
 
     @property
     def use_runtime_value_output_data_ports(self):
-        """Port id to whether the runtime value is used."""
-        return self._facts["library"]["use_output_runtime_values"]
+        """Port id to whether the runtime value is used; may be changed in place, or assigned."""
+        return self._own("use_output_runtime_values", self.set_use_output_runtime_value)
+
+    @use_runtime_value_output_data_ports.setter
+    def use_runtime_value_output_data_ports(self, used):
+        self._assign("use_runtime_value_output_data_ports", used)
+
+    def _set_default(self, port, default):
+        """A port got another default: from now on it is the state's own value, as its library stays what it is."""
+        self._change("runtime.set", port._group, port.data_port_id, default)
+        self._change("runtime.used", port._group, port.data_port_id, True)
+        self._own_defaults = {*self._own_defaults, (port._group, port.data_port_id)}
+
+    def _own_default(self, port):
+        """Whether the port got a default here, and the value that it has now."""
+        key, side = port.data_port_id, "input" if port._group == "inputs" else "output"
+        is_own = (port._group, key) in self._own_defaults
+        return is_own, self._facts["library"][f"{side}_runtime_values"].get(key)
 
     def recursively_preempt_states(self):
         """Preempts this state and all states of the library."""

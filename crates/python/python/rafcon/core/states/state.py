@@ -49,6 +49,9 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     there until the process ends, and so does ``persistent_variables``.
     """
 
+    #: Of the root of a machine that is being built: the inputs of its next runs.
+    _given_inputs = None
+
     @property
     def _facts(self):
         home = self._home
@@ -323,7 +326,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     def state_execution_status(self):
         """What the state does at this moment, a ``StateExecutionStatus``."""
         live = self._live()
-        if not live["active"]:
+        if not live["active"] and live["phase"] != "waiting":
             return StateExecutionStatus.INACTIVE
         return _PHASES.get(live["phase"], StateExecutionStatus.ACTIVE)
 
@@ -334,8 +337,20 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def input_data(self):
-        """The inputs of the last run: name of the port to value."""
-        return self._live()["input_data"]
+        """The inputs of the last run: name of the port to value.
+
+        What is assigned to the root of a machine that is being built are the inputs of its next runs.
+        """
+        live = self._live()
+        return live["input_data"] if live["run_count"] else self._given_inputs or {}
+
+    @input_data.setter
+    def input_data(self, input_data):
+        if not isinstance(input_data, dict):
+            raise TypeError(f"the inputs must be a dict, not {type(input_data).__name__}")
+        if self._place >= 0:
+            raise AttributeError(f"{self} runs, and has its inputs; they change with the next entry")
+        self._given_inputs = dict(input_data)
 
     @property
     def output_data(self):

@@ -1,0 +1,14 @@
+from argparse import ArgumentParser
+
+from rafcon.core.execution.execution_engine import ExecutionEngine
+from rafcon.core.global_variable_manager import GlobalVariableManager
+from rafcon.core.library_manager import LibraryManager
+from rafcon.core.state_machine_manager import StateMachineManager
+
+global_variable_manager: GlobalVariableManager
+state_machine_manager: StateMachineManager
+library_manager: LibraryManager
+state_machine_execution_engine: ExecutionEngine
+argument_parser: ArgumentParser
+shut_down_signal: int | None
+thread_identifier: int

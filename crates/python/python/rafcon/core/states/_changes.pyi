@@ -1,0 +1,29 @@
+from typing import Any, NoReturn
+
+from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
+from rafcon.core.state_elements.logical_port import Outcome
+from rafcon.core.state_elements.state_element import StateElement
+from rafcon.core.states.state import State
+
+class StateChanges:
+    def change_state_id(self, state_id: str | None = None) -> None: ...
+    def add_outcome(self, name: str, outcome_id: int | None = None) -> int | Any: ...
+    def remove_outcome(self, outcome_id: int, force: bool = False, destroy: bool = True) -> Outcome: ...
+    def remove_income(self, force: bool = False, destroy: bool = True) -> NoReturn: ...
+    def add_input_data_port(
+        self,
+        name: str,
+        data_type: type | str | None = None,
+        default_value: Any = None,
+        data_port_id: int | None = None,
+    ) -> int: ...
+    def remove_input_data_port(self, data_port_id: int, force: bool = False, destroy: bool = True) -> InputDataPort: ...
+    def add_output_data_port(
+        self, name: str, data_type: type | str | None, default_value: Any = None, data_port_id: int | None = None
+    ) -> int: ...
+    def remove_output_data_port(
+        self, data_port_id: int, force: bool = False, destroy: bool = True
+    ) -> OutputDataPort: ...
+    def remove(
+        self, state_element: StateElement | State, recursive: bool = True, force: bool = False, destroy: bool = True
+    ) -> StateElement | State: ...

@@ -1,0 +1,3 @@
+from rafcon.core.states.container_state import ContainerState
+
+class HierarchyState(ContainerState): ...

@@ -1,0 +1,3 @@
+from rafcon.core.states.concurrency_state import ConcurrencyState
+
+class PreemptiveConcurrencyState(ConcurrencyState): ...

@@ -1,0 +1,147 @@
+"""States that are used in more than one place, states that are compared, and classes that are made by themselves."""
+
+import textwrap
+import unittest
+
+from building import call
+
+
+class TakingOver(unittest.TestCase):
+    def check(self, program, expected):
+        self.assertEqual(call(textwrap.dedent(program)), textwrap.dedent(expected).lstrip("\n"))
+
+    def test_a_root_is_taken_over_by_another_machine_and_a_copy_stays(self):
+        self.check(
+            """
+            root = HierarchyState("root", "ROOTID")
+            inside = ExecutionState("inside", "INSIDE")
+            root.add_state(inside)
+            first = StateMachine(root)
+            storage.save_state_machine_to_path(first, "first")
+            second = StateMachine(first.root_state)
+            print(root.parent is second, inside.get_state_machine() is second, second.file_system_path)
+            root.name = "other"
+            storage.save_state_machine_to_path(second, "second")
+            print(first.root_state.name, list(first.root_state.states), os.path.basename(first.file_system_path))
+            names = [storage.load_state_machine_from_path(path).root_state.name for path in ("first", "second")]
+            print(names, first.root_state.parent is first)
+            """,
+            """
+            True True None
+            root ['INSIDE'] first
+            ['root', 'other'] True
+            """,
+        )
+
+    def test_one_state_is_the_root_of_several_saved_machines(self):
+        self.check(
+            """
+            state = ExecutionState("state", "STATEX")
+            for number in range(3):
+                state.name = f"state {number}"
+                storage.save_state_machine_to_path(StateMachine(state), f"m{number}")
+            print([storage.load_state_machine_from_path(f"m{number}").root_state.name for number in range(3)])
+            """,
+            """
+            ['state 0', 'state 1', 'state 2']
+            """,
+        )
+
+    def test_a_state_that_stands_elsewhere_moves_and_a_copy_stays(self):
+        self.check(
+            """
+            here, there = HierarchyState("here", "HEREXX"), HierarchyState("there", "THEREX")
+            state = ExecutionState("state", "STATEX")
+            here.add_state(state)
+            here.set_start_state(state)
+            there.add_state(state)
+            state.name = "moved"
+            print(state.parent is there, here.states["STATEX"].name, here.start_state_id, here.states["STATEX"].parent is here)
+            print(there.add_state(state) == state.state_id != "STATEX", there.states["STATEX"].name, len(there.states))
+            """,
+            """
+            True state STATEX True
+            True moved 2
+            """,
+        )
+
+    def test_a_state_cannot_stand_in_itself(self):
+        self.check(
+            """
+            outer, inner = HierarchyState("outer", "OUTERX"), HierarchyState("inner", "INNERX")
+            outer.add_state(inner)
+            refused(inner.add_state, outer)
+            refused(outer.add_state, outer)
+            print(list(outer.states), inner.parent is outer)
+            """,
+            """
+            ValueError
+            ValueError
+            ['INNERX'] True
+            """,
+        )
+
+    def test_a_decider_of_ones_own_needs_no_id(self):
+        self.check(
+            """
+            decider = DeciderState("Judge")
+            barrier = BarrierConcurrencyState("B", decider_state=decider)
+            print(decider.state_id, [state.name for state in barrier.states.values()])
+            """,
+            """
+            unique_decider_state_id ['Judge']
+            """,
+        )
+
+    def test_states_with_the_same_content_are_equal(self):
+        self.check(
+            """
+            import copy
+            state = ExecutionState("a", "AXXXXX")
+            twin = copy.copy(state)
+            print(twin == state, twin is state, state == ExecutionState("b", "BXXXXX"), state != 3, len({state, twin}))
+            twin.add_outcome("more")
+            print(twin == state)
+            """,
+            """
+            True False False True 2
+            False
+            """,
+        )
+
+    def test_classes_by_themselves_and_ids_of_other_types(self):
+        self.check(
+            """
+            from rafcon.core.states.container_state import ContainerState
+            from rafcon.core.states.concurrency_state import ConcurrencyState
+            container = ContainerState("c", 1)
+            container.add_state(ExecutionState("e", 7))
+            print(container.state_id, list(container.states), container.name)
+            refused(ConcurrencyState, "c")
+            refused(container.add_data_flow, "7", "out", "1", "in")
+            """,
+            """
+            1 ['7'] c
+            TypeError
+            ValueError
+            """,
+        )
+
+    def test_a_configuration_that_nobody_named_may_be_missing(self):
+        self.check(
+            """
+            import logging, sys
+            logging.basicConfig(stream=sys.stdout, level=logging.INFO, format="%(levelname)s")
+            global_config.load()
+            print("between")
+            global_config.load(path="nowhere")
+            """,
+            """
+            between
+            WARNING
+            """,
+        )
+
+
+if __name__ == "__main__":
+    unittest.main()
