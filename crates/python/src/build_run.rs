@@ -16,7 +16,7 @@ use rafcon_runner::{Clock, ServeError, reason, serve};
 use rafcon_storage::journal::Retention;
 use smol_str::SmolStr;
 use std::os::fd::RawFd;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// How the last run of this program ended.
 static ENDING: Mutex<Option<Ending>> = Mutex::new(None);
@@ -72,8 +72,8 @@ pub(crate) fn run_id(name: &str, salt: u16) -> String {
 
 /// `rafcon._native.give_up_old_runs`: deletes runs in this folder beyond the usual number and size.
 #[pyfunction]
-pub(crate) fn give_up_old_runs(py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-    let prune = || Retention::default().prune(&folder, Clock::epoch_ms()).map(drop);
+pub(crate) fn give_up_old_runs(py: Python<'_>, folder: &str) -> PyResult<()> {
+    let prune = || Retention::default().prune(Path::new(folder), Clock::epoch_ms()).map(drop);
     py.detach(prune).map_err(|error| PyOSError::new_err(reason(&error)))
 }
 

@@ -1578,6 +1578,8 @@ export type StartRun = {
   machine: MachineFile,
   /** Values for input ports of the root, by name. */
   inputs: Record<string, unknown>,
+  /** Global variables that are there before the first state runs, by name. */
+  globals: Record<string, unknown>,
   /** State path to begin at. */
   start_from: string | null,
   /** What happens once that state was left: `go_on`, `hold` or `stop`. */

@@ -1,9 +1,11 @@
 from logging import Logger
 from typing import Any
 
+from rafcon.design_patterns.observer.observable import Observable
+
 logger: Logger
 
-class GlobalVariableManager:
+class GlobalVariableManager(Observable):
     def __init__(self) -> None: ...
     @staticmethod
     def instance() -> GlobalVariableManager: ...

@@ -2,13 +2,14 @@ from os import PathLike
 from typing import Any
 
 from rafcon.core.states.library_state import LibraryState
+from rafcon.design_patterns.observer.observable import Observable
 
-class LibraryManager:
+class LibraryManager(Observable):
     def __init__(self) -> None: ...
     @staticmethod
     def instance() -> LibraryManager: ...
     def initialize(self) -> None: ...
-    refresh_libraries = initialize
+    def refresh_libraries(self) -> None: ...
     clean_loaded_libraries = initialize
     def get_library_instance(self, library_path: str, library_name: str) -> LibraryState: ...
     @property

@@ -2,8 +2,9 @@ from collections.abc import Mapping
 from os import PathLike
 
 from rafcon.core.state_machine import StateMachine
+from rafcon.design_patterns.observer.observable import Observable
 
-class StateMachineManager:
+class StateMachineManager(Observable):
     def __init__(self) -> None: ...
     @staticmethod
     def instance() -> StateMachineManager: ...
@@ -24,4 +25,5 @@ class StateMachineManager:
     def get_open_state_machine_of_file_system_path(
         self, file_system_path: str | PathLike[str]
     ) -> StateMachine | None: ...
+    def get_sm_id_for_root_state_id(self, root_state_id: str) -> int | None: ...
     def has_dirty_state_machine(self) -> bool: ...

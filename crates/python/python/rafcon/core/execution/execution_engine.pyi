@@ -2,12 +2,15 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any, NoReturn
 
+from rafcon.core.execution.breakpoint_manager import BreakpointManager
 from rafcon.core.execution.execution_history_items import CallItem
 from rafcon.core.execution.execution_status import ExecutionStatus, StateMachineExecutionStatus
 from rafcon.core.state_machine import StateMachine
 from rafcon.core.state_machine_manager import StateMachineManager
+from rafcon.design_patterns.observer.observable import Observable
 
-class ExecutionEngine:
+class ExecutionEngine(Observable):
+    breakpoint_manager: BreakpointManager
     state_machine_manager: StateMachineManager
     synchronization_counter: int
     status: ExecutionStatus

@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from enum import Enum
 from typing import Any
 
@@ -13,7 +14,16 @@ class HistoryItem:
     timestamp: float
     path: str
     backward: bool
-    def __init__(self, sequence: int, timestamp: float, path: str, data: str, backward: bool) -> None: ...
+    call_type: CallType
+    def __init__(
+        self,
+        sequence: int,
+        timestamp: float,
+        path: str,
+        data: str,
+        backward: bool,
+        call_type: CallType = ...,
+    ) -> None: ...
     @property
     def history_item_id(self) -> str: ...
     @property
@@ -21,20 +31,32 @@ class HistoryItem:
     @property
     def state_type(self) -> str: ...
     @property
-    def call_type(self) -> CallType: ...
+    def call_type_str(self) -> str: ...
     @property
     def input_output_data(self) -> dict[str, Any]: ...
+    def to_dict(self, pickled: bool = True) -> dict[str, Any]: ...
 
-class CallItem(HistoryItem):
+class StateMachineStartItem(HistoryItem): ...
+class ConcurrencyItem(HistoryItem): ...
+class ScopedDataItem(HistoryItem): ...
+
+class CallItem(ScopedDataItem):
     outcome: None
 
-class ReturnItem(HistoryItem):
+class ReturnItem(ScopedDataItem):
     def __init__(
-        self, sequence: int, timestamp: float, path: str, outcome: tuple[int, str], data: str, backward: bool
+        self,
+        sequence: int,
+        timestamp: float,
+        path: str,
+        outcome: tuple[int, str],
+        data: str,
+        backward: bool,
+        call_type: CallType = ...,
     ) -> None: ...
     @property
     def outcome(self) -> Outcome: ...
 
-def item(
-    sequence: int, timestamp: float, path: str, outcome: tuple[int, str] | None, data: str, backward: bool
-) -> CallItem | ReturnItem: ...
+def items(
+    told: tuple[int, float, str, tuple[int, str] | None, str, bool], call_types: Sequence[CallType]
+) -> list[CallItem | ReturnItem]: ...

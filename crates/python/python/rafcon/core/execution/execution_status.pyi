@@ -1,5 +1,6 @@
 from collections.abc import Callable
 from enum import Enum
+from threading import Condition
 
 class StateMachineExecutionStatus(Enum):
     STARTED = 1
@@ -16,6 +17,7 @@ class StateMachineExecutionStatus(Enum):
     RUN_ONLY_SELECTED_STATE = 12
 
 class ExecutionStatus:
+    execution_condition_variable: Condition
     def __init__(self, read: Callable[[], StateMachineExecutionStatus]) -> None: ...
     @property
     def execution_mode(self) -> StateMachineExecutionStatus: ...

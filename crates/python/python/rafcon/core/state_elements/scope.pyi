@@ -4,6 +4,8 @@ from rafcon.core.state_elements.data_port import DataPort
 from rafcon.core.state_elements.state_element import StateElement
 from rafcon.core.states.state import State
 
+def generate_time_stamp() -> float: ...
+
 class ScopedVariable(DataPort):
     def __init__(
         self,

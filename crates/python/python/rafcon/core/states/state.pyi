@@ -9,6 +9,7 @@ from rafcon.core.state_machine import StateMachine
 from rafcon.core.states._changes import StateChanges
 from rafcon.core.states._construction import StateConstruction
 from rafcon.core.states._semantic_data import SemanticData
+from rafcon.core.states._summary import StateSummary
 from rafcon.core.states.container_state import ContainerState
 
 PATH_SEPARATOR: str
@@ -28,7 +29,7 @@ class StateType(Enum):
     LIBRARY = 5
     DECIDER_STATE = 6
 
-class State(StateConstruction, StateChanges, SemanticData):
+class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     @property
     def name(self) -> str: ...
     @name.setter

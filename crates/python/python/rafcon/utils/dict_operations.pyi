@@ -1,0 +1,3 @@
+from typing import Any
+
+def check_if_dict_contains_object_reference_in_values(object_to_check: Any, dict_to_check: dict[Any, Any]) -> bool: ...

@@ -1,0 +1,3 @@
+from typing import Any
+
+def tf_from_stamped(tf_stamped: Any) -> tuple[list[float], list[float]]: ...
