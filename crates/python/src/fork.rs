@@ -14,12 +14,16 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     Ok(())
 }
 
-/// This process is a copy from now on. It lets go of the sockets: viewers see the end of the run by their ends.
+/// This process is a copy from now on. It lets go of the sockets and of the lock of the run: viewers see the end of the run by
+/// their ends. A copy of a copy has let go of them already.
 #[pyfunction]
 pub(crate) fn after_fork_in_child(py: Python<'_>) -> PyResult<()> {
+    if current::is_forked() {
+        return Ok(());
+    }
     current::fork_happened();
     let close = py.import("os")?.getattr("close")?;
-    rafcon_runner::sockets().into_iter().try_for_each(|socket| close.call1((socket,)).map(drop))
+    rafcon_runner::descriptors().into_iter().try_for_each(|open| close.call1((open,)).map(drop))
 }
 
 /// Ends a copy whose script has returned: the state machine lives elsewhere. As Python does it for a child of

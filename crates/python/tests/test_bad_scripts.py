@@ -1,5 +1,6 @@
 """Scripts that do what they should not: each ends in its state's own *aborted* path, or in a clear last word."""
 
+import fcntl
 import os
 import tempfile
 import unittest
@@ -169,6 +170,27 @@ def execute(self, inputs, outputs, gvm):
 """
         runner = Runner(save(folder.name + "/machine", sequence(script(text % door))))
         self.assertEqual(runner.finish().exit_code, 3)
+        open(door, "w").close()
+
+    def test_a_forked_process_does_not_hold_the_run(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        door, run_folder = folder.name + "/door", folder.name + "/run"
+        os.mkfifo(door)
+        text = """
+import os
+def execute(self, inputs, outputs, gvm):
+    if os.fork() == 0:
+        os.close(1)
+        os.close(2)
+        open(%r).read()
+        os._exit(0)
+    os._exit(3)
+"""
+        machine = save(folder.name + "/machine", sequence(script(text % door)))
+        self.assertEqual(Runner(machine, run_folder=run_folder).finish().exit_code, 3)
+        with open(run_folder + "/lock", "r+b") as lock:
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         open(door, "w").close()
 
     def test_nothing_is_marked_after_a_good_end(self):

@@ -38,10 +38,13 @@ pub enum TalkError {
 /// The descriptors of all sockets of this process.
 static OPEN: Mutex<BTreeSet<RawFd>> = Mutex::new(BTreeSet::new());
 
-/// The descriptors of all sockets of this process. A forked copy closes them first of all: who listens at the other end is to
-/// see the end of the runner, and not that of its copies. Never waits.
-pub fn sockets() -> Vec<RawFd> {
-    OPEN.try_lock().map(|open| open.iter().copied().collect()).unwrap_or_default()
+/// The descriptors of all sockets of this process, and of the locks of its runs. A forked copy closes them first of all: who
+/// listens at the other end is to see the end of the runner, and not that of its copies, and a run is not alive because a copy
+/// of its runner is. Never waits.
+pub fn descriptors() -> Vec<RawFd> {
+    let sockets = OPEN.try_lock();
+    let sockets = sockets.iter().flat_map(|open| open.iter().copied());
+    sockets.chain(rafcon_storage::journal::locks()).collect()
 }
 
 /// A descriptor that a forked copy lets go of.

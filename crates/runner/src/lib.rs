@@ -56,7 +56,7 @@ mod words;
 mod written;
 
 pub use clock::Clock;
-pub use connection::{TalkError, sockets};
+pub use connection::{TalkError, descriptors};
 pub use document::Edited;
 pub use driver::Driver;
 pub use files::StateFiles;

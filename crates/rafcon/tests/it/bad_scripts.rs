@@ -243,3 +243,21 @@ fn a_thread_that_never_ends() {
     "]],
     );
 }
+
+/// A second runner asks for the run while its script goes on.
+#[test]
+fn a_script_that_copies_the_folder_of_its_run_keeps_its_run() {
+    let script = r#"
+import glob, os, shutil, subprocess
+def execute(self, inputs, outputs, gvm):
+    (run,) = glob.glob(os.path.expanduser("~/.local/state/rafcon/runs/*"))
+    shutil.copytree(run, os.path.expanduser("~/copy"), ignore=shutil.ignore_patterns("socket"))
+    second = subprocess.run(["RAFCON", "resume", run, "--policy", "restart"], capture_output=True, text=True)
+    self.logger.info(second.stderr)
+    return "success"
+"#;
+    check(
+        &script.replace("RAFCON", env!("CARGO_BIN_EXE_rafcon")),
+        &expect![],
+    );
+}

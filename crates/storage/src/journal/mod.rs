@@ -50,7 +50,7 @@ pub use filter::{Filter, KINDS, Sieve, kind, kind_of, path_of, place_of};
 pub use folder::{make_folder, run_id};
 pub use found::{Found, Looked, Search, is_about_values};
 pub use journal::{Committed, Journal, Options, RECORDER_BYTES, SIZE_MAX, TakenUp};
-pub use lock::writer_of;
+pub use lock::{locks, writer_of};
 pub use moment::{ANSWERS_MAX, BadMoment, Ended, Moment, Standing, Variable, Whole};
 pub use pack::{Hash, Manifest, Pack, Packer, Unpacked, unpack};
 pub use places::Places;
