@@ -253,11 +253,14 @@ def execute(self, inputs, outputs, gvm):
     (run,) = glob.glob(os.path.expanduser("~/.local/state/rafcon/runs/*"))
     shutil.copytree(run, os.path.expanduser("~/copy"), ignore=shutil.ignore_patterns("socket"))
     second = subprocess.run(["RAFCON", "resume", run, "--policy", "restart"], capture_output=True, text=True)
-    self.logger.info(second.stderr)
+    self.logger.info(second.stderr.replace(str(os.getpid()), "PID").strip())
     return "success"
 "#;
     check(
         &script.replace("RAFCON", env!("CARGO_BIN_EXE_rafcon")),
-        &expect![],
+        &expect![[r#"
+            0 finished success
+            error: the run in PLACE/.local/state/rafcon/runs/RUN is still going on (process PID): join it with `rafcon attach`, or end it first
+        "#]],
     );
 }
