@@ -96,7 +96,7 @@ fn holder(file: &File) -> io::Result<Option<u32>> {
             break;
         }
         if look + 1 < LOOKS {
-            thread::sleep(PAUSE);
+            thread::park_timeout(PAUSE);
         }
     }
     Ok(Some(number.unwrap_or(0)))
