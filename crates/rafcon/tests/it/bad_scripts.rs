@@ -258,9 +258,9 @@ def execute(self, inputs, outputs, gvm):
 "#;
     check(
         &script.replace("RAFCON", env!("CARGO_BIN_EXE_rafcon")),
-        &expect![[r#"
+        &expect![[r"
             0 finished success
             error: the run in PLACE/.local/state/rafcon/runs/RUN is still going on (process PID): join it with `rafcon attach`, or end it first
-        "#]],
+        "]],
     );
 }
