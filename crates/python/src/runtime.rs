@@ -26,6 +26,7 @@ pub(crate) struct Runtime {
     pub(crate) restore_global: Py<PyAny>,
     /// Keeps the global variables in a journal from now on.
     pub(crate) keep_globals: Py<PyAny>,
+    pub(crate) note_globals: Py<PyAny>,
     /// The type of a dotted name.
     pub(crate) resolve_type: Py<PyAny>,
     /// The value of a text that only Python can read.
@@ -131,6 +132,7 @@ impl Runtime {
             global_variables: get("global_variable_manager")?,
             resolve_global: get("resolve_global")?,
             keep_globals: get("keep_globals")?,
+            note_globals: get("note_globals")?,
             restore_global: get("restore_global")?,
             resolve_type: get("resolve_type")?,
             convert: get("convert")?,

@@ -186,6 +186,14 @@ impl Scripts for PythonScripts {
         self.seating.change(Arc::clone(program));
     }
 
+    fn note_globals(&self) {
+        let noted = Python::attach(|py| Runtime::get(py)?.note_globals.call0(py).map(drop));
+        if let Err(error) = noted {
+            let message = format!("global variables of before the run are not kept: {error}");
+            current::say(LogLevel::Error, message);
+        }
+    }
+
     fn encode_globals(&self) -> Map<String, Value> {
         let encoded = Python::attach(|py| {
             let encoded = Runtime::get(py).and_then(|runtime| runtime.encode_globals.call0(py));

@@ -221,8 +221,15 @@ fn set_out<S: Scripts>(
 ) -> Result<(), String> {
     launch.breakpoints.iter().try_for_each(|breakpoint| driver.set_breakpoint(breakpoint))?;
     match past {
-        Some(past) => past.go_on(driver, launch.hold),
-        None => driver.input(Input::Start(start)),
+        Some(past) => {
+            past.go_on(driver, launch.hold)?;
+            driver.scripts().note_globals();
+            Ok(())
+        }
+        None => {
+            driver.scripts().note_globals();
+            driver.input(Input::Start(start))
+        }
     }
 }
 

@@ -53,6 +53,9 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// A value as `docs/protocol.md` encodes it.
     fn encode(&self, value: &Self::Value) -> serde_json::Value;
 
+    /// Notes down the global variables that were there before the run began, by [`Driver::global`](crate::Driver::global).
+    fn note_globals(&self) {}
+
     /// All global variables, encoded.
     fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value>;
 

@@ -56,6 +56,10 @@ class Ledger:
         if self._journal is not None:
             self._changes.append((name, kept))
 
+    def forget(self, name):
+        """What was noted of a variable and is not written down yet is none of the run's. Called before the run begins."""
+        self._changes = deque(change for change in self._changes if change[0] != name)
+
     def write(self):
         """Writes down what was noted. Called with no lock held."""
         if not self._changes or not self._journal.is_open():

@@ -35,6 +35,7 @@ __all__ = [
     "hooks",
     "install_capture",
     "keep_globals",
+    "note_globals",
     "machine",
     "new_state",
     "pending",
@@ -60,6 +61,7 @@ machine = _objects.machine
 resolve_global = global_variable_manager._resolve
 restore_global = global_variable_manager._restore
 keep_globals = global_variable_manager._keep_in
+note_globals = global_variable_manager._note_all
 
 
 def set_verdicts(decider, verdicts):

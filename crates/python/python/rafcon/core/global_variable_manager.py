@@ -269,14 +269,20 @@ class GlobalVariableManager(Observable):
         else:
             variable.value = value
         variable.kept = self._ledger.keep(variable.value, variable.by_reference, variable.data_type)
+        self._ledger.forget(name)
         with self._lock:
             self._variables[name] = variable
 
     def _keep_in(self, journal):
-        """From now on each change goes into the journal of the run."""
+        """From now on each change goes into the journal of the run; what is there already does as the run begins."""
         self._ledger = Ledger(journal)
-        for variable in self._variables.values():
+        for name, variable in self._variables.items():
             variable.kept = self._ledger.keep(variable.value, variable.by_reference, variable.data_type)
+            self._ledger.note(name, variable.kept)
+
+    def _note_all(self):
+        """The run begins: the variables that were there before it, and were not put back by it, go into its journal."""
+        self._ledger.write()
 
     def _values(self):
         """Name to value, the kept objects themselves."""
