@@ -1,8 +1,9 @@
 //! The commands that read what runs have kept. Most journals are written here, from text; one is that of a real run.
 
-use crate::harness::Place;
+use crate::harness::{Place, assert_extension};
 use expect_test::{Expect, expect};
 use rafcon_storage::journal::{About, Journal, Options, notation};
+use std::fs;
 
 const MACHINE: &str = r#"
     place R "Mission" in speed scoped n outcome done,lost
@@ -472,4 +473,35 @@ fn cut_size(text: &str) -> String {
         _ => format!("{line}\n"),
     };
     text.lines().map(cut).collect()
+}
+
+/// What a plugin sets before the run begins is set in the run.
+#[test]
+fn global_variables_of_plugins_stand_in_the_journal() {
+    assert_extension();
+    let script = r#"
+def execute(self, inputs, outputs, gvm):
+    gvm.set_variable("own", gvm.get_variable("from_plugin")[1])
+    return 0
+"#;
+    let place = Place::with_script(script);
+    let plugin = place.path("plugin");
+    fs::create_dir(&plugin).unwrap();
+    fs::write(plugin.join("__init__.py"), "").unwrap();
+    let hooks = r#"
+from rafcon.core.singleton import global_variable_manager
+def post_init(*arguments):
+    global_variable_manager.set_variable("from_plugin", [1, 2])
+"#;
+    fs::write(plugin.join("hooks.py"), hooks).unwrap();
+    let mut run = place.command("run MACHINE --runs runs");
+    let answer = place.answer(&run.env("RAFCON_PLUGIN_PATH", &plugin).output().unwrap());
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    let history = place.call("history last --runs runs --kind global").stdout;
+    let told: Vec<&str> =
+        history.lines().filter_map(|line| line.split_once("global ")).map(|it| it.1).collect();
+    assert_eq!(told, ["from_plugin = [1, 2]", "own = 2"]);
+    let replay = place.call("replay last --runs runs --json").stdout;
+    let picture: serde_json::Value = serde_json::from_str(&replay).unwrap();
+    assert_eq!(picture["globals"], serde_json::json!({ "from_plugin": [1, 2], "own": 2 }));
 }

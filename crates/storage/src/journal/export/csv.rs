@@ -15,18 +15,19 @@ pub(super) fn line(found: &Found, started_ms: u64) -> Result<String, ExportError
     let event = &found.event;
     let duration = found.lasted.map(|lasted| format!("{:.6}", lasted.as_secs_f64()));
     let values = values(event);
+    let values = if values.is_null() { String::new() } else { serde_json::to_string(&values)? };
     let fields = [
         found.sequence.to_string(),
         format!("{:.6}", found.time().as_secs_f64()),
         utc_at(started_ms + found.t_ns / 1_000_000),
         kind_of(event).to_owned(),
-        path_of(event).to_owned(),
-        found.names.clone(),
-        outcome(event).unwrap_or_default().to_owned(),
+        guarded(path_of(event)),
+        guarded(&found.names),
+        guarded(outcome(event).unwrap_or_default()),
         duration.unwrap_or_default(),
         level(event),
-        text(event),
-        if values.is_null() { String::new() } else { serde_json::to_string(&values)? },
+        guarded(&text(event)),
+        guarded(&values),
     ];
     Ok(fields.iter().map(|field| quoted(field)).collect::<Vec<_>>().join(",") + "\r")
 }
@@ -77,6 +78,12 @@ pub(super) fn values(event: &Event) -> Value {
     }
 }
 
+/// A text that spreadsheets show and do not run: a quote before what would begin a formula.
+fn guarded(text: &str) -> String {
+    let quote = if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { "'" } else { "" };
+    format!("{quote}{text}")
+}
+
 fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", field.replace('"', "\"\""))
@@ -87,7 +94,17 @@ fn quoted(field: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::quoted;
+    use super::{guarded, quoted};
+
+    #[test]
+    fn no_text_is_a_formula() {
+        let texts = ["=cmd|'/C calc'!A0", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "a=b", ""];
+        let shown = texts.map(guarded);
+        assert_eq!(
+            shown,
+            ["'=cmd|'/C calc'!A0", "'+1", "'-1", "'@SUM(A1)", "'\t=1", "'\r=1", "a=b", ""]
+        );
+    }
 
     #[test]
     fn only_what_must_be_is_quoted() {
