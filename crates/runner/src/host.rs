@@ -220,17 +220,13 @@ fn set_out<S: Scripts>(
     past: Option<Past>,
 ) -> Result<(), String> {
     launch.breakpoints.iter().try_for_each(|breakpoint| driver.set_breakpoint(breakpoint))?;
-    match past {
-        Some(past) => {
-            past.go_on(driver, launch.hold)?;
-            driver.scripts().note_globals();
-            Ok(())
-        }
-        None => {
-            driver.scripts().note_globals();
-            driver.input(Input::Start(start))
-        }
+    if let Some(past) = past {
+        past.go_on(driver, launch.hold)?;
+        driver.scripts().note_globals();
+        return Ok(());
     }
+    driver.scripts().note_globals();
+    driver.input(Input::Start(start))
 }
 
 /// Waits for the end of the run, and notes it down; breaks off if a script does not end. Then the interpreter is not entered
