@@ -61,7 +61,7 @@ export function listenToKeys(session: AppSession, view: Window): () => void {
   const press = (event: KeyboardEvent) => {
     const key = event.defaultPrevented || event.isComposing ? null : keyName(event);
     if (key === null || !counts(key, focusOf(event.target))) return;
-    const ids = byKey.peek().get(key) ?? [];
+    const ids = meant(byKey.peek().get(key) ?? [], event.repeat);
     for (const id of ids) {
       if (focusOf(event.target) === "text") settle(event.target as HTMLElement);
       if (!session.commands.run(id, session.context())) continue;
@@ -79,6 +79,11 @@ export function listenToKeys(session: AppSession, view: Window): () => void {
 /** Whether a command changes what is selected. */
 function changes(id: string): boolean {
   return /^(edit\.(cut|delete|duplicate|rename)|insert\.|arrange\.)/.test(id);
+}
+
+/** The commands that a key is for: a key that is held makes one state, not one for each repetition. */
+function meant(ids: readonly string[], isRepeated: boolean): readonly string[] {
+  return isRepeated ? ids.filter((id) => !/^(insert|arrange)\./.test(id)) : ids;
 }
 
 /** Says why a key did nothing, where libraries are the reason. */

@@ -25,6 +25,8 @@ export interface CanvasControl {
   readonly cancel: () => boolean;
   /** Opens the menu of what is selected, at its place. */
   readonly openMenu: () => void;
+  /** Makes what is still to be made of steps by keyboard: before anything else is done. */
+  readonly flush: () => void;
   readonly focus: () => void;
   /** The state that fills the view: what one works in. */
   readonly stage: ReadonlySignal<string>;

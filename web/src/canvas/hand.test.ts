@@ -1,5 +1,5 @@
 import fc from "fast-check";
-import { expect, test } from "vitest";
+import { expect, test, vi } from "vitest";
 import { type Driver, driver } from "./testing/driver.ts";
 
 const point = fc.record({
@@ -116,4 +116,35 @@ test("who may not edit still selects and looks around", () => {
   expect(canvas.hand.overlay.value.message).toBeNull();
   canvas.release();
   expect(canvas.refusals).toEqual([]);
+});
+
+test("a copy that is let go over a container goes into it", () => {
+  const canvas = driver().press("A", { alt: true }).drag({ x: 450, y: 600 });
+  expect(canvas.hand.overlay.value.message?.text).toBe("Copy into “Box”");
+  expect(canvas.release().text()).toMatch(/^Duplicate Scan: paste R\/C /m);
+});
+
+test("what a move into a container costs is said at the pointer", () => {
+  const canvas = driver().press("A").drag({ x: 450, y: 600 });
+  expect(canvas.hand.overlay.value.message?.text).toBe("Move into “Box”; 2 connections go");
+});
+
+test("nudges in a row are one step, and end before anything else is done", async () => {
+  vi.useFakeTimers();
+  const canvas = driver().select("state:R/A");
+  const from = canvas.box("A");
+  for (let count = 0; count < 10; count += 1) canvas.key("ArrowRight", { ctrl: true });
+  expect(canvas.room.made).toEqual([]);
+  expect(canvas.box("A")).toBe(from);
+  expect(canvas.hand.overlay.value.boxes.size).toBe(1);
+  vi.advanceTimersByTime(1_000);
+  expect(canvas.room.made.map(({ name }) => name)).toEqual(["Move Scan"]);
+  await canvas.answered();
+  canvas.key("ArrowDown", { alt: true });
+  canvas.hand.flush();
+  expect(canvas.room.made.length).toBe(2);
+  canvas.key("ArrowDown", { alt: true }).press("B");
+  expect(canvas.room.made.length).toBe(3);
+  canvas.release();
+  vi.useRealTimers();
 });

@@ -11,6 +11,7 @@ import {
   type Size,
 } from "../model/geometry.ts";
 import { isContainer } from "../model/machine.ts";
+import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned, refused } from "../plan/plan.ts";
 import { rename as renamePlan } from "../plan/states.ts";
 import type { Dragged } from "../store/dragged.ts";
@@ -21,7 +22,7 @@ import { visibleBox, zoomedAt } from "./camera.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
 import type { Hit } from "./hit/look.ts";
 import { extentOn } from "./hit/shown.ts";
-import { type Key, keyed } from "./keyed.ts";
+import { isNudge, type Key, keyed } from "./keyed.ts";
 import { filling, revealing } from "./looks.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
 import { type Placed, placesOf } from "./placed.ts";
@@ -32,6 +33,7 @@ import { firstPort } from "./tools/first_port.ts";
 import { type Around, type Gesture, inState, type Pointer, type Result } from "./tools/gesture.ts";
 import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
 import { cursorAt, type Press, pressing } from "./tools/press.ts";
+import { preview } from "./tools/preview.ts";
 import { stageOf } from "./tools/stage.ts";
 
 /** What the hand needs of its surroundings. */
@@ -52,6 +54,16 @@ export interface Desk {
   readonly rename: (path: string) => void;
 }
 
+/** Small steps of states that are not made yet, in the coordinates of their container. */
+interface Nudging {
+  readonly paths: readonly string[];
+  readonly by: Point;
+  readonly timer: ReturnType<typeof setTimeout>;
+}
+
+/** Steps that follow each other within so long are one. */
+const NUDGED_MS = 500;
+
 interface Touch {
   readonly id: number;
   readonly at: Point;
@@ -70,6 +82,7 @@ export class Hand {
   readonly stage: ReadonlySignal<string>;
   readonly #desk: Desk;
   #gesture: Gesture | null = null;
+  #nudging: Nudging | null = null;
   #pointer: Pointer | null = null;
   #touches: readonly Touch[] = [];
   #pinch: { readonly camera: Camera; readonly from: Fingers } | null = null;
@@ -90,6 +103,37 @@ export class Hand {
   /** The name of the gesture that is under way. */
   get doing(): string | null {
     return this.#gesture?.name ?? null;
+  }
+
+  /** Moves states a little; a series of such steps is one edit, made when it ends. */
+  nudge(paths: readonly string[], by: Point): void {
+    const before = this.#nudging;
+    const isSame = before?.paths.join() === paths.join();
+    if (before && !isSame) this.flush();
+    const from = isSame && before ? before.by : { x: 0, y: 0 };
+    const total = { x: from.x + by.x, y: from.y + by.y };
+    const plan = movePlan(this.#desk.tab.room.machine, paths, total);
+    clearTimeout(before?.timer);
+    if (isRefused(plan) || this.#desk.whyFixed() !== null) {
+      this.#nudging = null;
+      this.apply(plan);
+      return;
+    }
+    this.overlay.value = preview(plan, this.around());
+    const timer = setTimeout(() => this.flush(), NUDGED_MS);
+    this.#nudging = { paths, by: total, timer };
+  }
+
+  /** Makes what is still to be made of a series of small steps. */
+  flush(): void {
+    const nudging = this.#nudging;
+    if (!nudging) return;
+    this.#nudging = null;
+    clearTimeout(nudging.timer);
+    const { overlay } = this;
+    const shown = overlay.peek();
+    overlay.value = NO_OVERLAY;
+    this.apply(movePlan(this.#desk.tab.room.machine, nudging.paths, nudging.by), shown);
   }
 
   /** Where everything is without the gesture. */
@@ -128,6 +172,7 @@ export class Hand {
 
   /** The button, or a finger, goes down. */
   press(press: Press, how: { readonly pans: boolean; readonly finger?: number }): void {
+    this.flush();
     this.#pointer = press;
     if (how.finger !== undefined && this.#fingerDown(how.finger, press)) return;
     if (this.#gesture?.isSticky && !how.pans) {
@@ -252,6 +297,7 @@ export class Hand {
 
   /** Ends what is under way without a change; false if nothing was. */
   cancel(): boolean {
+    this.flush();
     if (!this.#gesture) return false;
     this.#drop();
     return true;
@@ -259,6 +305,7 @@ export class Hand {
 
   /** A key was pressed; false if the canvas has no use for it. */
   key(key: Key): boolean {
+    if (!isNudge(key)) this.flush();
     return this.#gesture ? this.#gestureKey(this.#gesture, key) : keyed(this, this.#desk, key);
   }
 

@@ -3,7 +3,6 @@
 import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
 import { parentOf } from "../model/path.ts";
-import { move } from "../plan/move.ts";
 import { select, selected, selectedStates } from "../store/view.ts";
 import type { Desk, Hand } from "./hand.ts";
 import { filling } from "./looks.ts";
@@ -26,6 +25,12 @@ const ARROWS: Readonly<
   ArrowDown: { direction: "in", by: { x: 0, y: 1 } },
   ArrowUp: { direction: "out", by: { x: 0, y: -1 } },
 };
+
+/** Whether the key is a step of what is selected, or held for one. */
+export function isNudge({ key, ctrl, alt, shift }: Key): boolean {
+  if (key === "Control" || key === "Alt" || key === "Meta") return true;
+  return ARROWS[key] !== undefined && (ctrl || alt) && !shift;
+}
 
 /** Does what the key is for; false if the canvas has no use for it. */
 export function keyed(hand: Hand, desk: Desk, key: Key): boolean {
@@ -104,6 +109,6 @@ function nudge(hand: Hand, { tab }: Desk, by: Point, isFine: boolean): boolean {
   if (!box || parent === null) return false;
   const whole = Math.min(box.width, box.height) / hand.places().unit(parent);
   const step = whole / (isFine ? 500 : 50);
-  hand.apply(move(tab.room.machine, paths, { x: by.x * step, y: by.y * step }));
+  hand.nudge(paths, { x: by.x * step, y: by.y * step });
   return true;
 }

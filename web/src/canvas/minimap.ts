@@ -30,7 +30,12 @@ export interface Minimap {
 }
 
 /** Puts the overview into the corner of an element. */
-export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): Minimap {
+export function minimapIn(
+  place: HTMLElement,
+  tab: OpenTab,
+  picture: Picture,
+  focus: () => void,
+): Minimap {
   const box = frameIn(place);
   const map = canvasIn(box);
   const fold = buttonIn(box);
@@ -77,7 +82,10 @@ export function minimapIn(place: HTMLElement, tab: OpenTab, picture: Picture): M
     if (!isChosen) folded.value = isTight(place);
   });
   observer.observe(place);
-  listen(map, (at) => lookAt(tab, picture, at));
+  listen(map, (at) => {
+    focus();
+    lookAt(tab, picture, at);
+  });
 
   return {
     dispose: () => {
@@ -132,6 +140,9 @@ function buttonIn(box: HTMLElement): HTMLButtonElement {
 function listen(map: HTMLCanvasElement, tell: (at: Point) => void): void {
   const told = (event: PointerEvent) => tell({ x: event.offsetX, y: event.offsetY });
   map.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    // The press leaves the keyboard where it is: with the canvas.
+    event.preventDefault();
     map.setPointerCapture(event.pointerId);
     told(event);
   });

@@ -265,3 +265,25 @@ test("a picture that cannot be drawn says so, and that it can again", () => {
   expect(picture.fault.value).toBeNull();
   vi.unstubAllGlobals();
 });
+
+test("a name that somebody else changes meanwhile is said, and only Enter overwrites it", () => {
+  const { mounted, place, room } = mounting();
+  mounted.control.rename("R/A");
+  const field = place.querySelector<HTMLInputElement>("input");
+  if (!field) throw new Error("no field");
+  field.value = "Mine";
+  void room.edit("Rename", { edit: "set_name", path: "R/A", name: "Theirs" });
+  const said = () => place.querySelector("[role=alert]")?.textContent;
+  expect(said()).toBe(
+    "It was renamed to “Theirs” meanwhile: Enter takes your name, Escape theirs.",
+  );
+  field.dispatchEvent(new FocusEvent("blur"));
+  expect(room.machine.state("R/A")?.name).toBe("Theirs");
+});
+
+test("after a press in the overview keys are for the canvas", () => {
+  const { place, root } = mounting();
+  const map = place.querySelector(".canvas-minimap canvas");
+  map?.dispatchEvent(new PointerEvent("pointerdown", { button: 0, bubbles: true }));
+  expect(document.activeElement).toBe(root);
+});

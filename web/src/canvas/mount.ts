@@ -58,7 +58,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     heading: () => flight.goal,
     run: options.run,
     whyFixed: () => whyFixed(page, tab),
-    refuse: (text) => page.tell({ level: "warning", text }),
+    refuse: (text) => page.tell({ level: "warning", text: tab.room.named(text) }),
     rename: (path) => {
       closeField();
       closeField = openField(root, place, hand, tab, path);
@@ -71,7 +71,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   });
   picture.canvas.setAttribute("aria-hidden", "true");
   const pulses = pulsesOver(root, picture, tab.run);
-  const minimap = minimapIn(place, tab, picture);
+  const minimap = minimapIn(place, tab, picture, () => root.focus({ preventScroll: true }));
   // Where the camera stands at first is nobody's move.
   const stopLooking = firstLook(root, tab, hand);
   const stopFollowing = followRun(tab, page, picture, flight);
@@ -102,6 +102,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
       openMenu(placeOfSelection(hand, tab, picture)),
     ),
     dispose: () => {
+      hand.flush();
       hand.cancel();
       flight.stop();
       closeField();
@@ -157,6 +158,7 @@ function controlOf(
     rename: (path) => hand.rename(path),
     cancel: () => hand.cancel(),
     openMenu,
+    flush: () => hand.flush(),
     focus: () => root.focus({ preventScroll: true }),
     stage: hand.stage,
   };
@@ -194,7 +196,7 @@ function openField(
   if (!state || !box) return () => {};
   const camera = view.camera.peek();
   const isOpen = hand.places().children(path).length > 0;
-  const close = renameField({
+  const field = renameField({
     place,
     box: nameArea(screenBox(camera, box), extentOn(camera, box), isOpen),
     name: state.name,
@@ -209,10 +211,20 @@ function openField(
       root.focus({ preventScroll: true });
     },
   });
-  const stop = effect(() => {
-    if (view.camera.value !== camera) close();
+  const stopCamera = effect(() => {
+    if (view.camera.value !== camera) field.close();
   });
-  return close;
+  const stopWatching = effect(() => {
+    room.version.value;
+    const now = room.machine.state(path)?.name;
+    if (now === undefined || now === state.name) return;
+    field.warn(`It was renamed to “${now}” meanwhile: Enter takes your name, Escape theirs.`);
+  });
+  const stop = () => {
+    stopCamera();
+    stopWatching();
+  };
+  return field.close;
 }
 
 /** What runs, and breakpoints, are told to those who hear the page this often. */

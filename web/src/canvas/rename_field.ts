@@ -16,8 +16,14 @@ export interface Renaming {
 const WIDTH_MIN = 140;
 const HEIGHT = 28;
 
-/** Opens the field. Enter and leaving it take the name, Escape leaves it as it was. Returns the way to close it. */
-export function renameField(renaming: Renaming): () => void {
+export interface RenameField {
+  readonly close: () => void;
+  /** Says what somebody else did to the name meanwhile: from then on only Enter takes the one that is written here. */
+  readonly warn: (text: string) => void;
+}
+
+/** Opens the field. Enter and leaving it take the name, Escape leaves it as it was. */
+export function renameField(renaming: Renaming): RenameField {
   const { place, box, name } = renaming;
   const field = document.createElement("input");
   const reason = document.createElement("div");
@@ -32,6 +38,11 @@ export function renameField(renaming: Renaming): () => void {
   reason.style.cssText = `${reasonStyle(left, top, width)};display:none`;
   place.append(field, reason);
   let isOpen = true;
+  let isWarned = false;
+  const say = (text: string) => {
+    reason.textContent = text;
+    reason.style.display = "";
+  };
   const close = () => {
     if (!isOpen) return;
     isOpen = false;
@@ -45,8 +56,7 @@ export function renameField(renaming: Renaming): () => void {
       close();
       return;
     }
-    reason.textContent = refused;
-    reason.style.display = "";
+    say(refused);
     field.setAttribute("aria-invalid", "true");
   };
   field.addEventListener("keydown", (event) => {
@@ -55,12 +65,18 @@ export function renameField(renaming: Renaming): () => void {
     else if (event.key === "Escape") close();
   });
   field.addEventListener("blur", () => {
-    if (isOpen) take();
+    if (isOpen && !isWarned) take();
     if (isOpen) close();
   });
   field.focus();
   field.select();
-  return close;
+  return {
+    close,
+    warn: (text) => {
+      isWarned = true;
+      say(text);
+    },
+  };
 }
 
 function style(left: number, top: number, width: number): string {

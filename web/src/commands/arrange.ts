@@ -45,12 +45,13 @@ const TOGETHER: readonly Command[] = [
     classic: ["Ctrl+G", "G"],
     menu: "Arrange/1",
     enabled: (context) => canEdit(context) && siblings(context, 1),
-    run: (context) => {
-      const variables = elements(context).flatMap((element) =>
-        element.kind === "scoped_variable" ? [element.id] : [],
-      );
-      return perform(context, (m) => group(m, states(context), variables));
-    },
+    run: (context) =>
+      perform(context, (m) => {
+        const variables = elements(context).flatMap((element) =>
+          element.kind === "scoped_variable" ? [element.id] : [],
+        );
+        return group(m, states(context), variables);
+      }),
   },
   {
     id: "arrange.ungroup",
@@ -122,8 +123,10 @@ const KINDS: readonly (readonly [StateKind, string])[] = [
 ];
 
 function onState(context: Context, plan: (machine: Machine, path: string) => Planned) {
-  const path = onlyState(context);
-  return path === null ? undefined : perform(context, (m) => plan(m, path));
+  return perform(context, (m) => {
+    const path = onlyState(context);
+    return path === null ? refused("Select one state first.") : plan(m, path);
+  });
 }
 
 /** One state is selected, and it is neither the root nor a decider. */
@@ -229,7 +232,14 @@ async function layOutFrom(context: Context, container: string | null, deep: bool
   if (isMade && container === machine.root) context.canvas?.fit([]);
 }
 
-/** The container that is laid out: the one that is selected, else the one that one works in. */
+/** The level that one looks at: the container of what is selected, else the one that one works in. */
+function levelToLayOut(context: Context): string | null {
+  const [first] = elements(context);
+  if (first?.kind === "state") return parentOf(first.path) ?? first.path;
+  return first?.path ?? stageOf(context);
+}
+
+/** The container that is laid out with all inside: the one that is selected, else the one that one works in. */
 function containerToLayOut(context: Context): string | null {
   const path = onlyState(context);
   const state = path === null ? undefined : machineOf(context)?.state(path);
@@ -242,8 +252,8 @@ const LAID_OUT: readonly Command[] = [
     title: "Automatic layout of this level",
     keys: ["Ctrl+Shift+L"],
     menu: "Arrange/3",
-    enabled: (context) => canEdit(context) && containerToLayOut(context) !== null,
-    run: (context) => layOutFrom(context, containerToLayOut(context), false),
+    enabled: (context) => canEdit(context) && levelToLayOut(context) !== null,
+    run: (context) => layOutFrom(context, levelToLayOut(context), false),
   },
   {
     id: "arrange.layout-all",

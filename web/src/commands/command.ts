@@ -168,6 +168,7 @@ export class Commands {
   /** Runs the command if it can be done now; false if there is none or it cannot. What it throws is told to the user. */
   run(id: string, context: Context, argument?: unknown): boolean {
     const command = this.#all.get(id);
+    context.canvas?.flush();
     if (!command || refusalOf(command, context, argument) !== null) return false;
     const failed = (error: unknown) => {
       const text = error instanceof Error ? error.message : String(error);

@@ -4,21 +4,31 @@ import type { Machine } from "../model/machine.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import { whyFixed } from "../store/rights.ts";
-import { wasRefused } from "../store/room.ts";
+import { type Room, wasRefused } from "../store/room.ts";
 import { isThere } from "../store/selection.ts";
 import { select } from "../store/view.ts";
 import type { Context } from "./command.ts";
 
-/** Makes the edit in the machine in front; false if it was refused, which the user is told. */
-export function perform(context: Context, plan: (machine: Machine) => Planned): Promise<boolean> {
+/** Edits that are not shown before they are answered, by machine: until then the selection names what they are about to change. */
+const UNSHOWN = new WeakMap<Room, Promise<unknown>>();
+
+/** Makes the edit in the machine in front; false if it was refused, which the user is told. What was done in a hurry after an
+ * edit that is not shown yet waits for it, and is planned by what is selected then. */
+export async function perform(
+  context: Context,
+  plan: (machine: Machine) => Planned,
+): Promise<boolean> {
   const { page, tab } = context;
-  return tab ? performIn(page, tab, plan(tab.room.machine)) : Promise.resolve(false);
+  if (!tab) return false;
+  const { room } = tab;
+  while (UNSHOWN.has(room)) await UNSHOWN.get(room);
+  return performIn(page, tab, plan(room.machine));
 }
 
 export async function performIn(page: Page, tab: OpenTab, planned: Planned): Promise<boolean> {
   const why = whyFixed(page, tab) ?? (isRefused(planned) ? planned.refused : null);
   if (why !== null || isRefused(planned)) {
-    page.tell({ level: "warning", text: why ?? "" });
+    page.tell({ level: "warning", text: tab.room.named(why ?? "") });
     return false;
   }
   const { room, view } = tab;
@@ -26,13 +36,21 @@ export async function performIn(page: Page, tab: OpenTab, planned: Planned): Pro
   const answered = room.edit(planned.name, planned.edit);
   const early = wanted?.every((each) => isThere(room.machine, each));
   if (wanted && early) select(view, wanted);
-  const answer = await answered;
-  if (wasRefused(answer)) return false;
+  const taken = answered.then((answer) => {
+    if (wasRefused(answer)) return false;
+    if (wanted && !early) {
+      select(
+        view,
+        wanted.filter((each) => isThere(room.machine, each)),
+      );
+    }
+    return true;
+  });
   if (wanted && !early) {
-    select(
-      view,
-      wanted.filter((each) => isThere(room.machine, each)),
-    );
+    const unshown = taken.finally(() => {
+      if (UNSHOWN.get(room) === unshown) UNSHOWN.delete(room);
+    });
+    UNSHOWN.set(room, unshown);
   }
-  return true;
+  return taken;
 }

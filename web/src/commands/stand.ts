@@ -43,6 +43,7 @@ export function stand(text: string, options: StandOptions = {}): Stand {
     status: signal(statusOf(options.changed ?? false)),
     people: signal([]),
     pending: signal([]),
+    named: (text: string) => text,
     edit: (name: string, edit: Edit) => {
       record.push(`edit ${name} (${edit.edit})`);
       return Promise.resolve({ revision: 2 });

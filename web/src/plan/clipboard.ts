@@ -9,6 +9,7 @@ import {
   isContainer,
   type Machine,
   portsOf,
+  startOf,
   transitionsOf,
 } from "../model/machine.ts";
 import { childPath, idOf, isWithin, parentOf } from "../model/path.ts";
@@ -221,11 +222,24 @@ function pasted(
     edit: together([
       ...pins(machine, container, new Set()),
       { edit: "paste", path: container, selection: { ...selection, states }, ids: [...ids] },
+      ...firstStart(machine, container, target, ids[0]),
       ...(room && ways ? bends(container, target, ways, room) : []),
     ]),
     select: ids.map((id) => ({ kind: "state", path: childPath(container, id) })),
   };
   return plan;
+}
+
+/** What comes first into an empty hierarchy is its start. */
+function firstStart(
+  machine: Machine,
+  path: string,
+  target: StateDocument,
+  id: string | undefined,
+): Edit[] {
+  const isEmpty = machine.children(path).length === 0 && !startOf(target);
+  if (id === undefined || target.kind !== "hierarchy" || !isEmpty) return [];
+  return [{ edit: "set_start", path, to: { state: id } }];
 }
 
 /** From where copies stood to where they come to stand. */
@@ -288,14 +302,32 @@ function bends(path: string, target: StateDocument, ways: Ways, room: Room): Edi
   });
 }
 
+/** Copies states into another container, their left top corner at a point of it. */
+export function duplicateInto(
+  machine: Machine,
+  paths: readonly string[],
+  container: string,
+  corner: Point,
+): Planned {
+  const selection = copiesOf(machine, paths);
+  if (isRefused(selection)) return selection;
+  const copied = { selection, ways: undefined };
+  const plan = pasted(machine, container, copied, { corner }, "Duplicate");
+  return isRefused(plan) ? plan : { ...plan, name: `Duplicate ${statesInWords(machine, paths)}` };
+}
+
+function copiesOf(machine: Machine, paths: readonly string[]): Selection | Refused {
+  return copySelection(
+    machine,
+    paths.map((path) => ({ kind: "state", path })),
+  );
+}
+
 /** Copies states beside themselves. */
 export function duplicate(machine: Machine, paths: readonly string[], by: Point): Planned {
   const container = commonContainer(machine, paths);
   if (typeof container !== "string") return container;
-  const selection = copySelection(
-    machine,
-    paths.map((path) => ({ kind: "state", path })),
-  );
+  const selection = copiesOf(machine, paths);
   if (isRefused(selection)) return selection;
   const bounds = around(paths.map((path) => boxIn(machine, path)));
   const corner = bounds ? { x: bounds.x + by.x, y: bounds.y + by.y } : undefined;

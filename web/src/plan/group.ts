@@ -8,17 +8,25 @@ import type {
   StateDocument,
   TransitionDocument,
 } from "../model/generated/protocol.ts";
-import { around, type Box, contains, type Point, type Size } from "../model/geometry.ts";
+import {
+  around,
+  type Box,
+  contains,
+  intersects,
+  type Point,
+  type Size,
+} from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
 import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
-import { boxEdits, boxIn, pins, sizeIn, waypointsEdit } from "./boxes.ts";
+import { boxEdits, boxIn, childBoxes, pins, sizeIn, waypointsEdit } from "./boxes.ts";
 import { drawnInto, underId } from "./documents.ts";
 import { commonContainer, containerAt, movableFrom } from "./legal.ts";
 import { statesInWords } from "./move.ts";
 import { newBox, newId, newName } from "./newcomers.ts";
 import { passingRefused } from "./passing.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
+import { scaleInside } from "./resize.ts";
 import { added } from "./states.ts";
 import { kindRefused } from "./transitions.ts";
 
@@ -37,12 +45,13 @@ export function group(
   if (bad) return bad;
   const id = newId(machine, path);
   const name = newName(machine, path, "Group");
-  const { box, nameBox } = groupBox(machine, path, paths);
-  const ways = groupedWaypoints(machine, path, container, ids, box);
+  const place = groupPlace(machine, path, paths);
+  const { box, nameBox } = place;
+  const ways = groupedWaypoints(machine, path, container, ids, place);
   const layout = changed(null, { position: box, size: box, nameBox, waypoints: ways.inner });
   const edits: Edit[] = [
     ...pins(machine, path, new Set(paths)),
-    ...shiftedChildren(machine, paths, { x: -box.x, y: -box.y }),
+    ...grouped(machine, paths, place),
     { edit: "group", path, states: [...ids], scoped_variables: [...scoped], id, name },
     { edit: "set_layout", path: childPath(path, id), layout },
     ...ways.outer,
@@ -52,6 +61,26 @@ export function group(
     edit: together(edits),
     select: [{ kind: "state", path: childPath(path, id) }],
   };
+}
+
+/** Where a point of the container comes to stand in the group. */
+function inGroup({ x, y }: Point, { box, bounds, content }: GroupPlace): Point {
+  const factor = content.width / bounds.width;
+  return {
+    x: content.x - box.x + (x - bounds.x) * factor,
+    y: content.y - box.y + (y - bounds.y) * factor,
+  };
+}
+
+function grouped(machine: Machine, paths: readonly string[], place: GroupPlace): Edit[] {
+  const { box, bounds, content } = place;
+  const factor = content.width / bounds.width;
+  if (factor === 1) return shiftedChildren(machine, paths, { x: -box.x, y: -box.y });
+  return paths.flatMap((path) => {
+    const { width, height, ...at } = boxIn(machine, path);
+    const to = { ...inGroup(at, place), width: width * factor, height: height * factor };
+    return scaleInside(machine, path, to, { x: factor, y: factor });
+  });
 }
 
 function shiftedChildren(machine: Machine, paths: readonly string[], by: Point): Edit[] {
@@ -82,25 +111,61 @@ function isEntry(transition: TransitionDocument, ids: ReadonlySet<string>): bool
   return to_outcome == null && ids.has(to_state ?? "") && !ids.has(from_state ?? "");
 }
 
-/** The box around the states, with room for a border and the name, as far as the container has room. */
-function groupBox(
-  machine: Machine,
-  container: string,
-  paths: readonly string[],
-): { readonly box: Box; readonly nameBox: Box | undefined } {
+/** Where a group stands, and where its content comes to stand in it. */
+interface GroupPlace {
+  readonly box: Box;
+  readonly nameBox: Box | undefined;
+  /** Around the states as they stand, and where that comes, both in the coordinates of the container. */
+  readonly bounds: Box;
+  readonly content: Box;
+}
+
+/** How wide the border of a group is, as a part of what it is wanted: less where there is less room. */
+const BORDERS = [1, 0.7, 0.5, 0.35];
+
+/** The box around the states, with a border and room for the name, clear of the other states. Where there is no room for that,
+ * the content is made smaller. */
+function groupPlace(machine: Machine, container: string, paths: readonly string[]): GroupPlace {
   const room = sizeIn(machine, container);
-  const bounds = around(paths.map((path) => boxIn(machine, path))) ?? { x: 0, y: 0, ...room };
-  const border = Math.max(bounds.width, bounds.height) * 0.1;
+  const boxes = paths.map((path) => boxIn(machine, path));
+  const bounds = around(boxes) ?? { x: 0, y: 0, ...room };
+  const others = [...childBoxes(machine, container)].flatMap(([path, box]) =>
+    paths.includes(path) ? [] : [box],
+  );
+  const isFree = (box: Box) => !others.some((other) => intersects(box, other));
+  const box = BORDERS.map((part) => bordered(bounds, room, part)).find(isFree);
+  if (box) {
+    const nameBox = nameStrip(box, bounds.y - box.y);
+    return { box, nameBox, bounds, content: bounds };
+  }
+  const frame = isFree(bounds) ? bounds : largest(boxes, bounds);
+  const content = fittedInto(bounds, frame);
+  return { box: frame, nameBox: nameStrip(frame, content.y - frame.y), bounds, content };
+}
+
+function bordered(bounds: Box, room: Size, part: number): Box {
+  const border = Math.max(bounds.width, bounds.height) * 0.1 * part;
   const left = Math.min(bounds.x, Math.max(0, bounds.x - border));
   const top = Math.min(bounds.y, Math.max(0, bounds.y - 2 * border));
   const right = bounds.x + bounds.width;
   const bottom = bounds.y + bounds.height;
   const width = Math.max(right, Math.min(room.width, right + border)) - left;
   const height = Math.max(bottom, Math.min(room.height, bottom + border)) - top;
-  return {
-    box: { x: left, y: top, width, height },
-    nameBox: nameStrip({ width, height }, bounds.y - top),
-  };
+  return { x: left, y: top, width, height };
+}
+
+function largest(boxes: readonly Box[], otherwise: Box): Box {
+  const area = ({ width, height }: Box) => width * height;
+  return boxes.reduce((best, box) => (area(box) > area(best) ? box : best), boxes[0] ?? otherwise);
+}
+
+/** The form of the bounds inside a frame, below room for the name. */
+function fittedInto(bounds: Size, frame: Box): Box {
+  const inner = { width: frame.width * 0.84, height: frame.height * 0.7 };
+  const factor = Math.min(inner.width / bounds.width, inner.height / bounds.height);
+  const [width, height] = [bounds.width * factor, bounds.height * factor];
+  const x = frame.x + (frame.width - width) / 2;
+  return { x, y: frame.y + frame.height * 0.22 + (inner.height - height) / 2, width, height };
 }
 
 /** The name above the content, if there is any room. */
@@ -126,9 +191,10 @@ function groupedWaypoints(
   path: string,
   container: StateDocument,
   ids: ReadonlySet<string>,
-  box: Box,
+  place: GroupPlace,
 ): Ways {
   const { waypoints } = layoutOf(machine.state(path) ?? container);
+  const box = place.content === place.bounds ? place.box : place.bounds;
   const inner = new Map<string, readonly Point[]>();
   const outer: Edit[] = [];
   const exits = new Set<string>();
@@ -142,7 +208,7 @@ function groupedWaypoints(
     const points = waypoints.get(key) ?? [];
     if ((!leaves && !enters) || points.length === 0) continue;
     const within = points.filter((point) => contains(box, point));
-    const moved = within.map(({ x, y }) => ({ x: x - box.x, y: y - box.y }));
+    const moved = within.map((point) => inGroup(point, place));
     if (leaves) inner.set(key, moved);
     const staysInside =
       leaves && ids.has(transition.to_state ?? "") && transition.to_outcome == null;

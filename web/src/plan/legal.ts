@@ -2,7 +2,7 @@
 
 import type { StateDocument, StateKind } from "../model/generated/protocol.ts";
 import { isContainer, type Machine } from "../model/machine.ts";
-import { idOf, parentOf } from "../model/path.ts";
+import { parentOf } from "../model/path.ts";
 import { isRefused, type Refused, refused } from "./plan.ts";
 
 export const KIND_WORDS: Readonly<Record<StateKind, string>> = {
@@ -18,7 +18,7 @@ export const KIND_WORDS: Readonly<Record<StateKind, string>> = {
 export function stateAt(machine: Machine, path: string): StateDocument | Refused {
   const state = machine.state(path);
   if (!state) {
-    return refused(`There is no state ${idOf(path)} any more: somebody may have removed it.`);
+    return refused(`There is no state ${path} any more: somebody may have removed it.`);
   }
   if (machine.isInLibrary(path)) {
     return refused(`${state.name} belongs to a library: open the library and change it there.`);

@@ -1,12 +1,22 @@
 import { expect, test } from "vitest";
 import { layoutOf } from "../model/drawing.ts";
 import type { Edit } from "../model/generated/protocol.ts";
+import { intersects } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
 import { machineOf } from "../model/plain.ts";
 import { boxIn } from "./boxes.ts";
 import { clipOf, copySelection, duplicate, paste, pasteClip } from "./clipboard.ts";
 import { group, substitute, ungroup } from "./group.ts";
-import { align, distribute, move, moveInto, movePort, resize, setBackground } from "./move.ts";
+import {
+  align,
+  distribute,
+  lostConnections,
+  move,
+  moveInto,
+  movePort,
+  resize,
+  setBackground,
+} from "./move.ts";
 import { isRefused } from "./plan.ts";
 import { drawn, editsOf, lines, made, reason } from "./testing.ts";
 
@@ -123,8 +133,8 @@ test("a group has room for its name and keeps what stands in it in place", () =>
   const set = edits.find(({ edit }) => edit === "set_layout");
   const layout = set?.edit === "set_layout" ? layoutOf({ ...state, layout: set.layout }) : null;
   expect([layout?.position, layout?.size]).toEqual([
-    { x: 0, y: 0 },
-    { width: 306, height: 126 },
+    { x: 1.8, y: 0 },
+    { width: 296.4, height: 118.2 },
   ]);
   const two = drawn(`
     R hierarchy outcome done
@@ -253,4 +263,87 @@ test("copies keep the places of ports and names inside them, in proportion", () 
   const factor = (size?.width ?? 0) / boxIn(placed, "R/A").width;
   expect(ports.get("outcome0")?.y).toBeCloseTo(30 * factor);
   expect(nameBox?.width).toBeCloseTo(40 * factor);
+});
+
+const bent = drawn(`
+  R "Root" hierarchy 0 0 1000 600 outcome done
+    A "Scan" execution 100 100 100 100 outcome ok
+    B "Grasp" execution 600 300 100 100 outcome ok
+    A.ok > B
+`);
+
+/** The bends of the line from A to B after A was moved; its outcome stands at 200, 110, B's income at 600, 310. */
+function bendsAfter(by: { x: number; y: number }, bends: readonly [number, number][]): string {
+  const root = bent.state("R");
+  const id = root?.transitions?.[0]?.id ?? 0;
+  const waypoints = new Map([[`transition${id}`, bends.map(([x, y]) => ({ x, y }))]]);
+  const layout = changed(root?.layout, { waypoints });
+  const states = [...bent.paths()].flatMap((path) => bent.state(path) ?? []);
+  const machine = machineOf({
+    header: bent.header,
+    states: states.map((state) => (state.path === "R" ? { ...state, layout } : state)),
+  });
+  const edits = lines(move(machine, ["R/A"], by)).filter((line) => line.includes("waypoints"));
+  return edits.join("; ").replace(/set_waypoints R element=\S+ /, "") || "as before";
+}
+
+test("a line whose end moves keeps its right angles, and bends that would lead back go", () => {
+  const orthogonal: readonly [number, number][] = [
+    [400, 110],
+    [400, 310],
+  ];
+  expect(bendsAfter({ x: 20, y: 50 }, orthogonal)).toBe("waypoints=[[400,160],[400,310]]");
+  expect(bendsAfter({ x: 300, y: 0 }, orthogonal)).toBe("waypoints=[]");
+  expect(bendsAfter({ x: 20, y: 50 }, [[400, 50]])).toBe("as before");
+});
+
+const waiting = drawn(`
+  R "Root" hierarchy 0 0 400 300 outcome done
+    A "Scan" execution 20 20 80 60 outcome ok
+    B "Grasp" execution 200 40 80 60 outcome ok
+    C "Empty" hierarchy 20 120 160 120 outcome out
+    R > A
+    A.ok > B
+    B.ok > R.done
+`);
+
+test("what comes first into an empty hierarchy is its start", () => {
+  expect(lines(moveInto(waiting, ["R/A", "R/B"], "R/C", { x: 0, y: 0 })).at(-1)).toBe(
+    'set_start R/C to={"state":"A"}',
+  );
+  expect(lines(moveInto(waiting, ["R/B"], "R/C", { x: 0, y: 0 })).at(-1)).toBe(
+    'set_start R/C to={"state":"B"}',
+  );
+});
+
+test("how many connections a state loses in another container is known", () => {
+  expect(lostConnections(waiting, ["R/A"])).toBe(2);
+  expect(lostConnections(waiting, ["R/A", "R/B"])).toBe(2);
+  expect(lostConnections(waiting, ["R/C"])).toBe(0);
+});
+
+const crowded = drawn(`
+  R "Root" hierarchy 0 0 400 300 outcome done
+    A execution 20 60 80 60 outcome ok
+    B execution 120 60 80 60 outcome ok
+    C execution 220 60 80 60 outcome ok
+    D execution 20 160 80 60 outcome ok
+`);
+
+/** Whether the new group overlaps a state that is not in it. */
+function overlaps(paths: readonly string[]): readonly string[] {
+  const edits = editsOf(group(crowded, paths));
+  const layout = edits.find((edit) => edit.edit === "set_layout")?.layout;
+  const box = layout && layoutOf({ path: "G", kind: "hierarchy", layout } as never);
+  if (!box?.position || !box.size) throw new Error("the group has no box");
+  const own = { ...box.position, ...box.size };
+  return crowded
+    .children("R")
+    .filter((path) => !paths.includes(path) && intersects(own, boxIn(crowded, path)));
+}
+
+test("a group keeps clear of its neighbours", () => {
+  expect(overlaps(["R/A", "R/B"])).toEqual([]);
+  expect(overlaps(["R/D"])).toEqual([]);
+  expect(overlaps(["R/A", "R/C"])).toEqual([]);
 });

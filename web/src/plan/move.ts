@@ -1,11 +1,11 @@
 /** Moving, resizing and lining up what is drawn. Coordinates are those of the container; of parts those of their state. */
 
-import { layoutOf, nameBox, onBorder } from "../model/drawing.ts";
+import { layoutOf, nameBox, onBorder, portPlaces } from "../model/drawing.ts";
 import { type ElementRef, layoutElement } from "../model/element.ts";
-import type { Edit } from "../model/generated/protocol.ts";
+import type { Edit, TransitionDocument } from "../model/generated/protocol.ts";
 import { around, type Box, type Point, type Size } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
-import { type Machine, transitionsOf } from "../model/machine.ts";
+import { dataFlowsOf, type Machine, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
 import {
   boxEdits,
@@ -40,7 +40,7 @@ function between(value: number, low: number, high: number): number {
   return Math.max(Math.min(low, 0), Math.min(Math.max(high, 0), value));
 }
 
-/** Moves states of one container; waypoints between them move along. */
+/** Moves states of one container; waypoints between them move along, those of lines to others keep their right angles. */
 export function move(machine: Machine, paths: readonly string[], wanted: Point): Planned {
   const container = commonContainer(machine, paths);
   if (typeof container !== "string") return container;
@@ -71,13 +71,58 @@ function shiftedBetween(
   const state = machine.state(container);
   if (!state) return [];
   const { waypoints } = layoutOf(state);
-  return transitionsOf(state).flatMap(({ id, from_state, to_state }) => {
+  return transitionsOf(state).flatMap((line) => {
+    const { id, from_state, to_state } = line;
     const points = waypoints.get(`transition${id}`);
-    const isBetween = ids.has(from_state ?? "") && ids.has(to_state ?? "");
-    if (!isBetween || !points?.length) return [];
-    const moved = points.map(({ x, y }) => ({ x: x + by.x, y: y + by.y }));
-    return [waypointsEdit(container, { transition: id }, moved)];
+    const [leaves, comes] = [ids.has(from_state ?? ""), ids.has(to_state ?? "")];
+    if (!points?.length || (!leaves && !comes)) return [];
+    const moved =
+      leaves && comes
+        ? points.map(({ x, y }) => ({ x: x + by.x, y: y + by.y }))
+        : bentAlong(points, endOf(machine, container, line, leaves), by, leaves);
+    return moved ? [waypointsEdit(container, { transition: id }, moved)] : [];
   });
+}
+
+/** Where a transition begins, or ends, at a state, in the coordinates of the container. */
+function endOf(
+  machine: Machine,
+  container: string,
+  { from_state, from_outcome, to_state }: TransitionDocument,
+  isFrom: boolean,
+): Point | null {
+  const path = childPath(container, (isFrom ? from_state : to_state) ?? "");
+  const state = machine.state(path);
+  if (!state) return null;
+  const box = boxIn(machine, path);
+  const port = portPlaces(state, path, box).find(({ kind, id }) =>
+    isFrom ? kind === "outcome" && id === from_outcome : kind === "income",
+  );
+  return port ? { x: box.x + port.at.x, y: box.y + port.at.y } : null;
+}
+
+/** So far from it a line is taken for upright or level, as a part of its length. */
+const STRAIGHT = 0.02;
+
+/** Bends of a line of which one end moves: the first leg stays upright or level, and the bends go if it would lead back. Null: they
+ * stay, as they were put there freely. */
+function bentAlong(
+  points: readonly Point[],
+  end: Point | null,
+  by: Point,
+  isFrom: boolean,
+): readonly Point[] | null {
+  const at = isFrom ? 0 : points.length - 1;
+  const bend = points[at];
+  if (!end || !bend) return null;
+  const leg = { x: bend.x - end.x, y: bend.y - end.y };
+  const reach = STRAIGHT * Math.max(Math.abs(leg.x), Math.abs(leg.y));
+  const isLevel = Math.abs(leg.y) <= reach;
+  if (!isLevel && Math.abs(leg.x) > reach) return null;
+  const [before, after] = isLevel ? [leg.x, leg.x - by.x] : [leg.y, leg.y - by.y];
+  if (before * after <= 0) return [];
+  const moved = isLevel ? { x: bend.x, y: bend.y + by.y } : { x: bend.x + by.x, y: bend.y };
+  return points.with(at, moved);
 }
 
 /** Puts states of one container into another; the left top corner of them all at the point, in the other's coordinates. They
@@ -105,11 +150,45 @@ export function moveInto(
     ...placedAt(machine, paths, sizeIn(machine, container), at),
     { edit: "move_states", path: from, states: paths.map(idOf), to: container, ids: [...ids] },
   ];
+  const entry = entryAmong(machine, from, paths);
+  const start = ids[entry];
+  const isEmpty = machine.children(container).length === 0 && !startOf(target);
+  if (target.kind === "hierarchy" && isEmpty && start !== undefined) {
+    edits.push({ edit: "set_start", path: container, to: { state: start } });
+  }
   return {
     name: `Move ${statesInWords(machine, paths)} into ${target.name}`,
     edit: together(edits),
     select: ids.map((id) => ({ kind: "state", path: childPath(container, id) })),
   };
+}
+
+/** Which of these states the others come after: the start of their container, else the first to which none of them leads. */
+function entryAmong(machine: Machine, container: string, paths: readonly string[]): number {
+  const state = machine.state(container);
+  const ids = paths.map(idOf);
+  const start = state ? startOf(state)?.to_state : undefined;
+  if (start != null && ids.includes(start)) return ids.indexOf(start);
+  const led = new Set(
+    (state ? transitionsOf(state) : []).flatMap(({ from_state, to_state }) =>
+      ids.includes(from_state ?? "") ? [to_state] : [],
+    ),
+  );
+  return Math.max(
+    0,
+    ids.findIndex((id) => !led.has(id)),
+  );
+}
+
+/** How many connections states lose when they go into another container: those between them go along. */
+export function lostConnections(machine: Machine, paths: readonly string[]): number {
+  const container = commonContainer(machine, paths);
+  const state = typeof container === "string" ? machine.state(container) : undefined;
+  if (!state) return 0;
+  const ids = new Set(paths.map(idOf));
+  const isCut = (line: { from_state?: string | null; to_state?: string | null }) =>
+    ids.has(line.from_state ?? "") !== ids.has(line.to_state ?? "");
+  return [...transitionsOf(state), ...dataFlowsOf(state)].filter(isCut).length;
 }
 
 /** Ids for states that come to a container: their own where those are free. */

@@ -76,8 +76,9 @@ export function lineRefused(machine: Machine, line: Line, ignored?: number): Ref
 
 function endRefused(machine: Machine, { container, from, to }: Line): Refused | null {
   for (const id of [from?.state, "state" in to ? to.state : undefined]) {
-    if (id !== undefined && !machine.state(childPath(container, id))) {
-      return refused(`There is no state ${id} any more: somebody may have removed it.`);
+    const path = id === undefined ? null : childPath(container, id);
+    if (path !== null && !machine.state(path)) {
+      return refused(`There is no state ${path} any more: somebody may have removed it.`);
     }
   }
   return null;

@@ -53,6 +53,8 @@ export interface Room {
   readonly revision: ReadonlySignal<number>;
   /** What is wrong with the machine, as of the last change that settled. */
   readonly problems: ReadonlySignal<readonly MachineProblem[]>;
+  /** A text for people, with the names of states in the place of their paths. */
+  readonly named: (text: string) => string;
   /** Makes an edit. Never throws; what is refused is also told to the user. */
   readonly edit: (name: string, edit: Edit) => Promise<EditAnswer>;
   readonly undo: () => Promise<EditAnswer>;

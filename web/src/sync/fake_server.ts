@@ -7,6 +7,7 @@ import type {
   Document,
   Edit,
   EditMachine,
+  MachineFile,
   MachineSummary,
   Revision,
   RunSummary,
@@ -59,6 +60,8 @@ export class FakeServer implements Server {
   readonly model: Mirror;
   revision = 1;
   isOpen = true;
+  /** Whether each folder is a machine of its own; else all are one. */
+  hasMany = false;
   readonly #revisions: Revision[] = [];
   readonly #made = new Map<string, number>();
   readonly #followers = new Map<Follower, { next: number }>();
@@ -74,12 +77,18 @@ export class FakeServer implements Server {
     return { header: this.model.header, states };
   }
 
-  request: Server["request"] = async <T>(method: string, path: string): Promise<T> => {
+  request: Server["request"] = async <T>(
+    method: string,
+    path: string,
+    body?: unknown,
+  ): Promise<T> => {
     this.asked.push(`${method} ${path}`);
     if (path.startsWith("/libraries/")) return this.#library(path) as T;
     if (path === "/runs") return this.runs as T;
     if (/^\/runs\/.*\/machine/.test(path)) return this.document() as T;
     if (path === "/machines/open") this.isOpen = true;
+    const { file } = (body ?? {}) as { file?: MachineFile };
+    if (this.hasMany && file) return { ...MACHINE, id: file.path, file } as T;
     if (path === "/machines/open") return { ...MACHINE, revision: this.revision } as T;
     if (!this.isOpen) throw this.#closed(404);
     if (path.endsWith("/document")) {

@@ -224,3 +224,22 @@ describe("the page", () => {
     expect(tab.view.selection.value.size).toBe(0);
   });
 });
+
+describe("a page that is loaded again", () => {
+  it("has the machine in front at once, and none of the others comes to the front", async () => {
+    const files = ["a", "b", "c"].map((path) => ({ project: "p", path }));
+    const before = setUp();
+    before.server.hasMany = true;
+    for (const file of files) await before.page.open(file);
+    before.page.active.value = before.page.tabs.value[1] ?? null;
+    before.clock.pass(1_000);
+    const again = setUp({ own: before.sheds.own, shared: before.sheds.shared });
+    again.server.hasMany = true;
+    const fronts: string[] = [];
+    again.page.active.subscribe((tab) => tab && fronts.push(tab.room.id));
+    await settle();
+    await settle();
+    expect(fronts).toEqual(["b"]);
+    expect(again.page.tabs.value.map(({ room }) => room.id)).toEqual(["a", "b", "c"]);
+  });
+});

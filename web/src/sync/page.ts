@@ -121,28 +121,29 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) 
   const { request } = ports.server;
   const { tabs, active, front, enter, leave } = newTabs();
 
-  const come = (summary: MachineSummary): Promise<OpenTab> => {
+  const come = (summary: MachineSummary, isBehind = false): Promise<OpenTab> => {
     const { id, file } = summary;
     if (file) settings.value = withRecent(settings.peek(), file);
-    return enter(id, async () => {
+    const get = async () => {
       const path = `/machines/${encodeURIComponent(id)}/document`;
       const room = new OpenRoom(summary, await request<MachineDocument>("GET", path), ports);
       followDrafts(room, drafts);
       return room;
-    });
+    };
+    return enter(id, get, null, isBehind);
   };
 
-  const open = async (file: MachineFile) =>
-    come(await request<MachineSummary>("POST", "/machines/open", { file }));
+  const open = async (file: MachineFile, isBehind = false) =>
+    come(await request<MachineSummary>("POST", "/machines/open", { file }), isBehind);
 
   const join = async (machine: string) => {
     const path = `/machines/${encodeURIComponent(machine)}`;
     return come((await request<MachineStatus>("GET", path)).summary);
   };
 
-  const showAsRan = (id: string) => {
+  const showAsRan = (id: string, isBehind = false) => {
     const watch = runs.watch(id);
-    return enter(runRoomId(id), () => RunRoom.enter(watch, runs, ports), watch);
+    return enter(runRoomId(id), () => RunRoom.enter(watch, runs, ports), watch, isBehind);
   };
 
   const toTab = async (id: string) => {

@@ -15,6 +15,7 @@ import type {
 } from "../model/generated/protocol.ts";
 import { type LibraryKey, libraryKey } from "../store/graft.ts";
 import { Mirror, type Touched } from "../store/mirror.ts";
+import { GoneStates } from "../store/names_in.ts";
 import type { Notice, Page } from "../store/page.ts";
 import { foretell } from "../store/predict/foretell.ts";
 import type { EditAnswer, JumpAnswer, PendingEdit, Room } from "../store/room.ts";
@@ -53,6 +54,7 @@ export class OpenRoom implements Room {
   readonly #ports: RoomPorts;
   readonly #onItsWay = new Pending();
   readonly #traces = new Traces();
+  readonly #gone = new GoneStates();
   /** Libraries whose content was refused, which was told. */
   readonly #withoutContent = new Set<LibraryKey>();
   readonly #listeners = new Set<(touched: Touched) => void>();
@@ -111,6 +113,10 @@ export class OpenRoom implements Room {
   redo(): Promise<EditAnswer> {
     const id = this.#ports.newId();
     return this.#ask(id, "Redo", null, () => this.#ports.server.redo(this.id, id));
+  }
+
+  named(text: string): string {
+    return this.#gone.named(text, (path) => this.machine.state(path)?.name);
   }
 
   trace(revision: number): Trace | undefined {
@@ -196,7 +202,8 @@ export class OpenRoom implements Room {
   #refused(id: string, reason: string): void {
     const asked = this.#onItsWay.all.find((each) => each.id === id);
     this.#renew(() => this.#onItsWay.refused(id, reason));
-    this.#tell("warning", `“${asked?.name}” was not done: ${reason}`, placeOf(asked?.edit));
+    const text = `“${asked?.name}” was not done: ${this.named(reason)}`;
+    this.#tell("warning", text, placeOf(asked?.edit));
   }
 
   #foretell(edit: Edit): void {
@@ -243,8 +250,11 @@ export class OpenRoom implements Room {
     const fresh = revisions.filter(({ revision }) => revision > this.revision.peek());
     batch(() => {
       this.#renew(() => {
-        for (const { revision, id, changes } of fresh) {
+        for (const { revision, id, author, changes } of fresh) {
           const earlier = this.machine.confirm(changes);
+          for (const [path, state] of earlier) {
+            if (state && !this.machine.state(path)) this.#gone.note(path, state.name, author);
+          }
           this.#traces.put(revision, traceOf(earlier, this.machine));
           this.revision.value = revision;
           this.#settle(id);

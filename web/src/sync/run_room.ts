@@ -87,6 +87,7 @@ export class RunRoom implements Room {
   readonly redo = () => Promise.resolve(REFUSED);
   readonly jump = () => Promise.resolve({ ...REFUSED, code: "fixed" });
   readonly trace = () => undefined;
+  readonly named = (text: string) => text;
 
   async loadLibrary(path: string): Promise<void> {
     const library = this.machine.state(path)?.library;

@@ -26,8 +26,9 @@ export interface SessionPorts {
   readonly shared: Shed;
   readonly tabs: Signal<readonly OpenTab[]>;
   readonly active: Signal<OpenTab | null>;
-  readonly open: (file: MachineFile) => Promise<OpenTab>;
-  readonly showAsRan: (run: string) => Promise<OpenTab>;
+  /** `isBehind`: what is in front stays there. */
+  readonly open: (file: MachineFile, isBehind: boolean) => Promise<OpenTab>;
+  readonly showAsRan: (run: string, isBehind: boolean) => Promise<OpenTab>;
   readonly runs: Pick<Runs, "all" | "refresh" | "watch">;
   /** Calls when the page is about to end. */
   readonly leaving: (call: () => void) => void;
@@ -70,17 +71,33 @@ async function restore(ports: SessionPorts, session: Session | null): Promise<vo
   if (!session) return;
   await isUp(ports.server);
   if (session.tabs.some(({ run }) => run !== null)) await ports.runs.refresh();
-  const opened: (OpenTab | null)[] = [];
-  for (const kept of session.tabs) {
+  const places = new Map<OpenTab, number>();
+  for (const [at, kept] of frontFirst(session)) {
     const tab = kept.file ? await openAgain(ports, kept.file) : await showAgain(ports, kept);
-    opened.push(tab);
     if (!tab) continue;
+    places.set(tab, at);
+    ports.tabs.value = inPlace(ports.tabs.peek(), places);
     if (isThere(ports, kept)) tab.run.value ??= ports.runs.watch(kept.run);
     restoreView(tab.view, kept);
     forgetGone(tab.view, tab.room.machine);
+    // With nothing in front before, this is it; with something there, the user has gone elsewhere meanwhile.
+    ports.active.value ??= tab;
   }
-  const front = session.active === null ? null : opened[session.active];
-  if (front) ports.active.value = front;
+}
+
+/** The tabs with their places, the one that was in front first: it is shown while the others are still on their way. */
+function frontFirst({ tabs, active }: Session): readonly (readonly [number, KeptTab])[] {
+  const rank = (at: number) => (at === active ? -1 : at);
+  return [...tabs.entries()].sort(([one], [other]) => rank(one) - rank(other));
+}
+
+/** The tabs in the order in which they stood; what was opened meanwhile stands behind. */
+function inPlace(
+  tabs: readonly OpenTab[],
+  places: ReadonlyMap<OpenTab, number>,
+): readonly OpenTab[] {
+  const place = (tab: OpenTab) => places.get(tab) ?? Number.MAX_SAFE_INTEGER;
+  return [...tabs].sort((one, other) => place(one) - place(other));
 }
 
 /** Whether the run that was shown was not given up since. */
@@ -92,7 +109,7 @@ function isThere({ runs }: SessionPorts, kept: KeptTab): kept is KeptTab & { run
 async function showAgain(ports: SessionPorts, kept: KeptTab): Promise<OpenTab | null> {
   if (!isThere(ports, kept)) return null;
   try {
-    return await ports.showAsRan(kept.run);
+    return await ports.showAsRan(kept.run, true);
   } catch (error) {
     if (!(error instanceof RefusalError)) throw error;
     return null;
@@ -101,7 +118,7 @@ async function showAgain(ports: SessionPorts, kept: KeptTab): Promise<OpenTab | 
 
 async function openAgain(ports: SessionPorts, file: MachineFile): Promise<OpenTab | null> {
   try {
-    return await ports.open(file);
+    return await ports.open(file, true);
   } catch (error) {
     if (!(error instanceof RefusalError)) throw error;
     const text = `${file.path} was open before and cannot be opened again: ${error.message}`;

@@ -12,12 +12,12 @@ export function newTabs() {
   const active = signal<OpenTab | null>(null);
   const coming = new Map<string, Promise<OpenTab>>();
 
-  const put = (room: Room, run: Watch | null): OpenTab => {
+  const put = (room: Room, run: Watch | null, isBehind: boolean): OpenTab => {
     const tab: OpenTab = { room, view: newView(), run: signal(run) };
     room.onChange(() => forgetGone(tab.view, room.machine));
     batch(() => {
       tabs.value = [...tabs.peek(), tab];
-      active.value = tab;
+      if (!isBehind) active.value = tab;
     });
     return tab;
   };
@@ -27,18 +27,19 @@ export function newTabs() {
     return tab;
   };
 
-  /** Brings the tab of a machine to the front, or makes one, with the run that is shown on it. */
+  /** Brings the tab of a machine to the front, or makes one, with the run that is shown on it; `isBehind`: what is in front stays. */
   const enter = (
     id: string,
     get: () => Promise<Room>,
     run: Watch | null = null,
+    isBehind = false,
   ): Promise<OpenTab> => {
     const there = tabs.peek().find(({ room }) => room.id === id);
-    if (there) return Promise.resolve(front(there));
+    if (there) return Promise.resolve(isBehind ? there : front(there));
     const before = coming.get(id);
     if (before) return before;
     const entering = get()
-      .then((room) => put(room, run))
+      .then((room) => put(room, run, isBehind))
       .finally(() => coming.delete(id));
     coming.set(id, entering);
     return entering;

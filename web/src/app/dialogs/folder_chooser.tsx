@@ -48,6 +48,8 @@ export interface FolderChooserProps {
   readonly onPlace: (place: ProjectNode) => void;
   readonly refusal: string | null;
   readonly onDone: () => void;
+  /** Whether the name has the keyboard at first. */
+  readonly autoFocus?: boolean;
 }
 
 export function FolderChooser(props: FolderChooserProps) {
@@ -59,7 +61,7 @@ export function FolderChooser(props: FolderChooserProps) {
         label="Folder name"
         value={props.name}
         onInput={props.onName}
-        autoFocus
+        autoFocus={props.autoFocus ?? true}
         refusal={props.refusal}
         hint={placeHint(props.place ?? nodes?.[0] ?? null)}
         onKeyDown={(event) => event.key === "Enter" && props.onDone()}
@@ -77,7 +79,7 @@ export function FolderChooser(props: FolderChooserProps) {
           <ProjectTree
             nodes={nodes}
             search={search}
-            selected={props.place?.file ?? null}
+            selected={(props.place ?? nodes[0])?.file ?? null}
             onSelect={props.onPlace}
             onOpen={props.onPlace}
           />

@@ -43,6 +43,7 @@ export function NewMachine({ answer }: DialogProps<undefined>) {
           onKeyDown={(event) => event.key === "Enter" && done()}
         />
         <FolderChooser
+          autoFocus={false}
           name={folder ?? folderName(name)}
           onName={setFolder}
           place={place}

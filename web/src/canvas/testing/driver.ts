@@ -62,6 +62,7 @@ export class PlainRoom implements Room {
   readonly redo = () => Promise.resolve({ refused: "not here" });
   readonly jump = () => Promise.resolve({ refused: "not here", code: "not_here" });
   readonly trace = () => undefined;
+  readonly named = (text: string) => text;
   readonly loadLibrary = () => Promise.resolve();
   readonly close = () => {};
 }

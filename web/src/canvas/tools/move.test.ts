@@ -43,7 +43,7 @@ test("with Alt a copy is made", () => {
 test("a state goes into another container, and out of it", async () => {
   const canvas = driver().press("A").drag({ x: 450, y: 500 });
   const { drop, message } = canvas.hand.overlay.value;
-  expect([drop, message?.text]).toEqual(["state:R/C", "Move into “Box”"]);
+  expect([drop, message?.text]).toEqual(["state:R/C", "Move into “Box”; 2 connections go"]);
   await canvas.release().answered();
   expect(canvas.text()).toContain('move_states R ["A"] R/C ["A"]');
   expect(canvas.isClear()).toBe(true);
@@ -82,8 +82,10 @@ test("Escape takes the state back", () => {
 
 test("Ctrl and arrows move by a step, with Alt by a small one", () => {
   const canvas = driver().click("A").key("ArrowRight", { ctrl: true });
+  canvas.hand.flush();
   expect(canvas.box("A")).toBe("64 100 200 150");
-  expect(canvas.key("ArrowUp", { alt: true }).box("A")).toBe("64 98.6 200 150");
+  canvas.key("ArrowUp", { alt: true }).hand.flush();
+  expect(canvas.box("A")).toBe("64 98.6 200 150");
 });
 
 test("where the grid shows, states stand on it", () => {

@@ -4,9 +4,10 @@ import { keyOf } from "../../model/element.ts";
 import { type Box, around as boxAround, type Point } from "../../model/geometry.ts";
 import { isContainer, transitionsOf } from "../../model/machine.ts";
 import { idOf, isWithin, parentOf } from "../../model/path.ts";
-import { duplicate } from "../../plan/clipboard.ts";
+import { duplicate, duplicateInto } from "../../plan/clipboard.ts";
 import { insertState } from "../../plan/insert.ts";
-import { move, moveInto } from "../../plan/move.ts";
+import { counted } from "../../plan/legal.ts";
+import { lostConnections, move, moveInto } from "../../plan/move.ts";
 import { isRefused, type Planned, together } from "../../plan/plan.ts";
 import { statesAt } from "../hit/hit.ts";
 import { distanceToLine } from "../hit/lines.ts";
@@ -73,6 +74,10 @@ function next(start: Moving, pointer: Pointer, around: Around): Gesture {
 }
 
 function copy(start: Moving, pointer: Pointer, around: Around): Step {
+  const target = containerAt(pointer, around, start.paths);
+  if (target !== null && start.container !== null && target !== start.container) {
+    return { cursor: "copy", ...intoContainer(start, target, pointer, around, "copy") };
+  }
   const { by, guides } = way(start, pointer, around);
   const overlay = { ...NO_OVERLAY, guides, ghosts: ghosts(start, by, around) };
   return {
@@ -86,7 +91,7 @@ function copy(start: Moving, pointer: Pointer, around: Around): Step {
 function drop(start: Moving, pointer: Pointer, around: Around): Step {
   const target = containerAt(pointer, around, start.paths);
   if (target !== null && start.container !== null && target !== start.container) {
-    return intoContainer(start, target, pointer, around);
+    return intoContainer(start, target, pointer, around, "move");
   }
   const line = lineUnder(start, pointer, around);
   return line ? intoLine(start, line, pointer, around) : within(start, pointer, around);
@@ -168,14 +173,27 @@ function isRoomy({ places, camera }: Around, path: string): boolean {
   return box !== undefined && Math.min(box.width, box.height) * camera.scale >= 40;
 }
 
-function intoContainer(start: Moving, target: string, pointer: Pointer, around: Around): Step {
+function intoContainer(
+  start: Moving,
+  target: string,
+  pointer: Pointer,
+  around: Around,
+  how: "move" | "copy",
+): Step {
+  const { machine } = around;
   const by = minus(worldOf(pointer, around), start.from);
   const at = inState(around.places, target, plus(start.box, by));
-  const plan = moveInto(around.machine, start.paths, target, at);
-  const name = around.machine.state(target)?.name ?? target;
+  const plan = (how === "copy" ? duplicateInto : moveInto)(machine, start.paths, target, at);
+  const name = machine.state(target)?.name ?? target;
+  const lost = how === "copy" ? 0 : lostConnections(machine, start.paths);
+  const cost = lost === 0 ? "" : `; ${counted(lost, "connection")} ${lost === 1 ? "goes" : "go"}`;
   const message = isRefused(plan)
     ? { at: pointer, text: plan.refused, bad: true }
-    : { at: pointer, text: `Move into “${name}”`, bad: false };
+    : {
+        at: pointer,
+        text: `${how === "copy" ? "Copy" : "Move"} into “${name}”${cost}`,
+        bad: false,
+      };
   const overlay = {
     ...NO_OVERLAY,
     drop: keyOf({ kind: "state", path: target }),

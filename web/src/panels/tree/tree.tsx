@@ -6,6 +6,7 @@ import { type ElementKey, elementOf } from "../../model/element.ts";
 import type { Point } from "../../model/geometry.ts";
 import { type Machine, startOf } from "../../model/machine.ts";
 import type { Span } from "../../model/match.ts";
+import { inOrder } from "../../model/order.ts";
 import { idOf, lineage, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
 import type { OpenTab } from "../../store/page.ts";
@@ -148,7 +149,7 @@ function childrenIn(
   path: string,
   shown: ReadonlySet<string> | null,
 ): readonly string[] | null {
-  const children = machine.children(path);
+  const children = inOrder(machine, path);
   const some = shown ? children.filter((child) => shown.has(child)) : children;
   return some.length === 0 ? null : some;
 }
