@@ -5,12 +5,13 @@ import { type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from 
 import { refusalOf } from "../commands/command.ts";
 import { shownKey } from "../commands/keys.ts";
 import type { LibraryNode } from "../model/generated/protocol.ts";
-import { namesTo } from "../model/machine.ts";
+import { type Machine, namesTo } from "../model/machine.ts";
+import { stateIndex } from "../model/state_index.ts";
 import { select } from "../store/view.ts";
 import { useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
 import { KIND_ICONS } from "./kinds.ts";
-import { type PaletteItem, searched } from "./palette_index.ts";
+import { type FindStates, type PaletteItem, searched } from "./palette_index.ts";
 import { type ProjectNode, useProjects } from "./project_tree.tsx";
 import { useSession } from "./provided.tsx";
 import type { AppSession } from "./session.ts";
@@ -30,7 +31,8 @@ function OpenPalette({ initial }: { initial: string }) {
   const [at, setAt] = useState(0);
   const id = useId();
   const items = useItems(session);
-  const found = useMemo(() => searched(items, query), [items, query]);
+  const findStates = useFindStates(session);
+  const found = useMemo(() => searched(items, query, findStates), [items, query, findStates]);
   useEffect(() => {
     place.current?.showModal();
   }, []);
@@ -182,7 +184,6 @@ function useItems(session: AppSession): readonly PaletteItem[] {
   return useMemo(
     () => [
       ...commandItems(session, keys),
-      ...stateItems(session),
       ...(projects ?? []).flatMap(machineItems),
       ...libraries.flatMap((root) => libraryItems(root.name, root.children)),
     ],
@@ -215,15 +216,32 @@ function commandItems(
   });
 }
 
-function stateItems({ page }: AppSession): PaletteItem[] {
-  const tab = page.active.peek();
-  if (!tab) return [];
-  const { machine } = tab.room;
-  return [...machine.paths()].map((path) => ({
-    found: { kind: "state", path },
-    title: machine.state(path)?.name ?? path,
-    detail: namesTo(machine, path).slice(0, -1).reverse().join(" ‹ "),
-  }));
+/** The states of the machine in front; without a text those that stand first. */
+function useFindStates({ page }: AppSession): FindStates {
+  return useMemo(() => {
+    const machine = page.active.peek()?.room.machine;
+    if (!machine) return () => [];
+    const item = (path: string): PaletteItem => ({
+      found: { kind: "state", path },
+      title: machine.state(path)?.name ?? path,
+      detail: namesTo(machine, path).slice(0, -1).reverse().join(" ‹ "),
+    });
+    return (text: string, count: number) => {
+      if (text === "")
+        return firstPaths(machine, count).map((path) => ({ item: item(path), score: 0 }));
+      const found = stateIndex(machine).find(text, count);
+      return found.map(({ path, score }) => ({ item: item(path), score }));
+    };
+  }, [page]);
+}
+
+function firstPaths(machine: Machine, count: number): readonly string[] {
+  const found: string[] = [];
+  for (const path of machine.paths()) {
+    if (found.length === count) break;
+    found.push(path);
+  }
+  return found;
 }
 
 function machineItems(node: ProjectNode): PaletteItem[] {

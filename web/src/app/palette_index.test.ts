@@ -1,14 +1,20 @@
 import { expect, test } from "vitest";
-import { type PaletteItem, searched } from "./palette_index.ts";
+import { type FindStates, type PaletteItem, searched } from "./palette_index.ts";
 
 const ITEMS: readonly PaletteItem[] = [
   { found: { kind: "command", id: "edit.undo" }, title: "Undo", detail: "Edit" },
   { found: { kind: "command", id: "x" }, title: "Ungroup", detail: "Arrange", disabled: true },
-  { found: { kind: "state", path: "R/A" }, title: "Unload sample", detail: "Root" },
   { found: { kind: "library", path: "generic", name: "wait" }, title: "wait", detail: "generic" },
 ];
 
-const titles = (query: string) => searched(ITEMS, query).map(({ title }) => title);
+const UNLOAD: PaletteItem = {
+  found: { kind: "state", path: "R/A" },
+  title: "Unload sample",
+  detail: "Root",
+};
+const findStates: FindStates = (text) =>
+  /^(un.*|)$/.test(text) ? [{ item: UNLOAD, score: 0.5 }] : [];
+const titles = (query: string) => searched(ITEMS, query, findStates).map(({ title }) => title);
 
 test("a few letters find states, commands and libraries together", () => {
   expect(titles("un").sort()).toEqual(["Undo", "Ungroup", "Unload sample"]);

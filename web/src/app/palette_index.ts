@@ -26,12 +26,26 @@ const PREFIXES: Readonly<Record<string, Found["kind"]>> = {
 
 const SHOWN_MAX = 60;
 
-/** The items that fit, the best first; without a text those that come first anyway. */
-export function searched(items: readonly PaletteItem[], query: string): readonly PaletteItem[] {
+/** Finds states by a text: the best first, at most so many. They are too many to be items before they are found. */
+export type FindStates = (
+  text: string,
+  count: number,
+) => readonly { readonly item: PaletteItem; readonly score: number }[];
+
+/** The items and states that fit, the best first; without a text those that come first anyway. */
+export function searched(
+  items: readonly PaletteItem[],
+  query: string,
+  findStates: FindStates,
+): readonly PaletteItem[] {
   const only = PREFIXES[query[0] ?? ""];
   const wanted = (only ? query.slice(1) : query).trim();
   const among = only ? items.filter(({ found }) => found.kind === only) : items;
-  if (wanted === "") return among.filter(({ disabled }) => !disabled).slice(0, SHOWN_MAX);
+  const states = only && only !== "state" ? [] : findStates(wanted, SHOWN_MAX);
+  if (wanted === "") {
+    const offered = among.filter(({ disabled }) => !disabled);
+    return [...offered, ...states.map(({ item }) => item)].slice(0, SHOWN_MAX);
+  }
   const scored = fuzzysort.go(wanted, among, {
     keys: ["title", "detail"],
     limit: SHOWN_MAX,
@@ -41,5 +55,7 @@ export function searched(items: readonly PaletteItem[], query: string): readonly
       return best;
     },
   });
-  return [...scored].map(({ obj }) => obj);
+  const all = [...[...scored].map(({ obj, score }) => ({ item: obj, score })), ...states];
+  all.sort((one, other) => other.score - one.score);
+  return all.slice(0, SHOWN_MAX).map(({ item }) => item);
 }

@@ -58,7 +58,13 @@ function pointers(
     hear: (event: HTMLElementEventMap[K]) => void,
     options: AddEventListenerOptions = {},
   ) => root.addEventListener(name, hear, { ...options, signal });
+  const rest = longPress((at) => {
+    hand.cancel();
+    menu(at);
+  });
+  signal.addEventListener("abort", rest.end);
   on("pointerdown", (event) => {
+    if (event.pointerType === "touch") rest.begin(pointerOf(root, event), event.pointerId);
     if (event.button !== LEFT && event.button !== MIDDLE) return;
     event.preventDefault();
     interrupt();
@@ -68,16 +74,21 @@ function pointers(
     const press = { ...pointerOf(root, event), isTouch: event.pointerType === "touch" };
     hand.press(press, { pans, ...fingerOf(event) });
   });
-  on("pointermove", (event) => hand.move(pointerOf(root, event), fingerOf(event).finger));
+  on("pointermove", (event) => {
+    rest.moved(pointerOf(root, event));
+    hand.move(pointerOf(root, event), fingerOf(event).finger);
+  });
   const isSecondTap = doubleTap();
   on("pointerup", (event) => {
     const pointer = pointerOf(root, event);
+    rest.end();
     hand.release(pointer, fingerOf(event).finger);
     if (event.pointerType === "touch" && isSecondTap(pointer, event.timeStamp)) {
       hand.doubleClick(pointer);
     }
   });
   on("pointercancel", (event) => {
+    rest.end();
     hand.cancel();
     hand.release(pointerOf(root, event), fingerOf(event).finger);
   });
@@ -102,6 +113,36 @@ function pointers(
     },
     { passive: false },
   );
+}
+
+const RESTS_MS = 500;
+const RESTS_WITHIN = 10;
+
+/** A finger that rests asks for the menu: not all browsers tell of that themselves. */
+function longPress(rested: (at: Point) => void) {
+  let waiting: { readonly from: Point; readonly finger: number; readonly timer: number } | null =
+    null;
+  const end = () => {
+    window.clearTimeout(waiting?.timer);
+    waiting = null;
+  };
+  return {
+    /** A second finger zooms, and asks for nothing. */
+    begin: (from: Point, finger: number) => {
+      const isSecond = waiting !== null;
+      end();
+      if (isSecond) return;
+      const timer = window.setTimeout(() => {
+        waiting = null;
+        rested(from);
+      }, RESTS_MS);
+      waiting = { from, finger, timer };
+    },
+    moved: (at: Point) => {
+      if (waiting && distance(at, waiting.from) > RESTS_WITHIN) end();
+    },
+    end,
+  };
 }
 
 const TAPS_WITHIN_MS = 350;

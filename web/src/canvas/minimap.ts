@@ -5,7 +5,7 @@ import { effect, signal } from "@preact/signals-core";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Camera } from "../store/view.ts";
-import { fitted, visibleBox, worldFromScreen } from "./camera.ts";
+import { fitted, screenBox, visibleBox, worldFromScreen } from "./camera.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { inkOf } from "./paint/ink.ts";
 import { paint } from "./paint/paint.ts";
@@ -52,7 +52,12 @@ export function minimapIn(
   const soon = (within = REST_MS) => {
     if (rest === 0) rest = window.setTimeout(repaint, within);
   };
+  /** Where it would hide much, and where it has nothing to tell, it is folded until somebody wants it. */
+  const foldAsFits = () => {
+    if (!isChosen) folded.value = isTight(place) || isAllInView(tab, picture);
+  };
   const stopFrames = picture.onFrame(() => {
+    foldAsFits();
     if (!folded.peek()) paintMap(map, whole, tab, picture);
   });
   const stopFollowing = effect(() => {
@@ -78,9 +83,7 @@ export function minimapIn(
     isChosen = true;
     folded.value = !folded.peek();
   });
-  const observer = new ResizeObserver(() => {
-    if (!isChosen) folded.value = isTight(place);
-  });
+  const observer = new ResizeObserver(foldAsFits);
   observer.observe(place);
   listen(map, (at) => {
     focus();
@@ -100,7 +103,15 @@ export function minimapIn(
   };
 }
 
-/** Where it would hide much of the canvas it is folded, until somebody wants it. */
+function isAllInView({ view }: OpenTab, picture: Picture): boolean {
+  const root = rootBox(picture);
+  if (!root) return false;
+  const on = screenBox(view.camera.peek(), root);
+  const { width, height } = picture.size();
+  return on.x >= 0 && on.y >= 0 && on.x + on.width <= width && on.y + on.height <= height;
+}
+
+/** Whether it would hide much of the canvas. */
 function isTight({ clientWidth, clientHeight }: HTMLElement): boolean {
   return clientWidth < TIGHT.width || clientHeight < TIGHT.height;
 }

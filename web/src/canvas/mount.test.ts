@@ -287,3 +287,51 @@ test("after a press in the overview keys are for the canvas", () => {
   map?.dispatchEvent(new PointerEvent("pointerdown", { button: 0, bubbles: true }));
   expect(document.activeElement).toBe(root);
 });
+
+test("the overview steps aside while all of the machine is in view", () => {
+  const frames: FrameRequestCallback[] = [];
+  vi.stubGlobal("requestAnimationFrame", (call: FrameRequestCallback) => frames.push(call));
+  const context = new Proxy({}, { get: () => () => ({ width: 1 }), set: () => true });
+  vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockReturnValue(context as never);
+  const { place, view } = mounting();
+  const pass = () => {
+    for (let round = 0; round < 3; round += 1) for (const call of frames.splice(0)) call(0);
+  };
+  const isShown = () =>
+    place.querySelector<HTMLElement>(".canvas-minimap canvas")?.style.display === "block";
+  pass();
+  expect(isShown()).toBe(false);
+  view.camera.value = { ...view.camera.value, scale: view.camera.value.scale * 3 };
+  pass();
+  expect(isShown()).toBe(true);
+  place.querySelector<HTMLElement>(".canvas-minimap button")?.click();
+  pass();
+  expect(isShown()).toBe(false);
+  vi.unstubAllGlobals();
+});
+
+test("a finger that rests opens the menu, one that moves does not", () => {
+  vi.useFakeTimers();
+  const { root, menus } = mounting();
+  root.setPointerCapture = () => {};
+  const touch = (name: string, x: number) =>
+    root.dispatchEvent(
+      new PointerEvent(name, {
+        pointerType: "touch",
+        pointerId: 1,
+        button: 0,
+        clientX: x,
+        clientY: 180,
+        bubbles: true,
+      }),
+    );
+  touch("pointerdown", 200);
+  vi.advanceTimersByTime(600);
+  expect(menus.length).toBe(1);
+  touch("pointerup", 200);
+  touch("pointerdown", 200);
+  touch("pointermove", 260);
+  vi.advanceTimersByTime(600);
+  touch("pointerup", 260);
+  expect(menus.length).toBe(1);
+});

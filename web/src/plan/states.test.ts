@@ -137,3 +137,11 @@ test("what a library gets at its ports", () => {
     "set_runtime_value R/L list=input port=0 value=null",
   ]);
 });
+
+test("a barrier comes with a decider that has a body to begin with", () => {
+  const machine = drawn("R hierarchy 0 0 400 300 outcome done");
+  const edits = editsOf(addState(machine, "R", "barrier"));
+  const script = edits.find((edit) => edit.edit === "set_script");
+  expect(script?.path).toMatch(/^R\/[A-Z]+\/unique_decider_state_id$/);
+  expect(script?.script).toContain("def execute(self, inputs, outputs, gvm):");
+});

@@ -3,8 +3,15 @@
 import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Edit, JsonValue, StateDocument, StateKind } from "../model/generated/protocol.ts";
 import type { Point } from "../model/geometry.ts";
-import { ABORTED, type Machine, outcomesOf, PREEMPTED, startOf } from "../model/machine.ts";
-import { idOf, isWithin, parentOf } from "../model/path.ts";
+import {
+  ABORTED,
+  DECIDER_ID,
+  type Machine,
+  outcomesOf,
+  PREEMPTED,
+  startOf,
+} from "../model/machine.ts";
+import { childPath, idOf, isWithin, parentOf } from "../model/path.ts";
 import { pins } from "./boxes.ts";
 import { containerAt, counted, interfaceAt, KIND_WORDS, movableFrom, stateAt } from "./legal.ts";
 import { type LibraryName, type NewKind, newBox, newLibrary, newState } from "./newcomers.ts";
@@ -21,8 +28,19 @@ export function addState(
   const around = containerAt(machine, container);
   if (isRefused(around)) return around;
   const state = newState(machine, container, kind, newBox(machine, container, at), name);
-  return added(machine, container, around, [state], `Add ${KIND_WORDS[kind]}`);
+  const plan = added(machine, container, around, [state], `Add ${KIND_WORDS[kind]}`);
+  if (kind !== "barrier") return plan;
+  const path = childPath(childPath(container, state.path), DECIDER_ID);
+  const body: Edit = { edit: "set_script", path, script: DECIDER_SCRIPT };
+  const edits = plan.edit.edit === "batch" ? plan.edit.edits : [plan.edit];
+  return { ...plan, edit: together([...edits, body]) };
 }
+
+/** What the decider of a new barrier begins with. */
+const DECIDER_SCRIPT = `def execute(self, inputs, outputs, gvm):
+    # How a child ended: self.get_outcome_for_state_name("its name").name
+    return "success"
+`;
 
 /** Adds a state that runs a library. */
 export function addLibrary(

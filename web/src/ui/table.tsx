@@ -2,7 +2,7 @@
 
 import { useVirtualizer } from "@tanstack/react-virtual";
 import { ArrowDown, ArrowUp } from "lucide-react";
-import { type KeyboardEvent, type ReactNode, useEffect, useRef, useState } from "react";
+import { type KeyboardEvent, type ReactNode, useEffect, useId, useRef, useState } from "react";
 import { CellEditor, type CellStep } from "./cell_editor.tsx";
 import type { Commit } from "./field.tsx";
 import { isAtEnd, useScrolled } from "./scrolled.ts";
@@ -79,6 +79,8 @@ const ROW_PX = 24;
 export function Table<T>(props: TableProps<T>) {
   const { rows, columns, id, rowsMax, follow = false } = props;
   const place = useRef<HTMLDivElement>(null);
+  const base = useId();
+  const headRows = props.hideHead ? 0 : 1;
   const [active, setActive] = useState<Cell | null>(null);
   const [editing, setEditing] = useState(false);
   const virtual = useVirtualizer({
@@ -119,6 +121,8 @@ export function Table<T>(props: TableProps<T>) {
     else place.current?.focus();
     setEditing(next !== null);
   };
+  // What is out of sight is not made, and cannot be named.
+  const isShown = virtual.getVirtualItems().some(({ index }) => index === at);
   const height = rowsMax && Math.min(rows.length, rowsMax) * ROW_PX + (props.hideHead ? 0 : 26);
   return (
     <div
@@ -126,7 +130,8 @@ export function Table<T>(props: TableProps<T>) {
       className="table"
       role="grid"
       aria-label={props.label}
-      aria-rowcount={rows.length}
+      aria-rowcount={rows.length + headRows}
+      aria-activedescendant={isShown && !editing ? cellId(base, at, cursor.column) : undefined}
       tabIndex={0}
       data-follow={follow}
       style={height === undefined ? undefined : { height }}
@@ -150,6 +155,7 @@ export function Table<T>(props: TableProps<T>) {
               top={start}
               template={template}
               cursor={cursor}
+              base={base}
               onStop={stop}
             />
           );
@@ -295,17 +301,23 @@ interface RowProps<T> {
   readonly top: number;
   readonly template: string;
   readonly cursor: Cursor;
+  /** Of the ids of its cells. */
+  readonly base: string;
   readonly onStop: (step: CellStep) => void;
 }
 
-function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T>) {
+function cellId(base: string, row: number, column: number): string {
+  return `${base}-${row}-${column}`;
+}
+
+function Row<T>({ table, row, index, top, template, cursor, base, onStop }: RowProps<T>) {
   const here = cursor.at === index;
   return (
     <div
       className={`table-row ${table.rowClass?.(row) ?? ""}`}
       role="row"
       tabIndex={-1}
-      aria-rowindex={index + 1}
+      aria-rowindex={index + (table.hideHead ? 1 : 2)}
       aria-selected={table.selected?.has(table.id(row)) ?? false}
       style={{
         height: ROW_PX,
@@ -329,6 +341,7 @@ function Row<T>({ table, row, index, top, template, cursor, onStop }: RowProps<T
           // biome-ignore lint/a11y/useKeyWithClickEvents: the grid around it has the keyboard
           <div
             key={column.key}
+            id={cellId(base, index, at)}
             className={cellClass(column.align)}
             role="gridcell"
             tabIndex={-1}

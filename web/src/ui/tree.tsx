@@ -75,6 +75,8 @@ export function Tree<T>(props: TreeProps<T>) {
     virtual.scrollToIndex(index, { align: "auto" });
     props.onSelect?.(row.node, { toggle: false });
   };
+  // What is out of sight is not made, and cannot be named.
+  const isShown = virtual.getVirtualItems().some(({ index }) => index === active);
   const keys = useTreeKeys(props, rows, active, go, place);
   return (
     <div
@@ -83,7 +85,7 @@ export function Tree<T>(props: TreeProps<T>) {
       role="tree"
       aria-label={props.label}
       aria-multiselectable={props.onSelect ? true : undefined}
-      aria-activedescendant={rows.length > 0 ? `${base}-${active}` : undefined}
+      aria-activedescendant={isShown ? `${base}-${active}` : undefined}
       tabIndex={0}
       onKeyDown={keys}
       onMouseLeave={() => props.onHover?.(null)}

@@ -198,3 +198,26 @@ test("a text that was refused when its field had gone is said elsewhere, with wh
   await settled();
   expect(said).toEqual(["Name “taken” was not taken over: There is one of this name."]);
 });
+
+test("a table names the cell that the keys are on, and counts its head among its rows", () => {
+  const rows = ["one", "two"];
+  const columns = [
+    { key: "a", title: "A", cell: (row: string) => row },
+    { key: "b", title: "B", cell: (row: string) => `${row}!` },
+  ];
+  const place = mount(<Table label="Words" columns={columns} rows={rows} id={(row) => row} />);
+  const [grid] = byRole(place, "grid");
+  const named = () =>
+    document.getElementById(grid?.getAttribute("aria-activedescendant") ?? "")?.textContent;
+  press(grid ?? null, "ArrowDown");
+  expect(named()).toBe("one");
+  press(grid ?? null, "ArrowDown");
+  press(grid ?? null, "ArrowRight");
+  expect(named()).toBe("two!");
+  expect(grid?.getAttribute("aria-rowcount")).toBe("3");
+  expect(byRole(place, "row").map((row) => row.getAttribute("aria-rowindex"))).toEqual([
+    null,
+    "2",
+    "3",
+  ]);
+});

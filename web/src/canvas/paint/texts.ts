@@ -16,7 +16,6 @@ export function paintTexts(context: Context, texts: readonly TextMark[], colours
   let [font, align, ink] = ["", "", ""];
   for (const text of texts) {
     if (text.text === "" && text.plate === null) continue;
-    context.globalAlpha = text.alpha;
     const wanted = fontOf(text.size, text.bold);
     if (wanted !== font) {
       context.font = wanted;
@@ -26,7 +25,10 @@ export function paintTexts(context: Context, texts: readonly TextMark[], colours
       context.textAlign = text.align;
       align = text.align;
     }
+    // A plate that one can see through would half erase what lies below it.
+    context.globalAlpha = 1;
     if (text.plate !== null) paintPlate(context, text, inkOf(colours, text.plate));
+    context.globalAlpha = text.alpha;
     if (text.ink !== ink || text.plate !== null) {
       context.fillStyle = inkOf(colours, text.ink);
       ink = text.ink;

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { wrapped } from "./words.ts";
+import { cut, wrapped } from "./words.ts";
 
 /** Every letter six wide. */
 const measure = (text: string) => text.length * 6;
@@ -11,4 +11,10 @@ test("texts are broken between words and behind underscores, and keep all their 
     "one two",
     "three fou…",
   ]);
+});
+
+test("the number at the end of a name stays: it is what tells it from others", () => {
+  expect(cut("Waypoint 12", 48, 11, false, measure)).toBe("Wayp… 12");
+  expect(cut("Look around", 48, 11, false, measure)).toBe("Look ar…");
+  expect(cut("Waypoint 12", 24, 11, false, measure)).toBe("Way…");
 });

@@ -2,16 +2,24 @@
 
 import type { Measure } from "./input.ts";
 
-/** The text, or as much of it as fits with an ellipsis; nothing if not even two letters do. */
+/** The number at the end of a name: what tells `Waypoint 12` from `Waypoint 13`. */
+const NUMBER = /\s?\d{1,4}$/;
+
+/** The text, or as much of it as fits with an ellipsis, before the number at its end if there is room for both; nothing if not even
+ * two letters fit. */
 export function cut(text: string, width: number, size: number, bold: boolean, measure: Measure) {
   if (measure(text, size, bold) <= width) return text;
-  let [low, high] = [0, text.length - 1];
+  const number = NUMBER.exec(text)?.[0] ?? "";
+  const fits = (letters: number, end: string) =>
+    measure(`${text.slice(0, letters)}…${end}`, size, bold) <= width;
+  const end = fits(2, number) ? number : "";
+  let [low, high] = [0, text.length - 1 - end.length];
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    if (measure(`${text.slice(0, middle)}…`, size, bold) <= width) low = middle;
+    if (fits(middle, end)) low = middle;
     else high = middle - 1;
   }
-  return low < 2 ? "" : `${text.slice(0, low).trimEnd()}…`;
+  return low < 2 ? "" : `${text.slice(0, low).trimEnd()}…${end}`;
 }
 
 /** The text in at most so many lines, broken between words; what is left over is cut. */

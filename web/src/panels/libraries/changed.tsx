@@ -31,6 +31,13 @@ function isAboutLibrary({ rule }: MachineProblem): boolean {
   return /^library|^runtime_?value/i.test(rule);
 }
 
+/** With the path of the state in front, as problems have it, for its name. */
+function inWords({ room }: OpenTab, { path, message }: MachineProblem): string {
+  const name = room.machine.state(path)?.name;
+  const [, rest] = /^[^:]*: (.*)$/s.exec(message) ?? [];
+  return name && rest && message.startsWith(path) ? `“${name}”: ${rest}` : message;
+}
+
 function OneChanged({ tab, problem }: { readonly tab: OpenTab; readonly problem: MachineProblem }) {
   const host = useHost();
   const may = mayEdit(host.context().page);
@@ -41,7 +48,7 @@ function OneChanged({ tab, problem }: { readonly tab: OpenTab; readonly problem:
         className="libraries-link"
         onClick={() => reveal(host, elementOfProblem(problem))}
       >
-        {problem.message}
+        {tab.room.named(inWords(tab, problem))}
       </button>
       {(problem.repairs ?? []).map(({ name, edit }) => (
         <Button

@@ -1,0 +1,22 @@
+import { expect, test } from "vitest";
+import type { TextMark } from "../scene/list.ts";
+import type { Context } from "./ink.ts";
+import { paintTexts } from "./texts.ts";
+
+test("a plate is opaque however faint its text is: it does not half erase what lies below", () => {
+  const painted: string[] = [];
+  const state: Record<string, unknown> = { globalAlpha: 1 };
+  const note = (what: string) => () => painted.push(`${what} at ${state["globalAlpha"]}`);
+  const context = new Proxy(state, {
+    get: (_, name) =>
+      name === "fill" || name === "fillText" ? note(name) : (state[String(name)] ?? (() => {})),
+    set: (_, name, value) => {
+      state[String(name)] = value;
+      return true;
+    },
+  }) as unknown as Context;
+  const text = { text: "done", plate: "ground", ink: "text", alpha: 0.5, size: 11, x: 0, y: 0 };
+  const more = { align: "left", bold: false, width: 20 };
+  paintTexts(context, [{ ...text, ...more } as unknown as TextMark], {});
+  expect(painted).toEqual(["fill at 1", "fillText at 0.5"]);
+});
