@@ -55,6 +55,19 @@ function historyOf(told: Told, target = COUNT, text = "value * 2"): ValueHistory
   return new ValueHistory(told.runs, told.watch, target, expression);
 }
 
+test("only the state itself is asked for, none of its siblings", async () => {
+  const asked = async (path: string) => {
+    const told = new Told();
+    const stop = historyOf(told, { ...COUNT, path }).follow();
+    await vi.advanceTimersByTimeAsync(0);
+    stop();
+    return new URLSearchParams(told.asked[0]?.split("?").slice(1).join("?")).get("state");
+  };
+  expect(await asked("R/A")).toBe("R?A");
+  expect(await asked("R/S/ABC*")).toBe("R/S?ABC*");
+  expect(await asked("ROOT")).toBe("?OOT");
+});
+
 test("what there was page by page, then what comes; other values are left out", async () => {
   const told = new Told();
   told.happen(scoped("R/A", "count", 1), scoped("R/A", "other", 9), scoped("R/B", "count", 9));
@@ -64,7 +77,7 @@ test("what there was page by page, then what comes; other values are left out", 
   await vi.advanceTimersByTimeAsync(100);
   expect(history.series.points.map(({ value }) => value)).toEqual([2, 4]);
   expect(history.isTold.value).toBe(true);
-  expect(told.asked[0]).toContain("kinds=scoped&state=R%2F%3F");
+  expect(told.asked[0]).toContain("kinds=scoped&state=R%3FA");
   told.happen(scoped("R/A", "count", 5));
   await vi.advanceTimersByTimeAsync(2_000);
   expect(history.series.points.map(({ value }) => value)).toEqual([2, 4, 10]);

@@ -104,8 +104,7 @@ export class ValueHistory {
       count: String(PAGE),
       kinds: KINDS[kind],
     });
-    // A pattern stands for the whole path: without one, states inside would be told too.
-    if (kind !== "global") query.set("state", `${path.slice(0, -1)}?`);
+    if (kind !== "global") query.set("state", onlyThis(path));
     return `events?${query}`;
   }
 
@@ -115,6 +114,13 @@ export class ValueHistory {
     const worked = this.#expression.of(value);
     if ("value" in worked) this.series.add(sequence, t_ns, worked.value);
   }
+}
+
+/** A pattern that fits the path of this state: with one, the whole path has to fit, and states inside are not told. It stands for the
+ * sign before the id, so that siblings with ids of the same length do not fit. */
+function onlyThis(path: string): string {
+  const at = Math.max(0, path.lastIndexOf("/"));
+  return `${path.slice(0, at)}?${path.slice(at + 1)}`;
 }
 
 const KINDS: Readonly<Record<Target["kind"], string>> = {
