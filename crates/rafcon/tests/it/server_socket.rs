@@ -224,7 +224,7 @@ fn a_runner_that_does_not_answer_a_stop_is_ended() {
                 is_answered = true;
             }
             ToClient::RunStatus { status, .. } => {
-                is_crashed = status.run.phase == RunPhase::Crashed
+                is_crashed = status.run.phase == RunPhase::Crashed;
             }
             other => panic!("{other:?}"),
         }

@@ -159,7 +159,9 @@ fn a_wide_run_ends_while_viewers_come_and_go() {
             run.wait_for(&format!("ROOT/ROW{row}/S{}", 10 * (row + 2)));
             // One has seen nothing yet, perhaps, and one hears on until it is let go.
             viewers.pop();
-            viewers.into_iter().for_each(|viewer| viewer.signal(Signal::TERM));
+            for viewer in viewers {
+                viewer.signal(Signal::TERM);
+            }
         }
         let (code, lines, said) = run.end();
         assert_eq!(code, Some(0), "run {seed}: {said} {:?}", lines.last());

@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 
 /// How long an answer to a stop is waited for; then the process of the run is ended. A runner whose engine does not take a stop
 /// ends itself a little before that.
-const STOP_PATIENCE: Duration = Duration::from_secs(10);
+const STOP_PATIENCE: Duration = Duration::from_secs(15);
 
 /// A stop whose link was lost is sent again after this time.
 const AGAIN: Duration = Duration::from_millis(100);
