@@ -49,15 +49,10 @@ pub(crate) fn keep(py: Python<'_>, keeper: &Keeper) -> PyResult<()> {
     Ok(())
 }
 
-/// The same for one run of several in this process, of which the latest may keep nothing; `notes` whether the variables that
-/// are there are noted down, as the run begins with them.
-pub(crate) fn keep_embedded(py: Python<'_>, keeper: &Keeper, notes: bool) -> PyResult<()> {
+/// The same for one run of several in this process, of which the latest may keep nothing.
+pub(crate) fn keep_embedded(py: Python<'_>, keeper: &Keeper) -> PyResult<()> {
     let journal = keeper.keeps().then(|| Journal { keeper: keeper.clone() });
-    let runtime = Runtime::get(py)?;
-    runtime.keep_globals.call1(py, (journal,))?;
-    if notes && keeper.keeps() {
-        runtime.global_variables.call_method0(py, "_note_each")?;
-    }
+    Runtime::get(py)?.keep_globals.call1(py, (journal,))?;
     Ok(())
 }
 

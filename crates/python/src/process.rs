@@ -21,15 +21,12 @@ pub(crate) struct PythonHost {
     literals: PythonLiterals,
     built: Option<Built>,
     inputs: Vec<(SmolStr, Handle)>,
-    /// Whether the global variables that the program has set are noted down at the start.
-    notes_globals: bool,
 }
 
 impl PythonHost {
     /// Hosts a machine that the program has built (or a run that is taken up again), with inputs of its root.
     pub(crate) fn embedded(built: Option<Built>, inputs: Vec<(SmolStr, Handle)>) -> Self {
-        let notes_globals = built.is_some();
-        Self { literals: PythonLiterals, built, inputs, notes_globals }
+        Self { literals: PythonLiterals, built, inputs }
     }
 }
 
@@ -64,15 +61,15 @@ impl Host for PythonHost {
     }
 
     fn open(self, opening: Opening<Handle>) -> PythonScripts {
-        PythonScripts::new(opening, self.notes_globals)
+        PythonScripts::new(opening)
     }
 
     fn opened(driver: &Arc<Driver<PythonScripts>>) {
         current::set(driver);
         let scripts = driver.scripts();
         if current::is_embedded() {
-            let (keeper, notes) = (&scripts.keeper, scripts.notes_globals);
-            if let Err(error) = Python::attach(|py| globals::keep_embedded(py, keeper, notes)) {
+            let keeper = &scripts.keeper;
+            if let Err(error) = Python::attach(|py| globals::keep_embedded(py, keeper)) {
                 let message = format!("the global variables cannot be kept: {error}");
                 current::say(LogLevel::Error, message);
             }

@@ -31,17 +31,15 @@ pub(crate) struct PythonScripts {
     pub(crate) config: Config,
     pub(crate) keeper: Keeper,
     pub(crate) seating: Seating,
-    /// Whether the global variables of before are noted down at the start.
-    pub(crate) notes_globals: bool,
     globals: PythonGlobals,
 }
 
 impl PythonScripts {
-    pub(crate) fn new(opening: Opening<Handle>, notes_globals: bool) -> Self {
+    pub(crate) fn new(opening: Opening<Handle>) -> Self {
         let Opening { machine, program, files, config, keeping, values } = opening;
         let keeper = Keeper::new(keeping == Keeping::Full, values);
         let seating = Seating::new(program);
-        Self { machine, files, config, keeper, seating, notes_globals, globals: PythonGlobals }
+        Self { machine, files, config, keeper, seating, globals: PythonGlobals }
     }
 
     fn run_at(&self, py: Python<'_>, seat: &Seat, job: &Job<Handle>) -> ScriptResult<Handle> {

@@ -97,9 +97,6 @@ fn begin<H: Host>(
     let (door, closer) = open_door(launch)?.unzip();
     let answers = past.as_ref().map(Past::answers).unwrap_or_default();
     let begun = Begun { driver, loaded, from, answers, signals: stop::take_over()?, door, closer };
-    if past.is_none() {
-        begun.driver.set_globals(&launch.globals).map_err(ServeError::Load)?;
-    }
     set_out(&begun.driver, launch, start, past).map_err(ServeError::Load)?;
     Ok(begun)
 }
@@ -225,6 +222,7 @@ fn set_out<S: Scripts>(
         driver.scripts().note_globals();
         return Ok(());
     }
+    driver.set_globals(&launch.globals)?;
     driver.scripts().note_globals();
     driver.input(Input::Start(start))
 }

@@ -222,12 +222,6 @@ class GlobalVariableManager(Observable):
         """The names that begin with a text."""
         return [key for key in self._variables.copy() if key.startswith(start_key)]
 
-    def _note_each(self):
-        """The run of a program begins with the variables that are there: they go into its journal."""
-        for name, variable in list(self._variables.items()):
-            self._ledger.note(name, variable.kept)
-        self._ledger.write()
-
     @staticmethod
     def check_value_and_type(value, data_type):
         """Raises ``TypeError`` unless the value may be kept in a variable of this type.
