@@ -12,6 +12,7 @@ mod bench;
 mod bench_web;
 mod ci;
 mod conformance;
+mod corrupt;
 mod demo;
 mod dist;
 mod process;
@@ -65,6 +66,8 @@ enum Task {
     Simulate(simulate::Options),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(soak::Options),
+    /// Damage files of runs, and check that what is read of them is true or said to be damaged.
+    Corrupt(corrupt::Options),
     /// Kill runners and servers in the middle of a run, and take the runs up again.
     Torture(torture::Options),
     /// Build the page, which `rafcon serve` hands out and a release build carries; or check its sources.
@@ -99,6 +102,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Dist => dist::run(),
         Task::Simulate(options) => simulate::run(&options),
         Task::Soak(options) => soak::run(&options),
+        Task::Corrupt(options) => corrupt::run(&options),
         Task::Torture(options) => torture::run(&options),
         Task::Web(options) => web::run(options),
         Task::Types(options) => types::run(options),

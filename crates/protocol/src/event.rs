@@ -237,6 +237,15 @@ pub enum Event {
         /// The first event with full detail.
         before: u64,
     },
+    /// Some events cannot be read any more: their journal is damaged. No runner tells it, only who reads the journal.
+    Damaged {
+        /// The first of them.
+        first: u64,
+        /// The last; the event itself has its number.
+        last: u64,
+        /// Where the damage lies, for people.
+        what: String,
+    },
     /// A line of a script or of the engine.
     Log {
         /// The state that wrote it; empty if none did.

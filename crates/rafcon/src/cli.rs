@@ -7,7 +7,7 @@ mod serve;
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, Level as LogLevel, ListRuns, Log, Replay,
 };
-pub(crate) use remote::{Access, Control, Login, Remote, Wanted};
+pub(crate) use remote::{Access, Control, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
 use crate::templates;

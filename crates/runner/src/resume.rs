@@ -16,7 +16,7 @@ use rafcon_protocol::{
     Answer, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
 };
 use rafcon_storage::journal::{
-    About, Hash, Journal, Kept, Moment, Place, Reader, Record, TakenUp, unpack,
+    About, Hash, Journal, JournalError, Kept, Moment, Place, Reader, Record, TakenUp, unpack,
 };
 use smol_str::SmolStr;
 use std::fs;
@@ -110,11 +110,19 @@ fn look(
 ) -> Result<(Reader, Moment, Option<From>), String> {
     let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
     let last = reader.moment(last).map_err(|error| reason(&error))?;
+    if from.is_none() {
+        reader.check_values(&last).map_err(|error| not_from(&error))?;
+    }
     let from = from.map(|sequence| From::find(&mut reader, sequence)).transpose()?;
     if from.is_none() && last.whole().status == RunStatus::Finished {
         return Err("the run has come to its end; begin a new one, or choose an entry of its history to begin from".to_owned());
     }
     Ok((reader, last, from))
+}
+
+/// No script gets a value that is not as it was written; the error is for people.
+fn not_from(error: &JournalError) -> String {
+    format!("{}: go on from an entry of its history where it was not needed", reason(error))
 }
 
 /// What a run that is taken up has behind it.
@@ -144,6 +152,11 @@ impl Past {
         driver.questions().go_on_after(self.taken_up.sequence);
         let (life, crash, policy) = (self.taken_up.life, self.crash.clone(), self.policy);
         driver.tell(Event::Resumed { life, crash, policy });
+        if let Some(lost) = &self.taken_up.lost {
+            let text = format!("the journal is damaged: {lost}; the run goes on from before");
+            let line = tell::log(String::new(), LogLevel::Error, text);
+            driver.recorder().push(driver.clock().now_ns(), [line]);
+        }
         whole.breakpoints.values().try_for_each(|point| driver.set_breakpoint(point))?;
         if let Some(from) = &self.from {
             let gone = driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
@@ -354,6 +367,7 @@ impl From {
         let moment =
             |reader: &mut Reader, sequence| reader.moment(sequence).map_err(|error| reason(&error));
         let before = moment(reader, sequence - 1)?;
+        reader.check_values(&before).map_err(|error| not_from(&error))?;
         let root = if before.active().is_empty() {
             moment(reader, sequence)?.places().get(place).map(|place| (Arc::clone(place), inputs))
         } else {

@@ -2,8 +2,7 @@
 
 use crate::remains;
 use rafcon_protocol::{Crash, Launch, OnCrash, Resume};
-use rafcon_storage::journal::folder::ABOUT_FILE;
-use std::fs;
+use rafcon_storage::journal::About;
 use std::path::{Path, PathBuf};
 
 /// The launch that takes up the run in `folder`: as `policy` says, from the end or from the event `from`.
@@ -37,7 +36,7 @@ pub fn policy_of(folder: &Path) -> OnCrash {
 
 /// What a run says about itself; nothing if its file is missing or damaged.
 fn about(folder: &Path) -> Option<serde_json::Value> {
-    serde_json::from_slice(&fs::read(folder.join(ABOUT_FILE)).ok()?).ok()
+    About::json(folder).ok()
 }
 
 #[cfg(test)]

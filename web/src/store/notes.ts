@@ -69,6 +69,8 @@ function kindOf(event: Event): NoteKind | null {
     case "resumed":
     case "cut_off":
       return "crash";
+    case "damaged":
+      return "error";
     case "deadline_passed":
       return "warning";
     case "went_back":

@@ -88,6 +88,8 @@ pub struct LogLine {
 pub struct MomentQuery {
     /// The one at this time, in ms; if it is left out, the last.
     pub t_ms: Option<u64>,
+    /// The same in ns.
+    pub t_ns: Option<u64>,
 }
 
 /// Which machine of a run is meant.
@@ -102,14 +104,28 @@ pub struct KeptMachineQuery {
     pub library: Option<String>,
 }
 
-/// How a run is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// How a run is written, and which of its events are; what is left out limits nothing.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 pub struct ExportQuery {
     /// In which format.
     #[cfg_attr(feature = "schema", param(inline))]
     pub format: ExportFormat,
+    /// Lines and tables: of states with this in their path of names or ids; with `*` or `?`, that are this as a whole.
+    pub state: Option<String>,
+    /// Lines and tables: of these kinds, joined by commas.
+    pub kinds: Option<String>,
+    /// Lines and tables: ends by this outcome, name or id.
+    pub outcome: Option<String>,
+    /// Lines and tables: with this text in them, whatever its case.
+    pub text: Option<String>,
+    /// Lines and tables: of lines of the log those that matter at least so much.
+    pub level: Option<LogLevel>,
+    /// Lines and tables: from this time on, in ns.
+    pub since_ns: Option<u64>,
+    /// Lines and tables: up to this time, in ns.
+    pub until_ns: Option<u64>,
 }
 
 /// A format of other programs.

@@ -1,6 +1,6 @@
 //! The words of the commands that read what runs have kept.
 
-use super::{Remote, Runs};
+use super::{KeptRemote, Remote, Runs};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use rafcon_storage::journal::KINDS;
@@ -14,6 +14,8 @@ pub(crate) struct KeptRun {
     pub(crate) run: String,
     #[command(flatten)]
     pub(crate) runs: Runs,
+    #[command(flatten)]
+    pub(crate) remote: KeptRemote,
 }
 
 /// List the runs, the newest last; or give up old ones.
@@ -135,6 +137,8 @@ pub(crate) struct Compare {
     pub(crate) other: String,
     #[command(flatten)]
     pub(crate) runs: Runs,
+    #[command(flatten)]
+    pub(crate) remote: KeptRemote,
     /// As one JSON object
     #[arg(long)]
     pub(crate) json: bool,

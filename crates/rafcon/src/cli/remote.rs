@@ -14,6 +14,24 @@ pub(crate) struct Remote {
     pub(crate) access: Access,
 }
 
+/// Which server has kept a run. The server's own folder has another name than elsewhere, where `--state` means something else.
+#[derive(Debug, Args)]
+pub(crate) struct KeptRemote {
+    /// Read the run at the server with this address (`rafcon serve`), such as `https://rover:4747`
+    #[arg(long, value_name = "URL", help_heading = "At a server")]
+    pub(crate) server: Option<String>,
+    /// File with a token that the server knows; else `RAFCON_TOKEN`, else what `rafcon login` has kept, else that of this
+    /// computer's own server
+    #[arg(long, value_name = "FILE", help_heading = "At a server")]
+    pub(crate) token_file: Option<PathBuf>,
+    /// Fingerprint of the server's certificate, as `rafcon serve` prints it; it is remembered
+    #[arg(long, value_name = "HEX", help_heading = "At a server")]
+    pub(crate) fingerprint: Option<String>,
+    /// The folder of this computer's own server; else `rafcon/server` in the user's folder for program state
+    #[arg(long, value_name = "DIR", env = "RAFCON_STATE", help_heading = "At a server")]
+    pub(crate) server_state: Option<PathBuf>,
+}
+
 /// How one is let in, and by whom.
 #[derive(Debug, Args)]
 pub(crate) struct Access {

@@ -4,7 +4,7 @@ use super::{Address, Fault, Fingerprint, Stream};
 use rafcon_protocol::api::Refusal;
 use serde::de::DeserializeOwned;
 use std::fmt;
-use std::io::{Read as _, Write as _};
+use std::io::{Read, Write as _};
 use std::time::Duration;
 use ureq::Agent;
 use ureq::http::{Request, Response};
@@ -64,6 +64,17 @@ impl Http {
         let body = if body.is_empty() { b"null" } else { body.as_slice() };
         let body = serde_json::from_slice(body).map_err(|error| self.nonsense(&error))?;
         Ok(Answer { body, cookies })
+    }
+
+    /// Makes a request whose answer is read as it comes.
+    pub(super) fn open(&self, request: Request<Vec<u8>>) -> Result<impl Read + use<>, Fault> {
+        let mut response = self.agent.run(request).map_err(|error| self.fault(error))?;
+        let status = response.status();
+        if !status.is_success() {
+            let body = response.body_mut().with_config().limit(ANSWER_MAX).read_to_vec();
+            return Err(refused(status.as_u16(), &body.map_err(|error| self.fault(error))?));
+        }
+        Ok(response.into_body().into_reader())
     }
 
     fn nonsense(&self, error: &impl ToString) -> Fault {

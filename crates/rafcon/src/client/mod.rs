@@ -33,6 +33,7 @@ use rafcon_protocol::{Envelope, StateData};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use socket::Socket;
+use std::io::Read;
 use std::time::Duration;
 use stream::Stream;
 use token::Token;
@@ -137,6 +138,12 @@ impl Server {
         Ok(self.http.ask(self.request(Method::GET, path, token.as_deref())?)?.body)
     }
 
+    /// A long answer, to be read as it comes.
+    pub(crate) fn open(&self, path: &str) -> Result<impl Read + use<>, Fault> {
+        let token = self.token.text()?;
+        self.http.open(self.request(Method::GET, path, token.as_deref())?)
+    }
+
     pub(crate) fn send<T: DeserializeOwned>(
         &self,
         path: &str,
@@ -185,7 +192,7 @@ impl Server {
 }
 
 /// Text as a part of an address.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let byte = |byte: u8| match byte {
         b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' => {
             char::from(byte).to_string()

@@ -8,6 +8,7 @@ mod export;
 mod fmt;
 mod history;
 mod kept;
+mod kept_at_server;
 mod login;
 mod new;
 mod remote;

@@ -4,6 +4,7 @@ use crate::harness::{Place, assert_extension};
 use expect_test::{Expect, expect};
 use rafcon_storage::journal::{About, Journal, Options, notation};
 use std::fs;
+use std::path::Path;
 
 const MACHINE: &str = r#"
     place R "Mission" in speed scoped n outcome done,lost
@@ -13,7 +14,7 @@ const MACHINE: &str = r#"
     place R/B/Y "Mission/Both/Right" script outcome ok
 "#;
 
-const RUN: &str = r#"
+pub(crate) const RUN: &str = r#"
     @0 told {"type": "root", "hash": "0123456789abcdef", "change": ""}
     @0 enter R speed=1.5
     @0.1 scoped R n=0
@@ -31,7 +32,7 @@ const RUN: &str = r#"
     @2600 told {"type": "waiting", "path": "R/B", "reason": "no transition begins at the outcome"}
 "#;
 
-const END: &str = r#"
+pub(crate) const END: &str = r#"
     @3000 told {"type": "commanded", "answer": {"answer": "applied"}, "envelope": {"id": "1", "author": "ann", "command": {"type": "stop"}}}
     @3000 told {"type": "stopping"}
     @3001 leave R/B preempted
@@ -40,7 +41,7 @@ const END: &str = r#"
 "#;
 
 /// Writes the journal of a run that came to its end, or of one whose runner died.
-fn keep(place: &Place, id: &str, text: &str, died: bool) {
+pub(crate) fn keep(place: &Place, id: &str, text: &str, died: bool) {
     let folder = place.path("runs").join(id);
     let about = About {
         id: id.to_owned(),
@@ -48,7 +49,8 @@ fn keep(place: &Place, id: &str, text: &str, died: bool) {
         started_ms: 1_795_290_001_000,
         ..About::default()
     };
-    let journal = Journal::create(&folder, &about, &Options::default()).unwrap();
+    let options = Options { recorder_bytes: 1 << 16, ..Options::default() };
+    let journal = Journal::create(&folder, &about, &options).unwrap();
     journal.append(&notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
     if died {
         drop(journal);
@@ -504,4 +506,80 @@ def post_init(*arguments):
     let replay = place.call("replay last --runs runs --json").stdout;
     let picture: serde_json::Value = serde_json::from_str(&replay).unwrap();
     assert_eq!(picture["globals"], serde_json::json!({ "from_plugin": [1, 2], "own": 2 }));
+}
+
+/// Copies a run of an earlier version into the folder `runs` of a place.
+fn keep_old(place: &Place, name: &str) {
+    let old = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fixtures/runs").join(name);
+    let folder = place.path("runs").join(name);
+    fs::create_dir_all(&folder).unwrap();
+    for entry in fs::read_dir(old).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
+    }
+}
+
+#[test]
+fn runs_of_an_earlier_version_are_read_and_taken_up() {
+    let place = Place::empty();
+    keep_old(&place, "finished");
+    keep_old(&place, "crashed");
+    let said = |words: &str| {
+        let answer = place.call(&format!("{words} --runs runs"));
+        format!("{}\n{}{}", answer.code.unwrap(), answer.stdout, answer.stderr)
+    };
+    expect![].assert_eq(&said("history finished --values"));
+    expect![].assert_eq(&said("history crashed"));
+    expect![].assert_eq(&said("replay crashed"));
+    let resumed = Journal::take_up(&place.path("runs/crashed"), &Options::default());
+    let (journal, taken_up) = resumed.unwrap();
+    assert_eq!((taken_up.life, taken_up.lost), (2, None));
+    journal.close().unwrap();
+    expect![].assert_eq(&said("history crashed"));
+}
+
+/// Changes a byte in the middle of the first `text` of a file; says where that was.
+fn spoil(path: &Path, text: &str) {
+    let mut bytes = fs::read(path).unwrap();
+    let at = bytes.windows(text.len()).position(|part| part == text.as_bytes()).unwrap();
+    bytes[at + text.len() / 2] ^= 0x20;
+    fs::write(path, bytes).unwrap();
+}
+
+/// A value that is kept by itself is another: each command says so, and ends by an error.
+#[test]
+fn a_damaged_value_is_named_by_whoever_reads_it() {
+    let place = place();
+    let id = "20261121-194001-mission-0001";
+    spoil(&place.path("runs").join(id).join("journal.db"), "\"rooms\"");
+    let said = |words: &str| {
+        let answer = place.call(&format!("{words} --runs runs"));
+        let lines: Vec<&str> =
+            answer.stdout.lines().filter(|line| line.contains("damaged")).collect();
+        format!("{} {}\n{}", answer.code.unwrap(), lines.join("\n"), answer.stderr)
+    };
+    expect![].assert_eq(&said(&format!("history {id}")));
+    expect![].assert_eq(&said(&format!("replay {id}")));
+    expect![].assert_eq(&said(&format!("compare {id} 20261121-194002")));
+    expect![].assert_eq(&said(&format!("export {id} --format csv")));
+}
+
+/// Events are others: they are left out, and the rest is told.
+#[test]
+fn damaged_events_are_named_by_whoever_reads_them() {
+    let place = place();
+    let id = "20261121-194001-mission-0001";
+    spoil(&place.path("runs").join(id).join("journal.db"), "too close");
+    let said = |words: &str| {
+        let answer = place.call(&format!("{words} --runs runs"));
+        format!("{}\n{}{}", answer.code.unwrap(), answer.stdout, answer.stderr)
+    };
+    expect![].assert_eq(&said(&format!("history {id}")));
+    expect![].assert_eq(&said(&format!("log {id}")));
+    expect![].assert_eq(&said(&format!("replay {id}")));
+    expect![].assert_eq(&said(&format!("compare {id} 20261121-194002")));
+    expect![].assert_eq(&said(&format!("export {id} --format jsonl")));
+    let listed = place.call("runs --runs runs");
+    assert_eq!(listed.code, Some(1), "{listed:?}");
+    assert!(listed.stdout.contains("unreadable: "), "{listed:?}");
 }

@@ -7,6 +7,7 @@
 mod bad_files;
 mod bad_scripts;
 mod commands;
+mod corrupt;
 mod debugging;
 mod endings;
 mod examples;

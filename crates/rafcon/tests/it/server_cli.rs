@@ -141,6 +141,49 @@ fn a_run_at_a_server_tells_what_one_on_this_computer_does() {
 }
 
 #[test]
+fn kept_runs_are_read_at_a_server_as_beside_it() {
+    let house = House::with(MACHINE);
+    for words in ["", "--input n=4"] {
+        let answer = house.call(&format!("run SERVER robots/pick --output json {words}"));
+        assert_eq!(answer.code, Some(0), "{answer:?}");
+    }
+    let runs = house.place.path(".local/state/rafcon/runs");
+    let runs = std::fs::read_dir(runs).unwrap().map(|run| run.unwrap().file_name());
+    let mut runs: Vec<String> = runs.map(|run| run.into_string().unwrap()).collect();
+    runs.sort();
+    let [one, other] = &runs[..] else { panic!("{runs:?}") };
+    for words in [
+        "history last",
+        "history last --values --json",
+        "history last --kind left --state one --last 1",
+        "history last --from 0 --text more",
+        "history last --outcome success --to 100",
+        "log last",
+        "log last --level warning",
+        "replay last",
+        "replay last --at 3 --json",
+        "replay last --time 0.5",
+        "replay last --at 99999",
+        "export last --format jsonl",
+        "export last --format csv",
+        &format!("compare {one} {other}"),
+        &format!("compare {one} {one} --json"),
+    ] {
+        let here = shown(&house.place.call(words));
+        let there = shown(&house.place.call(&house.words(&format!("{words} SERVER"))));
+        assert_eq!(there, here, "{words}");
+    }
+    let file = house.place.path("there.jsonl");
+    let to_file = format!("export last --format jsonl -o {} SERVER", file.display());
+    assert_eq!(house.call(&to_file).code, Some(0));
+    let here = house.place.call("export last --format jsonl").stdout;
+    assert_eq!(
+        house.without_names(&std::fs::read_to_string(&file).unwrap()),
+        house.without_names(&here)
+    );
+}
+
+#[test]
 fn what_is_wrong_with_a_machine_is_told_as_on_this_computer() {
     let house = House::with(MACHINE);
     let file = house.place.path("robots/pick/Two_TWOXXX/core_data.json");

@@ -132,7 +132,7 @@ fn filter(query: &EventQuery) -> Result<Filter, Failure> {
     })
 }
 
-fn kinds(text: &str) -> Result<Vec<String>, Failure> {
+pub(super) fn kinds(text: &str) -> Result<Vec<String>, Failure> {
     let kinds = text.split(',').map(str::trim).filter(|kind| !kind.is_empty());
     let known = |kind: &str| {
         if KINDS.contains(&kind) {
@@ -151,6 +151,7 @@ pub(super) fn nanos(ms: u64) -> u64 {
 
 fn detail(reader: &mut Reader, sequence: u64) -> Result<EventDetail, Failure> {
     let page = reader.page(sequence, 1)?;
+    reader.check_event(sequence, page.first())?;
     let entry = page.first().filter(|entry| entry.sequence == sequence);
     let entry = entry.ok_or_else(|| no_such_event(sequence))?;
     let event = reader.event(entry, true)?;

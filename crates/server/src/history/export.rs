@@ -2,6 +2,7 @@
 //!
 //! Knows names of formats and files. How a format is written is known to storage.
 
+use super::events::kinds;
 use super::sending::{Sending, sending};
 use super::{Readers, folder};
 use crate::extract::{Path, Query};
@@ -13,7 +14,7 @@ use axum::http::StatusCode;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{ExportFormat, ExportQuery, Refusal};
-use rafcon_storage::journal::{ExportError, Reader, export_csv, export_jsonl, export_mcap};
+use rafcon_storage::journal::{ExportError, Filter, Reader, export_csv, export_jsonl, export_mcap};
 use std::fs::File;
 use std::io::{self, BufWriter, Read as _, Seek as _, Write as _};
 use std::path::{Path as FilePath, PathBuf};
@@ -57,7 +58,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
 #[utoipa::path(get, path = "/api/v1/runs/{run}/export", tag = "history",
     params(("run" = String, Path, description = "The run's id"), ExportQuery),
     responses(
-        (status = 200, description = "The file; it ends early if the journal cannot be read to its end",
+        (status = 200, description = "The file; it ends early, without the last part of the transfer, if the journal cannot be read to its end or is damaged",
             content((String = "application/jsonl"), (String = "text/csv"), (String = "application/octet-stream"))),
         (status = 400, description = "There is no such format", body = Refusal),
         (status = 404, description = "There is no such run, or it has not begun", body = Refusal),
@@ -71,6 +72,7 @@ async fn export(
     Path(run): Path<String>,
     Query(query): Query<ExportQuery>,
 ) -> Result<Response, Failure> {
+    let filter = filter(&query)?;
     let turn = house.history.exports.turn()?;
     let folder = folder(&house, &run).await?;
     let readers = &house.history.readers;
@@ -80,6 +82,7 @@ async fn export(
         readers: Arc::clone(readers),
         folder,
         format: query.format,
+        filter,
         scratch: house.settings.state.clone(),
         tell: house.settings.tell,
     };
@@ -89,6 +92,18 @@ async fn export(
         writing.write(sending);
     });
     Ok(file(&run, query.format, body))
+}
+
+fn filter(query: &ExportQuery) -> Result<Filter, Failure> {
+    Ok(Filter {
+        state: query.state.clone(),
+        outcome: query.outcome.clone(),
+        text: query.text.clone(),
+        kinds: kinds(query.kinds.as_deref().unwrap_or_default())?,
+        level: query.level,
+        from_ns: query.since_ns,
+        to_ns: query.until_ns,
+    })
 }
 
 fn file(run: &str, format: ExportFormat, body: Body) -> Response {
@@ -108,6 +123,7 @@ struct Writing {
     readers: Arc<Readers>,
     folder: PathBuf,
     format: ExportFormat,
+    filter: Filter,
     /// Where a recording lies until it is whole.
     scratch: PathBuf,
     tell: fn(&str),
@@ -117,10 +133,12 @@ impl Writing {
     fn write(&self, mut sending: Sending) {
         let written = self.readers.with(&self.folder, |reader| {
             Ok(match self.format {
-                ExportFormat::Jsonl => export_jsonl(reader, &mut sending),
-                ExportFormat::Csv => export_csv(reader, &mut sending),
+                ExportFormat::Jsonl => export_jsonl(reader, &self.filter, &mut sending),
+                ExportFormat::Csv => export_csv(reader, &self.filter, &mut sending),
                 ExportFormat::Mcap => recording(reader, &mut sending, &self.scratch),
-            })
+            }
+            // What is damaged is named where it lies; who only counts bytes is to notice it as well.
+            .and_then(|()| Ok(reader.check()?)))
         });
         let what = match written {
             Ok(Ok(())) => return,

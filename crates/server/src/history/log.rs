@@ -5,8 +5,8 @@ use super::{Json, read};
 use crate::extract::{Path, Query};
 use crate::{Failure, House};
 use axum::extract::State;
-use rafcon_protocol::Event;
 use rafcon_protocol::api::{LogLine, LogPage, LogQuery, Refusal};
+use rafcon_protocol::{Event, LogLevel, Stream};
 use rafcon_storage::journal::{Filter, Found, Reader, Search};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -55,7 +55,10 @@ fn page(reader: &mut Reader, query: &LogQuery, count: usize) -> Result<LogPage, 
     let search = Search { filter: &filter, from: query.from, look: LOOK, values: true };
     let (mut lines, mut bytes) = (Vec::new(), 0);
     let looked = reader.search(&search, |found| -> Result<_, Failure> {
-        if let Some(line) = line(found).filter(|line| has(line, wanted.as_deref())) {
+        // Nobody knows whether what cannot be read was wanted.
+        let is_damage = matches!(found.event, Event::Damaged { .. });
+        let is_wanted = |line: &LogLine| is_damage || has(line, wanted.as_deref());
+        if let Some(line) = line(found).filter(is_wanted) {
             bytes += line.message.len();
             lines.push(line);
         }
@@ -67,7 +70,16 @@ fn page(reader: &mut Reader, query: &LogQuery, count: usize) -> Result<LogPage, 
 }
 
 fn line(found: Found) -> Option<LogLine> {
-    let Event::Log { path, level, stream, message } = found.event else { return None };
+    let (path, level, stream, message) = match found.event {
+        Event::Log { path, level, stream, message } => (path, level, stream, message),
+        Event::Damaged { what, .. } => (
+            String::new(),
+            LogLevel::Error,
+            Stream::Engine,
+            format!("the journal is damaged: {what}"),
+        ),
+        _ => return None,
+    };
     let (sequence, t_ns, names) = (found.sequence, found.t_ns, found.names);
     Some(LogLine { sequence, t_ns, path, names, level, stream, message })
 }

@@ -61,8 +61,8 @@ async fn moment_at(
     Query(query): Query<MomentQuery>,
 ) -> Result<Json, Failure> {
     read(&house, &run, move |reader| {
-        let sequence = match query.t_ms {
-            Some(ms) => reader.first_at(nanos(ms).saturating_add(1))? - 1,
+        let sequence = match query.t_ns.or(query.t_ms.map(nanos)) {
+            Some(ns) => reader.first_at(ns.saturating_add(1))? - 1,
             None => reader.last_sequence()?,
         };
         picture(reader, sequence)

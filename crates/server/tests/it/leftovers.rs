@@ -144,3 +144,35 @@ fn old_runs_are_pruned_but_the_newest_stay() {
     let left = house.call(Some(Role::Viewer), "GET", "/api/v1/runs", None).json();
     assert_eq!(left.as_array().map(Vec::len), Some(10));
 }
+
+#[test]
+fn a_damaged_journal_is_said_to_be_by_every_answer() {
+    let place = tempfile::tempdir().unwrap();
+    write(&place.path().join("runs"), "run", &format!("{RUN}{END}")).close().unwrap();
+    let database = place.path().join("runs/run/journal.db");
+    let mut bytes = std::fs::read(&database).unwrap();
+    let at = bytes.windows(8).position(|part| part == b"scanning").unwrap();
+    bytes[at] ^= 1;
+    std::fs::write(&database, bytes).unwrap();
+    let house = House::at(place, |_settings| {});
+    let events = get(&house, "run/events?values=true");
+    let damaged = json!([{
+        "sequence": 15, "t_ns": 0, "event": {
+            "type": "damaged", "first": 1, "last": 15,
+            "what": "journal.db: events 1 to 15 cannot be read",
+        },
+    }]);
+    assert_eq!((&events["events"], &events["last"]), (&damaged, &json!(15)));
+    let log = get(&house, "run/log");
+    assert_eq!(log["lines"][0]["level"], "error");
+    let refused = "422 journal_damaged";
+    for path in ["moments", "moments/4", "moments?t_ms=3", "events/4", "statistics", "compare/run"]
+    {
+        let path = format!("run/{path}");
+        assert_eq!(said(&house, Role::Viewer, "GET", &path), refused, "{path}");
+    }
+    let url = format!("{}/api/v1/runs/run/export?format=jsonl", house.url());
+    let token = format!("Bearer {}", house.token(Role::Viewer));
+    let answer = ureq::get(url).header("Authorization", token).call().unwrap();
+    assert!(answer.into_body().into_reader().read_to_end(&mut Vec::new()).is_err());
+}

@@ -4,12 +4,18 @@ use super::error::{Doing, JournalError};
 use super::folder::{ABOUT_FILE, replace_file};
 use rafcon_protocol::{Keeping, OnCrash};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// The newest `run.json` that is understood.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// The version without a checksum.
+const UNCHECKED: u64 = 1;
+/// The name of the checksum.
+const SUM: &str = "sum";
 
 /// What a run is: how it was begun. How it goes on stands in its events.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -55,15 +61,25 @@ impl About {
     /// Writes it into the run's folder; there is always a whole one.
     pub fn write(&self, folder: &Path) -> Result<(), JournalError> {
         let path = folder.join(ABOUT_FILE);
+        let failed = |error: serde_json::Error| JournalError::io(&path, Doing::Write, error.into());
         let about = Self { version: VERSION, ..self.clone() };
-        let mut bytes = serde_json::to_vec_pretty(&about)
-            .map_err(|error| JournalError::io(&path, Doing::Write, error.into()))?;
+        let mut json = serde_json::to_value(&about).map_err(failed)?;
+        json[SUM] = sum(&json).into();
+        let mut bytes = serde_json::to_vec_pretty(&json).map_err(failed)?;
         bytes.push(b'\n');
         replace_file(&path, &bytes)
     }
 
     /// Reads it from the run's folder.
     pub fn read(folder: &Path) -> Result<Self, JournalError> {
+        serde_json::from_value(Self::json(folder)?).map_err(|error| JournalError::Damaged {
+            path: folder.join(ABOUT_FILE),
+            what: error.to_string(),
+        })
+    }
+
+    /// The same as JSON, of which more may be missing.
+    pub fn json(folder: &Path) -> Result<Value, JournalError> {
         let path = folder.join(ABOUT_FILE);
         let bytes = fs::read(&path).map_err(|source| match source.kind() {
             io::ErrorKind::NotFound => {
@@ -72,13 +88,25 @@ impl About {
             _ => JournalError::io(&path, Doing::Read, source),
         })?;
         let damaged = |what: String| JournalError::Damaged { path: path.clone(), what };
-        let json: serde_json::Value =
+        let json: Value =
             serde_json::from_slice(&bytes).map_err(|error| damaged(error.to_string()))?;
-        let found = json.get("version").and_then(serde_json::Value::as_u64).unwrap_or(0);
-        let found = u32::try_from(found).unwrap_or(u32::MAX);
-        if found > VERSION {
+        let found = json.get("version").and_then(Value::as_u64).unwrap_or(0);
+        if found > u64::from(VERSION) {
+            let found = u32::try_from(found).unwrap_or(u32::MAX);
             return Err(JournalError::Newer { path, found, known: VERSION });
         }
-        serde_json::from_value(json).map_err(|error| damaged(error.to_string()))
+        match json.get(SUM) {
+            Some(said) if *said == sum(&json) => Ok(json),
+            None if found <= UNCHECKED => Ok(json),
+            _ => Err(damaged("it is another than was written".to_owned())),
+        }
     }
+}
+
+/// The checksum of all members but itself, in the order of their names.
+fn sum(json: &Value) -> String {
+    let members = json.as_object().into_iter().flatten().filter(|(name, _)| *name != SUM);
+    let members: BTreeMap<&String, &Value> = members.collect();
+    let bytes = serde_json::to_vec(&members).unwrap_or_default();
+    format!("{:08x}", crc32fast::hash(&bytes))
 }

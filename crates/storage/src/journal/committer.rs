@@ -9,8 +9,9 @@ use super::group::{Block, Group};
 use super::leftovers::Leftovers;
 use super::moment::Moment;
 use super::reader::Reader;
-use super::record::ValueNumber;
+use super::record::{Kept, ValueNumber};
 use super::recorder::spill_file;
+use super::sums::Damage;
 use super::thin::Thinner;
 use super::tracker::{Keyframe, Tracker};
 use super::values;
@@ -25,6 +26,8 @@ pub(super) struct Committer {
     pub(super) database: Database,
     /// The last row.
     last: Option<Block>,
+    /// How many definitions of places there are.
+    places: u64,
     tracker: Tracker,
     thinner: Thinner,
     /// Goes with the next group.
@@ -45,6 +48,7 @@ impl Committer {
             folder: folder.to_owned(),
             database,
             last: None,
+            places: 0,
             tracker: Tracker::new(Moment::default(), ValueNumber(1), size_max),
             keyframe: None,
             buffer: Vec::new(),
@@ -60,6 +64,11 @@ impl Committer {
     ) -> Result<Self, JournalError> {
         let mut committer = Self::new(folder, database, size_max)?;
         committer.last = committer.database.last_block()?;
+        (committer.places, _) = committer.database.places()?;
+        leftovers.lacks(committer.sequence()).map_or(Ok(()), |last| {
+            let lacking = Damage::Events(committer.sequence() + 1, last);
+            Err(committer.database.damaged(&lacking.to_string()))
+        })?;
         committer.put_frames(&leftovers.frames(committer.sequence()))?;
         committer.tracker = committer.catch_up(size_max)?;
         committer.remove_spilled();
@@ -131,8 +140,9 @@ impl Committer {
             group.add(frame).map_err(|broken| self.damaged(&broken.to_string()))?;
         }
         values::settle(&self.folder, &mut group.values)?;
-        self.database.put(&group, self.sequence())?;
+        self.database.put(&group, self.sequence(), self.places)?;
         self.keyframe = None;
+        self.places += group.places.len() as u64;
         if let Some(last) = group.into_last() {
             self.last = Some(last);
         }
@@ -152,6 +162,12 @@ impl Committer {
         tracker.next_value = self.database.next_value()?.max(floor);
         reader.each(start + 1, |_, entry| {
             tracker.note(entry.sequence, &entry.record);
+            // A number that was given must not be given again, also if its value cannot be read any more.
+            entry.record.values(&mut |value| {
+                if let Kept::Value(number) = value {
+                    tracker.next_value = tracker.next_value.max(ValueNumber(number.0 + 1));
+                }
+            });
             ControlFlow::Continue(())
         })?;
         Ok(tracker)

@@ -156,6 +156,8 @@ impl JournalError {
             Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => {
                 Self::Damaged { path, what: source.to_string() }
             }
+            // A table or column that is not there, or holds what it never does.
+            Some(ErrorCode::Unknown) | None => Self::Damaged { path, what: source.to_string() },
             _ => Self::Database { path, source },
         }
     }

@@ -1,7 +1,7 @@
 //! Which events of a run somebody wants to see. Knows records and their names; must never know how they are shown.
 
 use super::places::Places;
-use super::reader::Entry;
+use super::reader::{Entry, damaged};
 use super::record::{Place, PlaceNumber, Record};
 use rafcon_protocol::{Event, LogLevel};
 use std::collections::BTreeMap;
@@ -54,6 +54,10 @@ impl Sieve<'_> {
     /// Whether the event may be wanted, by what can be told without its values.
     pub fn lets_through(&mut self, entry: &Entry, places: &Places) -> bool {
         let filter = self.filter;
+        // Nobody knows whether what cannot be read was wanted.
+        if damaged(&entry.record).is_some() {
+            return true;
+        }
         filter.from_ns.is_none_or(|from| entry.t_ns >= from)
             && !filter.is_past(entry.t_ns)
             && (filter.kinds.is_empty() || filter.kinds.iter().any(|k| k == kind(&entry.record)))
@@ -65,6 +69,9 @@ impl Sieve<'_> {
     /// Whether the event has the wanted text in it, in the state's names or in anything that it says.
     pub fn has_text(&self, event: &Event, names: &str) -> bool {
         let Some(wanted) = &self.text else { return true };
+        if matches!(event, Event::Damaged { .. }) {
+            return true;
+        }
         let said = serde_json::to_string(event).unwrap_or_default();
         said.to_lowercase().contains(wanted) || names.to_lowercase().contains(wanted)
     }
@@ -163,7 +170,7 @@ pub fn kind(record: &Record) -> &'static str {
 }
 
 /// All kinds of events.
-pub const KINDS: [&str; 26] = [
+pub const KINDS: [&str; 27] = [
     "entered",
     "left",
     "scoped",
@@ -185,6 +192,7 @@ pub const KINDS: [&str; 26] = [
     "resumed",
     "went_back",
     "thinned",
+    "damaged",
     "log",
     "waiting",
     "paused",
@@ -216,6 +224,7 @@ pub fn kind_of(event: &Event) -> &'static str {
         Event::Resumed { .. } => "resumed",
         Event::WentBack { .. } => "went_back",
         Event::Thinned { .. } => "thinned",
+        Event::Damaged { .. } => "damaged",
         Event::Log { .. } => "log",
         Event::Waiting { .. } => "waiting",
         Event::Paused { .. } => "paused",

@@ -4,7 +4,7 @@
 
 use super::error::JournalError;
 use super::filter::{Filter, Sieve, path_of, place_of};
-use super::reader::{Entry, Reader};
+use super::reader::{Entry, Reader, damaged};
 use super::record::{PlaceNumber, Record};
 use rafcon_protocol::{Event, without_values};
 use std::collections::BTreeMap;
@@ -203,7 +203,12 @@ impl Entered {
                 None
             }
             Record::Left { place, .. } => {
-                Some(Duration::from_nanos(entry.t_ns - self.0.remove(&place)?))
+                Some(Duration::from_nanos(entry.t_ns.saturating_sub(self.0.remove(&place)?)))
+            }
+            // What was entered may have been left, and entered again.
+            _ if damaged(&entry.record).is_some() => {
+                self.0.clear();
+                None
             }
             _ => None,
         }

@@ -73,6 +73,8 @@ pub struct TakenUp {
     pub places: Vec<(PlaceNumber, Place)>,
     /// How many runners there were, this one included.
     pub life: u32,
+    /// What the runner before had appended and cannot be read, for people.
+    pub lost: Option<String>,
 }
 
 impl Journal {
@@ -101,9 +103,10 @@ impl Journal {
         let mut committer = Committer::take_up(folder, database, options.size_max, &leftovers)?;
         let (sequence, t_ns) = (committer.sequence(), committer.t_last());
         let life = committer.database.begin_life(sequence + 1)?;
-        let (next_value, places) = (committer.next_value(), committer.database.places()?);
+        let (next_value, (_, places)) = (committer.next_value(), committer.database.places()?);
         let recorder = Recorder::create(folder, options.recorder_bytes, life, sequence + 1)?;
-        let taken_up = TakenUp { about, sequence, t_ns, next_value, places, life };
+        let lost = leftovers.lost(sequence).map(|lost| lost.to_string());
+        let taken_up = TakenUp { about, sequence, t_ns, next_value, places, life, lost };
         Ok((Self::new(lock, recorder, committer, folder), taken_up))
     }
 
@@ -147,7 +150,7 @@ impl Journal {
             return Ok(Committed { sequence: committer.sequence(), thinned: None });
         }
         committer.put_buffer(life)?;
-        self.recorder.lock().release(mark);
+        self.recorder.lock().release(mark, committer.sequence());
         self.disk_safe.store(committer.sequence(), Ordering::Release);
         Ok(Committed { sequence: committer.sequence(), thinned: committer.thin()? })
     }
@@ -162,7 +165,10 @@ impl Journal {
     /// taken up again.
     pub fn close(self) -> Result<Committed, JournalError> {
         let committed = self.commit()?;
-        self.committer.lock().database.checkpoint()?;
+        let mut committer = self.committer.lock();
+        committer.database.put_end(committed.sequence)?;
+        committer.database.checkpoint()?;
+        drop(committer);
         // Empty, unless nobody was there to commit what is in it.
         drop(fs::remove_dir(self.folder.join(SPILL_FOLDER)));
         let path = self.folder.join(RECORDER_FILE);

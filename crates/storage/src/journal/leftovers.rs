@@ -3,7 +3,10 @@
 use super::error::{Doing, JournalError};
 use super::folder::RECORDER_FILE;
 use super::frame::{self, Frame};
-use super::recorder::{HEADER, MAGIC, SEGMENTS, spill_file};
+use super::recorder::{
+    APPENDED, COMMITTED, HEADER, HEADER_SUM, MAGIC, SEGMENTS, UNMARKED, spill_file, unmarked,
+};
+use super::sums::Damage;
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -15,6 +18,21 @@ pub(super) struct Leftovers {
     life: u32,
     segment_bytes: usize,
     spilled: Vec<(u64, Vec<u8>)>,
+    marks: Marks,
+}
+
+/// What a recorder says about itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Marks {
+    /// There is no recorder.
+    #[default]
+    None,
+    /// It is of a version that says nothing.
+    Unmarked,
+    /// It was there, and what it says cannot be read.
+    Damaged,
+    /// Up to these records everything was appended, and everything is in the database.
+    Read { appended: u64, committed: u64 },
 }
 
 impl Leftovers {
@@ -32,19 +50,58 @@ impl Leftovers {
 
     /// The same from the bytes of the file.
     pub(super) fn new(bytes: Vec<u8>) -> Self {
-        let Some(header) = bytes.get(..32).filter(|header| header[..8] == MAGIC) else {
-            return Self::default();
-        };
+        let damaged = || Self { marks: Marks::Damaged, ..Self::default() };
+        let Some(header) = bytes.get(..HEADER) else { return damaged() };
         let long = |at: usize| {
             let mut eight = [0; 8];
             eight.copy_from_slice(&header[at..at + 8]);
             u64::from_le_bytes(eight)
         };
+        let is_whole = || long(HEADER_SUM) == u64::from(crc32fast::hash(&header[..HEADER_SUM]));
+        let marks = match &header[..8] {
+            magic if *magic == UNMARKED => Marks::Unmarked,
+            magic if *magic == MAGIC && is_whole() => {
+                match (unmarked(long(APPENDED)), unmarked(long(COMMITTED))) {
+                    (Some(appended), Some(committed)) => Marks::Read { appended, committed },
+                    _ => Marks::Damaged,
+                }
+            }
+            _ => return damaged(),
+        };
         let (Ok(life), Ok(segment_bytes)) = (u32::try_from(long(8)), usize::try_from(long(16)))
         else {
-            return Self::default();
+            return damaged();
         };
-        Self { bytes, life, segment_bytes, spilled: Vec::new() }
+        Self { bytes, life, segment_bytes, spilled: Vec::new(), marks }
+    }
+
+    /// What the recorder says about itself.
+    pub(super) fn marks(&self) -> Marks {
+        self.marks
+    }
+
+    /// What was appended after record number `sequence`, the last that was found.
+    pub(super) fn lost(&self, sequence: u64) -> Option<Damage> {
+        match self.marks {
+            Marks::Read { appended, .. } if appended > sequence => {
+                Some(Damage::Events(sequence + 1, appended))
+            }
+            Marks::Damaged => Some(Damage::Recorder(sequence + 1)),
+            _ => None,
+        }
+    }
+
+    /// The last record that was in the database, if the database ends before it, at record number `sequence`, and the frames do
+    /// not go on from there.
+    pub(super) fn lacks(&self, sequence: u64) -> Option<u64> {
+        match self.marks {
+            Marks::Read { committed, .. } if committed > sequence => {
+                let last =
+                    self.frames(sequence).last().map_or(sequence, |last| last.head.next() - 1);
+                (last < committed).then_some(committed)
+            }
+            _ => None,
+        }
     }
 
     /// Files of large frames; one that is missing or torn ends what is left.
@@ -114,14 +171,14 @@ mod tests {
     use super::Leftovers;
     use crate::journal::batch::Batch;
     use crate::journal::frame::{self, Head};
-    use crate::journal::recorder::{HEADER, MAGIC, SEGMENTS};
+    use crate::journal::recorder::{HEADER, SEGMENTS, UNMARKED};
     use proptest::prelude::*;
 
     const SEGMENT: usize = 4096;
 
     /// A recorder of life 3 whose segments hold these frames, each by number, first event and count.
     fn recorder(segments: &[Vec<(u64, u64, u32)>]) -> Vec<u8> {
-        let mut bytes = MAGIC.to_vec();
+        let mut bytes = UNMARKED.to_vec();
         for number in [3, SEGMENT as u64, SEGMENTS as u64] {
             bytes.extend_from_slice(&number.to_le_bytes());
         }

@@ -33,6 +33,7 @@ mod recorder;
 mod retention;
 mod statistics;
 mod summary;
+mod sums;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -59,4 +60,4 @@ pub use record::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, Val
 pub use retention::{Pruned, Retention, remove};
 pub use statistics::Tally;
 pub use summary::{RunState, Summary, run_folders, runs};
-pub use telling::{Glossary, tell};
+pub use telling::{DAMAGED, Glossary, tell};

@@ -17,7 +17,14 @@ use std::path::{Path, PathBuf};
 /// Bytes before the first segment.
 pub(super) const HEADER: usize = 4096;
 /// Tells that a file is a recorder, and of which version.
-pub(super) const MAGIC: [u8; 8] = *b"RAFREC\0\x01";
+pub(super) const MAGIC: [u8; 8] = *b"RAFREC\0\x02";
+/// That of the version without marks.
+pub(super) const UNMARKED: [u8; 8] = *b"RAFREC\0\x01";
+/// Where the checksum of the header lies, and where what it is of ends.
+pub(super) const HEADER_SUM: usize = 32;
+/// Where it is marked up to which record everything was appended, and up to which everything is in the database.
+pub(super) const APPENDED: usize = 40;
+pub(super) const COMMITTED: usize = 48;
 /// How many segments there are.
 pub(super) const SEGMENTS: usize = 8;
 /// No segment is shorter.
@@ -62,7 +69,7 @@ impl Recorder {
         let fresh = fresh_name(&path);
         let file = make(&fresh, HEADER + SEGMENTS * segment_bytes).map_err(failed)?;
         let mut map = map(&file).map_err(failed)?;
-        map[..HEADER].copy_from_slice(&header(life, segment_bytes));
+        map[..HEADER].copy_from_slice(&header(life, segment_bytes, next_record - 1));
         file.sync_all().map_err(failed)?;
         fs::rename(&fresh, &path).map_err(failed)?;
         sync_folder(folder)?;
@@ -131,6 +138,11 @@ impl Recorder {
         self.used[self.current] += length;
         self.next_frame = head.number + 1;
         self.next_record = head.next();
+        self.mark(APPENDED, self.sequence());
+    }
+
+    fn mark(&mut self, at: usize, sequence: u64) {
+        self.map[at..at + 8].copy_from_slice(&marked(sequence).to_le_bytes());
     }
 
     /// Writes a batch that is too large into a file of its own, which a short frame stands for.
@@ -165,9 +177,10 @@ impl Recorder {
         Mark { segment, offset: self.used[segment], frame: self.next_frame - 1 }
     }
 
-    /// All frames before `mark` are in the database: their room is free.
-    pub(super) fn release(&mut self, mark: Mark) {
+    /// All frames before `mark` are in the database, up to record number `sequence`: their room is free.
+    pub(super) fn release(&mut self, mark: Mark, sequence: u64) {
         self.committed = mark;
+        self.mark(COMMITTED, sequence);
     }
 
     fn start(&self, segment: usize) -> usize {
@@ -181,14 +194,39 @@ pub(super) fn spill_file(folder: &Path, life: u32, number: u64) -> PathBuf {
 }
 
 /// The first page of a recorder.
-fn header(life: u32, segment_bytes: usize) -> Vec<u8> {
+fn header(life: u32, segment_bytes: usize, sequence: u64) -> Vec<u8> {
     let mut header = MAGIC.to_vec();
     header.extend_from_slice(&life.to_le_bytes());
     header.extend_from_slice(&0_u32.to_le_bytes());
     header.extend_from_slice(&(segment_bytes as u64).to_le_bytes());
     header.extend_from_slice(&(SEGMENTS as u64).to_le_bytes());
+    let sum = u64::from(crc32fast::hash(&header));
+    for number in [sum, marked(sequence), marked(sequence)] {
+        header.extend_from_slice(&number.to_le_bytes());
+    }
     header.resize(HEADER, 0);
     header
+}
+
+/// A number of a record with a checksum in its upper 16 bits: it is written by one store, so a death leaves the old one or the
+/// new one.
+fn marked(sequence: u64) -> u64 {
+    let low = sequence & MARK_MAX;
+    low | (mark_sum(low) << 48)
+}
+
+/// The number that was marked so; nothing if it is not as it was written.
+pub(super) fn unmarked(mark: u64) -> Option<u64> {
+    let low = mark & MARK_MAX;
+    (mark >> 48 == mark_sum(low)).then_some(low)
+}
+
+/// No record has a higher number.
+const MARK_MAX: u64 = (1 << 48) - 1;
+
+fn mark_sum(low: u64) -> u64 {
+    // Short enough for every append: the upper bits of a product depend on all bits of the number.
+    (low.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 48) ^ 0x5a5a
 }
 
 /// Makes a file that has all its space on disk already: a full disk must not strike when memory is written.

@@ -5,7 +5,7 @@
 
 use super::error::JournalError;
 use super::places::Places;
-use super::reader::{Entry, Reader, outcome_of};
+use super::reader::{Entry, Reader, damaged, outcome_of};
 use super::record::{PlaceNumber, Record};
 use rafcon_protocol::Event;
 use rafcon_protocol::api::{OutcomeCount, StateStatistics, Statistics};
@@ -32,10 +32,19 @@ struct State {
 impl Tally {
     /// Takes in what happened since.
     pub fn go_on(&mut self, reader: &mut Reader) -> Result<(), JournalError> {
+        let mut lost = None;
         reader.each(self.sequence + 1, |reader, entry| {
+            lost = damaged(&entry.record);
+            if lost.is_some() {
+                return ControlFlow::Break(());
+            }
             self.take(&entry, reader.known_places());
             ControlFlow::Continue(())
-        })
+        })?;
+        let Some((first, last)) = lost else { return Ok(()) };
+        // Whoever asks again is to hear the same.
+        *self = Self::default();
+        Err(reader.lost(first, last, "the states cannot be counted"))
     }
 
     /// What it says, with the names that states have now.

@@ -115,7 +115,7 @@ impl Summary {
         if let (None, Some(finish)) = (process, finish) {
             self.state = finish;
         }
-        Ok(())
+        reader.check()
     }
 }
 

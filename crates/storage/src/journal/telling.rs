@@ -30,12 +30,22 @@ pub(super) fn view(kept: &Kept, glossary: &impl Glossary) -> Result<Value, Journ
         Kept::Int(value) => (*value).into(),
         Kept::Float(value) => float(*value),
         Kept::Text(text) => text.as_str().into(),
-        Kept::Value(number) => match glossary.value(*number)? {
-            Some(stored) => stored.view,
-            None => gone(),
+        Kept::Value(number) => match glossary.value(*number) {
+            Ok(Some(stored)) => stored.view,
+            Ok(None) => gone(),
+            Err(JournalError::Damaged { .. }) => damaged(*number),
+            Err(error) => return Err(error),
         },
         Kept::Absent => gone(),
     })
+}
+
+/// How the text begins that stands for a value which is not as it was written.
+pub const DAMAGED: &str = "<damaged: ";
+
+fn damaged(number: ValueNumber) -> Value {
+    let text = format!("{DAMAGED}value {} of the journal cannot be read>", number.0);
+    json!({ "__repr__": text, "__class__": "" })
 }
 
 /// Stands for a value that was given up to keep the journal small.

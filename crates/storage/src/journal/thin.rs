@@ -7,6 +7,7 @@ use super::folder::VALUES_FOLDER;
 use super::forget::Forgetting;
 use super::moment::{values_in, without_values};
 use super::record::{Item, Items, Kept, Record};
+use super::sums::{self, Checked, Head};
 use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 use std::fs;
 use std::path::Path;
@@ -37,6 +38,7 @@ pub(super) struct Thinner {
     work: Work,
     /// The last event without detail.
     border: i64,
+    checked: Checked,
 }
 
 /// What one slice did.
@@ -55,7 +57,8 @@ impl Thinner {
             let query = "SELECT coalesce(max(before), 1) - 1 FROM thinned";
             connection.query_row(query, [], |row| row.get(0))
         })?;
-        Ok(Self { size_max, work: Work::None, border })
+        let checked = database.checks()?;
+        Ok(Self { size_max, work: Work::None, border, checked })
     }
 
     /// Gives up a little if the journal is too large. The answer is the first event that still has its detail, if that changed.
@@ -71,8 +74,8 @@ impl Thinner {
             let border = self.border;
             self.work = database.run(|connection| choose(connection, border))?;
         }
-        let (work, border) = (self.work, self.border);
-        let slice = database.run(|connection| slice(connection, work, border))?;
+        let (work, border, checked) = (self.work, self.border, self.checked);
+        let slice = database.run(|connection| slice(connection, work, border, checked))?;
         self.work = slice.next;
         for name in slice.files {
             // A file that cannot be removed takes room, nothing else.
@@ -112,11 +115,16 @@ fn choose(connection: &Connection, border: i64) -> rusqlite::Result<Work> {
     Ok(before.filter(is_less).map_or(Work::None, |before| Work::Events { before }))
 }
 
-fn slice(connection: &mut Connection, work: Work, border: i64) -> rusqlite::Result<Slice> {
+fn slice(
+    connection: &mut Connection,
+    work: Work,
+    border: i64,
+    checked: Checked,
+) -> rusqlite::Result<Slice> {
     let transaction = connection.transaction()?;
     let slice = match work {
         Work::None => Slice::default(),
-        Work::Detail { until, at } => detail(&transaction, until, at, border)?,
+        Work::Detail { until, at } => detail(&transaction, until, at, border, checked)?,
         Work::Values { until, at, end } => values(&transaction, until, at, end)?,
         Work::Events { before } => events(&transaction, before)?,
     };
@@ -124,30 +132,39 @@ fn slice(connection: &mut Connection, work: Work, border: i64) -> rusqlite::Resu
     Ok(slice)
 }
 
-/// Rewrites some rows without detail.
+/// Rewrites some rows without detail. A row that is not as it was written stays as it is.
 fn detail(
     transaction: &Transaction<'_>,
     until: i64,
     mut at: i64,
     border: i64,
+    checked: Checked,
 ) -> rusqlite::Result<Slice> {
-    let next = "SELECT first, count, t_before, data FROM blocks WHERE first + count - 1 > ?1
+    let next = "SELECT first, count, t_before, t_last, data, sum FROM blocks
+        WHERE first + count - 1 > ?1
         AND first >= coalesce((SELECT max(first) FROM blocks WHERE first <= ?1), 0) ORDER BY first LIMIT 1";
     let mut next = transaction.prepare(next)?;
-    let mut update = transaction.prepare("UPDATE blocks SET data = ?2 WHERE first = ?1")?;
+    let mut update =
+        transaction.prepare("UPDATE blocks SET data = ?2, sum = ?3 WHERE first = ?1")?;
     let mut bytes = 0;
     while at < until && bytes < SLICE_BYTES {
         let row = |row: &rusqlite::Row<'_>| {
-            Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?, row.get::<_, i64>(2)?, row.get(3)?))
+            let [first, count] = [row.get(0)?, row.get(1)?];
+            let [t_before, t_last] = [row.get(2)?, row.get(3)?];
+            Ok((Head { first, count, t_before, t_last }, row.get(4)?, row.get(5)?))
         };
-        let Some((first, count, t_before, data)) = next.query_row([at], row).optional()? else {
+        let Some((head, data, sum)) = next.query_row([at], row).optional()? else {
             break;
         };
         let data: Vec<u8> = data;
-        update
-            .execute(params![first, thinned(&data, t_before.cast_unsigned(), until - first + 1)])?;
+        let Head { first, count, t_before, .. } = head;
+        if checked.is_right(sum, || head.sum(&data)) {
+            let thin = thinned(&data, t_before.cast_unsigned(), until - first + 1);
+            let sum = (checked == Checked::Always || sum.is_some()).then(|| head.sum(&thin));
+            update.execute(params![first, thin, sum])?;
+        }
         bytes += data.len();
-        at = (first + count - 1).min(until);
+        at = first.saturating_add(count).saturating_sub(1).clamp(at + 1, until);
     }
     if at < until && bytes >= SLICE_BYTES {
         return Ok(Slice { next: Work::Detail { until, at }, ..Slice::default() });
@@ -157,18 +174,25 @@ fn detail(
 
 /// Rewrites the keyframes before `until`, and notes which values that one names.
 fn keyframes(transaction: &Transaction<'_>, until: i64, border: i64) -> rusqlite::Result<Slice> {
-    let mut old = transaction
-        .prepare("SELECT sequence, data FROM keyframes WHERE sequence BETWEEN ?1 AND ?2")?;
-    let row = |row: &rusqlite::Row<'_>| Ok((row.get::<_, i64>(0)?, row.get::<_, Vec<u8>>(1)?));
+    let mut old = transaction.prepare(
+        "SELECT sequence, next_value, data, sum FROM keyframes WHERE sequence BETWEEN ?1 AND ?2",
+    )?;
+    let row = |row: &rusqlite::Row<'_>| {
+        Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?, row.get::<_, Vec<u8>>(2)?, row.get(3)?))
+    };
     let old: Vec<_> = old.query_map([border, until], row)?.collect::<Result<_, _>>()?;
     let note = "INSERT INTO named VALUES (?1, ?2) ON CONFLICT DO UPDATE SET last = max(last, ?2)";
     let mut note = transaction.prepare(note)?;
-    for (sequence, data) in old {
+    for (sequence, next_value, data, sum) in old {
+        let sum: Option<i64> = sum;
+        let right = |data: &[u8]| sums::of_keyframe(sequence, next_value, data);
+        let is_right = sum.is_none_or(|sum| sum == right(&data));
         if sequence < until {
             // One that cannot be read is of no use.
-            let data = without_values(&data).unwrap_or_default();
-            let update = "UPDATE keyframes SET data = ?2 WHERE sequence = ?1";
-            transaction.execute(update, params![sequence, data])?;
+            let data =
+                if is_right { without_values(&data).unwrap_or_default() } else { Vec::new() };
+            let update = "UPDATE keyframes SET data = ?2, sum = ?3 WHERE sequence = ?1";
+            transaction.execute(update, params![sequence, data, sum.map(|_| right(&data))])?;
             continue;
         }
         let mut numbers = Vec::new();
@@ -211,7 +235,8 @@ fn values(transaction: &Transaction<'_>, until: i64, at: i64, end: i64) -> rusql
     if stop < end {
         return Ok(Slice { next: Work::Values { until, at: stop, end }, files, finished: None });
     }
-    transaction.execute("INSERT OR REPLACE INTO thinned VALUES (?1)", [until + 1])?;
+    let insert = "INSERT OR REPLACE INTO thinned(before, sum) VALUES (?1, ?2)";
+    transaction.execute(insert, [until + 1, sums::of_number("thinned", until + 1)])?;
     Ok(Slice { next: Work::None, files, finished: Some(until) })
 }
 

@@ -2,7 +2,8 @@
 //! processes that want one run.
 
 use rafcon_storage::journal::{
-    About, Batch, Journal, JournalError, Kept, Options, PlaceNumber, Reader, Record, writer_of,
+    About, Batch, Journal, JournalError, Kept, Options, Place, PlaceNumber, Reader, Record,
+    writer_of,
 };
 use std::env;
 use std::error::Error as _;
@@ -45,6 +46,12 @@ fn appends_until_it_is_killed() {
 }
 
 fn entered(batch: &mut Batch, place: u32) {
+    let [inputs, outputs, scoped] = [vec![], vec![], vec![]];
+    let outcomes = vec![];
+    let (path, names) = (place.to_string(), String::new());
+    let (is_library, is_script) = (false, false);
+    let defined = Place { path, names, is_library, is_script, inputs, outputs, scoped, outcomes };
+    batch.define_place(PlaceNumber(place), &defined);
     batch.entered(u64::from(place), PlaceNumber(place), [Kept::Int(7)], None);
 }
 

@@ -614,7 +614,13 @@ export type Event = { "type": "entered",
   /** Number of the `entered`. */
   sequence: number, } | { "type": "thinned",
   /** The first event with full detail. */
-  before: number, } | { "type": "log",
+  before: number, } | { "type": "damaged",
+  /** The first of them. */
+  first: number,
+  /** The last; the event itself has its number. */
+  last: number,
+  /** Where the damage lies, for people. */
+  what: string, } | { "type": "log",
   /** The state that wrote it; empty if none did. */
   path: string,
   /** How much it matters. */
@@ -689,10 +695,24 @@ export type Expiry = number;
 /** A format of other programs. */
 export type ExportFormat = "jsonl" | "csv" | "mcap";
 
-/** How a run is written. */
+/** How a run is written, and which of its events are; what is left out limits nothing. */
 export type ExportQuery = {
   /** In which format. */
-  format: ExportFormat, };
+  format: ExportFormat,
+  /** Lines and tables: of states with this in their path of names or ids; with `*` or `?`, that are this as a whole. */
+  state: string | null,
+  /** Lines and tables: of these kinds, joined by commas. */
+  kinds: string | null,
+  /** Lines and tables: ends by this outcome, name or id. */
+  outcome: string | null,
+  /** Lines and tables: with this text in them, whatever its case. */
+  text: string | null,
+  /** Lines and tables: of lines of the log those that matter at least so much. */
+  level: LogLevel | null,
+  /** Lines and tables: from this time on, in ns. */
+  since_ns: number | null,
+  /** Lines and tables: up to this time, in ns. */
+  until_ns: number | null, };
 
 /** A folder of a project. */
 export type FileNode = {
@@ -1095,7 +1115,9 @@ export type MachineVersions = {
 /** Which moment is meant. */
 export type MomentQuery = {
   /** The one at this time, in ms; if it is left out, the last. */
-  t_ms: number | null, };
+  t_ms: number | null,
+  /** The same in ns. */
+  t_ns: number | null, };
 
 /** A value by what an event calls it. */
 export type NamedValue = {

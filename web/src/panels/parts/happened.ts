@@ -75,6 +75,8 @@ function eventInWords(event: Event, nameOf: NameOf): string {
       return event.change === "" ? "The machine was read" : `The machine changed: ${event.change}`;
     case "waiting":
       return `${nameOf(event.path)} waits: ${event.reason}`;
+    case "damaged":
+      return `Events ${event.first} to ${event.last} cannot be read: the journal is damaged`;
     case "dropped":
       return `${nameOf(event.path)} dropped`;
     case "cut_off":

@@ -1,13 +1,14 @@
 //! `rafcon compare`: where two runs part, which data differed before, and where they took their time.
 
 use super::kept::{open_folder, out, paint, span};
+use super::kept_at_server::Keeper;
 use crate::cli;
 use crate::environment::Environment;
 use crate::runs;
 use crate::view::{Line, Style, counted, harmless, outcome_style, shown};
 use anyhow::Result;
 use rafcon_protocol::api::{Comparison, DataChange, Happened, Parting, TimeTaken, Timing};
-use rafcon_storage::journal::{self, Reader};
+use rafcon_storage::journal;
 use serde_json::Value;
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -18,20 +19,34 @@ const SHOWN: usize = 20;
 
 /// Compares two runs; the exit code is 1 if they part.
 pub(super) fn compare(raw: &cli::Compare, environment: &Environment) -> Result<ExitCode> {
-    let runs = runs::folder(&raw.runs, environment)?;
-    let mut one = open_folder(&runs::find_in(&runs, &raw.one)?)?;
-    let mut other = open_folder(&runs::find_in(&runs, &raw.other)?)?;
-    let compared = journal::compare(&mut one, &mut other)?;
+    let (compared, ids) = match Keeper::named(&raw.remote, &raw.runs, environment)? {
+        Some(keeper) => {
+            let (one, other) = (keeper.run(&raw.one)?, keeper.run(&raw.other)?);
+            (keeper.compare(&one, &other)?, [one.summary.id, other.summary.id])
+        }
+        None => here(raw, environment)?,
+    };
     let mut out = out();
     if raw.json {
         writeln!(out, "{}", serde_json::to_string(&compared)?)?;
     } else {
-        for line in lines(&compared, [&one, &other].map(Reader::about).map(|about| &*about.id)) {
+        for line in lines(&compared, [&*ids[0], &*ids[1]]) {
             writeln!(out, "{}", line.render(paint(environment)))?;
         }
     }
     out.flush()?;
     Ok(ExitCode::from(u8::from(!compared.parted.is_empty())))
+}
+
+/// Two runs of this computer, and their ids.
+fn here(raw: &cli::Compare, environment: &Environment) -> Result<(Comparison, [String; 2])> {
+    let runs = runs::folder(&raw.runs, environment)?;
+    let mut one = open_folder(&runs::find_in(&runs, &raw.one)?)?;
+    let mut other = open_folder(&runs::find_in(&runs, &raw.other)?)?;
+    let compared = journal::compare(&mut one, &mut other)?;
+    one.check()?;
+    other.check()?;
+    Ok((compared, [&one, &other].map(|reader| reader.about().id.clone())))
 }
 
 fn lines(compared: &Comparison, ids: [&str; 2]) -> Vec<Line> {

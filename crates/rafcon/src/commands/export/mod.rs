@@ -1,31 +1,63 @@
 //! `rafcon export`: a run in formats of other programs.
 
 use super::kept::open;
+use super::kept_at_server::{Keeper, format_query};
 use crate::cli::{self, ExportFormat};
 use crate::environment::Environment;
 use crate::failure::Usage;
 use anyhow::{Context as _, Result};
+use rafcon_protocol::api;
 use rafcon_storage::journal::{
-    Reader, export_csv, export_jsonl, export_mcap, export_mcap_forwards,
+    Filter, Reader, export_csv, export_jsonl, export_mcap, export_mcap_forwards,
 };
 use std::fs::File;
-use std::io::{self, BufWriter, IsTerminal as _};
+use std::io::{self, BufWriter, IsTerminal as _, Write};
 use std::path::Path;
 use std::process::ExitCode;
 use tempfile::NamedTempFile;
 
 /// Writes the run.
 pub(super) fn export(raw: &cli::Export, environment: &Environment) -> Result<ExitCode> {
-    let mut reader = open(&raw.run, environment)?;
+    let run = &raw.run;
+    if let Some(keeper) = Keeper::named(&run.remote, &run.runs, environment)? {
+        let mut file = keeper.run(&run.run)?.export(&format_query(wire(raw.format)))?;
+        let mut copy = |out: &mut dyn Write| -> Result<()> {
+            io::copy(&mut file, out).context(
+                "the export ended early: the journal is damaged, or the connection or the disk fails",
+            )?;
+            Ok(())
+        };
+        match &raw.output {
+            Some(path) => to_file(path, |file| copy(&mut &*file))?,
+            None => {
+                no_terminal(raw.format)?;
+                let mut out = io::stdout().lock();
+                copy(&mut out)?;
+                out.flush()?;
+            }
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut reader = open(run, environment)?;
     match &raw.output {
-        Some(path) => to_file(&mut reader, raw.format, path)?,
+        Some(path) => to_file(path, |file| write(&mut reader, raw.format, file))?,
         None => to_output(&mut reader, raw.format)?,
     }
+    reader.check()?;
     Ok(ExitCode::SUCCESS)
 }
 
+/// The same format in the words of a server.
+fn wire(format: ExportFormat) -> api::ExportFormat {
+    match format {
+        ExportFormat::Jsonl => api::ExportFormat::Jsonl,
+        ExportFormat::Csv => api::ExportFormat::Csv,
+        ExportFormat::Mcap => api::ExportFormat::Mcap,
+    }
+}
+
 /// Under another name at first: a file that is there is whole.
-fn to_file(reader: &mut Reader, format: ExportFormat, path: &Path) -> Result<()> {
+fn to_file(path: &Path, write: impl FnOnce(&File) -> Result<()>) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or_else(|| Path::new("."));
@@ -35,26 +67,36 @@ fn to_file(reader: &mut Reader, format: ExportFormat, path: &Path) -> Result<()>
         return Err(Usage(reason).into());
     }
     let file = NamedTempFile::new_in(folder).with_context(cannot)?;
-    match format {
-        ExportFormat::Jsonl => export_jsonl(reader, file.as_file())?,
-        ExportFormat::Csv => export_csv(reader, file.as_file())?,
-        ExportFormat::Mcap => export_mcap(reader, BufWriter::new(file.as_file()))?,
-    }
+    write(file.as_file())?;
     open_to_others(file.as_file()).with_context(cannot)?;
     file.persist(path).with_context(cannot)?;
     Ok(())
 }
 
-fn to_output(reader: &mut Reader, format: ExportFormat) -> Result<()> {
-    let out = io::stdout().lock();
+fn write(reader: &mut Reader, format: ExportFormat, file: &File) -> Result<()> {
+    let all = Filter::default();
     match format {
-        ExportFormat::Jsonl => Ok(export_jsonl(reader, out)?),
-        ExportFormat::Csv => Ok(export_csv(reader, out)?),
-        ExportFormat::Mcap if io::stdout().is_terminal() => {
-            Err(Usage("a recording is no text: name a file with --output".to_owned()).into())
-        }
+        ExportFormat::Jsonl => Ok(export_jsonl(reader, &all, file)?),
+        ExportFormat::Csv => Ok(export_csv(reader, &all, file)?),
+        ExportFormat::Mcap => Ok(export_mcap(reader, BufWriter::new(file))?),
+    }
+}
+
+fn to_output(reader: &mut Reader, format: ExportFormat) -> Result<()> {
+    no_terminal(format)?;
+    let (out, all) = (io::stdout().lock(), Filter::default());
+    match format {
+        ExportFormat::Jsonl => Ok(export_jsonl(reader, &all, out)?),
+        ExportFormat::Csv => Ok(export_csv(reader, &all, out)?),
         ExportFormat::Mcap => Ok(export_mcap_forwards(reader, out)?),
     }
+}
+
+fn no_terminal(format: ExportFormat) -> Result<()> {
+    if format == ExportFormat::Mcap && io::stdout().is_terminal() {
+        return Err(Usage("a recording is no text: name a file with --output".to_owned()).into());
+    }
+    Ok(())
 }
 
 /// A temporary file is its owner's alone; this one is as any other that the user makes for others to read.

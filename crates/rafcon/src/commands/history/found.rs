@@ -1,8 +1,8 @@
-//! Events of a run as lines of JSON, and the last of those that are wanted. Knows journals, not how events are shown to people.
+//! Events of a run as lines of JSON, and the last of those that are wanted. Knows events, not how they are shown to people.
 
 use anyhow::Result;
 use rafcon_protocol::{Event, without_values};
-use rafcon_storage::journal::{Filter, Found, Reader};
+use rafcon_storage::journal::Found;
 use serde::Serialize;
 use std::collections::VecDeque;
 
@@ -24,21 +24,21 @@ struct Numbered<'e> {
     event: &'e Event,
 }
 
-/// Shows the events that the filter wants; with `last`, only so many of the last.
+/// Shows what `find` finds; with `last`, only so many of the last. Answers with what is wrong with the rest, as `find` does.
 pub(super) fn each_found(
-    reader: &mut Reader,
-    filter: &Filter,
+    find: impl FnOnce(&mut dyn FnMut(Found) -> Result<()>) -> Result<Result<()>>,
     last: Option<usize>,
     mut show: impl FnMut(&Found) -> Result<()>,
-) -> Result<()> {
-    let Some(count) = last else { return reader.find_all(filter, |found| show(&found)) };
+) -> Result<Result<()>> {
+    let Some(count) = last else { return find(&mut |found| show(&found)) };
     let mut found_last = VecDeque::new();
-    reader.find_all(filter, |found| -> Result<()> {
+    let whole = find(&mut |found| {
         found_last.push_back(found);
         if found_last.len() > count {
             found_last.pop_front();
         }
         Ok(())
     })?;
-    found_last.iter().try_for_each(show)
+    found_last.iter().try_for_each(show)?;
+    Ok(whole)
 }

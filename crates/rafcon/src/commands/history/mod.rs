@@ -4,13 +4,14 @@ mod found;
 mod words;
 
 use super::kept::{nanos, open, out, paint};
+use super::kept_at_server::Keeper;
 use crate::cli;
 use crate::environment::Environment;
 use crate::view::log_lines;
 use anyhow::Result;
 use found::{each_found, json};
 use rafcon_protocol::{Event, LogLevel};
-use rafcon_storage::journal::{Filter, Found, Reader};
+use rafcon_storage::journal::{Filter, Found};
 use std::io::Write as _;
 use std::process::ExitCode;
 
@@ -31,8 +32,7 @@ pub(super) fn history(raw: &cli::History, environment: &Environment) -> Result<E
         lines.iter().map(|line| line.render(paint)).collect()
     };
     let json = |found: &Found| json(found, raw.values);
-    let mut reader = open(&raw.run, environment)?;
-    print(&mut reader, &filter, raw.last, if raw.json { &json } else { &text })
+    print(&raw.run, &filter, raw.last, if raw.json { &json } else { &text }, environment)
 }
 
 /// Prints the lines of the log that are wanted.
@@ -49,29 +49,43 @@ pub(super) fn log(raw: &cli::Log, environment: &Environment) -> Result<ExitCode>
             let lines = log_lines(found.time(), &found.names, *level, message);
             lines.iter().map(|line| line.render(paint)).collect()
         }
+        Event::Damaged { .. } => {
+            words::lines(found, false).iter().map(|line| line.render(paint)).collect()
+        }
         _ => Vec::new(),
     };
     let json = |found: &Found| json(found, false);
-    let mut reader = open(&raw.run, environment)?;
-    print(&mut reader, &filter, raw.last, if raw.json { &json } else { &text })
+    print(&raw.run, &filter, raw.last, if raw.json { &json } else { &text }, environment)
 }
 
 /// Prints what is found, each as the lines that `shown` gives.
 fn print(
-    reader: &mut Reader,
+    run: &cli::KeptRun,
     filter: &Filter,
     last: Option<usize>,
     shown: &dyn Fn(&Found) -> Vec<String>,
+    environment: &Environment,
 ) -> Result<ExitCode> {
     let mut out = out();
-    each_found(reader, filter, last, |found| {
+    let mut show = |found: &Found| -> Result<()> {
         for line in shown(found) {
             writeln!(out, "{line}")?;
         }
         Ok(())
-    })?;
+    };
+    let whole = match Keeper::named(&run.remote, &run.runs, environment)? {
+        Some(keeper) => {
+            let kept = keeper.run(&run.run)?;
+            each_found(|show| kept.find(filter, show), last, &mut show)?
+        }
+        None => {
+            let mut reader = open(run, environment)?;
+            each_found(|show| reader.find_all(filter, show).map(Ok), last, &mut show)?
+                .and_then(|()| Ok(reader.check()?))
+        }
+    };
     out.flush()?;
-    Ok(ExitCode::SUCCESS)
+    whole.map(|()| ExitCode::SUCCESS)
 }
 
 fn least(level: cli::LogLevel) -> LogLevel {

@@ -138,6 +138,7 @@ fn of_the_run(event: &Event) -> (Style, String) {
             let text = format!("taken up by runner {life}: {reason}; interrupted scripts {policy}");
             (Style::Warning, text)
         }
+        Event::Damaged { what, .. } => (Style::Bad, format!("damaged: {what}")),
         Event::Thinned { before } => {
             (Style::Dim, format!("detail before event {before} was given up"))
         }

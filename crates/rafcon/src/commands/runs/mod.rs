@@ -31,7 +31,8 @@ pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<Exi
         for run in &found {
             writeln!(out, "{}", serde_json::to_string(run)?)?;
         }
-        return Ok(ExitCode::SUCCESS);
+        out.flush()?;
+        return Ok(listed(&found));
     }
     if found.is_empty() {
         writeln!(out, "no runs in {}", runs.folder().display())?;
@@ -41,7 +42,13 @@ pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<Exi
         writeln!(out, "{}", line(run, width).render(paint(environment)))?;
     }
     out.flush()?;
-    Ok(ExitCode::SUCCESS)
+    Ok(listed(&found))
+}
+
+/// 1 if a run cannot be read.
+fn listed(runs: &[Summary]) -> ExitCode {
+    let is_unreadable = |run: &Summary| matches!(run.state, RunState::Unreadable { .. });
+    ExitCode::from(u8::from(runs.iter().any(is_unreadable)))
 }
 
 fn prune(raw: &cli::ListRuns, runs: &Runs) -> Result<ExitCode> {

@@ -3,7 +3,7 @@
 use super::digest::Digests;
 use crate::journal::error::JournalError;
 use crate::journal::places::Places;
-use crate::journal::reader::{Entry, Reader};
+use crate::journal::reader::{Entry, Reader, damaged};
 use crate::journal::record::{PlaceNumber, Record};
 use rafcon_protocol::Event;
 use rafcon_protocol::api::TimeTaken;
@@ -88,6 +88,11 @@ impl Steps {
         let (mut digests, mut failure) = (Digests::default(), None);
         let mut reading = Reading::new(keys);
         reader.each(1, |reader, entry| match digests.of(reader, &entry.record) {
+            Ok(_) if damaged(&entry.record).is_some() => {
+                let lost = damaged(&entry.record).unwrap_or_default();
+                failure = Some(reader.lost(lost.0, lost.1, "the run cannot be compared"));
+                ControlFlow::Break(())
+            }
             Ok(digest) => {
                 reading.take(&entry, digest, reader.known_places());
                 ControlFlow::Continue(())

@@ -54,6 +54,7 @@ fn text(event: &Event) -> String {
         Event::Waiting { reason, .. } => reason.clone(),
         Event::Root { change, .. } | Event::ChangeWaits { change, .. } => change.clone(),
         Event::Asked { question } => question.message.clone(),
+        Event::Damaged { what, .. } => what.clone(),
         Event::Commanded { envelope, .. } => {
             serde_json::to_string(&envelope.command).unwrap_or_default()
         }

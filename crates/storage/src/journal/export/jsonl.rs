@@ -12,6 +12,8 @@ pub(super) fn line(found: &Found, started_ms: u64) -> Result<String, ExportError
         t_ns: found.t_ns,
         utc: utc_at(started_ms + found.t_ns / 1_000_000),
         names: &found.names,
+        next: found.next.as_deref(),
+        lasted_ns: found.lasted.map(|lasted| u64::try_from(lasted.as_nanos()).unwrap_or(u64::MAX)),
         event: &found.event,
     })?)
 }
@@ -22,5 +24,11 @@ struct Line<'f> {
     t_ns: u64,
     utc: String,
     names: &'f str,
+    /// The name of the state before which the run is held.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    next: Option<&'f str>,
+    /// How long a state was active that was left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lasted_ns: Option<u64>,
     event: &'f Event,
 }

@@ -100,6 +100,10 @@ impl<W: Write + Seek> Recording<W> {
                 self.states.left(path);
                 ""
             }
+            Event::Damaged { .. } => {
+                self.states = States::default();
+                return Ok(());
+            }
             _ => return Ok(()),
         };
         let message = json!({

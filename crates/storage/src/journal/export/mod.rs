@@ -38,19 +38,28 @@ pub enum ExportError {
     Recording(#[from] McapError),
 }
 
-/// Every event as a JSON object on a line.
-pub fn export_jsonl(reader: &mut Reader, out: impl Write) -> Result<(), ExportError> {
-    lines(reader, out, jsonl::line, "")
+/// Every event that is wanted as a JSON object on a line.
+pub fn export_jsonl(
+    reader: &mut Reader,
+    filter: &Filter,
+    out: impl Write,
+) -> Result<(), ExportError> {
+    lines(reader, filter, out, jsonl::line, "")
 }
 
-/// A table for spreadsheets.
-pub fn export_csv(reader: &mut Reader, out: impl Write) -> Result<(), ExportError> {
-    lines(reader, out, csv::line, csv::HEAD)
+/// A table for spreadsheets, of the events that are wanted.
+pub fn export_csv(
+    reader: &mut Reader,
+    filter: &Filter,
+    out: impl Write,
+) -> Result<(), ExportError> {
+    lines(reader, filter, out, csv::line, csv::HEAD)
 }
 
 /// Writes one line for each event.
 fn lines(
     reader: &mut Reader,
+    filter: &Filter,
     out: impl Write,
     line: fn(&Found, u64) -> Result<String, ExportError>,
     head: &str,
@@ -58,7 +67,7 @@ fn lines(
     let started_ms = reader.about().started_ms;
     let mut out = BufWriter::with_capacity(WRITTEN_AT_ONCE, out);
     out.write_all(head.as_bytes())?;
-    reader.find_all(&Filter::default(), |found| -> Result<(), ExportError> {
+    reader.find_all(filter, |found| -> Result<(), ExportError> {
         Ok(writeln!(out, "{}", line(&found, started_ms)?)?)
     })?;
     Ok(out.flush()?)

@@ -109,5 +109,7 @@ pub(super) fn manifest(
     let manifest = changes.iter().rev().try_fold(Manifest::default(), |manifest, changes| {
         manifest.changed(changes).map_err(|broken| broken.to_string())
     });
-    Ok(manifest.map(Some))
+    let is_it = |manifest: &Manifest| manifest.hash() == hash;
+    let other = || format!("the list of files {hash} is another than was kept");
+    Ok(manifest.and_then(|manifest| is_it(&manifest).then_some(Some(manifest)).ok_or_else(other)))
 }

@@ -4,7 +4,7 @@ use super::Defined;
 use super::source::Row;
 use crate::journal::error::JournalError;
 use crate::journal::group::definitions;
-use crate::journal::leftovers::Leftovers;
+use crate::journal::leftovers::{Leftovers, Marks};
 use crate::journal::record::{Definition, Stored, ValueNumber};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,6 +15,8 @@ pub(super) struct Extra {
     places: Vec<Defined>,
     values: BTreeMap<ValueNumber, Stored>,
     last_sequence: u64,
+    /// What the recorder says about the end of the journal.
+    pub(super) marks: Marks,
 }
 
 #[derive(Debug)]
@@ -25,10 +27,12 @@ struct OwnRow {
 }
 
 impl Extra {
-    /// What the run in `folder` has after event number `committed`.
+    /// What the run in `folder` has after event number `committed`; or, if the database has lost its end, after that.
     pub(super) fn read(folder: &Path, committed: u64) -> Result<Self, JournalError> {
-        let mut extra = Self::default();
-        for frame in Leftovers::read(folder)?.frames(committed) {
+        let leftovers = Leftovers::read(folder)?;
+        let mut extra = Self { marks: leftovers.marks(), ..Self::default() };
+        let committed = leftovers.lacks(committed).unwrap_or(committed);
+        for frame in leftovers.frames(committed) {
             for (first, definition) in definitions(&frame).flatten() {
                 match definition {
                     Definition::Place(number, place) => {
@@ -56,8 +60,8 @@ impl Extra {
         })
     }
 
-    pub(super) fn places_after(&self, after: u64) -> impl Iterator<Item = Defined> + '_ {
-        self.places.iter().filter(move |defined| defined.first > after).cloned()
+    pub(super) fn places(&self) -> &[Defined] {
+        &self.places
     }
 
     pub(super) fn value(&self, number: ValueNumber) -> Option<&Stored> {

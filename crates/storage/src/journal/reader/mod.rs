@@ -8,17 +8,26 @@ mod picture;
 mod source;
 #[cfg(test)]
 mod tests;
+mod way;
 
 pub(super) use event::outcome_of;
 
 use super::about::About;
-use super::error::JournalError;
+use super::error::{Doing, JournalError};
+use super::folder::{DATABASE_FILE, VALUES_FOLDER};
+use super::leftovers::Marks;
 use super::lock::writer_of;
 use super::moment::Moment;
 use super::places::Places;
-use super::record::{Definition, Item, Items, Place, PlaceNumber, Record, Stored, ValueNumber};
+use super::record::{Content, Definition, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
+use super::sums::{Checked, Damage};
 use extra::Extra;
+use rafcon_protocol::Event;
 use source::{Row, Source, Visit};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -45,10 +54,29 @@ pub struct Reader {
     /// What a dead runner left beside the database.
     extra: Extra,
     defined: Vec<Defined>,
+    /// So many of them lie in the database.
+    defined_there: u64,
     /// Places are known up to this event.
     known_until: u64,
     /// As they were defined last.
     places: Places,
+    /// From this event on it is not known where things happened: a definition cannot be read.
+    doubtful_from: Option<u64>,
+    is_live: bool,
+    end: End,
+    /// What was found to be damaged so far.
+    damage: RefCell<BTreeSet<Damage>>,
+}
+
+/// What is known of the last event of a run that does not go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// Nothing: what is there is all that is known.
+    Open,
+    /// It has this number at least.
+    At(u64),
+    /// It was said, and cannot be read.
+    Damaged,
 }
 
 /// A place and the first event that it holds for.
@@ -66,17 +94,79 @@ impl Reader {
         let source = Source::open(folder)?;
         // Asked first: a run that ends in between has nothing but the database then.
         let is_live = writer_of(folder)?.is_some();
-        let committed = source.last_sequence()?;
-        let extra = if is_live { Extra::default() } else { Extra::read(folder, committed)? };
+        let extra =
+            if is_live { Extra::default() } else { Extra::read(folder, source.last_sequence()?)? };
+        let end = if is_live { End::Open } else { end(&source, &extra)? };
         Ok(Self {
             folder: folder.to_owned(),
             about,
             source,
             extra,
             defined: Vec::new(),
+            defined_there: 0,
             known_until: 0,
             places: Places::default(),
+            doubtful_from: None,
+            is_live,
+            end,
+            damage: RefCell::default(),
         })
+    }
+
+    /// What of the journal was found to be damaged so far, for people; what was not read was not looked at.
+    pub fn damage(&self) -> Vec<String> {
+        self.damage.borrow().iter().map(|damage| format!("{DATABASE_FILE}: {damage}")).collect()
+    }
+
+    /// An error that names all that was found to be damaged so far, if anything was.
+    pub fn check(&self) -> Result<(), JournalError> {
+        let found: Vec<String> = self.damage.borrow().iter().map(Damage::to_string).collect();
+        if found.is_empty() { Ok(()) } else { Err(self.source.damaged(&shortened(&found))) }
+    }
+
+    /// These events cannot be read, so what was asked for cannot be told.
+    pub(super) fn lost(&self, first: u64, last: u64, what: &str) -> JournalError {
+        self.source.damaged(&format!("{}, so {what}", Damage::Events(first, last)))
+    }
+
+    /// Whether event number `sequence` can be read, which was looked for and `found`.
+    pub fn check_event(&self, sequence: u64, found: Option<&Entry>) -> Result<(), JournalError> {
+        match found.and_then(|entry| damaged(&entry.record)) {
+            Some((first, last)) if (first..=last).contains(&sequence) => {
+                Err(self.source.damaged(&Damage::Events(first, last).to_string()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the global variables, and what states remember, are as they were written at a moment. Data of states need not be
+    /// asked for so: who needs some that cannot be made again gets an error instead.
+    pub fn check_values(&self, moment: &Moment) -> Result<(), JournalError> {
+        let remembered = moment.persistent().map(|(_, value)| value);
+        for kept in moment.globals().values().chain(remembered) {
+            let Kept::Value(number) = kept else { continue };
+            if let Some(Stored { content: Content::File { hash, .. }, .. }) = self.value(*number)? {
+                self.check_file(&hash)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a large value is as it was written. One that is gone cannot be made again, and says so itself.
+    fn check_file(&self, hash: &str) -> Result<(), JournalError> {
+        let path = self.folder.join(VALUES_FOLDER).join(hash);
+        match fs::read(&path) {
+            Ok(bytes) if blake3::hash(&bytes).to_hex().as_str() != hash => {
+                Err(JournalError::Damaged { path, what: "it is another than was kept".to_owned() })
+            }
+            Ok(_) => Ok(()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            Err(source) => Err(JournalError::io(&path, Doing::Read, source)),
+        }
+    }
+
+    fn note(&self, damage: Damage) {
+        self.damage.borrow_mut().insert(damage);
     }
 
     /// What the run is.
@@ -91,7 +181,12 @@ impl Reader {
 
     /// Number of the last event; 0 if there is none. Events of a run that goes on count once they are safe from a power cut.
     pub fn last_sequence(&self) -> Result<u64, JournalError> {
-        Ok(self.source.last_sequence()?.max(self.extra.last_sequence()))
+        let last = self.source.last_sequence()?.max(self.extra.last_sequence());
+        Ok(match self.end {
+            End::Open => last,
+            End::At(end) => last.max(end),
+            End::Damaged => last + 1,
+        })
     }
 
     /// The places of all events that were read so far, as they were defined last.
@@ -120,7 +215,7 @@ impl Reader {
         self.learn()?;
         let reader = &*self;
         let rows = |source: &Source, row: &mut Visit<'_>| source.rows(from, row);
-        reader.read(from.max(1), rows, |entry| visit(reader, entry))
+        reader.read(Some(from.max(1)), rows, |entry| visit(reader, entry))
     }
 
     /// Number of the first event at this time or later; the number after the last if there is none.
@@ -144,39 +239,17 @@ impl Reader {
             tail.push(entry);
             ControlFlow::Continue(())
         };
-        self.read(1, |source, row| source.last_rows(TAIL_ROWS, row), keep)?;
+        self.read(None, |source, row| source.last_rows(TAIL_ROWS, row), keep)?;
         Ok(tail)
-    }
-
-    /// Shows the events of some rows of the database and of all that was left beside it, from number `next` on.
-    fn read(
-        &self,
-        mut next: u64,
-        rows: impl FnOnce(&Source, &mut Visit<'_>) -> Result<ControlFlow<()>, JournalError>,
-        mut visit: impl FnMut(Entry) -> ControlFlow<()>,
-    ) -> Result<(), JournalError> {
-        let mut broken = None;
-        let mut row = |row: Row<'_>| match entries(&row, &mut next, &mut visit) {
-            Ok(flow) => flow,
-            Err(what) => {
-                broken = Some(what);
-                ControlFlow::Break(())
-            }
-        };
-        if rows(&self.source, &mut row)?.is_continue() {
-            for left in self.extra.rows() {
-                if row(left).is_break() {
-                    break;
-                }
-            }
-        }
-        broken.map_or(Ok(()), |what| Err(self.source.damaged(&what)))
     }
 
     /// How the run stood after event number `sequence`, or after the last one if there are fewer.
     pub fn moment(&mut self, sequence: u64) -> Result<Moment, JournalError> {
         self.learn()?;
         let sequence = sequence.min(self.last_sequence()?);
+        if self.doubtful_from.is_some_and(|from| from <= sequence) {
+            return Err(self.source.damaged(&Damage::Places.to_string()));
+        }
         let (mut before, mut nearly) = (sequence, None);
         loop {
             let keyframe = self.source.keyframe(before)?;
@@ -188,7 +261,11 @@ impl Reader {
             let moment = match &keyframe {
                 None => Some(self.forward(Moment::new(places), sequence)?),
                 // One that cannot be read is as good as none: an earlier one leads there as well.
-                Some((_, bytes)) => match Moment::from_bytes(bytes, places) {
+                Some((_, Err(damage))) => {
+                    self.note(damage.clone());
+                    None
+                }
+                Some((_, Ok(bytes))) => match Moment::from_bytes(bytes, places) {
                     Ok(moment) => Some(self.forward(moment, sequence)?),
                     Err(_) => None,
                 },
@@ -203,10 +280,14 @@ impl Reader {
 
     /// The value with this number; nothing if it was given up to keep the journal small.
     pub fn value(&self, number: ValueNumber) -> Result<Option<Stored>, JournalError> {
-        match self.extra.value(number) {
-            Some(stored) => Ok(Some(stored.clone())),
-            None => self.source.value(number),
+        if let Some(stored) = self.extra.value(number) {
+            return Ok(Some(stored.clone()));
         }
+        let value = self.source.value(number);
+        if let Err(JournalError::Damaged { .. }) = value {
+            self.note(Damage::Value(number.0));
+        }
+        value
     }
 
     /// Goes on from a moment to a later event.
@@ -217,7 +298,12 @@ impl Reader {
         }
         let defined = std::mem::take(&mut self.defined);
         let mut later = defined.iter().skip_while(|defined| defined.first <= start).peekable();
+        let mut lost = None;
         let gone = self.each(start + 1, |_, entry| {
+            if let Some((first, last)) = damaged(&entry.record) {
+                lost = (first <= sequence).then_some((first, last));
+                return ControlFlow::Break(());
+            }
             while let Some(defined) = later.next_if(|defined| defined.first <= entry.sequence) {
                 moment.define(&Definition::Place(defined.number, defined.place.clone()));
             }
@@ -231,7 +317,11 @@ impl Reader {
             }
         });
         self.defined = defined;
-        gone.map(|()| moment)
+        gone?;
+        lost.map_or(Ok(moment), |(first, last)| {
+            let what = format!("nobody knows how the run stood after event {sequence}");
+            Err(self.lost(first, last, &what))
+        })
     }
 
     fn places_at(&self, sequence: u64) -> Places {
@@ -248,8 +338,17 @@ impl Reader {
         if last <= self.known_until {
             return Ok(());
         }
-        let mut fresh = self.source.places_after(self.known_until)?;
-        fresh.extend(self.extra.places_after(self.known_until));
+        let (mut fresh, whole) = self.source.places_after(self.defined_there)?;
+        self.defined_there += fresh.len() as u64;
+        if !whole {
+            // Later definitions hold for later events.
+            let known = fresh.iter().chain(&self.defined).map(|defined| defined.first);
+            self.doubtful_from = known.max().or(Some(1));
+            self.note(Damage::Places);
+        }
+        if self.known_until == 0 {
+            fresh.extend_from_slice(self.extra.places());
+        }
         fresh.sort_by_key(|defined| defined.first);
         for defined in &fresh {
             self.places.define(defined.number, defined.place.clone());
@@ -260,22 +359,33 @@ impl Reader {
     }
 }
 
-/// Shows the events of one row, from number `next` on; `next` becomes the number after the last.
-fn entries(
-    row: &Row<'_>,
-    next: &mut u64,
-    visit: &mut impl FnMut(Entry) -> ControlFlow<()>,
-) -> Result<ControlFlow<()>, String> {
-    for (sequence, item) in (row.first..).zip(Items::new(row.data, row.t_before)) {
-        match item.map_err(|broken| format!("event {sequence}: {broken}"))? {
-            Item::Record(t_ns, record) if sequence >= *next => {
-                *next = sequence + 1;
-                if visit(Entry { sequence, t_ns, record }).is_break() {
-                    return Ok(ControlFlow::Break(()));
-                }
-            }
-            _ => {}
+/// What is known of the last event of a run that does not go on.
+fn end(source: &Source, extra: &Extra) -> Result<End, JournalError> {
+    Ok(match (source.checked(), extra.marks, source.end()?) {
+        (Checked::Never, Marks::None | Marks::Unmarked, _) | (_, Marks::Unmarked, None) => {
+            End::Open
         }
-    }
-    Ok(ControlFlow::Continue(()))
+        (_, Marks::Read { appended, committed }, end) => {
+            End::At(appended.max(committed).max(end.unwrap_or(0)))
+        }
+        (_, Marks::None | Marks::Unmarked, Some(end)) => End::At(end),
+        // A run that died before anything happened has not even a recorder.
+        (_, Marks::None, None) if source.last_sequence()? == 0 => End::Open,
+        (_, Marks::Damaged | Marks::None, _) => End::Damaged,
+    })
+}
+
+/// The events that this one stands for, if they cannot be read.
+pub(super) fn damaged(record: &Record) -> Option<(u64, u64)> {
+    let Record::Told(event) = record else { return None };
+    let Event::Damaged { first, last, .. } = &**event else { return None };
+    Some((*first, *last))
+}
+
+/// Some of a list for people.
+fn shortened(found: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let shown = found.iter().take(SHOWN).cloned().collect::<Vec<_>>().join("; ");
+    let more = found.len().saturating_sub(SHOWN);
+    if more > 0 { format!("{shown}; and {more} more") } else { shown }
 }

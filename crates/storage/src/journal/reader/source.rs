@@ -1,11 +1,14 @@
-//! The database of a journal, opened for reading. Knows its tables; must never know what their bytes are for.
+//! The database of a journal, opened for reading. Every row is checked; one that is not as it was written is as good as none.
+//! Knows its tables; must never know what their bytes are for.
 
 use super::Defined;
-use crate::journal::database::VERSION;
+use crate::journal::database::{DefinedRow, UNCHECKED, VERSION, checks};
 use crate::journal::error::JournalError;
 use crate::journal::folder::DATABASE_FILE;
-use crate::journal::record::{Definition, Item, Items, Stored, ValueNumber};
-use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Statement};
+use crate::journal::record::{Stored, ValueNumber};
+use crate::journal::sums::{self, Checked, Damage, Head};
+use rusqlite::types::FromSql;
+use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Row as Columns, Statement};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -25,9 +28,16 @@ pub(super) type Visit<'v> = dyn FnMut(Row<'_>) -> ControlFlow<()> + 'v;
 pub(super) struct Source {
     connection: Connection,
     path: PathBuf,
+    checked: Checked,
 }
 
 type Found<T> = Result<T, JournalError>;
+
+/// The number of an event, and the moment that was kept after it.
+type KeptMoment = (u64, Result<Vec<u8>, Damage>);
+
+/// The hash of a value or the value itself, and the checksum.
+type KeptRow = (Option<Vec<u8>>, Option<Vec<u8>>, Option<i64>);
 
 impl Source {
     pub(super) fn open(folder: &Path) -> Found<Self> {
@@ -40,29 +50,70 @@ impl Source {
             let connection = Connection::open_with_flags(&path, flags)?;
             connection.busy_timeout(Duration::from_secs(5))?;
             let found = connection.pragma_query_value(None, "user_version", |row| row.get(0))?;
-            Ok((connection, found))
+            let checked = checks(&connection)?;
+            Ok((connection, found, checked))
         };
-        let (connection, found): (_, u32) =
+        let (connection, found, checked): (_, u32, _) =
             opened().map_err(|source| JournalError::database(&path, source))?;
-        match found {
-            0 => Err(JournalError::Damaged { path, what: "it has no tables".to_owned() }),
-            VERSION => Ok(Self { connection, path }),
+        match (found, checked) {
+            (UNCHECKED, Checked::Never) | (VERSION, Checked::Partly | Checked::Always) => {
+                Ok(Self { connection, path, checked })
+            }
+            (0, _) => Err(JournalError::Damaged { path, what: "it has no tables".to_owned() }),
+            (UNCHECKED | VERSION, _) => {
+                let what = format!("its tables are not those of version {found}");
+                Err(JournalError::Damaged { path, what })
+            }
             _ => Err(JournalError::Newer { path, found, known: VERSION }),
         }
     }
 
+    /// What its rows say about their checksums.
+    pub(super) fn checked(&self) -> Checked {
+        self.checked
+    }
+
+    /// Whether its rows have checksums.
+    pub(super) fn is_checked(&self) -> bool {
+        self.checked == Checked::Always
+    }
+
+    /// Number of the last event of the last row that can be read; 0 if there is none.
     pub(super) fn last_sequence(&self) -> Found<u64> {
-        let query = "SELECT first + count - 1 FROM blocks ORDER BY first DESC LIMIT 1";
-        self.ask(query, |statement| {
-            let last: Option<i64> = statement.query_row([], |row| row.get(0)).optional()?;
-            Ok(last.map_or(0, i64::cast_unsigned))
-        })
+        let last = self.first_head("ORDER BY first DESC", |_| true)?;
+        Ok(last.map_or(0, |head| (head.first + head.count - 1).cast_unsigned()))
     }
 
     /// Number of the first event that is still there; 1 if there is none.
     pub(super) fn first_sequence(&self) -> Found<u64> {
-        self.ask("SELECT coalesce(min(first), 1) FROM blocks", |statement| {
-            statement.query_row([], |row| row.get(0)).map(i64::cast_unsigned)
+        let first = self.first_head("ORDER BY first", |_| true)?;
+        Ok(first.map_or(1, |head| head.first.cast_unsigned()))
+    }
+
+    /// The last event of a run whose runner came to its end; nothing if none has.
+    pub(super) fn end(&self) -> Found<Option<u64>> {
+        if self.checked == Checked::Never {
+            return Ok(None);
+        }
+        self.highest("SELECT sequence, sum FROM ends", "ends")
+    }
+
+    /// The first event with full detail, if detail was given up.
+    pub(super) fn thinned(&self) -> Found<Option<u64>> {
+        self.highest(&self.query("SELECT before, SUM FROM thinned"), "thinned")
+    }
+
+    fn highest(&self, query: &str, table: &str) -> Found<Option<u64>> {
+        self.ask(query, |statement| {
+            let mut rows = statement.query([])?;
+            let mut highest = None;
+            while let Some(row) = rows.next()? {
+                let (number, sum): (i64, Option<i64>) = (row.get(0)?, row.get(1)?);
+                if self.checked.is_right(sum, || sums::of_number(table, number)) {
+                    highest = highest.max(u64::try_from(number).ok());
+                }
+            }
+            Ok(highest)
         })
     }
 
@@ -71,86 +122,206 @@ impl Source {
         JournalError::GivenUp { path: self.path.clone() }
     }
 
-    /// Shows the rows from the one with event number `from` on, until `visit` has enough.
+    /// Shows the rows from the one with event number `from` on, until `visit` has enough. Rows that cannot be read are left out.
     pub(super) fn rows(&self, from: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
-        let query = "SELECT first, t_before, data FROM blocks WHERE first >=
-            coalesce((SELECT max(first) FROM blocks WHERE first <= ?1), 0) ORDER BY first";
-        self.visit(query, from, visit)
+        let query = "SELECT coalesce(max(first), 0) FROM blocks WHERE first <= ?1";
+        let from = i64::try_from(from).unwrap_or(i64::MAX);
+        let first = self.ask(query, |statement| statement.query_row([from], |row| row.get(0)));
+        // Where the way there is torn, all that follows is looked through.
+        self.visit(readable(first)?.unwrap_or(0), visit)
     }
 
     /// Number of the first event that lies together with one at this time or later; nothing if all are earlier.
     pub(super) fn first_near(&self, t_ns: u64) -> Found<Option<u64>> {
         let t_ns = i64::try_from(t_ns).unwrap_or(i64::MAX);
-        let query = "SELECT first FROM blocks WHERE t_last >= ?1 ORDER BY first LIMIT 1";
-        self.ask(query, |statement| {
-            let first: Option<i64> = statement.query_row([t_ns], |row| row.get(0)).optional()?;
-            Ok(first.map(i64::cast_unsigned))
+        let near = self.first_head("ORDER BY first", |head| head.t_last >= t_ns)?;
+        Ok(near.map(|head| head.first.cast_unsigned()))
+    }
+
+    /// The first row in this order whose numbers are right and wanted.
+    fn first_head(&self, order: &str, wanted: impl Fn(&Head) -> bool) -> Found<Option<Head>> {
+        let query = format!("SELECT first, count, t_before, t_last, SUM FROM blocks {order}");
+        self.ask(&self.query(&query), |statement| {
+            let mut rows = statement.query([])?;
+            while let Some(row) = rows.next()? {
+                let found = head(row).filter(|(head, sum)| match (sum, self.checked) {
+                    (Some(sum), _) => head.fits(*sum),
+                    (None, checked) => checked != Checked::Always && head.is_possible(),
+                });
+                if let Some((head, _)) = found.filter(|(head, _)| wanted(head)) {
+                    return Ok(Some(head));
+                }
+            }
+            Ok(None)
         })
     }
 
     /// Shows the last `count` rows.
     pub(super) fn last_rows(&self, count: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
-        let query = "SELECT first, t_before, data FROM
-            (SELECT * FROM blocks ORDER BY first DESC LIMIT ?1) ORDER BY first";
-        self.visit(query, count, visit)
+        let query = "SELECT coalesce(min(first), 0) FROM
+            (SELECT first FROM blocks ORDER BY first DESC LIMIT ?1)";
+        let count = i64::try_from(count).unwrap_or(i64::MAX);
+        let first = self.ask(query, |statement| statement.query_row([count], |row| row.get(0)))?;
+        self.visit(first, visit)
     }
 
-    fn visit(&self, query: &str, parameter: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
-        self.ask(query, |statement| {
-            let parameter = i64::try_from(parameter).unwrap_or(i64::MAX);
-            let mut rows = statement.query([parameter])?;
-            while let Some(row) = rows.next()? {
-                let [first, t_before] = [row.get(0)?, row.get(1)?].map(i64::cast_unsigned);
-                let data = row.get_ref(2)?.as_blob()?;
-                if visit(Row { first, t_before, data }).is_break() {
-                    return Ok(ControlFlow::Break(()));
-                }
+    /// Shows the rows from this key on. Each is asked for by itself: one that cannot be read does not hide those behind it.
+    fn visit(&self, mut key: i64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
+        let failed = |source| JournalError::database(&self.path, source);
+        // A commit in between would leave gaps between the rows.
+        let begin = || self.connection.unchecked_transaction().map(Some);
+        let snapshot = if self.connection.is_autocommit() { begin() } else { Ok(None) };
+        let _snapshot = snapshot.map_err(failed)?;
+        let row = "SELECT first, count, t_before, t_last, SUM, data FROM blocks WHERE first = ?1";
+        let mut row = self.connection.prepare(&self.query(row)).map_err(failed)?;
+        let next = "SELECT first FROM blocks WHERE first > ?1 ORDER BY first LIMIT 1";
+        let mut next = self.connection.prepare(next).map_err(failed)?;
+        loop {
+            let shown = self.show(&mut row, key, visit).map_err(failed);
+            if readable(shown)?.is_some_and(|flow| flow.is_break()) {
+                return Ok(ControlFlow::Break(()));
             }
-            Ok(ControlFlow::Continue(()))
-        })
+            let found = next.query_row([key], |row| row.get::<_, i64>(0)).optional();
+            let found = match readable(found.map_err(failed))? {
+                Some(found) => found,
+                None => readable(self.behind(key).map_err(failed))?.flatten(),
+            };
+            match found {
+                Some(found) if found > key => key = found,
+                _ => return Ok(ControlFlow::Continue(())),
+            }
+        }
     }
 
-    /// Places that were defined for events after number `after`, in that order.
-    pub(super) fn places_after(&self, after: u64) -> Found<Vec<Defined>> {
-        let query = "SELECT first, data FROM places WHERE first > ?1 ORDER BY first";
-        let rows: Vec<(i64, Vec<u8>)> = self.ask(query, |statement| {
-            let row = |row: &rusqlite::Row<'_>| Ok((row.get(0)?, row.get(1)?));
-            statement.query_map([after.cast_signed()], row)?.collect()
-        })?;
-        let place = |(first, bytes): (i64, Vec<u8>)| match Items::new(&bytes, 0).next() {
-            Some(Ok(Item::Definition(Definition::Place(number, place)))) => {
-                Ok(Defined { first: first.cast_unsigned(), number, place })
-            }
-            _ => Err(self.damaged("a place that cannot be read")),
+    /// Shows the row with this key, if there is one that is as it was written.
+    fn show(
+        &self,
+        row: &mut Statement<'_>,
+        key: i64,
+        visit: &mut Visit<'_>,
+    ) -> rusqlite::Result<ControlFlow<()>> {
+        let mut rows = row.query([key])?;
+        let Some(row) = rows.next()? else { return Ok(ControlFlow::Continue(())) };
+        let data = row.get_ref(5)?.as_blob()?;
+        let Some((head, sum)) = head(row).filter(|(head, _)| head.first == key) else {
+            return Ok(ControlFlow::Continue(()));
         };
-        rows.into_iter().map(place).collect()
+        if !head.is_possible() || !self.checked.is_right(sum, || head.sum(data)) {
+            return Ok(ControlFlow::Continue(()));
+        }
+        let [first, t_before] = [head.first, head.t_before].map(i64::cast_unsigned);
+        Ok(visit(Row { first, t_before, data }))
+    }
+
+    /// The first key after this one that can be reached from the end, where the way there is torn.
+    fn behind(&self, key: i64) -> rusqlite::Result<Option<i64>> {
+        let query = "SELECT first FROM blocks WHERE first > ?1 ORDER BY first DESC";
+        let mut statement = self.connection.prepare(query)?;
+        let mut rows = statement.query([key])?;
+        let mut found = None;
+        while let Ok(Some(row)) = rows.next() {
+            found = row.get(0).ok().or(found);
+        }
+        Ok(found)
+    }
+
+    /// The definitions of places after so many, in their order; and whether all could be read.
+    pub(super) fn places_after(&self, count: u64) -> Found<(Vec<Defined>, bool)> {
+        let query = match self.checked {
+            Checked::Never => "SELECT nth, number, first, data, NULL FROM (SELECT number, first, data,
+                row_number() OVER (ORDER BY first, number) AS nth FROM places) WHERE nth > ?1 ORDER BY nth",
+            _ => "SELECT nth, number, first, data, sum FROM places WHERE nth > ?1 ORDER BY nth",
+        };
+        let mut defined = Vec::new();
+        let whole = self.ask(query, |statement| {
+            let mut rows = statement.query([count.cast_signed()])?;
+            while let Some(row) = rows.next()? {
+                let nth =
+                    count.cast_signed() + 1 + i64::try_from(defined.len()).unwrap_or(i64::MAX);
+                let row = DefinedRow::of(row).ok();
+                let read = row.and_then(|row| Some((row.first, row.read(self.checked, nth)?)));
+                let Some((first, (number, place))) = read else { return Ok(false) };
+                defined.push(Defined { first: first.cast_unsigned(), number, place });
+            }
+            Ok(true)
+        });
+        match whole {
+            Err(JournalError::Damaged { .. }) => Ok((defined, false)),
+            whole => Ok((defined, whole?)),
+        }
     }
 
     pub(super) fn value(&self, number: ValueNumber) -> Found<Option<Stored>> {
-        let query = "SELECT coalesce(vals.data, blobs.data) FROM vals
-            LEFT JOIN blobs ON blobs.hash = vals.hash WHERE number = ?1";
-        let bytes: Option<Option<Vec<u8>>> = self.ask(query, |statement| {
-            statement.query_row([number.0.cast_signed()], |row| row.get(0)).optional()
-        })?;
-        let stored = |bytes: Vec<u8>| {
-            Stored::from_bytes(&bytes).map_err(|broken| self.damaged(&broken.to_string()))
+        let key = number.0.cast_signed();
+        let query = self.query("SELECT hash, data, SUM FROM vals WHERE number = ?1");
+        let row = |row: &Columns<'_>| Ok((row.get(0)?, row.get(1)?, row.get(2)?));
+        let value: Option<KeptRow> =
+            self.ask(&query, |statement| statement.query_row([key], row).optional())?;
+        let damaged = || self.damaged(&Damage::Value(number.0).to_string());
+        let Some((hash, data, sum)) = value else {
+            return if self.is_given_up(number)? { Ok(None) } else { Err(damaged()) };
         };
-        bytes.flatten().map(stored).transpose()
+        if !self.checked.is_right(sum, || sums::of_value(key, hash.as_deref(), data.as_deref())) {
+            return Err(damaged());
+        }
+        let bytes = match (hash, data) {
+            (None, Some(data)) => data,
+            (Some(hash), None) => self.blob(&hash)?.ok_or_else(damaged)?,
+            _ => return Err(damaged()),
+        };
+        Stored::from_bytes(&bytes).map(Some).map_err(|_broken| damaged())
     }
 
-    /// The last moment that was kept at or before event number `sequence`, and the event's number.
-    pub(super) fn keyframe(&self, sequence: u64) -> Found<Option<(u64, Vec<u8>)>> {
-        let query = "SELECT sequence, data FROM keyframes WHERE sequence <= ?1
-            ORDER BY sequence DESC LIMIT 1";
-        self.ask(query, |statement| {
-            let row =
-                |row: &rusqlite::Row<'_>| Ok((row.get::<_, i64>(0)?.cast_unsigned(), row.get(1)?));
+    /// A longer value by its hash, if it is there and has that hash.
+    fn blob(&self, hash: &[u8]) -> Found<Option<Vec<u8>>> {
+        let query = "SELECT data FROM blobs WHERE hash = ?1";
+        let data: Option<Vec<u8>> =
+            self.ask(query, |statement| statement.query_row([hash], |row| row.get(0)).optional())?;
+        Ok(data.filter(|data| blake3::hash(data).as_bytes() == hash))
+    }
+
+    /// Whether a value that is not there may have been given up: no event with detail names it.
+    fn is_given_up(&self, number: ValueNumber) -> Found<bool> {
+        if self.checked == Checked::Never {
+            return Ok(true);
+        }
+        let Some(before) = self.thinned()? else { return Ok(false) };
+        let query = "SELECT coalesce(max(next_value), 0) FROM keyframes WHERE sequence < ?1";
+        let floor: i64 = self.ask(query, |statement| {
+            statement.query_row([before.cast_signed()], |row| row.get(0))
+        })?;
+        Ok(number.0 < floor.cast_unsigned())
+    }
+
+    /// The last moment that was kept at or before event number `sequence`, and the event's number; or one that cannot be read.
+    pub(super) fn keyframe(&self, sequence: u64) -> Found<Option<KeptMoment>> {
+        let query = self.query(
+            "SELECT sequence, next_value, data, SUM FROM keyframes WHERE sequence <= ?1
+            ORDER BY sequence DESC LIMIT 1",
+        );
+        self.ask(&query, |statement| {
+            let row = |row: &Columns<'_>| {
+                let at: i64 = row.get(0)?;
+                let (next_value, data): (Option<i64>, Option<Vec<u8>>) =
+                    (read(row, 1), read(row, 2));
+                let right = |next_value, data: &Vec<u8>| {
+                    self.checked.is_right(read(row, 3), || sums::of_keyframe(at, next_value, data))
+                };
+                let data = next_value.zip(data).filter(|(next, data)| right(*next, data));
+                let at = at.cast_unsigned();
+                Ok((at, data.map(|(_, data)| data).ok_or(Damage::Keyframe(at))))
+            };
             statement.query_row([sequence.cast_signed()], row).optional()
         })
     }
 
     pub(super) fn damaged(&self, what: &str) -> JournalError {
         JournalError::Damaged { path: self.path.clone(), what: what.to_owned() }
+    }
+
+    /// A query in which `SUM` stands for the checksum of a row.
+    fn query(&self, text: &str) -> String {
+        text.replace("SUM", if self.checked == Checked::Never { "NULL" } else { "sum" })
     }
 
     fn ask<T>(
@@ -162,4 +333,24 @@ impl Source {
             self.connection.prepare(query).and_then(|mut statement| answer(&mut statement));
         answered.map_err(|source| JournalError::database(&self.path, source))
     }
+}
+
+/// The numbers of a row, and its checksum, from its first five columns.
+fn head(row: &Columns<'_>) -> Option<(Head, Option<i64>)> {
+    let [first, count] = [read(row, 0)?, read(row, 1)?];
+    let [t_before, t_last] = [read(row, 2)?, read(row, 3)?];
+    Some((Head { first, count, t_before, t_last }, row.get(4).ok()?))
+}
+
+/// What was found; nothing if it is damaged.
+fn readable<T>(found: Found<T>) -> Found<Option<T>> {
+    match found {
+        Err(JournalError::Damaged { .. }) => Ok(None),
+        found => found.map(Some),
+    }
+}
+
+/// A column, if it is of its type.
+fn read<T: FromSql>(row: &Columns<'_>, column: usize) -> Option<T> {
+    row.get(column).ok()
 }

@@ -1,5 +1,6 @@
 //! Journals as they are written: what was appended is there afterwards, whatever happens in between.
 
+mod corrupt;
 mod keyframes;
 mod power_cut;
 mod round_trip;

@@ -25,7 +25,7 @@ fn a_newer_journal_is_left_alone() {
     check(
         newer_tables,
         &expect![
-            "RUN/journal.db is of version 7, this rafcon reads up to 1: use the rafcon that wrote it, or a newer one"
+            "RUN/journal.db is of version 7, this rafcon reads up to 2: use the rafcon that wrote it, or a newer one"
         ],
     );
     let newer_about = |folder: &Path| {
@@ -34,7 +34,7 @@ fn a_newer_journal_is_left_alone() {
     check(
         newer_about,
         &expect![
-            "RUN/run.json is of version 9, this rafcon reads up to 1: use the rafcon that wrote it, or a newer one"
+            "RUN/run.json is of version 9, this rafcon reads up to 2: use the rafcon that wrote it, or a newer one"
         ],
     );
 }
