@@ -308,19 +308,19 @@ fn a_run_is_exported_for_programs_and_spreadsheets() {
             {"sequence":4,"t_ns":1000000,"utc":"2026-11-21T19:40:01.001Z","names":"Mission/Scan","event":{"type":"entered","path":"R/A","inputs":{"where":"kitchen"}}}
             {"sequence":5,"t_ns":2000000,"utc":"2026-11-21T19:40:01.002Z","names":"Mission/Scan","event":{"type":"log","path":"R/A","level":"info","stream":"logger","message":"scanning\nthe kitchen"}}
             {"sequence":6,"t_ns":3000000,"utc":"2026-11-21T19:40:01.003Z","names":"","event":{"type":"global","name":"map","value":{"rooms":[1,2]}}}
-            {"sequence":7,"t_ns":1003000000,"utc":"2026-11-21T19:40:02.003Z","names":"Mission/Scan","event":{"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"},"outputs":{"rooms":[1,2]}}}
+            {"sequence":7,"t_ns":1003000000,"utc":"2026-11-21T19:40:02.003Z","names":"Mission/Scan","lasted_ns":1002000000,"event":{"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"},"outputs":{"rooms":[1,2]}}}
             {"sequence":8,"t_ns":1003100000,"utc":"2026-11-21T19:40:02.003Z","names":"Mission","event":{"type":"scoped","path":"R","name":"n","value":2}}
             {"sequence":9,"t_ns":1004000000,"utc":"2026-11-21T19:40:02.004Z","names":"Mission/Both","event":{"type":"entered","path":"R/B","inputs":{}}}
             {"sequence":10,"t_ns":1004500000,"utc":"2026-11-21T19:40:02.004Z","names":"Mission/Both/Left","event":{"type":"entered","path":"R/B/X","inputs":{}}}
             {"sequence":11,"t_ns":1005000000,"utc":"2026-11-21T19:40:02.005Z","names":"Mission/Both/Right","event":{"type":"entered","path":"R/B/Y","inputs":{}}}
             {"sequence":12,"t_ns":1006000000,"utc":"2026-11-21T19:40:02.006Z","names":"Mission/Both/Right","event":{"type":"log","path":"R/B/Y","level":"warning","stream":"logger","message":"too close"}}
-            {"sequence":13,"t_ns":2500000000,"utc":"2026-11-21T19:40:03.500Z","names":"Mission/Both/Left","event":{"type":"left","path":"R/B/X","outcome":{"id":0,"name":"ok"},"outputs":{"x":7}}}
-            {"sequence":14,"t_ns":2600000000,"utc":"2026-11-21T19:40:03.600Z","names":"Mission/Both/Right","event":{"type":"left","path":"R/B/Y","outcome":{"id":-1,"name":"aborted"},"outputs":{},"error":"no wheels"}}
+            {"sequence":13,"t_ns":2500000000,"utc":"2026-11-21T19:40:03.500Z","names":"Mission/Both/Left","lasted_ns":1495500000,"event":{"type":"left","path":"R/B/X","outcome":{"id":0,"name":"ok"},"outputs":{"x":7}}}
+            {"sequence":14,"t_ns":2600000000,"utc":"2026-11-21T19:40:03.600Z","names":"Mission/Both/Right","lasted_ns":1595000000,"event":{"type":"left","path":"R/B/Y","outcome":{"id":-1,"name":"aborted"},"outputs":{},"error":"no wheels"}}
             {"sequence":15,"t_ns":2600000000,"utc":"2026-11-21T19:40:03.600Z","names":"Mission/Both","event":{"type":"waiting","path":"R/B","reason":"no transition begins at the outcome"}}
             {"sequence":16,"t_ns":3000000000,"utc":"2026-11-21T19:40:04.000Z","names":"","event":{"type":"commanded","envelope":{"id":"1","author":"ann","decided_on":null,"expiry":null,"command":{"type":"stop"}},"answer":{"answer":"applied"}}}
             {"sequence":17,"t_ns":3000000000,"utc":"2026-11-21T19:40:04.000Z","names":"","event":{"type":"stopping"}}
-            {"sequence":18,"t_ns":3001000000,"utc":"2026-11-21T19:40:04.001Z","names":"Mission/Both","event":{"type":"left","path":"R/B","outcome":{"id":-2,"name":"preempted"},"outputs":{}}}
-            {"sequence":19,"t_ns":3001000000,"utc":"2026-11-21T19:40:04.001Z","names":"Mission","event":{"type":"left","path":"R","outcome":{"id":-2,"name":"preempted"},"outputs":{}}}
+            {"sequence":18,"t_ns":3001000000,"utc":"2026-11-21T19:40:04.001Z","names":"Mission/Both","lasted_ns":1997000000,"event":{"type":"left","path":"R/B","outcome":{"id":-2,"name":"preempted"},"outputs":{}}}
+            {"sequence":19,"t_ns":3001000000,"utc":"2026-11-21T19:40:04.001Z","names":"Mission","lasted_ns":3001000000,"event":{"type":"left","path":"R","outcome":{"id":-2,"name":"preempted"},"outputs":{}}}
             {"sequence":20,"t_ns":3001000000,"utc":"2026-11-21T19:40:04.001Z","names":"","event":{"type":"finished","outcome":{"id":-2,"name":"preempted"},"outputs":{},"globals":{},"scoped_variables":{},"states_run":5}}
         "#]],
     );
@@ -524,18 +524,20 @@ fn runs_of_an_earlier_version_are_read_and_taken_up() {
     let place = Place::empty();
     keep_old(&place, "finished");
     keep_old(&place, "crashed");
-    let said = |words: &str| {
+    let said = |words: &str, expected: &str| {
         let answer = place.call(&format!("{words} --runs runs"));
-        format!("{}\n{}{}", answer.code.unwrap(), answer.stdout, answer.stderr)
+        assert!(answer.code == Some(0) && answer.stdout.contains(expected), "{words}: {answer:?}");
     };
-    expect![].assert_eq(&said("history finished --values"));
-    expect![].assert_eq(&said("history crashed"));
-    expect![].assert_eq(&said("replay crashed"));
+    said("history finished --values", "the run ended by success");
+    said("replay finished", "\"kitchen\"");
+    said("history crashed", "scanning");
+    said("replay crashed", "\"kitchen\"");
     let resumed = Journal::take_up(&place.path("runs/crashed"), &Options::default());
     let (journal, taken_up) = resumed.unwrap();
     assert_eq!((taken_up.life, taken_up.lost), (2, None));
     journal.close().unwrap();
-    expect![].assert_eq(&said("history crashed"));
+    said("history crashed", "scanning");
+    said("replay crashed", "\"kitchen\"");
 }
 
 /// Changes a byte in the middle of the first `text` of a file; says where that was.
@@ -546,40 +548,34 @@ fn spoil(path: &Path, text: &str) {
     fs::write(path, bytes).unwrap();
 }
 
-/// A value that is kept by itself is another: each command says so, and ends by an error.
+/// Whether a command of a damaged run says so, and ends by an error.
+fn check_damaged(place: &Place, words: &str, said: &str) {
+    let answer = place.call(&format!("{words} --runs runs"));
+    let all = format!("{}{}", answer.stdout, answer.stderr);
+    assert!(answer.code == Some(1) && all.contains(said), "{words}: {answer:?}");
+}
+
 #[test]
 fn a_damaged_value_is_named_by_whoever_reads_it() {
     let place = place();
     let id = "20261121-194001-mission-0001";
     spoil(&place.path("runs").join(id).join("journal.db"), "\"rooms\"");
-    let said = |words: &str| {
-        let answer = place.call(&format!("{words} --runs runs"));
-        let lines: Vec<&str> =
-            answer.stdout.lines().filter(|line| line.contains("damaged")).collect();
-        format!("{} {}\n{}", answer.code.unwrap(), lines.join("\n"), answer.stderr)
-    };
-    expect![].assert_eq(&said(&format!("history {id}")));
-    expect![].assert_eq(&said(&format!("replay {id}")));
-    expect![].assert_eq(&said(&format!("compare {id} 20261121-194002")));
-    expect![].assert_eq(&said(&format!("export {id} --format csv")));
+    check_damaged(&place, &format!("history {id}"), "<damaged: value");
+    check_damaged(&place, &format!("replay {id}"), "<damaged: value");
+    check_damaged(&place, &format!("compare {id} 20261121-194002"), "is damaged: value");
+    check_damaged(&place, &format!("export {id} --format csv"), "<damaged: value");
 }
 
-/// Events are others: they are left out, and the rest is told.
 #[test]
 fn damaged_events_are_named_by_whoever_reads_them() {
     let place = place();
     let id = "20261121-194001-mission-0001";
     spoil(&place.path("runs").join(id).join("journal.db"), "too close");
-    let said = |words: &str| {
-        let answer = place.call(&format!("{words} --runs runs"));
-        format!("{}\n{}{}", answer.code.unwrap(), answer.stdout, answer.stderr)
-    };
-    expect![].assert_eq(&said(&format!("history {id}")));
-    expect![].assert_eq(&said(&format!("log {id}")));
-    expect![].assert_eq(&said(&format!("replay {id}")));
-    expect![].assert_eq(&said(&format!("compare {id} 20261121-194002")));
-    expect![].assert_eq(&said(&format!("export {id} --format jsonl")));
-    let listed = place.call("runs --runs runs");
-    assert_eq!(listed.code, Some(1), "{listed:?}");
-    assert!(listed.stdout.contains("unreadable: "), "{listed:?}");
+    let events = "events 1 to 20 cannot be read";
+    for words in ["history", "log", "replay", "export --format jsonl", "export --format csv"] {
+        let (command, more) = words.split_once(' ').unwrap_or((words, ""));
+        check_damaged(&place, &format!("{command} {id} {more}"), events);
+    }
+    check_damaged(&place, &format!("compare {id} 20261121-194002"), events);
+    check_damaged(&place, "runs", "unreadable: ");
 }

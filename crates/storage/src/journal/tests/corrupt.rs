@@ -429,7 +429,6 @@ fn what_is_read_of_a_corrupted_journal_is_true() {
         copy(&clean[which], &run);
         copy(&clean[which], &whole);
         let what = corrupt(&run, &mut Random(seed));
-        eprintln!("{seed} {what}");
         if let Err(wrong) = read(&run, &whole, &truths[which]) {
             panic!("RAFCON_TEST_SEED={seed}: {what}: {wrong}");
         }
