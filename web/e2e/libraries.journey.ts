@@ -74,7 +74,7 @@ journey(
     giveInput(server.place.libraries["examples"] ?? "");
     await app.panel("Libraries");
     const changed = app.sheet.getByRole("region", { name: "Changed libraries" });
-    const own = changed.getByRole("listitem").filter({ hasText: path });
+    const own = changed.getByRole("listitem").filter({ hasText: "“Announce the patrol”: " });
     await own.getByText(/the input `loudness: object` is new/).waitFor();
     await own.getByRole("button", { name: /^Take/ }).click();
     await app.until(({ tab }, at) => tab?.room.machine.state(at)?.inputs?.length === 3, path);
