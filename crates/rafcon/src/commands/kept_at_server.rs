@@ -92,7 +92,7 @@ impl Kept<'_> {
         mut show: impl FnMut(Found) -> Result<()>,
     ) -> Result<Result<()>> {
         let mut lines = BufReader::with_capacity(READ_AT_ONCE, self.export(&query(filter))?);
-        let (mut damage, mut line) = (None, String::new());
+        let (mut damage, mut line): (Option<String>, _) = (None, String::new());
         loop {
             line.clear();
             match lines.read_line(&mut line) {
