@@ -331,7 +331,7 @@ fn a_run_is_exported_as_a_recording() {
     let place = place();
     let answer = place.call("export last --format mcap --output run.mcap --runs runs");
     assert_eq!((answer.code, &*answer.stderr), (Some(0), ""));
-    let bytes = std::fs::read(place.path("run.mcap")).unwrap();
+    let bytes = fs::read(place.path("run.mcap")).unwrap();
     let line = |message: Result<mcap::Message<'_>, _>| {
         let message = message.unwrap();
         let schema = message.channel.schema.clone().unwrap();
@@ -418,7 +418,7 @@ fn what_cannot_be_is_refused_with_the_way_out() {
 fn a_run_that_never_began_leaves_nothing() {
     let place = Place::empty();
     assert_eq!(place.call("run nowhere --runs runs").code, Some(1));
-    let left = std::fs::read_dir(place.path("runs")).into_iter().flatten().count();
+    let left = fs::read_dir(place.path("runs")).into_iter().flatten().count();
     assert_eq!(left, 0);
 }
 
