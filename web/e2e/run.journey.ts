@@ -303,7 +303,7 @@ journey(
     const rows = app.sheet.getByRole("list", { name: "Runs" }).getByRole("listitem");
     await rows.nth(1).waitFor();
     expect(await rows.count()).toBe(2);
-    await app.sheet.getByLabel("Find runs").fill("running");
+    await app.sheet.getByLabel("Find runs").fill("paused");
     await rows.nth(1).waitFor({ state: "detached" });
     await rows
       .first()

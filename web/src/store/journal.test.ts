@@ -104,3 +104,18 @@ test("a long run stays, and only its oldest other events are given up", () => {
   expect(journal.length).toBe(20_002);
   expect([journal.at(1), journal.at(2)?.sequence]).toEqual([undefined, 3]);
 });
+
+test("all other events are told in their order, those that are kept for good too", () => {
+  const journal = new Journal();
+  const log: Event = { type: "log", path: "R", level: "info", stream: "stdout", message: "a" };
+  const events: readonly Event[] = [log, { type: "root", hash: "b" }, log];
+  journal.add(
+    events.map((event, at) => ({ sequence: at + 1, t_ns: at, event })),
+    4,
+  );
+  expect(journal.others().map(([sequence, { type }]) => `${sequence} ${type}`)).toEqual([
+    "1 log",
+    "2 root",
+    "3 log",
+  ]);
+});

@@ -129,8 +129,9 @@ export class Journal {
   }
 
   /** All other events that are here, the oldest first, with their sequence numbers. */
-  others(): IterableIterator<[number, Event]> {
-    return this.#others.entries();
+  others(): readonly (readonly [number, Event])[] {
+    const all = [...this.#others, ...this.#structural];
+    return all.sort(([one], [other]) => one - other);
   }
 
   /** The event with all that is here of it; undefined beyond the end, and of another event that is too long ago. */
