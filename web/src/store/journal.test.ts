@@ -108,7 +108,7 @@ test("a long run stays, and only its oldest other events are given up", () => {
 test("all other events are told in their order, those that are kept for good too", () => {
   const journal = new Journal();
   const log: Event = { type: "log", path: "R", level: "info", stream: "stdout", message: "a" };
-  const events: readonly Event[] = [log, { type: "root", hash: "b" }, log];
+  const events: readonly Event[] = [log, { type: "root", hash: "b", change: "" }, log];
   journal.add(
     events.map((event, at) => ({ sequence: at + 1, t_ns: at, event })),
     4,
