@@ -73,25 +73,21 @@ journey(
   HERE,
   async ({ app }) => {
     await app.select(LABEL);
-    const shows = async (text: string) => {
+    const shown = async () => (await app.sheet.locator(".inspector-markdown").innerHTML()).trim();
+    const check = async (text: string, expected: string) => {
       const write = { name: /^(Describe this state|Edit the description)$/ };
       await app.sheet.getByRole("button", write).click();
       await app.sheet.getByLabel("Description, in Markdown").fill(text);
       await app.sheet.keyboard.press("Control+Enter");
-      await app.settled();
-      const shown = await app.sheet.locator(".inspector-markdown").innerHTML();
-      return shown.trim();
+      await expect.poll(shown).toBe(expected);
     };
-    expect(await shows('<p style="position:fixed" class="menu-shield" id="app">over</p>')).toBe(
-      "<p>over</p>",
-    );
-    expect(await shows('a <svg width="9"><rect></rect></svg><button>b</button>')).toBe(
-      "<p>a b</p>",
-    );
-    expect(await shows("<img src=x onerror=alert(1)><script>alert(1)</script>t")).toBe("<p>t</p>");
-    expect(await shows("[docs](https://example.org) [run](javascript:alert)")).toBe(
+    await check('<p style="position:fixed" class="menu-shield" id="app">over</p>', "<p>over</p>");
+    await check('a <svg width="9"><rect></rect></svg><button>b</button>', "<p>a b</p>");
+    await check("<img src=x onerror=alert(1)><script>alert(1)</script>t", "<p>t</p>");
+    await check(
+      "[docs](https://example.org) [run](javascript:alert)",
       '<p><a href="https://example.org" target="_blank" rel="noopener noreferrer">docs</a> <a>run</a></p>',
     );
-    expect(await shows("- [x] **done**")).toBe("<ul>\n<li>☑ <strong>done</strong></li>\n</ul>");
+    await check("- [x] **done**", "<ul>\n<li>☑ <strong>done</strong></li>\n</ul>");
   },
 );
