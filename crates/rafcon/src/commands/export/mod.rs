@@ -27,14 +27,13 @@ pub(super) fn export(raw: &cli::Export, environment: &Environment) -> Result<Exi
             )?;
             Ok(())
         };
-        match &raw.output {
-            Some(path) => to_file(path, |file| copy(&mut &*file))?,
-            None => {
-                no_terminal(raw.format)?;
-                let mut out = io::stdout().lock();
-                copy(&mut out)?;
-                out.flush()?;
-            }
+        if let Some(path) = &raw.output {
+            to_file(path, |file| copy(&mut &*file))?;
+        } else {
+            no_terminal(raw.format)?;
+            let mut out = io::stdout().lock();
+            copy(&mut out)?;
+            out.flush()?;
         }
         return Ok(ExitCode::SUCCESS);
     }

@@ -73,16 +73,13 @@ fn print(
         }
         Ok(())
     };
-    let whole = match Keeper::named(&run.remote, &run.runs, environment)? {
-        Some(keeper) => {
-            let kept = keeper.run(&run.run)?;
-            each_found(|show| kept.find(filter, show), last, &mut show)?
-        }
-        None => {
-            let mut reader = open(run, environment)?;
-            each_found(|show| reader.find_all(filter, show).map(Ok), last, &mut show)?
-                .and_then(|()| Ok(reader.check()?))
-        }
+    let whole = if let Some(keeper) = Keeper::named(&run.remote, &run.runs, environment)? {
+        let kept = keeper.run(&run.run)?;
+        each_found(|show| kept.find(filter, show), last, &mut show)?
+    } else {
+        let mut reader = open(run, environment)?;
+        each_found(|show| reader.find_all(filter, show).map(Ok), last, &mut show)?
+            .and_then(|()| Ok(reader.check()?))
     };
     out.flush()?;
     whole.map(|()| ExitCode::SUCCESS)
