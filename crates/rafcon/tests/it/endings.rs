@@ -61,7 +61,7 @@ fn global_variables_of_the_command_line_are_there_from_the_start() {
     "]]
     .assert_eq(&place.run(r#"--global word=["a",1]"#).ending());
     let told = place.run(r#"--global word=["a",1] --output json"#).stdout;
-    assert!(told.contains(r#""type":"global","name":"word","value":["a",1]"#), "{told}");
+    assert!(told.contains(r#""globals":{"word":["a",1]}"#), "{told}");
 }
 
 #[test]
