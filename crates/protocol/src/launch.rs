@@ -65,4 +65,45 @@ pub struct Launch {
     /// Whether others may join the run, by the socket in its folder.
     #[serde(default)]
     pub listen: bool,
+    /// The folders, without links in their paths, in which machine and libraries and every file of theirs have to lie,
+    /// whatever links say; `None`: anywhere. Who starts runs for others names them.
+    #[serde(default)]
+    pub homes: Option<Vec<PathBuf>>,
+}
+
+/// How the first state of a run is entered: kept by the run, so that one that dies before that can begin like this.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Beginning {
+    /// See [`Launch::start_from`].
+    #[serde(default)]
+    pub start_from: Option<String>,
+    /// See [`Launch::afterwards`].
+    #[serde(default)]
+    pub afterwards: Afterwards,
+    /// See [`Launch::inputs`].
+    #[serde(default)]
+    pub inputs: Vec<(String, serde_json::Value)>,
+    /// See [`Launch::globals`].
+    #[serde(default)]
+    pub globals: Vec<(String, serde_json::Value)>,
+    /// See [`Launch::hold`].
+    #[serde(default)]
+    pub hold: bool,
+    /// See [`Launch::breakpoints`].
+    #[serde(default)]
+    pub breakpoints: Vec<Breakpoint>,
+}
+
+impl Launch {
+    /// How its first state is entered.
+    pub fn beginning(&self) -> Beginning {
+        Beginning {
+            start_from: self.start_from.clone(),
+            afterwards: self.afterwards,
+            inputs: self.inputs.clone(),
+            globals: self.globals.clone(),
+            hold: self.hold,
+            breakpoints: self.breakpoints.clone(),
+        }
+    }
 }

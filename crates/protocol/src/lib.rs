@@ -30,7 +30,7 @@ pub use event::{
 };
 pub use frame::{FrameError, decode, encode};
 pub use hello::{Hello, VERSION, VersionMismatch};
-pub use launch::Launch;
+pub use launch::{Beginning, Launch};
 pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};
 pub use run::{Afterwards, Crash, Keeping, OnCrash, Resume};

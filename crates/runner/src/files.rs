@@ -24,11 +24,6 @@ impl StateFiles {
         Self { machine, saved: Arc::new(RwLock::new(saved.map(Arc::new))), libraries }
     }
 
-    /// The same for a copy of the machine that lay in `origin`.
-    pub(crate) fn copied_from(self, origin: PathBuf) -> Self {
-        Self { machine: origin, ..self }
-    }
-
     /// The folder of the machine; empty for one that no file has.
     pub fn machine(&self) -> &Path {
         &self.machine

@@ -80,6 +80,7 @@ fn begin<H: Host>(
     }
     let loaded = loaded(launch, &machine, problems);
     let document = Document::new(machine.clone(), Arc::clone(&program), source);
+    let is_kept = resumed.as_ref().is_some_and(|resumed| resumed.kept_machine().is_some());
     let (recorder, past) = record(launch, &machine, clock, resumed)?;
     let keeping = recorder.keeping();
     let values = launch.run_folder.as_ref().map(|folder| folder.join(VALUES_FOLDER));
@@ -93,12 +94,22 @@ fn begin<H: Host>(
     let from = past.as_ref().map_or(0, |past| past.taken_up.sequence) + 1;
     let driver = Driver::new(document, host.open(opening), clock, active, recorder);
     H::opened(&driver);
-    driver.keep_first_root(files);
+    driver.keep_first_root(files, is_kept);
     let (door, closer) = open_door(launch)?.unzip();
     let answers = past.as_ref().map(Past::answers).unwrap_or_default();
     let begun = Begun { driver, loaded, from, answers, signals: stop::take_over()?, door, closer };
-    set_out(&begun.driver, launch, start, past).map_err(ServeError::Load)?;
-    Ok(begun)
+    let is_new = past.is_none();
+    match set_out(&begun.driver, launch, start, past) {
+        Ok(()) => Ok(begun),
+        Err(why) => {
+            // A run that never began leaves no journal.
+            let journal = begun.driver.recorder().journal().filter(|_| is_new);
+            Err(ServeError::Load(match journal.map(|journal| journal.discard()) {
+                Some(Err(error)) => format!("{why}; its journal stays: {}", reason(&error)),
+                Some(Ok(())) | None => why,
+            }))
+        }
+    }
 }
 
 fn loaded(launch: &Launch, machine: &Machine, problems: Vec<String>) -> ToViewer {
@@ -216,12 +227,12 @@ fn set_out<S: Scripts>(
     start: Start<S::Value>,
     past: Option<Past>,
 ) -> Result<(), String> {
-    launch.breakpoints.iter().try_for_each(|breakpoint| driver.set_breakpoint(breakpoint))?;
     if let Some(past) = past {
-        past.go_on(driver, launch.hold)?;
+        past.go_on(driver, start, launch.hold)?;
         driver.scripts().note_globals();
         return Ok(());
     }
+    launch.breakpoints.iter().try_for_each(|breakpoint| driver.set_breakpoint(breakpoint))?;
     driver.set_globals(&launch.globals)?;
     driver.scripts().note_globals();
     driver.input(Input::Start(start))

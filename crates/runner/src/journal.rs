@@ -46,6 +46,8 @@ fn about(launch: &Launch, folder: &Path, machine: &Machine, clock: Clock) -> Abo
         libraries: launch.libraries.clone(),
         config: launch.config.clone(),
         size_max: launch.size_max,
+        homes: launch.homes.clone(),
+        beginning: launch.beginning(),
         ..About::default()
     }
 }

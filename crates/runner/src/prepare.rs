@@ -4,7 +4,8 @@ use crate::{Built, Host, StateFiles, limits};
 use rafcon_engine::{Start, Then};
 use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
 use rafcon_protocol::{Afterwards, Launch};
-use rafcon_storage::{Config, Libraries, Loaded, Root, Saved, config, load, roots};
+use rafcon_storage::journal::Packed;
+use rafcon_storage::{Config, Libraries, Loaded, Saved, config, load, load_packed, roots};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -43,33 +44,32 @@ impl Source {
     }
 }
 
-/// A copy of a machine that is run instead of the original.
-#[derive(Debug)]
-pub(crate) struct Copied {
-    pub(crate) machine: PathBuf,
-    pub(crate) libraries: Vec<Root>,
-}
-
-/// Reads config, libraries and machine; the error is for people.
+/// Reads config, libraries and machine, from what the run has kept of them if it has; the error is for people.
 pub(crate) fn prepare<H: Host>(
     host: &mut H,
     launch: &Launch,
-    copied: Option<&Copied>,
+    packed: Option<Packed>,
 ) -> Result<Prepared<crate::HostValue<H>>, String> {
     let environment = |name: &str| std::env::var_os(name)?.into_string().ok();
     let (config, _file) =
         config::find(launch.config.as_deref(), &environment).map_err(|error| reason(&error))?;
-    if let Some(built) = host.built().filter(|_| copied.is_none()) {
+    if let Some(built) = host.built().filter(|_| packed.is_none()) {
         return ready(host, launch, built, config);
     }
     let (roots, notes) = roots(&config, &environment, &launch.libraries);
     let folder = absolute(&launch.machine)?;
-    let own = Arc::new(Libraries::new(roots));
-    let (machine, libraries) = match copied {
-        Some(copied) => (&copied.machine, Arc::new(Libraries::new(copied.libraries.clone()))),
-        None => (&launch.machine, Arc::clone(&own)),
+    let own = Arc::new(match &launch.homes {
+        Some(homes) => Libraries::new(roots).within(homes.clone()),
+        None => Libraries::new(roots),
+    });
+    let (loaded, libraries) = match packed.map(Arc::new) {
+        Some(packed) => {
+            let libraries = Libraries::new(own.roots().to_vec()).packed(Arc::clone(&packed));
+            (load_packed(&packed, Packed::MACHINE, &folder, &libraries), Arc::new(libraries))
+        }
+        None => (load(&launch.machine, &own), Arc::clone(&own)),
     };
-    let loaded = load(machine, &libraries).map_err(|error| reason(&error))?;
+    let loaded = loaded.map_err(|error| reason(&error))?;
     let problems = lines(&config.notes)
         .chain(lines(&notes))
         .chain(lines(&loaded.problems))
@@ -77,10 +77,7 @@ pub(crate) fn prepare<H: Host>(
         .chain(limits::faults(&loaded.machine))
         .collect();
     let start = start(host, launch)?;
-    let mut files = StateFiles::new(Some(loaded.saved), libraries);
-    if copied.is_some() {
-        files = files.copied_from(folder.clone());
-    }
+    let files = StateFiles::new(Some(loaded.saved), libraries);
     let source = Some(Source { folder, libraries: own, files: files.clone() });
     Ok(Prepared { machine: loaded.machine, files, problems, start, config, source })
 }

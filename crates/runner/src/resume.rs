@@ -5,7 +5,7 @@ use crate::commands::Answers;
 use crate::driver::NotTaken;
 use crate::journal::options;
 use crate::obey::Order;
-use crate::prepare::{Copied, Prepared, prepare, reason};
+use crate::prepare::{Prepared, prepare, reason};
 use crate::recorder::Recorder;
 use crate::revive::{Reviver, Surroundings};
 use crate::written::Beside;
@@ -13,20 +13,18 @@ use crate::{Driver, Host, Scripts, tell};
 use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start, Status};
 use rafcon_model::OutcomeId;
 use rafcon_protocol::{
-    Answer, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
+    Answer, Beginning, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
 };
 use rafcon_storage::journal::{
-    About, Hash, Journal, JournalError, Kept, Moment, Place, Reader, Record, TakenUp, unpack,
+    About, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader, Record, TakenUp,
 };
 use smol_str::SmolStr;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// After its root was left a run does not say more than this.
 const LAST_EVENTS: u64 = 10_000;
-/// Where the machine of a run lies while it is run again, in the run's folder.
-const MACHINE_FOLDER: &str = "taken-up";
 
 /// A journal that a runner goes on with, and the moment from which.
 pub(crate) struct Resumed {
@@ -75,22 +73,32 @@ impl Resumed {
         launch: &Launch,
     ) -> Result<Prepared<crate::HostValue<H>>, String> {
         let about = &self.taken_up.about;
+        let has_entered = self.last.entries() > 0;
+        // Its first state may be gone since it was entered.
+        let Beginning { start_from, afterwards, hold, .. } =
+            if has_entered { Beginning::default() } else { about.beginning.clone() };
         let launch = &Launch {
             machine: about.machine.clone(),
             libraries: about.libraries.clone(),
             config: launch.config.clone().or_else(|| about.config.clone()),
+            homes: about.homes.clone().or_else(|| launch.homes.clone()),
+            inputs: about.beginning.inputs.clone(),
+            start_from,
+            afterwards,
+            hold,
             ..launch.clone()
         };
-        let Some(hash) = self.last.whole().root.as_deref() else {
-            return prepare(host, launch, None);
-        };
-        let hash = Hash::parse(hash).ok_or_else(|| format!("{hash} is no hash of a machine"))?;
-        let folder = self.reader.folder();
-        let into = folder.join(MACHINE_FOLDER);
-        clear(&into)?;
-        let unpacked = unpack(folder, hash, &into).map_err(|error| reason(&error))?;
-        let copied = Copied { machine: unpacked.machine, libraries: unpacked.roots };
-        prepare(host, launch, Some(&copied))
+        let packed = self.kept_machine().map(|hash| {
+            let hash =
+                Hash::parse(hash).ok_or_else(|| format!("{hash} is no hash of a machine"))?;
+            Packed::read(self.reader.folder(), hash).map_err(|error| reason(&error))
+        });
+        prepare(host, launch, packed.transpose()?)
+    }
+
+    /// The hash of the machine that the run goes by, if it was kept.
+    pub(crate) fn kept_machine(&self) -> Option<&str> {
+        self.last.whole().root.as_deref()
     }
 
     /// The run's life goes on with this record.
@@ -141,10 +149,12 @@ impl Past {
         self.last.whole().answers.clone()
     }
 
-    /// Puts everything back and lets the run go on; the error is for people.
+    /// Puts everything back and lets the run go on, or begin by `start` if its first state was not entered; the error is for
+    /// people.
     pub(crate) fn go_on<S: Scripts>(
         mut self,
         driver: &Arc<Driver<S>>,
+        start: Start<S::Value>,
         hold: bool,
     ) -> Result<(), String> {
         let whole = self.last.whole();
@@ -157,7 +167,11 @@ impl Past {
             let line = tell::log(String::new(), LogLevel::Error, text);
             driver.recorder().push(driver.clock().now_ns(), [line]);
         }
-        whole.breakpoints.values().try_for_each(|point| driver.set_breakpoint(point))?;
+        let has_entered = self.last.entries() > 0;
+        let first = self.taken_up.about.beginning.breakpoints.iter().filter(|_| !has_entered);
+        first
+            .chain(whole.breakpoints.values())
+            .try_for_each(|point| driver.set_breakpoint(point))?;
         if let Some(from) = &self.from {
             let gone = driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
             return gone.map_err(|why| match why {
@@ -177,7 +191,11 @@ impl Past {
         let (root, around) = driver.revive(&self.reader, &self.last);
         driver.put_back(around);
         let Some(root) = root else {
-            return driver.input(Input::Start(Start { hold, ..Start::default() }));
+            if !has_entered {
+                driver.set_globals(&self.taken_up.about.beginning.globals)?;
+            }
+            let hold = hold || held || start.hold;
+            return driver.input(Input::Start(Start { hold, ..start }));
         };
         let crash = driver.scripts().failure(&crash_text(&self.crash)).error;
         let interrupted = match policy {
@@ -392,15 +410,6 @@ fn crash_text(crash: &Crash) -> String {
         active => format!("the scripts of {} were running", active.join(", ")),
     };
     format!("the runner of this run ended in the middle of it: {}; {active}", crash.reason)
-}
-
-fn clear(folder: &PathBuf) -> Result<(), String> {
-    match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(format!("cannot remove {}: {error}", folder.display()))
-        }
-        Ok(()) | Err(_) => Ok(()),
-    }
 }
 
 #[cfg(test)]

@@ -35,9 +35,12 @@ enum Wanted {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// The run begins with the machine that was read from these files.
-    pub(crate) fn keep_first_root(&self, files: StateFiles) {
+    /// The run begins, or goes on, with the machine that was read from these files; one that `is_kept` is not kept again.
+    pub(crate) fn keep_first_root(&self, files: StateFiles, is_kept: bool) {
         let files = self.roots().files.get_or_init(|| files);
+        if is_kept {
+            return;
+        }
         let machine = self.machine();
         let at_once = machine.count() <= AT_ONCE_MAX;
         let journal = self.recorder().journal().filter(|_| at_once);

@@ -20,6 +20,6 @@ pub use config::{Config, Environment, Naming};
 pub use libraries::{Libraries, Root, roots};
 pub use place::{Place, Saved};
 pub use problem::{Fault, LoadProblem, Wrong};
-pub use read::{LoadError, Loaded, fill_library, load, state_from_core_data};
+pub use read::{LoadError, Loaded, fill_library, load, load_packed, state_from_core_data};
 pub use write::core_data;
 pub use write::{FormatError, Formatted, SaveError, format, save};

@@ -2,9 +2,9 @@
 
 use super::house::{Actors, House, Viewer};
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Command, Event, OnCrash, ToRunner, ToViewer};
-use rafcon_storage::journal::Reader;
+use rafcon_protocol::{Breakpoint, Command, Event, Launch, OnCrash, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::RECORDER_FILE;
+use rafcon_storage::journal::{About, Journal, Options, Reader};
 use std::os::unix::net::UnixStream;
 
 /// Adds twice to a number; between that a script dies with its runner, in the first life.
@@ -118,6 +118,110 @@ fn interrupted_states_run_again_with_the_data_they_had() {
         -ROOT=done
         finished done {"sum":42,"why":null}
     "#]],
+    );
+}
+
+/// Adds to what it is given, unless it begins at its second state.
+const GIVEN: &str = "
+hierarchy ROOT
+  outcome done
+  in number: int
+  out sum: int
+  start -> A
+  A.ok -> C
+  C.ok -> .done
+  flow .number -> C.number
+  flow C.number -> .sum
+  execution A \"show\"
+    outcome ok
+    in why: object
+    out why: object
+  execution C \"add\"
+    outcome ok
+    in number: int
+    out number: int
+";
+
+/// A run that died when its journal was made and nothing had happened, taken up; it goes on after it was held with this text.
+fn check_blank(change: impl FnOnce(Launch) -> Launch, held: Option<&str>, expect: &Expect) {
+    let house = House::new(GIVEN);
+    let number = ("number".to_owned(), 6.into());
+    let launch = change(Launch { inputs: vec![number], ..house.launch() });
+    let about = About {
+        machine: house.machine(),
+        config: launch.config.clone(),
+        beginning: launch.beginning(),
+        ..About::default()
+    };
+    drop(Journal::create(&house.run_folder(), &about, &Options::default()).unwrap());
+    let commands = held.map(|held| (held, Command::Resume { branch: None }));
+    check(&house, (OnCrash::Ask, None), commands.as_slice(), expect);
+}
+
+#[test]
+fn a_run_that_died_before_anything_had_happened_begins_as_it_was_asked_to() {
+    check_blank(
+        |launch| launch,
+        None,
+        &expect![[r#"
+            life 2 after a crash of ROOT/B: Ask
+            +ROOT
+            +ROOT/A
+            -ROOT/A=ok
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done {"sum":7}
+        "#]],
+    );
+    let start_from = Some("ROOT/C".to_owned());
+    check_blank(
+        |launch| Launch { start_from, ..launch },
+        None,
+        &expect![[r#"
+            life 2 after a crash of ROOT/B: Ask
+            +ROOT
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done {"sum":7}
+        "#]],
+    );
+    let held = Some("ROOT is held before ROOT/A by Start");
+    check_blank(
+        |launch| Launch { hold: true, ..launch },
+        held,
+        &expect![[r#"
+            life 2 after a crash of ROOT/B: Ask
+            +ROOT
+            ROOT is held before ROOT/A by Start
+            +ROOT/A
+            -ROOT/A=ok
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done {"sum":7}
+        "#]],
+    );
+    let breakpoint = serde_json::json!({ "id": 1, "path": "ROOT/C" });
+    let breakpoints: Vec<Breakpoint> = vec![serde_json::from_value(breakpoint).unwrap()];
+    let held = Some("ROOT is held before ROOT/C by Breakpoint { id: 1 }");
+    check_blank(
+        |launch| Launch { breakpoints, ..launch },
+        held,
+        &expect![[r#"
+            life 2 after a crash of ROOT/B: Ask
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/C", when: Before, condition: None, hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            +ROOT
+            +ROOT/A
+            -ROOT/A=ok
+            Hit { breakpoint: 1, path: "ROOT/C", hits: 1, held: true }
+            ROOT is held before ROOT/C by Breakpoint { id: 1 }
+            +ROOT/C
+            -ROOT/C=ok
+            -ROOT=done
+            finished done {"sum":7}
+        "#]],
     );
 }
 

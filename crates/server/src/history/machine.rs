@@ -1,4 +1,4 @@
-//! `GET …/machine`: a machine as a run has kept it. Unpacked and read once, then in memory for whoever asks next.
+//! `GET …/machine`: a machine as a run has kept it. Read once, then in memory for whoever asks next.
 //!
 //! Knows machines by their hash. Must never know what they mean.
 
@@ -15,8 +15,8 @@ use parking_lot::Mutex;
 use rafcon_protocol::api::{KeptMachineQuery, Refusal};
 use rafcon_protocol::document::Document;
 use rafcon_protocol::{Event, Keeping};
-use rafcon_storage::journal::{Filter, Found, Hash, Reader, Search, unpack};
-use rafcon_storage::{Libraries, load};
+use rafcon_storage::journal::{Filter, Found, Hash, Packed, Reader, Search};
+use rafcon_storage::{Libraries, load_packed};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::path::{Path as FilePath, PathBuf};
@@ -37,8 +37,8 @@ const AGAIN: Duration = Duration::from_millis(50);
 /// Machines of runs as JSON.
 #[derive(Debug, Default)]
 pub(super) struct Machines {
-    /// Held while one is unpacked: whoever asks for the same meanwhile finds it.
-    unpacking: Mutex<()>,
+    /// Held while one is read: whoever asks for the same meanwhile finds it.
+    reading: Mutex<()>,
     /// The one that was asked for last is at the back.
     kept: Mutex<VecDeque<Kept>>,
 }
@@ -85,11 +85,11 @@ async fn machine(
         None => began_with(&house, &run, &folder).await?,
     };
     let History { readers, machines, .. } = &house.history;
-    let (machines, scratch) = (Arc::clone(machines), house.settings.state.clone());
+    let machines = Arc::clone(machines);
     readers
         .read_slowly(folder, move |reader| {
             let folder = reader.folder().to_owned();
-            machines.document(&Which { folder, hash, library: query.library }, &scratch).map(Json)
+            machines.document(&Which { folder, hash, library: query.library }).map(Json)
         })
         .await
 }
@@ -143,16 +143,16 @@ impl Machines {
         self.kept.lock().retain(|kept| kept.which.folder != folder);
     }
 
-    /// A machine as JSON; what is unpacked lies in `scratch` for a moment.
-    fn document(&self, which: &Which, scratch: &FilePath) -> Result<Bytes, Failure> {
+    /// A machine as JSON.
+    fn document(&self, which: &Which) -> Result<Bytes, Failure> {
         if let Some(document) = self.known(which) {
             return Ok(document);
         }
-        let _alone = self.unpacking.lock();
+        let _alone = self.reading.lock();
         if let Some(document) = self.known(which) {
             return Ok(document);
         }
-        let document = unpacked(which, scratch)?;
+        let document = read(which)?;
         self.keep(Kept { which: which.clone(), document: document.clone() });
         Ok(document)
     }
@@ -176,33 +176,27 @@ impl Machines {
     }
 }
 
-fn unpacked(which: &Which, scratch: &FilePath) -> Result<Bytes, Failure> {
-    let no_room = |error: std::io::Error| {
-        let message = format!("cannot unpack the machine below {}: {error}", scratch.display());
-        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_room", message)
-    };
-    let place = tempfile::Builder::new().prefix("machine-").tempdir_in(scratch).map_err(no_room)?;
-    let unpacked = unpack(&which.folder, which.hash, place.path())?;
-    let libraries = Libraries::new(unpacked.roots);
-    let machine = match &which.library {
-        None => unpacked.machine,
-        Some(library) => library_folder(&libraries, library)?,
+fn read(which: &Which) -> Result<Bytes, Failure> {
+    let packed = Arc::new(Packed::read(&which.folder, which.hash)?);
+    let folder = match &which.library {
+        None => Packed::MACHINE.to_owned(),
+        Some(library) => library_folder(&packed, library)?,
     };
     let unreadable = |error: &dyn std::error::Error| {
         let message = format!("what the run has kept cannot be read: {}", reason(error));
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "machine_unreadable", message)
     };
-    let loaded = load(&machine, &libraries).map_err(|error| unreadable(&error))?;
-    let text = document_text(&loaded.machine);
+    let libraries = Libraries::default().packed(Arc::clone(&packed));
+    let loaded = load_packed(&packed, &folder, FilePath::new(&folder), &libraries);
+    let text = document_text(&loaded.map_err(|error| unreadable(&error))?.machine);
     Ok(text.map_err(|error| unreadable(&error))?.into())
 }
 
-/// Where a library lies that was unpacked.
-fn library_folder(libraries: &Libraries, library: &str) -> Result<PathBuf, Failure> {
-    let leads_inside = |part: &str| !matches!(part, "" | "." | "..");
-    let parts = library.rsplit_once('/').filter(|_| library.split('/').all(leads_inside));
-    let folder = parts.and_then(|(path, name)| libraries.folder(path, name).ok());
-    folder.filter(|folder| folder.is_dir()).ok_or_else(|| {
+/// Where a library lies that a library state names like this.
+fn library_folder(packed: &Packed, library: &str) -> Result<String, Failure> {
+    let folder =
+        library.rsplit_once('/').and_then(|(path, name)| packed.library_folder(path, name));
+    folder.ok_or_else(|| {
         let message =
             format!("the run has kept no library `{library}`: a library state says path and name");
         Failure::not_found("no_such_library", message)

@@ -2,7 +2,7 @@
 
 use super::error::{Doing, JournalError};
 use super::folder::{ABOUT_FILE, replace_file};
-use rafcon_protocol::{Keeping, OnCrash};
+use rafcon_protocol::{Beginning, Keeping, OnCrash};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -55,6 +55,12 @@ pub struct About {
     /// The journal's size beyond which old detail is given up, if it was chosen.
     #[serde(default)]
     pub size_max: Option<u64>,
+    /// The folders in which everything that is loaded has to lie; nothing: anywhere.
+    #[serde(default)]
+    pub homes: Option<Vec<PathBuf>>,
+    /// How its first state was to be entered: a run that died before that begins like this.
+    #[serde(default)]
+    pub beginning: Beginning,
 }
 
 impl About {

@@ -93,6 +93,11 @@ impl Database {
         Ok(Self::known(folder, OpenFlags::SQLITE_OPEN_READ_ONLY)?.checked()?.0)
     }
 
+    /// Opens one that may have no tables yet.
+    pub(super) fn open_unchecked(folder: &Path) -> Result<Self, JournalError> {
+        Self::known(folder, OpenFlags::SQLITE_OPEN_READ_ONLY)
+    }
+
     fn known(folder: &Path, flags: OpenFlags) -> Result<Self, JournalError> {
         if folder.join(DATABASE_FILE).exists() {
             Self::open_with(folder, flags)

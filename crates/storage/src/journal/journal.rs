@@ -3,10 +3,11 @@
 
 use super::about::About;
 use super::batch::Batch;
+use super::blank::{discard, is_blank};
 use super::committer::Committer;
 use super::database::Database;
 use super::error::{Doing, Full, JournalError};
-use super::folder::{DATABASE_FILE, RECORDER_FILE, SPILL_FOLDER, make_folder, sync_folder};
+use super::folder::{RECORDER_FILE, SPILL_FOLDER, make_folder};
 use super::leftovers::Leftovers;
 use super::lock::RunLock;
 use super::pack::{Hash, Pack, Roots};
@@ -78,20 +79,27 @@ pub struct TakenUp {
 }
 
 impl Journal {
-    /// Begins the journal of a new run in `folder`, which is made if it is not there.
+    /// Begins the journal of a new run in `folder`, which is made if it is not there. A journal without an event is replaced:
+    /// its runner died before anything happened.
     pub fn create(folder: &Path, about: &About, options: &Options) -> Result<Self, JournalError> {
         make_folder(folder)?;
         let lock = RunLock::take(folder)?;
-        if folder.join(DATABASE_FILE).exists() {
+        if !is_blank(folder)? {
             return Err(JournalError::Exists { folder: folder.to_owned() });
         }
-        about.write(folder)?;
+        discard(folder)?;
         let mut database = Database::create(folder)?;
         let life = database.begin_life(1)?;
         let recorder = Recorder::create(folder, options.recorder_bytes, life, 1)?;
         let committer = Committer::new(folder, database, options.size_max)?;
-        sync_folder(folder)?;
+        // The last step: what has this file has all the others.
+        about.write(folder)?;
         Ok(Self::new(lock, recorder, committer, folder))
+    }
+
+    /// Gives the journal up: the run was refused before anything happened. Nothing is to be appended after this.
+    pub fn discard(&self) -> Result<(), JournalError> {
+        discard(&self.folder)
     }
 
     /// Takes up the run in `folder` after its runner ended, with all that this had appended.

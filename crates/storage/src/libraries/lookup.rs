@@ -2,9 +2,10 @@
 
 use super::roots::Root;
 use crate::files::HEADER;
+use crate::journal::Packed;
 use crate::place::Saved;
 use crate::problem::LoadProblem;
-use crate::read::load_folder;
+use crate::read::{load_folder, load_packed_folder};
 use parking_lot::Mutex;
 use rafcon_model::State;
 use smol_str::{SmolStr, ToSmolStr as _, format_smolstr};
@@ -21,6 +22,7 @@ const MAX_NESTING: usize = 100;
 pub struct Libraries {
     roots: Vec<Root>,
     homes: Option<Vec<PathBuf>>,
+    packed: Option<Arc<Packed>>,
     known: Mutex<BTreeMap<PathBuf, Arc<Parsed>>>,
     answers: Mutex<BTreeMap<(SmolStr, SmolStr), Answer>>,
 }
@@ -70,6 +72,12 @@ impl Libraries {
     #[must_use]
     pub fn within(self, homes: Vec<PathBuf>) -> Self {
         Self { homes: Some(homes), ..self }
+    }
+
+    /// The same, read from what a run has kept and never from the disk: the roots say only where the files lay.
+    #[must_use]
+    pub fn packed(self, packed: Arc<Packed>) -> Self {
+        Self { packed: Some(packed), ..self }
     }
 
     /// Where everything has to lie; nothing: anywhere.
@@ -135,7 +143,7 @@ impl Libraries {
             Ok(dir) if loading.contains(&dir) => {
                 return Err(format_smolstr!("{} contains itself", dir.display()));
             }
-            Ok(dir) => self.read(&dir, loading),
+            Ok(dir) => self.read(&dir, (path, name), loading),
         };
         self.answers.lock().entry(key).or_insert(answer).clone()
     }
@@ -146,7 +154,12 @@ impl Libraries {
         answer?.ok()
     }
 
+    /// What tells the library from all others: the folder where it really lies, or that in the pack.
     fn existing(&self, path: &str, name: &str) -> Result<PathBuf, SmolStr> {
+        if let Some(packed) = &self.packed {
+            let folder = packed.library_folder(path, name).map(PathBuf::from);
+            return folder.ok_or_else(|| format_smolstr!("the run has kept no {path}/{name}"));
+        }
         let dir = self.folder(path, name)?;
         let found = fs::canonicalize(&dir);
         let found = found.map_err(|error| format_smolstr!("{}: {error}", dir.display()))?;
@@ -157,7 +170,7 @@ impl Libraries {
         }
     }
 
-    fn read(&self, dir: &Path, loading: &Loading<'_>) -> Answer {
+    fn read(&self, dir: &Path, (path, name): (&str, &str), loading: &Loading<'_>) -> Answer {
         if let Some(parsed) = self.known.lock().get(dir) {
             return Ok(Arc::clone(parsed));
         }
@@ -165,7 +178,14 @@ impl Libraries {
             return Err(format_smolstr!("libraries nest deeper than {MAX_NESTING} levels"));
         }
         let within = Loading::within(dir.to_owned(), loading);
-        let loaded = load_folder(dir, self, &within).map_err(|error| error.to_smolstr())?;
+        let loaded = match &self.packed {
+            Some(packed) => {
+                let lay = self.folder(path, name).unwrap_or_else(|_no_root| dir.to_owned());
+                load_packed_folder(packed, &dir.to_string_lossy(), &lay, self, &within)
+            }
+            None => load_folder(dir, self, &within),
+        };
+        let loaded = loaded.map_err(|error| error.to_smolstr())?;
         let parsed = Arc::new(Parsed {
             root: loaded.machine.root,
             version: loaded.machine.header.version,

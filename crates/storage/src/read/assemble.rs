@@ -3,7 +3,7 @@
 
 use super::library_content::Contents;
 use super::load::file_of;
-use super::walk::Node;
+use super::state_files::Node;
 use crate::files::Part;
 use crate::libraries::{Libraries, Loading};
 use crate::place::Place;

@@ -242,6 +242,18 @@ mod tests {
     }
 
     #[test]
+    fn a_device_without_an_end_is_never_read_to_its_end() {
+        let place = tempfile::tempdir().unwrap();
+        for file in ["statemachine.json", "core_data.json"] {
+            fs::write(place.path().join(file), "{}").unwrap();
+        }
+        symlink("/dev/zero", place.path().join("script.py")).unwrap();
+        let said = load(place.path(), &Libraries::default()).unwrap_err().to_string();
+        let unfit = "script.py is not a regular file of at most 64 MiB";
+        assert!(said.contains(unfit), "{said}");
+    }
+
+    #[test]
     fn no_interrupted_save_is_finished_with_what_lies_outside() {
         let staged =
             said(|state| symlink("../../outside", state.join("..").join(STAGING)).unwrap());

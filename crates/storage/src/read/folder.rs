@@ -91,7 +91,11 @@ impl<'h> FileReader<'h> {
         // A pipe in the place of a file has nothing to read, and nobody waits for it.
         let file = self.bounds.open(dir, path, OFlags::NONBLOCK)?;
         self.bounds.admit(&file, path)?;
-        Ok(self.fill(&file)?)
+        fill(&mut self.bytes, &file).map_err(|error| match error {
+            // Not what the system says of a file, but of a device that has no end.
+            Errno::NXIO => Unread::Unfit(path.to_owned()),
+            error => error.into(),
+        })
     }
 
     /// Whether there is `folder/file` in `dir`.
@@ -108,21 +112,25 @@ impl<'h> FileReader<'h> {
         }
         self.path.extend_from_slice(file.as_bytes());
     }
+}
 
-    /// One read is enough for a file that is smaller than the buffer: a regular file gives all it has.
-    fn fill(&mut self, file: &OwnedFd) -> Result<usize, Errno> {
-        let mut length = 0;
-        loop {
-            let free = self.bytes.len() - length;
-            let count = match read(file, &mut self.bytes[length..]) {
-                Err(Errno::INTR) => continue,
-                other => other?,
-            };
-            length += count;
-            if count < free {
-                return Ok(length);
-            }
-            self.bytes.resize(self.bytes.len() * 2, 0);
+/// Reads a file into the buffer; how many bytes it has. One read is enough for a file that is smaller than the buffer: a
+/// regular file gives all it has. One that is larger and not regular may have no end, and is refused by `NXIO`.
+fn fill(bytes: &mut Vec<u8>, file: &OwnedFd) -> Result<usize, Errno> {
+    let mut length = 0;
+    loop {
+        let free = bytes.len() - length;
+        let count = match read(file, &mut bytes[length..]) {
+            Err(Errno::INTR) => continue,
+            other => other?,
+        };
+        length += count;
+        if count < free {
+            return Ok(length);
         }
+        if FileType::from_raw_mode(fstat(file)?.st_mode) != FileType::RegularFile {
+            return Err(Errno::NXIO);
+        }
+        bytes.resize(bytes.len() * 2, 0);
     }
 }

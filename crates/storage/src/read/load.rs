@@ -6,7 +6,8 @@ use super::bounds::{Bounds, Unread};
 use super::confine;
 use super::folder::{self, FileReader};
 use super::header;
-use super::walk::{Node, compact_layout, parse, walk};
+use super::state_files::{Node, compact_layout, parse};
+use super::walk::walk;
 use crate::files::{HEADER, MACHINE_LAYOUT, Part, YAML_HEADER};
 use crate::libraries::{Libraries, Loading};
 use crate::place::Saved;
@@ -146,15 +147,25 @@ fn load_open(
     loading: &Loading<'_>,
 ) -> Result<Loaded, LoadError> {
     let bounds = Bounds(libraries.homes());
-    let head = read_header(&fd, dir, bounds)?;
-    let mut problems = head.problems;
+    let mut files = FileReader::new(bounds);
+    let mut head = read_header(dir, |file| {
+        let bytes = files.read(&fd, OsStr::new(""), file);
+        bytes
+            .map(|bytes| bytes.map(<[u8]>::to_vec))
+            .map_err(|why| LoadError::unread(dir, Path::new(file), why))
+    })?;
     let (nodes, elsewhere) = find_root(&fd, dir, &head.root_folder, bounds)?;
     drop(fd);
     if elsewhere {
-        problems
-            .push(about_machine(Fault::RootElsewhere(head.root_folder.to_string_lossy().into())));
+        head.is_elsewhere();
     }
-    let Assembled { root, place, problems: more } = assemble(nodes, libraries, loading);
+    Ok(loaded(dir, head, assemble(nodes, libraries, loading)))
+}
+
+/// Header and states as one machine, whose files lie in `dir`.
+pub(super) fn loaded(dir: &Path, head: Head, assembled: Assembled) -> Loaded {
+    let Assembled { root, place, problems: more } = assembled;
+    let mut problems = head.problems;
     problems.extend(more);
     let machine = Machine { header: head.header, root };
     let saved = Saved {
@@ -162,10 +173,10 @@ fn load_open(
         header: machine.header.clone(),
         root: machine.root.clone(),
         place,
-        outdated: head.outdated || elsewhere,
+        outdated: head.outdated,
         stale: problems.iter().any(|problem| matches!(problem.fault, Fault::TakenId { .. })),
     };
-    Ok(Loaded { machine, problems, saved })
+    Loaded { machine, problems, saved }
 }
 
 /// The folder of the machine that `path` names.
@@ -182,22 +193,28 @@ pub(crate) fn machine_folder(path: &Path) -> Result<PathBuf, LoadError> {
 }
 
 /// What `statemachine.json` says.
-struct Head {
+pub(super) struct Head {
     header: Header,
     root_folder: OsString,
     outdated: bool,
     problems: Vec<LoadProblem>,
 }
 
-fn read_header(fd: &OwnedFd, dir: &Path, bounds: Bounds<'_>) -> Result<Head, LoadError> {
-    let mut files = FileReader::new(bounds);
+impl Head {
+    /// The root is not where the header says.
+    fn is_elsewhere(&mut self) {
+        self.outdated = true;
+        let folder = self.root_folder.to_string_lossy().into();
+        self.problems.push(about_machine(Fault::RootElsewhere(folder)));
+    }
+}
+
+/// Reads the header of the machine in `dir`; `read` gives its files by name.
+pub(super) fn read_header(
+    dir: &Path,
+    mut read: impl FnMut(&'static str) -> Result<Option<Vec<u8>>, LoadError>,
+) -> Result<Head, LoadError> {
     let mut faults = Vec::new();
-    let mut read = |file| -> Result<Option<Vec<u8>>, LoadError> {
-        let bytes = files.read(fd, OsStr::new(""), file);
-        bytes
-            .map(|b| b.map(<[u8]>::to_vec))
-            .map_err(|why| LoadError::unread(dir, Path::new(file), why))
-    };
     let Some(bytes) = read(HEADER)? else {
         let path = dir.to_owned();
         let is_yaml = read(YAML_HEADER)?.is_some();

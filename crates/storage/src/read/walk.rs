@@ -2,15 +2,12 @@
 //! tree of them.
 
 use super::bounds::{Bounds, Unread};
-use super::compact::compact;
-use super::decode::{Decoder, stand_in};
 use super::folder::{self, Entry, FileReader};
 use super::load::LoadError;
 use super::queue::Queue;
+use super::state_files::{Node, StateFiles, StateReader};
 use crate::files::{HEADER, Part, STAGING};
-use crate::place::Oddities;
 use crate::problem::Fault;
-use rafcon_model::{Json, Kind, Layout, State, json};
 use rustix::fd::OwnedFd;
 use rustix::fs::OFlags;
 use std::ffi::{OsStr, OsString};
@@ -24,21 +21,7 @@ pub(crate) const MAX_DEPTH: usize = 1024;
 /// So many waiting folders are worth a second thread.
 const WORTH_A_THREAD: usize = 24;
 /// More threads than this wait for the kernel, not for each other's work.
-const MAX_THREADS: usize = 8;
-
-/// A state as its folder tells it, without its children.
-#[derive(Debug)]
-pub(crate) struct Node {
-    /// Parents have lower numbers than their children.
-    pub(crate) number: usize,
-    pub(crate) parent: Option<usize>,
-    pub(crate) folder: OsString,
-    pub(crate) state: State,
-    pub(crate) faults: Vec<(Part, Fault)>,
-    pub(crate) oddities: Oddities,
-    /// Reached by a link, so that the same files may be another state, too.
-    pub(crate) linked: bool,
-}
+pub(crate) const MAX_THREADS: usize = 8;
 
 /// A folder to be read, and the open folder it lies in.
 #[derive(Debug)]
@@ -114,7 +97,7 @@ impl Walk<'_> {
     /// Reads waiting folders until none is left, calling `between` before each.
     fn work(&self, mut between: impl FnMut()) -> Result<Vec<Node>, LoadError> {
         let files = FileReader::new(self.bounds);
-        let mut reader = Reader { files, decoder: Decoder::default(), text: String::new() };
+        let mut reader = Reader { files, states: StateReader::default() };
         let mut nodes = Vec::new();
         while let Some(item) = self.queue.next() {
             between();
@@ -137,8 +120,7 @@ impl Walk<'_> {
 /// What one thread reads with.
 struct Reader<'h> {
     files: FileReader<'h>,
-    decoder: Decoder,
-    text: String,
+    states: StateReader,
 }
 
 impl Reader<'_> {
@@ -149,102 +131,30 @@ impl Reader<'_> {
         next: &AtomicUsize,
         children: &mut Vec<Item>,
     ) -> Result<Option<Node>, Unread> {
-        let mut faults = Vec::new();
-        let mut oddities = Oddities::default();
         if item.parent.is_some() && self.files.exists(&item.dir.fd, &item.folder, HEADER) {
             return Ok(None); // another machine, not a state of this one
         }
-        let core = self.core(item, &mut faults, &mut oddities)?;
-        let Some(mut state) = core else { return Ok(None) };
+        let mut files = InFolder { files: &mut self.files, item };
+        let Some(read) = self.states.read(&item.folder, &mut files)? else { return Ok(None) };
         let number = next.fetch_add(1, Ordering::Relaxed);
-        if let Kind::Execution(script) | Kind::Decider(script) = &mut state.kind {
-            script.text = self.script(item, &mut faults, &mut oddities)?;
-        }
-        state.layout = self.layout(item, &mut faults, &mut oddities)?;
-        state.semantic_data = self.semantic(item, &mut faults, &mut oddities)?;
-        if state.container().is_some() {
-            self::children(item, number, children, &mut faults, self.files.bounds())?;
-        }
-        let folder = item.folder.clone();
         let (parent, linked) = (item.parent, item.linked);
-        Ok(Some(Node { number, parent, folder, state, faults, oddities, linked }))
-    }
-
-    fn core(
-        &mut self,
-        item: &Item,
-        faults: &mut Vec<(Part, Fault)>,
-        oddities: &mut Oddities,
-    ) -> Result<Option<State>, Unread> {
-        let Some(bytes) = self.files.read(&item.dir.fd, &item.folder, Part::Core.file_name())?
-        else {
-            return Ok(None);
-        };
-        let folder = item.folder.to_string_lossy();
-        let decoded = parse(bytes).and_then(|document| self.decoder.state(&document, &folder));
-        faults.extend(self.decoder.faults.drain(..).map(|fault| (Part::Core, fault)));
-        let fault = match decoded {
-            Ok(state) => return Ok(Some(state)),
-            Err(fault) => fault,
-        };
-        oddities.verbatim.insert(Part::Core, bytes.into());
-        faults.push((Part::Core, fault));
-        let script = self.files.read(&item.dir.fd, &item.folder, Part::Script.file_name())?;
-        Ok(Some(stand_in(&folder, script.is_some())))
-    }
-
-    fn script(
-        &mut self,
-        item: &Item,
-        faults: &mut Vec<(Part, Fault)>,
-        oddities: &mut Oddities,
-    ) -> Result<Option<Arc<str>>, Unread> {
-        let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Script.file_name())?;
-        let Some(bytes) = bytes else { return Ok(None) };
-        if let Ok(text) = std::str::from_utf8(bytes) {
-            return Ok(Some(self.decoder.interner.text(text)));
+        let mut node = read.node(number, parent, item.folder.clone(), linked);
+        if node.state.container().is_some() {
+            self::children(item, number, children, &mut node.faults, self.files.bounds())?;
         }
-        faults.push((Part::Script, Fault::NotUtf8));
-        oddities.verbatim.insert(Part::Script, bytes.into());
-        Ok(Some(String::from_utf8_lossy(bytes).into()))
+        Ok(Some(node))
     }
+}
 
-    fn layout(
-        &mut self,
-        item: &Item,
-        faults: &mut Vec<(Part, Fault)>,
-        oddities: &mut Oddities,
-    ) -> Result<Layout, Unread> {
-        let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Layout.file_name())?;
-        let Some(bytes) = bytes else { return Ok(Layout::default()) };
-        match compact_layout(bytes, &mut self.text) {
-            Ok(layout) => Ok(layout),
-            Err(fault) => {
-                faults.push((Part::Layout, fault));
-                oddities.verbatim.insert(Part::Layout, bytes.into());
-                Ok(Layout::default())
-            }
-        }
-    }
+/// The files of the state in one folder of the disk.
+struct InFolder<'a, 'h> {
+    files: &'a mut FileReader<'h>,
+    item: &'a Item,
+}
 
-    fn semantic(
-        &mut self,
-        item: &Item,
-        faults: &mut Vec<(Part, Fault)>,
-        oddities: &mut Oddities,
-    ) -> Result<Option<Arc<Json>>, Unread> {
-        let bytes = self.files.read(&item.dir.fd, &item.folder, Part::Semantic.file_name())?;
-        let Some(bytes) = bytes else { return Ok(None) };
-        match parse(bytes) {
-            Ok(Json::Object(members)) if members.is_empty() => Ok(None),
-            Ok(document @ Json::Object(_)) => Ok(Some(Arc::new(document))),
-            other => {
-                let wrong = |found: Json| Fault::Wrong(crate::Wrong::NotAnObject(found.kind()));
-                faults.push((Part::Semantic, other.map_or_else(|fault| fault, wrong)));
-                oddities.verbatim.insert(Part::Semantic, bytes.into());
-                Ok(None)
-            }
-        }
+impl StateFiles for InFolder<'_, '_> {
+    fn read(&mut self, part: Part) -> Result<Option<&[u8]>, Unread> {
+        self.files.read(&self.item.dir.fd, &self.item.folder, part.file_name())
     }
 }
 
@@ -286,21 +196,4 @@ fn leads_back(dir: &Dir, name: &OsStr, bounds: Bounds<'_>) -> Result<bool, Unrea
         Err(Unread::Outside(link)) => Err(Unread::Outside(Path::new(&dir.name).join(link))),
         Err(Unread::Unfit(file)) => Err(Unread::Unfit(Path::new(&dir.name).join(file))),
     }
-}
-
-/// The document that a file holds.
-pub(crate) fn parse(bytes: &[u8]) -> Result<Json, Fault> {
-    let text = std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?;
-    json::parse(text).map_err(Fault::Malformed)
-}
-
-/// The layout that a file holds; `text` is scratch space.
-pub(crate) fn compact_layout(bytes: &[u8], text: &mut String) -> Result<Layout, Fault> {
-    let layout = std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?;
-    text.clear();
-    if layout.trim_start().starts_with('{') && compact(layout, text).is_some() {
-        return Ok(if text == "{}" { Layout::default() } else { Layout::from_text(text) });
-    }
-    let document = json::parse(layout).map_err(Fault::Malformed)?;
-    Err(Fault::Wrong(crate::Wrong::NotAnObject(document.kind())))
 }

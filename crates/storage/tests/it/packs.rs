@@ -4,9 +4,10 @@ use crate::arbitrary::{Shown, machine};
 use crate::folders::read;
 use proptest::prelude::*;
 use rafcon_model::{Kind, Library, Machine, notation};
-use rafcon_storage::journal::{About, Journal, Options, Packer, unpack};
-use rafcon_storage::{Libraries, Naming, Root, save};
+use rafcon_storage::journal::{About, Journal, Options, Packed, Packer};
+use rafcon_storage::{Libraries, Naming, Root, load_packed, save};
 use std::path::Path;
+use std::sync::Arc;
 
 fn options() -> Options {
     Options { recorder_bytes: 1 << 15, ..Options::default() }
@@ -38,8 +39,9 @@ fn again(machine: &Machine, known: &Libraries, folder: &Path) -> Machine {
     let pack = Packer::default().pack(machine, None, known);
     let hash = journal.keep_root(&pack).unwrap();
     assert_eq!(hash, pack.manifest.hash());
-    let unpacked = unpack(&folder.join("run"), hash, &folder.join("out")).unwrap();
-    read(&unpacked.machine, &Libraries::new(unpacked.roots)).machine
+    let packed = Arc::new(Packed::read(&folder.join("run"), hash).unwrap());
+    let libraries = Libraries::default().packed(Arc::clone(&packed));
+    load_packed(&packed, Packed::MACHINE, folder, &libraries).unwrap().machine
 }
 
 proptest! {

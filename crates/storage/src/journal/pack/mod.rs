@@ -4,13 +4,13 @@
 //! Knows machines and bytes. Must never know a run.
 
 mod manifest;
+pub(crate) mod packed;
 mod packer;
 mod store;
 #[cfg(test)]
 mod tests;
-mod unpack;
 
 pub use manifest::{Hash, Manifest};
+pub use packed::Packed;
 pub use packer::{Pack, Packer};
 pub(super) use store::Roots;
-pub use unpack::{Unpacked, unpack};

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// The folder of the machine itself.
 pub(super) const MACHINE: &str = "machine";
 /// The folder of the libraries; each lies below its library path.
-pub(super) const LIBRARIES: &str = "libraries";
+const LIBRARIES: &str = "libraries";
 
 /// A machine, ready to be kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -144,7 +144,7 @@ fn old_child<'m>(old: Option<Old<'m>>, id: &StateId) -> Option<Old<'m>> {
 }
 
 /// Where a library lies in a pack; `None` if its name leads out of any root.
-fn library_folder(path: &str, name: &str) -> Option<String> {
+pub(super) fn library_folder(path: &str, name: &str) -> Option<String> {
     let parts = path.split('/').chain(name.split('/'));
     let is_plain = |part: &str| !part.is_empty() && part != "." && part != "..";
     parts.clone().all(is_plain).then(|| {

@@ -1,9 +1,9 @@
 //! Journals that are not ours to write.
 
-use super::{SMALL, create};
+use super::{SMALL, append, create};
 use crate::journal::database::Database;
 use crate::journal::folder::{ABOUT_FILE, DATABASE_FILE};
-use crate::journal::{About, Journal, JournalError};
+use crate::journal::{About, Batch, Journal, JournalError};
 use expect_test::{Expect, expect};
 use std::fs;
 use std::path::Path;
@@ -66,7 +66,9 @@ fn what_is_no_journal_is_named() {
 #[test]
 fn a_run_is_begun_once() {
     let folder = tempfile::tempdir().unwrap();
-    create(folder.path()).close().unwrap();
+    let journal = create(folder.path());
+    append(&journal, &mut Batch::default(), [1]);
+    journal.close().unwrap();
     let refused = Journal::create(folder.path(), &About::default(), &SMALL).unwrap_err();
     assert!(matches!(refused, JournalError::Exists { .. }));
 }

@@ -1,0 +1,130 @@
+//! A kept machine in memory: its files by folder, as the database has them. Knows tables and files, no machines.
+
+use super::manifest::{Hash, Manifest};
+use super::packer::{MACHINE, library_folder};
+use super::store::manifest;
+use crate::files::{HEADER, MACHINE_LAYOUT, Part};
+use crate::journal::database::Database;
+use crate::journal::error::JournalError;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A machine as a run kept it, with the libraries that it uses.
+#[derive(Debug, Default)]
+pub struct Packed {
+    /// By folder: `machine`, or `libraries` and a library path, and the folders of states below.
+    folders: BTreeMap<String, Folder>,
+}
+
+/// The files of one folder.
+#[derive(Debug, Default)]
+pub(crate) struct Folder {
+    header: Option<Bytes>,
+    machine_layout: Option<Bytes>,
+    parts: [Option<Bytes>; Part::ALL.len()],
+}
+
+/// What many folders have in common is there once.
+type Bytes = Arc<[u8]>;
+
+impl Packed {
+    /// The folder of the machine itself.
+    pub const MACHINE: &str = MACHINE;
+
+    /// Reads the machine with this hash, as the run in the folder `run` kept it.
+    pub fn read(run: &Path, hash: Hash) -> Result<Self, JournalError> {
+        let mut database = Database::open_to_read(run)?;
+        let manifest = database.run(|connection| manifest(connection, hash))?;
+        let manifest = manifest.map_err(|what| database.damaged(&what))?;
+        let manifest = manifest.ok_or_else(|| database.no_machine(hash))?;
+        let contents = contents(&mut database, &manifest)?;
+        let mut packed = Self::default();
+        for (path, hash) in manifest.files() {
+            let Some(Some(bytes)) = contents.get(hash) else {
+                return Err(database.damaged(&format!("the file {path} is missing or changed")));
+            };
+            packed.put(path, bytes);
+        }
+        Ok(packed)
+    }
+
+    /// The folder of a library; `None` if it was not kept.
+    pub fn library_folder(&self, path: &str, name: &str) -> Option<String> {
+        library_folder(path, name).filter(|folder| self.is_machine(folder))
+    }
+
+    fn put(&mut self, path: &str, bytes: &Bytes) {
+        let Some((folder, file)) = path.rsplit_once('/') else { return };
+        if !self.folders.contains_key(folder) {
+            self.folders.insert(folder.to_owned(), Folder::default());
+        }
+        if let Some(place) = self.folders.get_mut(folder).and_then(|folder| folder.file_mut(file)) {
+            *place = Some(Arc::clone(bytes));
+        }
+    }
+
+    fn is_machine(&self, folder: &str) -> bool {
+        self.folders.get(folder).is_some_and(|folder| folder.header.is_some())
+    }
+
+    /// A file that says something about the machine in `folder` as a whole.
+    pub(crate) fn of_machine(&self, folder: &str, file: &str) -> Option<&[u8]> {
+        let folder = self.folders.get(folder)?;
+        match file {
+            HEADER => folder.header.as_deref(),
+            MACHINE_LAYOUT => folder.machine_layout.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// The folders of the states of the machine in `machine`, its root first, each after the one around it.
+    pub(crate) fn states(&self, machine: &str) -> impl Iterator<Item = (&str, &Folder)> {
+        let root = self.folders.get_key_value(machine);
+        // `0` comes after `/`.
+        let inside = self.folders.range(format!("{machine}/")..format!("{machine}0"));
+        let inside = inside.filter(move |(_, folder)| root.is_some() && folder.header.is_none());
+        root.into_iter().chain(inside).map(|(path, folder)| (path.as_str(), folder))
+    }
+}
+
+impl Folder {
+    /// One of the files of a state.
+    pub(crate) fn part(&self, part: Part) -> Option<&[u8]> {
+        self.parts[part as usize].as_deref()
+    }
+
+    fn file_mut(&mut self, file: &str) -> Option<&mut Option<Bytes>> {
+        match file {
+            HEADER => Some(&mut self.header),
+            MACHINE_LAYOUT => Some(&mut self.machine_layout),
+            _ => {
+                let part = Part::ALL.into_iter().find(|part| part.file_name() == file)?;
+                self.parts.get_mut(part as usize)
+            }
+        }
+    }
+}
+
+/// The content of every file of the list, by hash; nothing for one that is missing or changed. All of it in one go: asking for
+/// one after the other takes several times as long.
+fn contents(
+    database: &mut Database,
+    manifest: &Manifest,
+) -> Result<BTreeMap<Hash, Option<Bytes>>, JournalError> {
+    let mut contents: BTreeMap<Hash, Option<Bytes>> =
+        manifest.files().iter().map(|(_, hash)| (*hash, None)).collect();
+    database.run(|connection| {
+        let mut statement = connection.prepare("SELECT hash, data FROM files")?;
+        let mut rows = statement.query([])?;
+        while let Some(row) = rows.next()? {
+            let Ok(hash) = row.get::<_, [u8; 32]>(0) else { continue };
+            if let Some(place) = contents.get_mut(&Hash(hash)) {
+                let bytes = row.get_ref(1)?.as_blob().unwrap_or_default();
+                *place = (Hash::of(bytes) == Hash(hash)).then(|| bytes.into());
+            }
+        }
+        Ok(())
+    })?;
+    Ok(contents)
+}
