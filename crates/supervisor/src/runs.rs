@@ -3,7 +3,7 @@
 use crate::{Surroundings, clock};
 use rafcon_storage::journal::folder::ABOUT_FILE;
 use rafcon_storage::journal::{JournalError, Pruned, Retention, run_id};
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
@@ -102,16 +102,20 @@ impl Runs {
         &self.folder
     }
 
-    /// Makes the folder of a new run of the machine with this name; only its owner may look into it.
+    /// Makes the folder of a new run of the machine with this name; only its owner may look into it. Its name survives a power
+    /// cut.
     pub fn make(&self, machine: &str) -> Result<PathBuf, MakeError> {
         let folder = &self.folder;
-        fs::create_dir_all(folder)
-            .map_err(|source| MakeError::Runs { folder: folder.clone(), source })?;
+        let unmade = |source| MakeError::Runs { folder: folder.clone(), source };
+        fs::create_dir_all(folder).map_err(unmade)?;
         let started_ms = clock::since_1970_ms();
         for attempt in 0..TRIES {
             let folder = folder.join(run_id(started_ms, machine, clock::salt(attempt)));
             match fs::DirBuilder::new().mode(0o700).create(&folder) {
-                Ok(()) => return Ok(folder),
+                Ok(()) => {
+                    File::open(&self.folder).and_then(|all| all.sync_all()).map_err(unmade)?;
+                    return Ok(folder);
+                }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(source) => return Err(MakeError::Run { folder, source }),
             }

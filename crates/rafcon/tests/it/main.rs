@@ -25,6 +25,7 @@ mod server_socket;
 mod server_torture;
 mod server_twice;
 mod signals;
+mod starts;
 mod strangers;
 mod terminal;
 mod torture;

@@ -542,16 +542,25 @@ fn what_cannot_begin_is_refused_and_leaves_nothing() {
 }
 
 #[test]
-fn what_a_server_did_not_get_to_begin_is_removed_by_the_next() {
+fn what_a_server_did_not_get_to_begin_waits_a_day_for_the_same_request() {
     let mut site = Site::new(WAITS);
     site.served = None;
-    let folder = site.place.path("runs/20260101-000000-machine-0001");
-    std::fs::create_dir_all(&folder).unwrap();
-    let start = json!({ "id": "r1", "machine": { "project": "project", "path": "machine" } });
-    let request = json!({ "author": "owner", "boot": "", "start": start });
-    std::fs::write(folder.join("request.json"), request.to_string()).unwrap();
+    let request = |id: &str| {
+        let folder = site.place.path("runs").join(id);
+        std::fs::create_dir_all(&folder).unwrap();
+        let start = json!({ "id": id, "machine": { "project": "project", "path": "machine" } });
+        let request = json!({ "author": "owner", "boot": "", "start": start });
+        std::fs::write(folder.join("request.json"), request.to_string()).unwrap();
+        folder.join("request.json")
+    };
+    request("new");
+    let old = std::fs::File::options().write(true).open(request("old")).unwrap();
+    old.set_modified(std::time::SystemTime::UNIX_EPOCH).unwrap();
     site.serve();
-    assert_eq!(site.door().ask("GET", "/api/v1/runs", None).unwrap(), json!([]));
-    assert!(!folder.exists());
-    assert_eq!(site.start("r1", &json!({}))["phase"], "live");
+    let runs = site.door().ask("GET", "/api/v1/runs", None).unwrap();
+    let runs = runs.as_array().unwrap();
+    assert_eq!((runs.len(), &runs[0]["phase"]), (1, &json!("not_started")));
+    assert!(!site.place.path("runs/old").exists());
+    let begun = site.start("new", &json!({}));
+    assert_eq!((&begun["id"], &begun["phase"]), (&json!("new"), &json!("live")));
 }

@@ -4,6 +4,7 @@
 use crate::Settings;
 use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode};
+use rafcon_storage::journal::{Reader, has_begun};
 use rafcon_supervisor::{
     BeginError, Exit, Interpreter, NoExtension, NoInterpreter, Process, Start, StartError, begin,
     extension,
@@ -61,6 +62,9 @@ pub(super) enum LaunchError {
         /// Its last words.
         said: String,
     },
+    /// Its end was not seen.
+    #[error("the runner ended, and how is not known")]
+    Lost,
     /// It said nothing for a long time.
     #[error("the machine was not loaded within {} s: the runner was ended", PATIENCE.as_secs())]
     Silent(#[source] io::Error),
@@ -70,6 +74,13 @@ pub(super) enum LaunchError {
     /// It is of another version.
     #[error(transparent)]
     Version(#[from] VersionMismatch),
+}
+
+impl LaunchError {
+    /// Whether the runner died before it could say anything, which another may not.
+    pub(super) fn is_death(&self) -> bool {
+        matches!(self, Self::Ended { .. } | Self::Lost | Self::Begin(BeginError::Gone(_)))
+    }
 }
 
 fn last(said: &str) -> String {
@@ -83,7 +94,8 @@ enum Heard {
     Gone,
 }
 
-/// Starts a runner for the run in `folder`, and waits until it says that the run begins.
+/// Starts a runner for the run in `folder`, and waits until it says that the run begins. One that dies before it can say so,
+/// after something has happened in the run, has begun it.
 pub(super) fn launch(
     settings: &Settings,
     folder: &Path,
@@ -93,27 +105,40 @@ pub(super) fn launch(
     let extension = extension::find(&settings.surroundings)?;
     let start = Start { interpreter: &interpreter, extension: &extension };
     let output = folder.join(OUTPUT_FILE);
+    let before = events(folder);
     let process = start.spawn_detached(&output)?;
     let group = process.group();
     let Process { child, control } = process;
     let exit = reap(child).map_err(LaunchError::Thread);
-    let begun = exit.and_then(|exit| {
-        let control = begin(control, launch)?;
-        Ok((hear(&control)?, control, exit))
-    });
-    match begun {
-        Ok((Heard::Begun(loaded), control, exit)) => Ok(Launched { loaded, control, exit }),
-        Ok((Heard::Refused(reason), ..)) => Err(LaunchError::Load(reason)),
-        Ok((Heard::Gone, _, exit)) => {
-            group.kill();
-            let exit = exit.blocking_recv().map_or_else(|_| String::new(), |exit| exit.to_string());
-            Err(LaunchError::Ended { exit, said: super::output::last_line(&output) })
-        }
-        Err(error) => {
-            group.kill();
-            Err(error)
-        }
+    let exit = exit.inspect_err(|_| group.kill())?;
+    let control = begin(control, launch).inspect_err(|_| group.kill())?;
+    let heard = match hear(&control) {
+        Ok(Heard::Begun(loaded)) => return Ok(Launched { loaded, control, exit }),
+        Ok(Heard::Refused(reason)) => return Err(LaunchError::Load(reason)),
+        heard => heard,
+    };
+    group.kill();
+    let Ok(ended) = exit.blocking_recv() else { return Err(LaunchError::Lost) };
+    if events(folder) > before {
+        return Ok(Launched { loaded: None, control, exit: known(ended) });
     }
+    heard?;
+    let said = super::output::last_line(&output);
+    Err(LaunchError::Ended { exit: ended.to_string(), said })
+}
+
+/// How many events the run in `folder` has; nothing if it has not begun.
+fn events(folder: &Path) -> Option<u64> {
+    let reader = Reader::open(folder).and_then(|reader| reader.last_sequence());
+    has_begun(folder).then(|| reader.unwrap_or_default())
+}
+
+/// The end of a process that is known already.
+fn known(exit: Exit) -> oneshot::Receiver<Exit> {
+    let (ended, receiver) = oneshot::channel();
+    // The receiver is here.
+    ended.send(exit).unwrap_or_default();
+    receiver
 }
 
 /// Waits for the end of a process, so that nothing of it stays behind.

@@ -14,10 +14,10 @@ use crate::House;
 use crate::failure::reason;
 use rafcon_protocol::OnCrash;
 use rafcon_protocol::api::{RunPhase, RunSummary};
-use rafcon_storage::journal::writer_of;
+use rafcon_storage::journal::{has_begun, writer_of};
 use rafcon_supervisor::{Exit, Lives, Next, clock, policy_of};
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -171,6 +171,8 @@ impl Life {
                     }
                     // Somebody else has taken it up meanwhile: a server before this one, or the command line.
                     Err(_late) if self.is_held().await => true,
+                    // It died before it had taken the run up: one more death.
+                    Err(error) if error.is_death() => true,
                     Err(error) => {
                         let (id, why) = (self.run.id(), reason(&error));
                         (self.house.settings.tell)(&format!("run {id} is not taken up: {why}"));
@@ -201,20 +203,31 @@ impl Life {
     }
 }
 
-/// Waits until a run begins that a server before this one was starting when it ended; of one that never does nothing is left.
-pub(super) fn await_beginning(house: &Arc<House>, folder: PathBuf) {
-    let house = Arc::clone(house);
-    tokio::spawn(async move {
-        let mut pause = SHORTEST;
-        while let Some(run) = look(&house, folder.clone()).await {
-            match run.summary().phase {
-                RunPhase::Starting => tokio::time::sleep(pause).await,
-                RunPhase::NotStarted { .. } => return super::watch::remove(&house, folder).await,
-                _ => return follow(&house, &run),
+/// Waits until a run begins, or is known not to, that a server before this one was starting when it ended; follows one that
+/// has begun. Nothing if its folder is gone.
+pub(super) async fn await_beginning(house: &Arc<House>, folder: &Path) -> Option<Arc<Run>> {
+    let mut pause = SHORTEST;
+    loop {
+        let run = look(house, folder.to_path_buf()).await?;
+        match run.summary().phase {
+            RunPhase::Starting => {}
+            // A runner that has made its journal may die before anything happens.
+            RunPhase::Live if run.link().is_none() && !begins(folder).await => {}
+            RunPhase::Live => {
+                follow(house, &run);
+                return Some(run);
             }
-            pause = (pause * 2).min(LONGEST);
+            _ => return Some(run),
         }
-    });
+        tokio::time::sleep(pause).await;
+        pause = (pause * 2).min(LONGEST);
+    }
+}
+
+/// Whether anything has happened in the run of this folder.
+async fn begins(folder: &Path) -> bool {
+    let folder = folder.to_path_buf();
+    tokio::task::spawn_blocking(move || has_begun(&folder)).await.unwrap_or_default()
 }
 
 /// Whether a run that is found when the server begins is to be looked after: it lives, or it would go on by itself.

@@ -36,6 +36,7 @@ use axum::http::StatusCode;
 use parking_lot::Mutex;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_supervisor::{MakeError, Runs as Folder, clock, policy_of};
+use request::Request;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -49,8 +50,17 @@ const LAUNCHES: usize = 4;
 /// How long a start waits for its turn.
 const TURN_PATIENCE: Duration = Duration::from_secs(30);
 
-/// The run that a request has begun, once it has; held while it is being begun.
-type Slot = Arc<tokio::sync::Mutex<Option<String>>>;
+/// What has become of a request; held while something does.
+type Slot = Arc<tokio::sync::Mutex<Option<Asked>>>;
+
+/// A request to start a run that was written down.
+#[derive(Debug)]
+enum Asked {
+    /// It has begun the run with this id.
+    Begun(String),
+    /// Its run has this folder and has not begun, as far as is known.
+    Open(PathBuf),
+}
 
 /// All runs.
 #[derive(Debug)]
@@ -187,16 +197,25 @@ impl Runs {
             return None;
         }
         if let Some(key) = looked.request.and_then(|request| request.key()) {
-            self.has_begun(&key, &looked.summary.id);
+            let is_open =
+                matches!(looked.summary.phase, RunPhase::Starting | RunPhase::NotStarted { .. });
+            self.was_asked(
+                &key,
+                if is_open {
+                    Asked::Open(folder.to_path_buf())
+                } else {
+                    Asked::Begun(looked.summary.id.clone())
+                },
+            );
         }
         self.news.send_modify(|revision| *revision += 1);
         Some(run)
     }
 
-    /// A run was begun by this request. Whoever begins it just now notes it down by itself.
-    fn has_begun(&self, request: &str, run: &str) {
-        if let Ok(mut begun) = self.request(request).try_lock() {
-            *begun = Some(run.to_owned());
+    /// This has become of a request. Whoever begins it just now notes it down by itself.
+    fn was_asked(&self, request: &str, asked: Asked) {
+        if let Ok(mut known) = self.request(request).try_lock() {
+            *known = Some(asked);
         }
     }
 
@@ -236,7 +255,7 @@ async fn look_through(house: &Arc<House>) {
     });
     for (folder, looked, policy) in all.await.unwrap_or_default() {
         let phase = looked.summary.phase.clone();
-        if let RunPhase::NotStarted { .. } = phase {
+        if matches!(phase, RunPhase::NotStarted { .. }) && Request::is_forgotten(&folder) {
             watch::remove(house, folder).await;
             continue;
         }
@@ -245,7 +264,8 @@ async fn look_through(house: &Arc<House>) {
         if is_to_follow {
             life::follow(house, &run);
         } else if phase == RunPhase::Starting {
-            life::await_beginning(house, folder);
+            let house = Arc::clone(house);
+            tokio::spawn(async move { life::await_beginning(&house, &folder).await });
         }
     }
 }

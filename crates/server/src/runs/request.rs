@@ -7,9 +7,12 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
 use std::path::Path;
+use std::time::Duration;
 
 /// The file's name.
 pub(super) const REQUEST_FILE: &str = "request.json";
+/// So long a run that has not begun waits for the same request.
+const REMEMBERED: Duration = Duration::from_hours(24);
 /// Where Linux tells one start of the computer from another.
 const BOOT_FILE: &str = "/proc/sys/kernel/random/boot_id";
 
@@ -43,6 +46,13 @@ impl Request {
     /// What was asked about the run in `folder`; nothing if no server was.
     pub(super) fn read(folder: &Path) -> Option<Self> {
         serde_json::from_slice(&fs::read(folder.join(REQUEST_FILE)).ok()?).ok()
+    }
+
+    /// Whether nobody will ask again for the run in `folder`, which has not begun.
+    pub(super) fn is_forgotten(folder: &Path) -> bool {
+        let written = fs::metadata(folder.join(REQUEST_FILE)).and_then(|about| about.modified());
+        let age = written.ok().and_then(|written| written.elapsed().ok());
+        age.is_some_and(|age| age > REMEMBERED)
     }
 
     /// Writes it down, safe from a power cut.

@@ -2,6 +2,7 @@
 //!
 //! Knows requests and folders of runs. Must never know what becomes of a run afterwards.
 
+use super::Asked;
 use super::launch::{LaunchError, Launched, launch};
 use super::life;
 use super::request::Request;
@@ -11,11 +12,17 @@ use crate::blocking::blocking;
 use crate::failure::reason;
 use crate::{Failure, House};
 use axum::http::StatusCode;
-use rafcon_protocol::api::{RunSummary, StartRun};
+use rafcon_protocol::api::{RunPhase, RunSummary, StartRun};
 use rafcon_protocol::{Keeping, Launch};
+use rafcon_supervisor::{Death, Lives, Next, clock};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
+use tokio::time::timeout;
+
+/// How long the runner of an earlier server is waited for.
+const PATIENCE: Duration = Duration::from_secs(40);
 
 /// Starts the run, or finds the one that was started by this id. It goes on also if whoever asks goes away meanwhile.
 pub(crate) async fn start(
@@ -50,22 +57,63 @@ async fn once(house: &Arc<House>, author: &str, asked: StartRun) -> Result<RunSu
     house.runs.are_known().await;
     let id = Request::start_key(author, &asked.id);
     let slot = house.runs.request(&id);
-    let mut begun = slot.lock().await;
-    if let Some(run) = &*begun {
-        return Ok(house.runs.get(run).await.map_err(|_gone| is_gone(run))?.summary());
-    }
-    match begin(house, author, asked).await {
+    let mut known = slot.lock().await;
+    let folder = match &*known {
+        Some(asked) => {
+            let folder = asked.folder(house).await?;
+            match settled(house, &folder).await? {
+                Some(run) if is_open(&run) => Some(folder),
+                Some(run) => {
+                    *known = Some(Asked::Begun(run.id().to_owned()));
+                    return Ok(run.summary());
+                }
+                None => None,
+            }
+        }
+        None => None,
+    };
+    match begin(house, author, asked, folder).await {
         Ok(run) => {
-            *begun = Some(run.id().to_owned());
+            *known = Some(Asked::Begun(run.id().to_owned()));
             house.audit().note(author, "run_started", run.id());
             Ok(run.summary())
         }
         Err(failure) => {
-            drop(begun);
+            *known = None;
+            drop(known);
             house.runs.forget_request(&id, &slot);
             Err(failure)
         }
     }
+}
+
+impl Asked {
+    /// The folder of its run.
+    async fn folder(&self, house: &House) -> Result<PathBuf, Failure> {
+        match self {
+            Self::Open(folder) => Ok(folder.clone()),
+            Self::Begun(run) => {
+                let known = house.runs.get(run).await.map_err(|_gone| is_gone(run))?;
+                Ok(known.folder().to_path_buf())
+            }
+        }
+    }
+}
+
+/// The run in this folder, which a server before this one was asked to start: once it has begun, or is known not to have.
+async fn settled(house: &Arc<House>, folder: &Path) -> Result<Option<Arc<Run>>, Failure> {
+    let run = timeout(PATIENCE, life::await_beginning(house, folder)).await.map_err(|_late| {
+        let message = "the run of this request is still being started: ask again with the same id";
+        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message)
+    })?;
+    if let Some(run) = run.as_ref().filter(|run| run.is_live()) {
+        run.linked().await;
+    }
+    Ok(run)
+}
+
+fn is_open(run: &Run) -> bool {
+    matches!(run.summary().phase, RunPhase::NotStarted { .. })
 }
 
 fn is_gone(run: &str) -> Failure {
@@ -74,13 +122,19 @@ fn is_gone(run: &str) -> Failure {
     Failure::conflict("run_is_gone", message)
 }
 
-async fn begin(house: &Arc<House>, author: &str, asked: StartRun) -> Result<Arc<Run>, Failure> {
+/// Begins the run, in the folder of an earlier attempt if there was one.
+async fn begin(
+    house: &Arc<House>,
+    author: &str,
+    asked: StartRun,
+    folder: Option<PathBuf>,
+) -> Result<Arc<Run>, Failure> {
     let request = Request::to_start(author, asked.clone());
     let turn = house.runs.turn().await?;
     let here = Arc::clone(house);
     let made = move || {
         let _turn = turn;
-        made(&here, &asked, &request)
+        made(&here, &asked, &request, folder)
     };
     let (folder, launched) = blocking(made).await?;
     let found = life::look(house, folder.clone()).await;
@@ -101,20 +155,23 @@ fn not_kept(folder: &Path) -> Failure {
     Failure::conflict("run_is_gone", message)
 }
 
-/// Makes the folder and starts the runner. A run that does not begin leaves nothing.
+/// Makes the folder and starts the runner. Before that everything is written down by which another server can do the same. A
+/// run that does not begin leaves nothing.
 fn made(
     house: &House,
     asked: &StartRun,
     request: &Request,
+    folder: Option<PathBuf>,
 ) -> Result<(PathBuf, Launched), Failure> {
     let machine = house.projects.resolve(&asked.machine)?;
     let name = machine.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let folder = house.runs.folder().make(&name).map_err(|error| no_room(&reason(&error)))?;
+    let folder = folder.map_or_else(|| house.runs.folder().make(&name), Ok);
+    let folder = folder.map_err(|error| no_room(&reason(&error)))?;
     let begun = request
         .write(&folder)
         .map_err(|error| no_room(&format!("cannot write into {}: {error}", folder.display())))
         .and_then(|()| {
-            launch(&house.settings, &folder, words(house, machine, asked, &folder))
+            launched(house, asked, &folder, &words(house, machine, asked, &folder))
                 .map_err(|error| not_launched(&error))
         });
     match begun {
@@ -124,6 +181,28 @@ fn made(
                 (house.settings.tell)(&format!("cannot remove {}: {error}", folder.display()));
             }
             Err(failure)
+        }
+    }
+}
+
+/// Starts the runner; one that dies before anything has happened is followed by another where the policy says so.
+fn launched(
+    house: &House,
+    asked: &StartRun,
+    folder: &Path,
+    words: &Launch,
+) -> Result<Launched, LaunchError> {
+    let mut lives = Lives::default();
+    loop {
+        let error = match launch(&house.settings, folder, words.clone()) {
+            Err(error) if error.is_death() => error,
+            other => return other,
+        };
+        let (now, reason) = (Duration::from_millis(clock::since_1970_ms()), error.to_string());
+        let death = Death { reason, active: Vec::new(), said: Vec::new(), is_cut_off: false };
+        let policy = asked.on_crash.unwrap_or_default();
+        if let Next::Ask(_) = lives.next(now, &death, policy) {
+            return Err(error);
         }
     }
 }
@@ -153,6 +232,7 @@ fn words(house: &House, machine: PathBuf, asked: &StartRun, folder: &Path) -> La
         resume: None,
         crash: None,
         listen: true,
+        homes: Some(house.projects.folders()),
     }
 }
 
@@ -160,9 +240,10 @@ fn words(house: &House, machine: PathBuf, asked: &StartRun, folder: &Path) -> La
 pub(super) fn not_launched(error: &LaunchError) -> Failure {
     let (status, code) = match error {
         LaunchError::Load(_) => (StatusCode::UNPROCESSABLE_ENTITY, "load_failed"),
-        LaunchError::Ended { .. } | LaunchError::Silent(_) | LaunchError::Begin(_) => {
-            (StatusCode::UNPROCESSABLE_ENTITY, "not_started")
-        }
+        LaunchError::Ended { .. }
+        | LaunchError::Lost
+        | LaunchError::Silent(_)
+        | LaunchError::Begin(_) => (StatusCode::UNPROCESSABLE_ENTITY, "not_started"),
         LaunchError::Interpreter(_)
         | LaunchError::Extension(_)
         | LaunchError::Start(_)

@@ -6,9 +6,12 @@ use crate::projects::Projects;
 use rafcon_protocol::Keeping;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_storage::journal::folder::ABOUT_FILE;
-use rafcon_storage::journal::{About, RunState, Summary};
+use rafcon_storage::journal::{About, RunState, Summary, has_begun};
 use rafcon_supervisor::is_alive;
 use std::path::Path;
+
+/// Why a run that was asked for has not begun.
+const NOT_BEGUN: &str = "its server or its runner ended before it had begun; the same request, with the same id, starts it";
 
 /// What was found in a folder.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,11 +27,19 @@ pub(super) fn look(folder: &Path, projects: &Projects) -> Option<Looked> {
     let request = Request::read(folder);
     if folder.join(ABOUT_FILE).is_file() {
         let summary = kept(folder, projects, request.as_ref());
-        return Some(Looked { summary, request });
+        if !is_open(&summary, request.as_ref(), folder) {
+            return Some(Looked { summary, request });
+        }
     }
     let asked = request?;
     let summary = asked_for(folder, &asked);
     Some(Looked { summary, request: Some(asked) })
+}
+
+/// Whether a run that was asked for here lost its runner before anything had happened.
+fn is_open(summary: &RunSummary, request: Option<&Request>, folder: &Path) -> bool {
+    let is_asked_for = request.is_some_and(|request| request.start.is_some());
+    is_asked_for && summary.phase == RunPhase::Crashed && !has_begun(folder)
 }
 
 /// A run that keeps what it is.
@@ -57,7 +68,7 @@ fn asked_for(folder: &Path, request: &Request) -> RunSummary {
     let phase = if is_alive(&folder.join(OUTPUT_FILE)) {
         RunPhase::Starting
     } else {
-        RunPhase::NotStarted { reason: "its server ended before it had begun".to_owned() }
+        RunPhase::NotStarted { reason: NOT_BEGUN.to_owned() }
     };
     RunSummary {
         id: folder.file_name().unwrap_or_default().to_string_lossy().into_owned(),

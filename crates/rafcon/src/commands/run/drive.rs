@@ -55,12 +55,17 @@ pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Res
             return Ok(end);
         };
         let is_stopped = drive.supervisor.is_stopped_by_itself();
-        let policy = if is_stopped { OnCrash::Ask } else { place.on_crash() };
+        let policy = if is_stopped { OnCrash::Ask } else { place.on_crash(launch.on_crash) };
         match lives.next(clock.now(), death, policy) {
             Next::Again(resume, crash) if place.is_kept() => {
-                let note = format!("the runner died ({}); the run is taken up again", death.reason);
+                let (what, again) = if place.has_begun() {
+                    ("taken up", (Some(resume), Some(crash)))
+                } else {
+                    ("begun", (launch.resume, launch.crash.clone()))
+                };
+                let note = format!("the runner died ({}); the run is {what} again", death.reason);
                 drive.show(|view| view.note(&note));
-                (launch.resume, launch.crash) = (Some(resume), Some(crash));
+                (launch.resume, launch.crash) = again;
                 view = drive.view;
             }
             Next::Again(..) | Next::Ask(_) => {

@@ -13,7 +13,8 @@ pub(super) fn end(end: &End, place: &Place, names: impl FnOnce() -> Names) {
         let mut names = names();
         let logged = end.active().map(|active| remains::last_logged(place.folder(), active));
         complain(&(text(end, &mut names) + &said(&logged.unwrap_or_default(), &mut names)));
-        if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, place.id()) {
+        let kept = place.id().filter(|_| place.keeps_itself());
+        if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, kept) {
             complain(&way_out(run));
         }
     }
