@@ -1,5 +1,5 @@
-//! Runners, and with `--server` servers too, killed by the thousand in the middle of a run (`crates/rafcon/tests/it/torture.rs`
-//! and `server_torture`, in the long form).
+//! Runners, and with `--server` servers too, killed by the thousand while a run begins, in the middle of it, and while it is taken
+//! up again (`crates/rafcon/tests/it/torture.rs` and `server_torture`, in the long form).
 
 use crate::process;
 use crate::product::{Product, Profile};
@@ -14,9 +14,9 @@ pub(crate) struct Options {
     /// Kill the server as well as the runner, while two clients follow and command.
     #[arg(long)]
     server: bool,
-    /// The first seed; one that failed, to repeat it.
-    #[arg(long, default_value_t = 0)]
-    from: u32,
+    /// The first seed; one that failed, to repeat it. Another one each day if none is named.
+    #[arg(long)]
+    from: Option<u64>,
 }
 
 /// Kills and takes up again; the last line says how many passed. The first failure ends it and names its seed.
@@ -29,7 +29,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     };
     let mut kill = long_form(test);
     kill.env("RAFCON_TEST_KILLS", options.kills.to_string());
-    process::run(kill.env("RAFCON_TEST_SEED", options.from.to_string()))?;
+    if let Some(from) = options.from {
+        kill.env("RAFCON_TEST_SEED", from.to_string());
+    }
+    process::run(&mut kill)?;
     // The first that does not pass ends it, with its seed.
     println!("{kills} of {kills} kills passed", kills = options.kills);
     Ok(())

@@ -10,6 +10,7 @@ mod followers;
 mod house;
 mod idle;
 mod mission;
+mod resume;
 #[path = "../../tests/it/served.rs"]
 mod served;
 mod status;
@@ -21,10 +22,11 @@ use std::process::ExitCode;
 type Measure = fn(&House) -> anyhow::Result<()>;
 
 /// Words on the command line choose among these; without a word all are measured.
-const PARTS: [(&str, Measure); 5] = [
+const PARTS: [(&str, Measure); 6] = [
     ("command", command::measure),
     ("status", status::measure),
     ("mission", mission::measure),
+    ("resume", resume::measure),
     ("idle", idle::measure),
     ("followers", followers::measure),
 ];

@@ -3,7 +3,7 @@
 
 use super::site::{Site, Victim, now_ms};
 use crate::served::Line;
-use crate::torture::Dice;
+use crate::torture::{Dice, tremble};
 use rafcon_protocol::api::{CommandAnswer, HistoryEntry, LinkState, Refusal, RunNow};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_protocol::{
@@ -34,6 +34,8 @@ pub(super) struct Kill {
     /// And then right after it has sent its next command.
     pub(super) with_command: bool,
     pub(super) victim: Victim,
+    /// The next runner is killed as well, after trembling so often.
+    pub(super) again: Option<u64>,
 }
 
 /// Somebody who follows and commands.
@@ -230,10 +232,8 @@ impl<'s, 'p> Client<'s, 'p> {
     }
 
     fn kill(&mut self, kill: Kill) {
-        for _ in 0..self.dice.roll(TREMBLES) {
-            std::hint::spin_loop();
-        }
-        if self.site.kill(kill.victim) {
+        tremble(self.dice.roll(TREMBLES));
+        if self.site.kill(kill.victim, kill.again) {
             self.kills.pop_front();
             self.since = 0;
             self.seen.killed += 1;

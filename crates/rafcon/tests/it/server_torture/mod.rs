@@ -1,26 +1,25 @@
-//! Servers and runners killed at moments that nobody chose, while two clients follow and command: each client has the history
-//! that the journal has, no command ran twice or too late, and the run comes to the end that it would have come to.
+//! Servers and runners killed at moments that nobody chose, while a run is started, while it is taken up, and while two clients
+//! follow and command: the run is started once, each client has the history that the journal has, no command ran twice or too
+//! late, and the run comes to the end that it would have come to.
 
 mod client;
 mod site;
 
 use crate::harness::Place;
-use crate::torture::{Dice, MACHINE, number};
+use crate::torture::{Dice, MACHINE, Repeat, TREMBLES, first_seed, number};
 use client::{Client, Kill, Seen};
 use rafcon_model::notation;
 use rafcon_protocol::api::HistoryEntry;
 use rafcon_protocol::{Answer, Event};
 use rafcon_storage::journal::{Entry, Reader};
 use rafcon_storage::{Naming, save};
-use site::{Site, Victim};
+use site::{Early, Site, Victim};
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
 /// How often something is killed, where a few times are not enough.
 const KILLS: &str = "RAFCON_TEST_KILLS";
-/// The seed to begin with.
-const SEED: &str = "RAFCON_TEST_SEED";
 /// Events between two kills, at most.
 const EVENTS: u64 = 300;
 /// A script that begins within this time after its command's expiry was decided on before.
@@ -28,7 +27,7 @@ const SLACK_MS: u64 = 50;
 
 #[test]
 fn killed_servers_and_runners_lose_nothing_and_repeat_nothing() {
-    let (kills, first) = (number(KILLS).unwrap_or(6), number(SEED).unwrap_or(0));
+    let (kills, first) = (number(KILLS).unwrap_or(9), first_seed());
     let (mut tally, mut seed) = (Tally::default(), first);
     while tally.killed < kills {
         one_run(seed, kills - tally.killed, &mut tally);
@@ -41,6 +40,10 @@ fn killed_servers_and_runners_lose_nothing_and_repeat_nothing() {
 #[derive(Debug, Default)]
 struct Tally {
     killed: u64,
+    /// So many of them before the run had begun.
+    starting: u64,
+    /// So many of them before the run was taken up again.
+    resuming: u64,
     lives: u64,
     commands: usize,
     applied: usize,
@@ -69,14 +72,16 @@ impl Tally {
 
 /// A run with at most so many kills.
 fn one_run(seed: u64, kills: u64, tally: &mut Tally) {
-    let _repeat = Repeat(seed);
+    let _repeat = Repeat { seed, options: "--server " };
     let mut dice = Dice(seed);
     let place = Place::empty();
     let machine = notation::parse(&MACHINE.replace("wait(0.001)", "wait(0.003)")).unwrap();
     save(&machine, &place.path("project/machine"), None, Naming::default()).unwrap();
     let policy = if dice.roll(2) == 0 { "abort" } else { "restart" };
-    let site = Site::new(&place, policy);
-    let plan = (0..kills.min(1 + dice.roll(4))).map(|_| plan(&mut dice)).collect();
+    let early = (0..kills.min(1 + dice.roll(2))).map(|_| victim(&mut dice)).collect::<Vec<_>>();
+    let kills = kills - early.len() as u64;
+    let site = Site::new(&place, policy, &early, &mut dice);
+    let plan = (0..kills.min(dice.roll(3))).map(|number| plan(&mut dice, number == 0)).collect();
     let one = Client::new(&site, "one", true, Dice(dice.roll(u64::MAX))).with_kills(plan);
     let two = Client::new(&site, "two", false, Dice(dice.roll(u64::MAX)));
     let (one, two) = std::thread::scope(|scope| {
@@ -90,25 +95,22 @@ fn one_run(seed: u64, kills: u64, tally: &mut Tally) {
     assert_in_time(&journal, &site.deaths());
     assert_end(&journal);
     tally.add(&journal, &[&one, &two]);
+    let Early { starting, resuming, late } = site.early();
+    tally.killed += starting + resuming + late;
+    tally.starting += starting;
+    tally.resuming += resuming;
 }
 
-fn plan(dice: &mut Dice) -> Kill {
+/// `may_again`: the next runner is killed while it takes the run up. A run that dies too often is left alone.
+fn plan(dice: &mut Dice, may_again: bool) -> Kill {
+    let victim = victim(dice);
+    let again = (may_again && victim != Victim::Server).then(|| dice.roll(TREMBLES));
+    Kill { after: dice.roll(EVENTS), with_command: dice.roll(2) == 0, victim, again }
+}
+
+fn victim(dice: &mut Dice) -> Victim {
     let victim = [Victim::Server, Victim::Server, Victim::Runner, Victim::Runner, Victim::Both];
-    let victim = victim[usize::try_from(dice.roll(5)).unwrap()];
-    Kill { after: dice.roll(EVENTS), with_command: dice.roll(2) == 0, victim }
-}
-
-/// Says how a failure is repeated.
-struct Repeat(u64);
-
-impl Drop for Repeat {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            let again = format!("cargo xtask torture --server --kills 1 --from {}", self.0);
-            let mut output = std::io::stdout();
-            writeln!(output, "seed {}: repeat it with `{again}`", self.0).unwrap_or_default();
-        }
-    }
+    victim[usize::try_from(dice.roll(5)).unwrap()]
 }
 
 /// What the run's journal says.
