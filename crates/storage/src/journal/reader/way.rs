@@ -119,9 +119,10 @@ impl<V: FnMut(Entry) -> ControlFlow<()>> Way<'_, V> {
     /// Whether nobody knows where this happened.
     fn is_doubtful(&self, sequence: u64, record: &Record) -> bool {
         let Some(place) = place_of(record) else { return false };
-        let Reader { places, doubtful_from, is_live, source, .. } = self.reader;
-        // Of a run that goes on, places may have been defined since they were looked at.
-        let is_unknown = || !is_live && source.is_checked() && places.get(place).is_none();
+        let Reader { places, doubtful_from, is_live, source, known_until, .. } = self.reader;
+        // Of a run that goes on, places may have been defined since they were looked at; for its end, nobody looks at them.
+        let is_known = || *is_live || !source.is_checked() || *known_until == 0;
+        let is_unknown = || !is_known() && places.get(place).is_none();
         doubtful_from.is_some_and(|from| from <= sequence) || is_unknown()
     }
 }

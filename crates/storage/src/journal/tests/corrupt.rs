@@ -258,6 +258,8 @@ fn truth(folder: &Path) -> Truth {
     let mut reader = Reader::open(folder).unwrap();
     let (events, damaged) = events(&mut reader).unwrap();
     assert_eq!(damaged, []);
+    let state = Summary::of(folder).state;
+    assert!(!matches!(state, RunState::Unreadable { .. }), "{state:?}");
     let last = reader.last_sequence().unwrap();
     let moments = [1, 60, last / 2, last - 40, last].into_iter();
     Truth {
