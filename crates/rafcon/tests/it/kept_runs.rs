@@ -79,14 +79,14 @@ fn check(words: &str, expect: &Expect) {
 fn runs_are_listed_with_what_became_of_them() {
     let place = place();
     let listed = |more: &str| cut_size(&place.call(&format!("runs {more} --runs runs")).stdout);
-    expect![[r#"
-        20261121-194001-mission-0001  Mission  unreadable: PLACE/runs/20261121-194001-mission-0001/journal.db is damaged: events 2 to 5 cannot be read; events 7 to 14 cannot be read; events 18 to 19 cannot be read; `rafcon history` shows what can still be read
-        20261121-194002-mission-0002  Mission  unreadable: PLACE/runs/20261121-194002-mission-0002/journal.db is damaged: events 2 to 5 cannot be read; events 7 to 14 cannot be read; `rafcon history` shows what can still be read
-    "#]]
+    expect![[r"
+        20261121-194001-mission-0001  Mission  ended by preempted after 3.0 s, 20 events, SIZE
+        20261121-194002-mission-0002  Mission  crashed after 2.6 s, 15 events, SIZE
+    "]]
     .assert_eq(&listed(""));
     expect![[r#"
-        {"id":"20261121-194001-mission-0001","name":"Mission","started_ms":1795290001000,"state":"unreadable","reason":"PLACE/runs/20261121-194001-mission-0001/journal.db is damaged: events 2 to 5 cannot be read; events 7 to 14 cannot be read; events 18 to 19 cannot be read; `rafcon history` shows what can still be read","length_ms":3001,"events":20, SIZE
-        {"id":"20261121-194002-mission-0002","name":"Mission","started_ms":1795290001000,"state":"unreadable","reason":"PLACE/runs/20261121-194002-mission-0002/journal.db is damaged: events 2 to 5 cannot be read; events 7 to 14 cannot be read; `rafcon history` shows what can still be read","length_ms":2600,"events":15, SIZE
+        {"id":"20261121-194001-mission-0001","name":"Mission","started_ms":1795290001000,"state":"finished","outcome":{"id":-2,"name":"preempted"},"states_run":5,"length_ms":3001,"events":20, SIZE
+        {"id":"20261121-194002-mission-0002","name":"Mission","started_ms":1795290001000,"state":"crashed","length_ms":2600,"events":15, SIZE
     "#]].assert_eq(&listed("--json"));
 }
 
