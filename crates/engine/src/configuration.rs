@@ -15,8 +15,9 @@ pub struct Restored<D> {
     pub order: u64,
     /// The error that it was given, if it has not handed it on.
     pub error: Option<D>,
-    /// Whether it was asked to end.
-    pub preempted: bool,
+    /// Whether it was asked to end. `None` if that is not recorded: then it follows from the orders of entries, of the end
+    /// that decided a race, and of the request to stop.
+    pub preempted: Option<bool>,
     /// The scoped variables of a container.
     pub scoped: Vec<RestoredVariable<D>>,
     /// How children of a container ended, by rising order. Of several ends of one child the last counts; earlier ones are

@@ -120,6 +120,17 @@ pub struct Restore<D> {
     pub hold: bool,
     /// What was counted in earlier lives of the run; looked at only in an engine that has not started.
     pub counted: Counted,
+    /// Set if the run was stopping.
+    pub stopping: Option<Stopping>,
+}
+
+/// A run that was asked to stop and is not over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stopping {
+    /// The order of the last request: every state that was entered before it was asked to end.
+    pub order: u64,
+    /// It was asked twice, so no handler begins any more.
+    pub twice: bool,
 }
 
 /// What an engine counts from the start of a run on.

@@ -22,7 +22,9 @@ pub use effect::{Check, Effect, Finish, Job, Outbox, Verdict, Verdicts};
 pub use engine::{Active, Activity, Command, Engine, Hold, Inspection, Refusal, Status, Touch};
 pub use event::{Event, HeldBy, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
-pub use input::{Change, Counted, Input, Restore, Returned, ScriptResult, Start, Stride, Then};
+pub use input::{
+    Change, Counted, Input, Restore, Returned, ScriptResult, Start, Stopping, Stride, Then,
+};
 pub use program::{Node, Program, UnknownPath};
 pub use values::{ModelLiterals, failed};
 

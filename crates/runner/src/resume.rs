@@ -10,7 +10,7 @@ use crate::recorder::Recorder;
 use crate::revive::{Reviver, Surroundings};
 use crate::written::Beside;
 use crate::{Driver, Host, Scripts, tell};
-use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start, Status};
+use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start, Stopping};
 use rafcon_model::OutcomeId;
 use rafcon_protocol::{
     Answer, Beginning, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
@@ -205,14 +205,9 @@ impl Past {
         };
         let counted = counted(&self.last);
         let hold = hold || held;
-        let restore = Restore { root, interrupted, crash, hold, counted };
-        driver.input(Input::Restore(Box::new(restore)))?;
-        let is_over = || driver.with_core(|core| core.engine.status() == Status::Finished);
-        // What was interrupted may have been all that was left to end.
-        if whole.status == RunStatus::Stopping && is_over() == Some(false) {
-            return driver.input(Input::Stop);
-        }
-        Ok(())
+        let stopping = stopping(&self.last);
+        let restore = Restore { root, interrupted, crash, hold, counted, stopping };
+        driver.input(Input::Restore(Box::new(restore)))
     }
 }
 
@@ -241,6 +236,15 @@ fn somebody_paused(reader: &mut Reader, last: &Moment) -> bool {
         }
     }
     true
+}
+
+/// How the run was asked to stop, if it was. Where a journal does not say when, everything active was asked to end.
+fn stopping(last: &Moment) -> Option<Stopping> {
+    let whole = last.whole();
+    let everything = Stopping { order: last.sequence() + 1, twice: false };
+    let stop =
+        whole.stop.map_or(everything, |stop| Stopping { order: stop.order, twice: stop.twice });
+    (whole.status == RunStatus::Stopping).then_some(stop)
 }
 
 /// What the engine of the life before had counted.
@@ -310,6 +314,7 @@ impl<S: Scripts> Driver<S> {
                 crash: None,
                 hold: true,
                 counted,
+                stopping: None,
             })),
             None => self.begin_again(reader, from),
         };

@@ -116,7 +116,7 @@ impl<'r, S: Scripts> Reviver<'r, S> {
             inputs: self.ports(&state.inputs, state.lacks_inputs, &place.inputs, place),
             order: state.order,
             error: self.given_error(around),
-            preempted: false,
+            preempted: state.asked.then_some(true),
             scoped,
             ended: state.ended.iter().map(|ended| self.end(ended)).collect(),
             last: state.last.as_ref().map(|last| StateId::new(last.as_str())),

@@ -17,6 +17,10 @@ pub(crate) enum Like {
     WaitingChanges,
     Force,
     BeginningAgain,
+    /// The engine is lost, and another one takes the run up.
+    Losses,
+    /// States are asked to end.
+    Requests,
 }
 
 /// Which kinds of commands a run gets, so that some runs go far before one comes.
@@ -51,6 +55,13 @@ impl Mood {
         Self { commands, likes: chosen.map(|(like, _)| *like).collect() }
     }
 
+    /// What runs get in the wide world besides.
+    pub(crate) fn widen(&mut self, random: &mut Random) {
+        let chances = [(Like::Losses, 50), (Like::Requests, 50)];
+        let chosen = chances.into_iter().filter(|(_, chance)| random.percent(*chance));
+        self.likes.extend(chosen.map(|(like, _)| like));
+    }
+
     pub(crate) fn likes(&self, like: Like) -> bool {
         self.likes.contains(&like)
     }
@@ -79,6 +90,11 @@ impl Moment<'_> {
             _ => None,
         };
         chosen.unwrap_or_else(|| StatePath::root(StateId::new("NOWHERE")))
+    }
+
+    /// The place of a state that is active.
+    pub(crate) fn active_path(&self, random: &mut Random) -> Option<StatePath> {
+        random.pick(&self.active())
     }
 
     /// A state in one that is active.

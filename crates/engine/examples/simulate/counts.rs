@@ -68,12 +68,38 @@ counts! {
     dropped_states,
     /// Runs that were taken up by another engine.
     taken_up,
+    /// Runs that were taken up although they had been taken up before.
+    taken_up_again,
+    /// Runs that were taken up while they were stopping.
+    taken_up_stopping,
+    /// Runs that were taken up while a state had been asked to end.
+    taken_up_preempting,
+    /// Runs that were taken up while a handler ran.
+    taken_up_handling,
+    /// Runs that were taken up while a state was active backwards.
+    taken_up_backwards,
+    /// Runs that were taken up with breakpoints.
+    taken_up_with_breakpoints,
+    /// Runs that were taken up by a changed machine.
+    taken_up_changed,
+    /// Runs that did not fit a changed machine.
+    refused_changed,
     /// Moments of the past that a run went back to.
     moments_restored,
     /// Interrupted scripts about which somebody decided.
     recovered,
     /// Answers that both of two runs gave, one of which had been cut and taken up.
     twin_answers,
+    /// Times that the run which had been taken up was cut once more.
+    twins_cut_again,
+    /// Cuts while the run was stopping.
+    twins_cut_stopping,
+    /// Cuts while a state had been asked to end.
+    twins_cut_preempting,
+    /// Cuts while a handler ran.
+    twins_cut_handling,
+    /// Runs that went on from what events alone had said, while a state had been asked to end.
+    twins_told_preempting,
 }
 
 impl Counts {

@@ -1,6 +1,8 @@
 //! How a run stands, told from its events alone, as a journal tells it.
 
-use rafcon_engine::{Engine, Event, NodeId, PathId, Restored, RestoredEnd, RestoredVariable};
+use rafcon_engine::{
+    Engine, Event, NodeId, PathId, Restored, RestoredEnd, RestoredVariable, Stopping,
+};
 use rafcon_model::{KindName, OutcomeId, PortId, Value};
 use std::collections::BTreeMap;
 
@@ -9,6 +11,8 @@ use std::collections::BTreeMap;
 pub(crate) struct History {
     active: BTreeMap<PathId, Restored<Value>>,
     events: u64,
+    /// The last request to stop, and whether there was one before.
+    stop: Option<Stopping>,
 }
 
 impl History {
@@ -37,6 +41,9 @@ impl History {
             Event::Dropped { path } => {
                 self.active.remove(path);
             }
+            Event::Stopping => {
+                self.stop = Some(Stopping { order: self.events, twice: self.stop.is_some() });
+            }
             _ => {}
         }
     }
@@ -54,7 +61,7 @@ impl History {
             inputs: ports.zip(inputs.iter().cloned()).collect(),
             order: self.events,
             error: self.handed_on(engine, path),
-            preempted: false,
+            preempted: None,
             scoped: Vec::new(),
             ended: Vec::new(),
             last: None,
@@ -97,6 +104,11 @@ impl History {
             around.ended.retain(|other| other.state != end.state || !other.outputs.is_empty());
             around.ended.push(end);
         }
+    }
+
+    /// How the run was asked to stop.
+    pub(crate) fn stopping(&self) -> Option<Stopping> {
+        self.stop
     }
 
     /// What is active, with all its data.

@@ -1,12 +1,13 @@
 //! A run that is cut and taken up by another engine goes on as the run that was not cut: the same answers to the same
 //! results, from then on.
 
+use crate::commands::Like;
 use crate::random::Random;
-use crate::watch::{Checked, promise};
-use crate::world::{World, result};
+use crate::watch::{Amid, Checked};
+use crate::world::{INPUTS as LIFE, World, result};
 use rafcon_engine::{
     Effect, Engine, Event, Input, Interrupted, Job, NoGlobals, Outbox, PathId, Restore,
-    ScriptResult, Status, WaitReason,
+    ScriptResult, Start, Status, WaitReason,
 };
 use rafcon_model::Value;
 use std::collections::BTreeMap;
@@ -21,22 +22,56 @@ struct Side {
     jobs: BTreeMap<String, Job<Value>>,
 }
 
+impl World {
+    /// Runs for a while, and is then cut and taken up while it also goes on.
+    pub(crate) fn live_as_twins(&mut self) -> Checked {
+        self.feed(Input::Start(Start::default()))?;
+        for _ in 0..self.random.below(LIFE / 4) {
+            if !self.is_over() {
+                self.something()?;
+            }
+        }
+        if matches!(self.engine.status(), Status::Paused | Status::Stepping) {
+            self.feed(Input::Resume(None))?;
+        }
+        if self.mood.likes(Like::Losses) && self.chance(30) && !self.is_over() {
+            self.lose_engine_quietly()?;
+        }
+        while self.chance(60) && !self.is_over() {
+            if self.engine.status() == Status::Running {
+                self.stop()?;
+            } else {
+                self.one_ends()?;
+            }
+        }
+        let stops = self.engine.status() == Status::Stopping && self.wide.is_some();
+        if self.engine.status() == Status::Running || stops {
+            return twins(self);
+        }
+        self.wind_up(true)
+    }
+}
+
 /// Cuts the run of this world, and drives both until they end.
-pub(crate) fn twins(world: &mut World) -> Checked {
-    // Events do not tell which states were asked to end.
-    let asked = world.engine.snapshot().iter().any(|active| active.preempted);
-    let told = !world.has_changed && !asked && world.random.percent(50);
-    let root = if told {
-        world.watch.history.configuration(&world.engine)
+fn twins(world: &mut World) -> Checked {
+    let amid = Amid::of(&world.engine);
+    let told = is_told(world, amid);
+    let (root, stopping) = if told {
+        (world.watch.history.configuration(&world.engine), world.watch.history.stopping())
     } else {
-        world.engine.configuration()
+        (world.engine.configuration(), world.engine.stopping())
     };
     let Some(root) = root else { return Ok(()) };
+    let counts = &mut world.watch.counts;
+    counts.twins_cut_stopping += u64::from(amid.stopping);
+    counts.twins_cut_preempting += u64::from(amid.preempting);
+    counts.twins_cut_handling += u64::from(amid.handling);
+    counts.twins_told_preempting += u64::from(told && amid.preempting);
     let program = Arc::clone(world.engine.program());
     let counted = world.engine.counted();
     let mut cut = Side { engine: Engine::new(Arc::clone(&program)), jobs: BTreeMap::new() };
     let interrupted = Interrupted::Again;
-    let restore = Restore { root, interrupted, crash: None, hold: false, counted };
+    let restore = Restore { root, interrupted, crash: None, hold: false, counted, stopping };
     cut.feed(Input::Restore(Box::new(restore)))?;
     let engine = std::mem::replace(&mut world.engine, Engine::new(program));
     let running = std::mem::take(&mut world.watch.running);
@@ -51,18 +86,36 @@ pub(crate) fn twins(world: &mut World) -> Checked {
         world.watch.line(answers);
         world.watch.counts.twin_answers += 1;
         alike(&whole, &cut)?;
+        if world.chance(8) && cut.lose_engine()? {
+            world.watch.counts.twins_cut_again += 1;
+            alike(&whole, &cut).map_err(|broken| format!("cut once more: {broken}"))?;
+        }
     }
     world.engine = whole.engine;
-    promise(cut.engine.status() == Status::Finished, "the run that was taken up goes on")
+    let over = cut.engine.status() == Status::Finished;
+    if over { Ok(()) } else { Err("the run that was taken up goes on".into()) }
+}
+
+/// Whether the run goes on from what events alone have said. They do not tell of commands to preempt a state, nor what was
+/// before an engine was lost.
+fn is_told(world: &mut World, amid: Amid) -> bool {
+    let commanded = world.watch.counts.preempt_commands > 0 || world.was_taken_up;
+    let known = if world.wide.is_some() { !commanded } else { !amid.preempting };
+    !world.has_changed && known && world.random.percent(50)
 }
 
 /// The same scripts run, with the same inputs, and the same stands still.
 fn alike(whole: &Side, cut: &Side) -> Checked {
-    promise(whole.jobs.keys().eq(cut.jobs.keys()), "other scripts run in the run taken up")?;
-    let jobs = whole.jobs.values().zip(cut.jobs.values());
-    let mut same = jobs.map(|(a, b)| a.inputs == b.inputs);
-    promise(same.all(|same| same), "a script has other inputs in the run taken up")?;
-    promise(whole.standing() == cut.standing(), "the run taken up stands otherwise")
+    same("runs other scripts", &whole.scripts(), &cut.scripts())?;
+    same("stands otherwise", &whole.standing(), &cut.standing())
+}
+
+fn same(what: &str, whole: &[String], cut: &[String]) -> Checked {
+    if whole == cut {
+        return Ok(());
+    }
+    let (whole, cut) = (whole.join("\n"), cut.join("\n"));
+    Err(format!("the run taken up {what}; it should be\n{whole}\nbut is\n{cut}\n"))
 }
 
 /// Gives both the same input, and compares what they say.
@@ -98,6 +151,21 @@ fn compare(whole: String, cut: &str) -> Result<String, String> {
 }
 
 impl Side {
+    /// Another engine takes the run up, if it goes on by itself.
+    fn lose_engine(&mut self) -> Result<bool, String> {
+        if !matches!(self.engine.status(), Status::Running | Status::Stopping) {
+            return Ok(false);
+        }
+        let Some(root) = self.engine.configuration() else { return Ok(false) };
+        let (counted, stopping) = (self.engine.counted(), self.engine.stopping());
+        let interrupted = Interrupted::Again;
+        let restore = Restore { root, interrupted, crash: None, hold: false, counted, stopping };
+        self.engine = Engine::new(Arc::clone(self.engine.program()));
+        self.jobs.clear();
+        self.feed(Input::Restore(Box::new(restore)))?;
+        Ok(true)
+    }
+
     fn finish(&mut self, name: &str, result: ScriptResult<Value>) -> Result<String, String> {
         let job = self.jobs.remove(name).ok_or("a script does not run in the run taken up")?;
         self.feed(Input::Finished { frame: job.frame, result })
@@ -108,6 +176,7 @@ impl Side {
         let mut out = Outbox::default();
         let taken = self.engine.handle(input, &NoGlobals, &mut out);
         taken.map_err(|refusal| format!("refused: {refusal}"))?;
+        self.engine.check()?;
         let mut text = String::new();
         for event in &out.events {
             text += &self.event(event);
@@ -122,6 +191,11 @@ impl Side {
 
     fn name(&self, path: PathId) -> String {
         self.engine.path_text(path).to_string()
+    }
+
+    /// The scripts that run, with their inputs.
+    fn scripts(&self) -> Vec<String> {
+        self.jobs.iter().map(|(name, job)| format!("{name} {:?}", job.inputs)).collect()
     }
 
     /// What is active and what it does.

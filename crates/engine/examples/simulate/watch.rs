@@ -2,9 +2,7 @@
 
 use crate::counts::Counts;
 use crate::history::History;
-use rafcon_engine::{
-    Active, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status, WaitReason,
-};
+use rafcon_engine::{Active, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status};
 use rafcon_model::{KindName, Machine, StatePath, Value};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -36,6 +34,8 @@ pub(crate) struct Watch {
     pub(crate) plain: bool,
     branches: BTreeSet<u32>,
     active: BTreeSet<PathId>,
+    /// States that are active backwards.
+    backwards: BTreeSet<PathId>,
     paused: bool,
     /// The races that have a winner.
     decided: BTreeSet<PathId>,
@@ -58,6 +58,7 @@ impl Watch {
             plain,
             branches: BTreeSet::from([0]),
             active: BTreeSet::new(),
+            backwards: BTreeSet::new(),
             paused: false,
             decided: BTreeSet::new(),
             inside: BTreeMap::new(),
@@ -73,6 +74,7 @@ impl Watch {
         self.history = History::default();
         self.branches = BTreeSet::from([0]);
         self.active.clear();
+        self.backwards.clear();
         self.paused = false;
         self.decided.clear();
         self.inside.clear();
@@ -95,6 +97,10 @@ impl Watch {
     /// What happened last.
     pub(crate) fn story(&self) -> String {
         self.lines.iter().flat_map(|line| [line.as_str(), "\n"]).collect()
+    }
+
+    pub(crate) fn is_backwards(&self) -> bool {
+        !self.backwards.is_empty()
     }
 
     /// Takes an answer and checks it.
@@ -122,6 +128,9 @@ impl Watch {
             Event::Entered { path, undoes, .. } => {
                 self.counts.backward_steps += u64::from(undoes.is_some());
                 named.insert(*path);
+                if undoes.is_some() {
+                    self.backwards.insert(*path);
+                }
                 *self.inside.entry(*path).or_default() += 1;
                 self.decided.remove(path);
                 let parent = engine.path_parent(*path);
@@ -174,6 +183,7 @@ impl Watch {
 
     fn gone(&mut self, path: PathId, otherwise: &str) -> Checked {
         *self.inside.entry(path).or_default() -= 1;
+        self.backwards.remove(&path);
         promise(self.active.remove(&path), otherwise)
     }
 
@@ -235,6 +245,7 @@ impl Watch {
 
     /// What must hold between any two inputs: the engine and those who listened agree, and whoever stands still has a reason.
     pub(crate) fn consistent(&mut self, engine: &Engine<Value>, machine: &Machine) -> Checked {
+        engine.check()?;
         let snapshot = engine.snapshot();
         let paths = snapshot.iter().map(|active| active.path).collect::<BTreeSet<_>>();
         promise(paths == self.active, "the snapshot and the events disagree")?;
@@ -249,7 +260,7 @@ impl Watch {
         let inner = inner.collect::<BTreeSet<_>>();
         for leaf in snapshot.iter().filter(|active| !inner.contains(&active.path)) {
             let reason = match leaf.activity {
-                Activity::Script | Activity::Waiting(WaitReason::Interrupted) => true,
+                Activity::Script => true,
                 Activity::Checking => !self.checks.is_empty(),
                 Activity::Waiting(_) => !leaf.preempted,
                 Activity::Held => !leaf.holds.is_empty(),
@@ -295,6 +306,31 @@ impl Watch {
             promise(active.preempted || !must, "a request to end was lost")?;
         }
         Ok(())
+    }
+}
+
+/// What a run is in the middle of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Amid {
+    pub(crate) stopping: bool,
+    /// A state was asked to end.
+    pub(crate) preempting: bool,
+    /// A state is active in a hierarchy that was asked to end, and was not asked itself.
+    pub(crate) handling: bool,
+}
+
+impl Amid {
+    pub(crate) fn of(engine: &Engine<Value>) -> Self {
+        let snapshot = engine.snapshot();
+        let asked = snapshot.iter().filter(|active| active.preempted).map(|active| active.path);
+        let asked = asked.collect::<BTreeSet<_>>();
+        let around = |active: &Active| engine.path_parent(active.path);
+        let handles = |active: &Active| around(active).is_some_and(|path| asked.contains(&path));
+        Self {
+            stopping: engine.status() == Status::Stopping,
+            preempting: !asked.is_empty(),
+            handling: snapshot.iter().any(|active| !active.preempted && handles(active)),
+        }
     }
 }
 

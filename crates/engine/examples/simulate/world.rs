@@ -5,7 +5,6 @@ use crate::counts::Counts;
 use crate::edits::{edited, reloaded};
 use crate::machine::machine;
 use crate::random::Random;
-use crate::twin::twins;
 use crate::watch::{Checked, Watch, promise};
 use rafcon_engine::{
     Change, Counted, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox, Program,
@@ -15,7 +14,7 @@ use rafcon_model::{Machine, Value, notation};
 use std::sync::Arc;
 
 /// Inputs at most before the run is stopped.
-const INPUTS: usize = 150;
+pub(crate) const INPUTS: usize = 150;
 /// Inputs after the first stop, before the second.
 const PATIENCE: usize = 60;
 
@@ -28,15 +27,29 @@ pub(crate) struct Report {
     pub(crate) fingerprint: u64,
 }
 
+/// What can happen to a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Width {
+    /// What could in the first version of the simulation, in the same order: seeds that failed then repeat what they did.
+    First,
+    /// Everything.
+    Wide,
+}
+
 /// Runs the machine of this seed to its end. The error says which promise was broken, and shows the machine.
-pub(crate) fn simulate(seed: u64) -> Result<Report, String> {
+pub(crate) fn simulate(seed: u64, width: Width) -> Result<Report, String> {
     let mut random = Random::new(seed);
     let handlers = random.percent(50);
     let text = machine(&mut random, handlers);
     let machine = notation::parse(&text).map_err(|error| format!("{error}\n{text}"))?;
     let is_twin = random.percent(20);
-    let mood = if is_twin { Mood::plain(&mut random) } else { Mood::new(&mut random) };
-    let mut world = World::new(machine, mood, random);
+    let mut mood = if is_twin { Mood::plain(&mut random) } else { Mood::new(&mut random) };
+    let mut wide = (width == Width::Wide).then(|| Random::new(!seed));
+    if let Some(wide) = &mut wide {
+        mood.widen(wide);
+    }
+    let mut world = World::new(machine, mood, random, wide);
+    world.watch.plain &= is_twin || !world.mood.likes(Like::Losses);
     let lived = if is_twin { world.live_as_twins() } else { world.live(handlers) };
     lived.map_err(|broken| {
         format!("seed {seed}: {broken}\n{text}\nand last:\n{}", world.watch.story())
@@ -48,34 +61,40 @@ pub(crate) fn simulate(seed: u64) -> Result<Report, String> {
 pub(crate) struct World {
     pub(crate) engine: Engine<Value>,
     pub(crate) random: Random,
+    /// Decides about what could not happen in the first world, so that all else stays as it is there.
+    pub(crate) wide: Option<Random>,
     pub(crate) watch: Watch,
-    out: Outbox<Value>,
+    pub(crate) out: Outbox<Value>,
     /// Whether it goes by another machine than at its start.
     pub(crate) has_changed: bool,
-    mood: Mood,
+    pub(crate) mood: Mood,
+    /// Whether an earlier engine was lost.
+    pub(crate) was_taken_up: bool,
     /// The machine that runs.
-    machine: Machine,
+    pub(crate) machine: Machine,
     /// The machine and the program that were given last; they may wait.
-    latest: (Machine, Arc<Program<Value>>),
+    pub(crate) latest: (Machine, Arc<Program<Value>>),
     /// Numbers for new states.
-    fresh: u32,
+    pub(crate) fresh: u32,
     /// Moments of the past.
     moments: Vec<Restored<Value>>,
     /// A frame that has given its result.
-    stale: Option<FrameId>,
+    pub(crate) stale: Option<FrameId>,
 }
 
 impl World {
-    fn new(machine: Machine, mood: Mood, random: Random) -> Self {
+    fn new(machine: Machine, mood: Mood, random: Random, wide: Option<Random>) -> Self {
         let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
         let holds = [Like::Steps, Like::Breakpoints, Like::BeginningAgain];
         let plain = !holds.into_iter().any(|like| mood.likes(like));
         Self {
             engine: Engine::new(Arc::clone(&program)),
             random,
+            wide,
             watch: Watch::new(plain),
             out: Outbox::default(),
             has_changed: false,
+            was_taken_up: false,
             mood,
             machine: machine.clone(),
             latest: (machine, program),
@@ -83,6 +102,11 @@ impl World {
             moments: Vec::new(),
             stale: None,
         }
+    }
+
+    /// True in so many of a hundred cases; never in the first world.
+    pub(crate) fn chance(&mut self, percent: usize) -> bool {
+        self.wide.as_mut().is_some_and(|random| random.percent(percent))
     }
 
     /// From start to end: at random, then a stop, and if handlers go on for long, a second one.
@@ -100,40 +124,26 @@ impl World {
         self.wind_up(handlers)
     }
 
-    fn wind_up(&mut self, handlers: bool) -> Checked {
+    pub(crate) fn wind_up(&mut self, handlers: bool) -> Checked {
         if self.random.percent(50) {
             self.let_go()?;
         }
         self.stop()?;
         let started = self.watch.started;
         for _ in 0..PATIENCE {
+            if self.mood.likes(Like::Losses) && self.chance(3) {
+                self.lose_engine()?;
+            }
             self.one_ends()?;
         }
-        let handles =
-            handlers || self.mood.likes(Like::Changes) || self.mood.likes(Like::BeginningAgain);
+        let others = [Like::Changes, Like::BeginningAgain, Like::Losses];
+        let handles = handlers || others.into_iter().any(|like| self.mood.likes(like));
         let quiet = handles || self.watch.started == started;
         promise(quiet, "a script began after a stop, without a handler")?;
         if !self.is_over() {
             self.last_stop()?;
         }
         self.end()
-    }
-
-    /// Runs for a while, and is then cut and taken up while it also goes on.
-    fn live_as_twins(&mut self) -> Checked {
-        self.feed(Input::Start(Start::default()))?;
-        for _ in 0..self.random.below(INPUTS / 4) {
-            if !self.is_over() {
-                self.something()?;
-            }
-        }
-        if matches!(self.engine.status(), Status::Paused | Status::Stepping) {
-            self.feed(Input::Resume(None))?;
-        }
-        if self.engine.status() == Status::Running {
-            return twins(self);
-        }
-        self.wind_up(true)
     }
 
     /// Everything that is held may go on, and every condition is answered.
@@ -162,7 +172,7 @@ impl World {
         self.engine.status() == Status::Finished
     }
 
-    fn stop(&mut self) -> Checked {
+    pub(crate) fn stop(&mut self) -> Checked {
         if self.is_over() { Ok(()) } else { self.feed(Input::Stop) }
     }
 
@@ -175,11 +185,19 @@ impl World {
         promise(refused, "a run that is over took an input")
     }
 
-    fn handle(&mut self, input: Input<Value>) -> Result<(), Refusal> {
+    pub(crate) fn handle(&mut self, input: Input<Value>) -> Result<(), Refusal> {
         self.engine.handle(input, &NoGlobals, &mut self.out)
     }
 
-    fn something(&mut self) -> Checked {
+    pub(crate) fn something(&mut self) -> Checked {
+        if self.mood.likes(Like::Requests) && self.chance(4) {
+            let moment = Moment { engine: &self.engine, machine: &self.machine };
+            let path = self.wide.as_mut().and_then(|random| moment.active_path(random));
+            return path.map_or(Ok(()), |path| self.counted(Input::Preempt(path)));
+        }
+        if !self.watch.plain && self.mood.likes(Like::Losses) && self.chance(4) {
+            return self.lose_engine();
+        }
         if self.random.percent(self.mood.commands) {
             return self.command();
         }
@@ -254,7 +272,7 @@ impl World {
         }
     }
 
-    fn say(&mut self, input: &Input<Value>) {
+    pub(crate) fn say(&mut self, input: &Input<Value>) {
         let line = match input {
             Input::Change(change) => format!("> change, wait: {}", change.wait),
             other => format!("> {other:?}"),
@@ -298,26 +316,6 @@ impl World {
         Ok(())
     }
 
-    /// The process dies; another engine takes the run up as it was.
-    fn lose_engine(&mut self) -> Checked {
-        let Some(root) = self.engine.configuration() else { return Ok(()) };
-        let counted = self.engine.counted();
-        let program = Arc::clone(self.engine.program());
-        self.latest = (self.machine.clone(), Arc::clone(&program));
-        self.engine = Engine::new(program);
-        self.stale = None;
-        self.watch.begin_anew();
-        let restore = self.restoring(root, counted);
-        self.watch.counts.taken_up += 1;
-        self.feed(Input::Restore(Box::new(restore)))
-    }
-
-    fn restoring(&mut self, root: Restored<Value>, counted: Counted) -> Restore<Value> {
-        let interrupted = commands::interrupted(&mut self.random);
-        let crash = Some(Value::str("crash"));
-        Restore { root, interrupted, crash, hold: self.random.percent(50), counted }
-    }
-
     /// Keeps the moment, or goes back to an earlier one.
     fn go_back(&mut self) -> Checked {
         if self.moments.len() < 4 && self.random.percent(40) {
@@ -325,7 +323,7 @@ impl World {
             return Ok(());
         }
         let Some(root) = self.random.pick(&self.moments) else { return Ok(()) };
-        let restore = self.restoring(root, Counted::default());
+        let restore = Restore { stopping: None, ..self.restoring(root, Counted::default()) };
         if self.try_out(Input::Restore(Box::new(restore)))? {
             self.watch.counts.moments_restored += 1;
         }
@@ -339,7 +337,7 @@ impl World {
         promise(refused, "a result was taken twice")
     }
 
-    fn one_ends(&mut self) -> Checked {
+    pub(crate) fn one_ends(&mut self) -> Checked {
         if self.watch.running.is_empty() {
             return Ok(());
         }
@@ -358,7 +356,7 @@ impl World {
     }
 
     /// Takes the answer and checks it.
-    fn take(&mut self) -> Checked {
+    pub(crate) fn take(&mut self) -> Checked {
         let out = std::mem::take(&mut self.out);
         self.watch.take(out, &self.engine)?;
         if self.watch.changed {

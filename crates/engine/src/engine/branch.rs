@@ -16,7 +16,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get(parent);
         seed.preempted = frame.preempted || frame.winner.is_some();
         seed.branch = branch;
-        self.enter_with(seed, child, None);
+        self.begin(seed, child, None);
     }
 
     /// A child ended. The outputs of a barrier's children are taken at once, so that of two the later one wins.

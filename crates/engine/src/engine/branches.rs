@@ -49,7 +49,7 @@ impl Branches {
     }
 
     pub(super) fn set(&mut self, branch: BranchId, steps: bool) {
-        if self.steps.get(branch.index()).is_some_and(Option::is_some) {
+        if self.has(branch) {
             self.write(branch, Some(steps));
         }
     }
@@ -58,6 +58,21 @@ impl Branches {
         self.steps.iter_mut().flatten().for_each(|branch| *branch = steps);
         let live = self.steps.iter().flatten().count();
         self.stepping = if steps { live } else { 0 };
+    }
+
+    /// Whether a number is in use.
+    pub(super) fn has(&self, branch: BranchId) -> bool {
+        self.steps.get(branch.index()).is_some_and(Option::is_some)
+    }
+
+    /// How many there are.
+    pub(super) fn live(&self) -> usize {
+        self.steps.iter().flatten().count()
+    }
+
+    /// Whether those that go step by step are counted rightly.
+    pub(super) fn counts(&self) -> bool {
+        self.steps.iter().flatten().filter(|steps| **steps).count() == self.stepping
     }
 
     fn write(&mut self, branch: BranchId, steps: Option<bool>) {

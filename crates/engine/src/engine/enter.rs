@@ -5,7 +5,7 @@ use super::frames::{NONE, Seed};
 use super::holds::Spot;
 use super::phase::Phase;
 use super::step::{Step, Work};
-use crate::program::{Body, Concurrency, Inside, Node, PREEMPTED};
+use crate::program::{Body, Concurrency, Inside, PREEMPTED};
 use crate::{
     BranchId, Datum, Effect, Event, Job, Level, NodeId, Note, PathId, Program, Verdicts, WaitReason,
 };
@@ -31,8 +31,7 @@ impl<'s, D: Datum> Step<'s, D> {
             error: None,
             entered_at,
         };
-        let slot = self.begin(seed, node, None);
-        self.run.root = Some(slot);
+        self.begin(seed, 0, None);
     }
 
     /// What the start gave replaces defaults of the root's inputs.
@@ -66,7 +65,7 @@ impl<'s, D: Datum> Step<'s, D> {
                 let error = frame.last_error.take();
                 frame.gave = error.clone().filter(|_| keeps);
                 let seed = self.seed(parent, child, inside.child(child), error);
-                self.enter_with(seed, child, None);
+                self.begin(seed, child, None);
             }
             Body::Concurrency(..) => {
                 let branch = self.fork(parent);
@@ -81,7 +80,7 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(super) fn enter_decider(&mut self, parent: u32, inside: &'s Inside<D>, child: u32) {
         let verdicts = self.verdicts(parent, inside);
         let seed = self.seed(parent, child, inside.child(child), None);
-        self.enter_with(seed, child, Some(Arc::new(verdicts)));
+        self.begin(seed, child, Some(Arc::new(verdicts)));
     }
 
     /// A new branch goes step by step if its parent does, and no step over something around it is under way.
@@ -135,21 +134,12 @@ impl<'s, D: Datum> Step<'s, D> {
         (is_on_path && depth as usize + 1 < path.len()).then_some(depth + 1)
     }
 
-    /// Enters the child with this index and hangs it under its parent.
-    pub(super) fn enter_with(
-        &mut self,
-        seed: Seed<D>,
-        child: u32,
-        verdicts: Option<Arc<Verdicts<D>>>,
-    ) {
-        let parent = seed.parent;
-        let node = self.program.node(seed.node);
-        let slot = self.begin(seed, node, verdicts);
-        self.hang(parent, child, slot);
-    }
-
-    /// Makes a frame the active child of another.
+    /// Makes a frame the active child of another, or the root of the run.
     pub(super) fn hang(&mut self, parent: u32, child: u32, slot: u32) {
+        if parent == NONE {
+            self.run.root = Some(slot);
+            return;
+        }
         let is_concurrency = matches!(self.body(parent), Body::Concurrency(..));
         let children = &mut self.run.frames.get_mut(parent).children;
         match children.get_mut(child as usize).filter(|_| is_concurrency) {
@@ -158,13 +148,16 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    fn begin(
+    /// Enters the child with this index. It is in the tree of frames before it does anything, so that a request to end
+    /// reaches it.
+    pub(super) fn begin(
         &mut self,
         mut seed: Seed<D>,
-        node: &'s Node<D>,
+        child: u32,
         verdicts: Option<Arc<Verdicts<D>>>,
-    ) -> u32 {
+    ) {
         self.give_inputs(&mut seed);
+        let (node, parent) = (self.program.node(seed.node), seed.parent);
         let (path, inputs) = (seed.path, Arc::clone(&seed.inputs));
         self.out.events.insert(
             seed.entered_at,
@@ -179,6 +172,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let slot = self.run.frames.add(seed);
         self.run.entries += 1;
         self.run.frames.get_mut(slot).entry = self.run.entries;
+        self.hang(parent, child, slot);
         self.run.entered += u64::from(!matches!(node.body, Body::Library(_)));
         match &node.body {
             Body::Script => self.run_script(slot, verdicts),
@@ -186,7 +180,6 @@ impl<'s, D: Datum> Step<'s, D> {
             Body::Concurrency(kind, inside) => self.begin_concurrency(slot, *kind, inside),
             Body::Library(content) => self.begin_library(slot, content),
         }
-        slot
     }
 
     pub(super) fn run_script(&mut self, slot: u32, verdicts: Option<Arc<Verdicts<D>>>) {

@@ -31,7 +31,7 @@ impl<D: Datum> Engine<D> {
             inputs: node.inputs().iter().map(|port| port.id).zip(inputs.iter().cloned()).collect(),
             order: frame.slots.first().map_or(0, |slot| slot.sequence),
             error: frame.error.clone(),
-            preempted: frame.preempted,
+            preempted: Some(frame.preempted),
             scoped: Vec::new(),
             ended: Vec::new(),
             last: None,

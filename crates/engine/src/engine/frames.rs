@@ -226,6 +226,17 @@ impl<D> Frames<D> {
         self.free.push(slot);
     }
 
+    /// The frames in use, by rising number.
+    pub(super) fn live(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.all).filter(|(_, frame)| frame.live).map(|(slot, _)| slot)
+    }
+
+    /// Whether each frame is either in use or free.
+    pub(super) fn are_accounted_for(&self) -> bool {
+        let is_free = |slot: &u32| self.all.get(*slot as usize).is_some_and(|frame| !frame.live);
+        self.free.iter().all(is_free) && self.live().count() + self.free.len() == self.all.len()
+    }
+
     /// The active frames at and below `top`: parents before children, children in their order.
     pub(super) fn below(&self, top: u32) -> Vec<u32> {
         let mut found = Vec::new();

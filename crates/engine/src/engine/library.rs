@@ -72,7 +72,7 @@ impl<'s, D: Datum> Step<'s, D> {
             error,
             entered_at,
         };
-        self.enter_with(seed, 0, None);
+        self.begin(seed, 0, None);
     }
 
     /// The inputs of a root are those of its library state.

@@ -22,6 +22,7 @@ mod going;
 mod hierarchy;
 mod holds;
 mod inspect;
+mod invariants;
 mod leave;
 mod library;
 mod migrate;
@@ -43,7 +44,9 @@ pub use inspect::Inspection;
 pub use refusal::{Command, Refusal, Status};
 pub use snapshot::{Active, Activity, Hold};
 
-use crate::{Breakpoint, Counted, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program};
+use crate::{
+    Breakpoint, Counted, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program, Stopping,
+};
 use branches::Branches;
 use frames::Frames;
 use holds::Control;
@@ -166,6 +169,13 @@ impl<D: Datum> Engine<D> {
     /// What was counted so far, for whoever takes the run up later.
     pub fn counted(&self) -> Counted {
         Counted { states_run: self.run.entered, entries: self.run.entries }
+    }
+
+    /// How the run was asked to stop, if it was and is not over. Each state of [`Self::configuration`] says by itself
+    /// whether it was asked to end, so the order does not matter.
+    pub fn stopping(&self) -> Option<Stopping> {
+        let twice = self.run.stopped_twice;
+        (self.run.status == Status::Stopping).then_some(Stopping { order: 0, twice })
     }
 
     /// How many states were entered; library states themselves are not counted, the roots of their content are.

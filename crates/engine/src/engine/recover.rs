@@ -43,7 +43,9 @@ impl<D: Datum> Step<'_, D> {
 
     /// A script that ran when the run ended. What is left as work stands in the order in which it is to be done.
     pub(super) fn take_up_script(&mut self, slot: u32, interrupted: Interrupted, hold: bool) {
+        let asked = self.run.frames.get(slot).preempted;
         match interrupted {
+            Interrupted::Wait if asked => self.end_script_later(slot, PREEMPTED, None),
             Interrupted::Wait => self.wait(slot, WaitReason::Interrupted),
             Interrupted::Abort => {
                 let error = self.run.crash.clone();

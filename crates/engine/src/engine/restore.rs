@@ -1,17 +1,26 @@
 //! Taking a run up at a moment: frames, values and places as they were. Knows names and orders; what goes on from there is
 //! the same as ever.
 
-use super::frames::{Ended, NONE, Seed, Slot};
+use super::frames::{Ended, Frame, NONE, Seed, Slot};
 use super::phase::Phase;
 use super::step::{Step, Work};
 use super::{Command, Refusal, Status};
-use crate::program::{ABORTED, Body, Concurrency, Content, Inside, Node, PREEMPTED};
+use crate::program::{ABORTED, Body, Concurrency, Content, Inside, Node};
 use crate::{
     BranchId, Datum, Event, Interrupted, NodeId, PathId, Program, Restore, Restored, RestoredEnd,
     WaitReason,
 };
 use rafcon_model::{Port, PortId, StateId};
 use std::sync::Arc;
+
+/// Where a frame is made again.
+#[derive(Debug, Clone, Copy)]
+struct Spot {
+    parent: u32,
+    child: u32,
+    /// The order of the last request to end that was made to all that is active there.
+    request: u64,
+}
 
 impl<'s, D: Datum> Step<'s, D> {
     pub(super) fn restore(&mut self, restore: Restore<D>) -> Result<(), Refusal> {
@@ -26,36 +35,53 @@ impl<'s, D: Datum> Step<'s, D> {
         if self.run.status == Status::Paused {
             self.pause(false);
         }
-        self.run.status = Status::Running;
-        let hold = restore.hold || restore.interrupted == Interrupted::Wait;
+        let stopping = restore.stopping;
+        self.run.status = stopping.map_or(Status::Running, |_| Status::Stopping);
+        self.run.stopped_twice = stopping.is_some_and(|stopping| stopping.twice);
+        let hold = stopping.is_none() && (restore.hold || restore.interrupted == Interrupted::Wait);
         self.run.control.starting = hold;
         self.step_all(hold);
-        let made = self.rebuild(restore.root);
+        let made = self.rebuild(restore.root, stopping.map_or(0, |stopping| stopping.order));
+        if stopping.is_some() {
+            self.out.events.push(Event::Stopping);
+        }
         self.set_going(&made, restore.interrupted, hold);
         Ok(())
     }
 
     /// All frames of a moment, parents before children.
-    fn rebuild(&mut self, root: Restored<D>) -> Vec<u32> {
+    fn rebuild(&mut self, root: Restored<D>, stop: u64) -> Vec<u32> {
         let mut made = Vec::new();
-        let mut stack = vec![(NONE, 0, root)];
-        while let Some((parent, child, mut restored)) = stack.pop() {
-            let children = std::mem::take(&mut restored.children);
-            let slot = self.rebuild_frame(parent, child, &restored);
+        let mut stack = vec![(Spot { parent: NONE, child: 0, request: stop }, root)];
+        while let Some((spot, restored)) = stack.pop() {
+            let slot = self.rebuild_frame(spot, &restored);
             made.push(slot);
             let node = self.program.node(self.run.frames.get(slot).node);
-            let numbered = children.into_iter().filter_map(|child| {
-                Some((slot, self.program.child_of(node, &child.state)?.0, child))
+            let request = spot.request.max(self.decided_at(slot, &restored));
+            let numbered = restored.children.into_iter().filter_map(|restored| {
+                let child = self.program.child_of(node, &restored.state)?.0;
+                Some((Spot { parent: slot, child, request }, restored))
             });
             let first = stack.len();
             stack.extend(numbered);
-            stack[first..].sort_by_key(|(_, child, _)| std::cmp::Reverse(*child));
+            stack[first..].sort_by_key(|(spot, _)| std::cmp::Reverse(spot.child));
         }
         made
     }
 
-    fn rebuild_frame(&mut self, parent: u32, child: u32, restored: &Restored<D>) -> u32 {
-        let seed = self.restored_seed(parent, child, restored);
+    /// The order of the end that decided a race; 0 if none did.
+    fn decided_at(&self, slot: u32, restored: &Restored<D>) -> u64 {
+        let frame = self.run.frames.get(slot);
+        let node = self.program.node(frame.node);
+        let winner = frame.winner.and_then(|child| node.child(child as usize));
+        let winner = winner.map(|winner| self.program.node(winner).id());
+        let end = restored.ended.iter().rfind(|end| Some(&end.state) == winner);
+        end.map_or(0, |end| end.order)
+    }
+
+    fn rebuild_frame(&mut self, spot: Spot, restored: &Restored<D>) -> u32 {
+        let Spot { parent, child, .. } = spot;
+        let seed = self.restored_seed(spot, restored);
         let (path, id) = (seed.path, seed.node);
         let entered =
             Event::Entered { path, node: id, inputs: Arc::clone(&seed.inputs), undoes: None };
@@ -67,10 +93,7 @@ impl<'s, D: Datum> Step<'s, D> {
         frame.entry = self.run.entries;
         frame.trail.logs = keeps && matches!(self.program.node(id).body, Body::Hierarchy(_));
         frame.trail.lost = true;
-        match parent {
-            NONE => self.run.root = Some(slot),
-            _ => self.hang(parent, child, slot),
-        }
+        self.hang(parent, child, slot);
         match &self.program.node(id).body {
             Body::Script | Body::Library(_) => {
                 let ends = restored.ended.iter().map(|end| self.end_of(id, end));
@@ -88,7 +111,8 @@ impl<'s, D: Datum> Step<'s, D> {
         slot
     }
 
-    fn restored_seed(&mut self, parent: u32, child: u32, restored: &Restored<D>) -> Seed<D> {
+    fn restored_seed(&mut self, spot: Spot, restored: &Restored<D>) -> Seed<D> {
+        let Spot { parent, child, .. } = spot;
         let id = self.node_of_child(parent, child);
         let node = self.program.node(id);
         let path = if parent == NONE { PathId(0) } else { self.child_path(parent, child) };
@@ -100,7 +124,7 @@ impl<'s, D: Datum> Step<'s, D> {
             path,
             branch: self.restored_branch(parent, child),
             parent,
-            preempted: restored.preempted || self.passes_preemption(parent),
+            preempted: self.was_asked_to_end(spot, restored),
             start_depth: None,
             inputs,
             outputs: self.restored_outputs(parent, node),
@@ -129,15 +153,15 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Whether a state that is active in `parent` was asked to end with it: all are, but handlers in hierarchies.
-    fn passes_preemption(&self, parent: u32) -> bool {
-        if parent == NONE {
-            return false;
+    /// A request reaches what was entered before it, and what begins in a state that was asked to end; but not what a
+    /// hierarchy enters after it, for that is a handler.
+    fn was_asked_to_end(&self, spot: Spot, restored: &Restored<D>) -> bool {
+        let asked = restored.preempted.unwrap_or(restored.order < spot.request);
+        if asked || spot.parent == NONE || self.is_hierarchy(spot.parent) {
+            return asked;
         }
-        let frame = self.run.frames.get(parent);
-        let is_hierarchy = matches!(self.body(parent), Body::Hierarchy(_));
-        let handles = is_hierarchy && frame.last.is_some_and(|(_, end)| end == PREEMPTED);
-        frame.winner.is_some() || frame.preempted && !handles
+        let around = self.run.frames.get(spot.parent);
+        around.preempted || around.winner.is_some()
     }
 
     fn restored_outputs(&self, parent: u32, node: &Node<D>) -> Arc<[D]> {
@@ -235,21 +259,30 @@ impl<'s, D: Datum> Step<'s, D> {
         let ends: Vec<_> = ends.collect();
         let decider = kind.decider().map(|decider| decider as usize);
         let branches = ends.iter().enumerate().filter(|(child, _)| Some(*child) != decider);
-        let open = branches.clone().filter(|(_, end)| end.is_none()).count();
+        let not_ended = branches.clone().filter(|(_, end)| end.is_none()).count();
         let first = branches.filter_map(|(child, end)| Some((end.as_ref()?.0, child))).min();
+        let active = restored.children.iter().map(|child| &child.state);
+        let active =
+            active.filter(|id| kind.decider().is_none_or(|d| !self.is_child(inside, d, id)));
+        let active = active.count();
         let frame = self.run.frames.get_mut(slot);
         frame.children.resize(inside.children.len(), NONE);
-        frame.open = crate::program::index(open);
         frame.ended = ends.into_iter().map(|end| end.map(|(_, end)| end)).collect();
         if kind == Concurrency::Preemptive {
             frame.winner = first.map(|(_, child)| crate::program::index(child));
         }
+        frame.open =
+            crate::program::index(if frame.begins_no_branch() { active } else { not_ended });
         let decided = decider.and_then(|decider| Some((decider, frame.ended[decider].as_ref()?)));
         let decided = decided.map(|(decider, end)| (decider, end.outcome, end.error.clone()));
         if let Some((decider, outcome, error)) = decided {
             frame.last = Some((crate::program::index(decider), outcome));
             frame.last_error = error.filter(|_| outcome == ABORTED);
         }
+    }
+
+    fn is_child(&self, inside: &Inside<D>, child: u32, id: &StateId) -> bool {
+        self.program.node(inside.child(child)).id() == id
     }
 
     /// How the root of a library ended.
@@ -312,11 +345,14 @@ impl<'s, D: Datum> Step<'s, D> {
             if decides || frame.last.is_some() { Phase::Deciding } else { Phase::Branches };
         if frame.open == 0 && !decides {
             return match kind {
-                Concurrency::Preemptive if inside.children.is_empty() => {
+                Concurrency::Preemptive if inside.children.is_empty() && !frame.preempted => {
                     self.wait(slot, WaitReason::NoChildren);
                 }
                 Concurrency::Preemptive | Concurrency::Barrier(_) => self.advance_later(slot),
             };
+        }
+        if frame.begins_no_branch() {
+            return;
         }
         let waits = |child: &u32| {
             let index = *child as usize;
@@ -326,6 +362,13 @@ impl<'s, D: Datum> Step<'s, D> {
         let begin: Vec<_> = begin.filter(waits).collect();
         let enter = begin.into_iter().map(|child| Work::Enter { parent: slot, child });
         self.run.work.extend(enter);
+    }
+}
+
+impl<D> Frame<D> {
+    /// Whether branches that have not begun never will: the state was asked to end, or its race is decided.
+    fn begins_no_branch(&self) -> bool {
+        self.preempted || self.winner.is_some()
     }
 }
 

@@ -126,9 +126,10 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.start_from.get(depth as usize).copied()
     }
 
-    /// The state that the run was begun at was left.
+    /// The state that the run was begun at was left. A run that stops already goes on doing so.
     pub(super) fn target_left(&mut self) {
-        match self.run.control.then.take() {
+        let then = self.run.control.then.take();
+        match then.filter(|_| self.run.status != Status::Stopping) {
             Some((_, Then::Hold)) => self.step_all(true),
             Some((_, Then::Stop)) => self.run.control.stop_next = true,
             Some((_, Then::GoOn)) | None => {}

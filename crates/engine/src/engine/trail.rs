@@ -149,6 +149,21 @@ impl<D> Trail<D> {
         Some((trace, values))
     }
 
+    /// Whether what is counted is there.
+    pub(super) fn adds_up(&self) -> bool {
+        let weight: usize = self.traces.iter().map(|trace| trace.past.weight()).sum();
+        let replaced: usize = self.traces.iter().map(|trace| trace.replaced).sum();
+        let inner = self.traces.iter().filter_map(|trace| match &trace.past.kept {
+            Kept::Inner(inner) => Some(inner),
+            Kept::Nothing | Kept::Lost => None,
+        });
+        let mut inner = inner.map(|inner| {
+            let pasts = inner.pasts.iter().flatten().map(Past::weight).sum::<usize>();
+            inner.weight == inner.trail.weight + pasts
+        });
+        weight == self.weight && replaced <= self.undo.len() && inner.all(|inner| inner)
+    }
+
     /// Gives up the oldest traces until this many steps are gone, or nothing is left.
     fn shorten(&mut self, steps: usize) -> usize {
         let before = self.weight;

@@ -508,3 +508,295 @@ fn what_the_machine_has_no_more_is_refused() {
     "]],
     );
 }
+
+const HANDLER: &str = "
+hierarchy ROOT
+  outcome done
+  start -> H ; H.done -> .done ; H.preempted -> .done
+  hierarchy H
+    outcome done
+    start -> A ; A.done -> .done ; A.preempted -> C ; C.done -> .done
+    execution A
+      outcome done
+    execution C
+      outcome done
+";
+
+#[test]
+fn a_handler_is_not_asked_to_end_although_the_state_before_it_is_gone() {
+    let gone = "
+hierarchy ROOT
+  outcome done
+  start -> H ; H.done -> .done ; H.preempted -> .done
+  hierarchy H
+    outcome done
+    start -> C ; C.done -> .done
+    execution C
+      outcome done
+";
+    check_change(
+        HANDLER,
+        gone,
+        "start; preempt ROOT/H; A done; change; cut again elsewhere; active; C done",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+              run ROOT/H/A
+            > preempt ROOT/H
+              preempt ROOT/H
+              preempt ROOT/H/A
+            > A done
+            leave ROOT/H/A preempted
+            enter ROOT/H/C
+              run ROOT/H/C
+            > change
+            changed
+            > cut again elsewhere
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/C
+              run ROOT/H/C
+            > active
+            ROOT Inside
+            ROOT/H Inside preempted
+            ROOT/H/C Script
+            Running, 4 states run
+            > C done
+            leave ROOT/H/C done
+            leave ROOT/H preempted
+            leave ROOT done
+            finished
+              end of run: done (0), 4 states
+        "]],
+    );
+}
+
+#[test]
+fn a_run_that_stops_goes_on_stopping() {
+    check(
+        HANDLER,
+        "start; stop; A done; cut again; active; C done",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+              run ROOT/H/A
+            > stop
+            stopping
+              preempt ROOT
+              preempt ROOT/H
+              preempt ROOT/H/A
+            > A done
+            leave ROOT/H/A preempted
+            enter ROOT/H/C
+              run ROOT/H/C
+            > cut again
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/C
+            stopping
+              run ROOT/H/C
+            > active
+            ROOT Inside preempted
+            ROOT/H Inside preempted
+            ROOT/H/C Script
+            Stopping, 4 states run
+            > C done
+            leave ROOT/H/C done
+            leave ROOT/H preempted
+            leave ROOT preempted
+            finished
+              end of run: preempted (-2), 4 states
+        "]],
+    );
+    check(
+        HANDLER,
+        "start; stop; cut again; A done; stop; cut again; C done",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+              run ROOT/H/A
+            > stop
+            stopping
+              preempt ROOT
+              preempt ROOT/H
+              preempt ROOT/H/A
+            > cut again
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+            stopping
+              run ROOT/H/A preempted
+            > A done
+            leave ROOT/H/A preempted
+            enter ROOT/H/C
+              run ROOT/H/C
+            > stop
+            stopping
+              preempt ROOT/H/C
+            > cut again
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/C
+            stopping
+              run ROOT/H/C preempted
+            > C done
+            leave ROOT/H/C preempted
+            leave ROOT/H preempted
+            leave ROOT preempted
+            finished
+              end of run: preempted (-2), 4 states
+        "]],
+    );
+    check(
+        HANDLER,
+        "start; stop; cut abort",
+        &expect![[r#"
+            > start
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+              run ROOT/H/A
+            > stop
+            stopping
+              preempt ROOT
+              preempt ROOT/H
+              preempt ROOT/H/A
+            > cut abort
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+            stopping
+            leave ROOT/H/A aborted error="crash"
+            leave ROOT/H preempted error="crash"
+            leave ROOT preempted
+            finished
+              end of run: preempted (-2), 3 states
+        "#]],
+    );
+}
+
+#[test]
+fn what_was_asked_to_end_does_not_wait_as_interrupted() {
+    check(
+        HANDLER,
+        "start; preempt ROOT/H; cut wait; active",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+              run ROOT/H/A
+            > preempt ROOT/H
+              preempt ROOT/H
+              preempt ROOT/H/A
+            > cut wait
+            enter ROOT
+            enter ROOT/H
+            enter ROOT/H/A
+            leave ROOT/H/A preempted
+            hold ROOT/H before ROOT/H/C (Start)
+            > active
+            ROOT Inside
+            ROOT/H Held preempted (Start before ROOT/H/C)
+            Stepping, 3 states run
+        "]],
+    );
+}
+
+#[test]
+fn a_branch_that_was_let_go_before_it_began_never_begins() {
+    let machine = "
+barrier ROOT
+  outcome done
+  unique_decider_state_id.done -> .done
+  execution A
+    outcome done
+  execution B
+    outcome done
+  decider unique_decider_state_id
+    outcome done
+";
+    check(
+        machine,
+        "start hold; resume ROOT/A; preempt ROOT; cut again; A done",
+        &expect![[r"
+            > start hold
+            enter ROOT
+            hold ROOT before ROOT/A (Start)
+            hold ROOT before ROOT/B (Start)
+              fork 1
+              fork 2
+            > resume ROOT/A
+            enter ROOT/A
+              run ROOT/A on 1
+            > preempt ROOT
+              preempt ROOT
+              preempt ROOT/A
+              end 2
+            > cut again
+            enter ROOT
+            enter ROOT/A
+              fork 1
+              run ROOT/A on 1 preempted
+            > A done
+            leave ROOT/A preempted
+            leave ROOT preempted
+            finished
+              end 1
+              end of run: preempted (-2), 2 states
+        "]],
+    );
+}
+
+#[test]
+fn a_race_without_children_that_was_asked_to_end_ends() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> A ; A.done -> B ; A.preempted -> B ; B.done -> .done
+  execution A
+    outcome done
+  execution B
+    outcome done
+";
+    let race = machine.replacen("  execution A", "  preemptive A", 1);
+    check_change(
+        machine,
+        &race,
+        "start; preempt ROOT/A; keep; pause; A done; change; return; active",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/A
+              run ROOT/A
+            > preempt ROOT/A
+              preempt ROOT/A
+            > keep
+            > pause
+            paused
+              paused true
+            > A done
+            leave ROOT/A preempted
+            hold ROOT before ROOT/B (Pause)
+            > change
+            changed
+            > return
+            drop ROOT
+            goes on
+            enter ROOT
+            enter ROOT/A
+            leave ROOT/A preempted
+            hold ROOT before ROOT/B (Start)
+              paused false
+            > active
+            ROOT Held (Start before ROOT/B)
+            Stepping, 2 states run
+        "]],
+    );
+}

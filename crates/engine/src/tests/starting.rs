@@ -530,3 +530,45 @@ hierarchy ROOT
   execution A
     outcome ok
 ";
+
+#[test]
+fn a_run_that_stops_already_is_not_stopped_behind_its_state() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> A ; A.done -> .done ; A.preempted -> R ; R.done -> .done
+  execution A
+    outcome done
+  preemptive R
+    outcome done
+";
+    check(
+        machine,
+        "start at ROOT/A then stop; stop; A done; active; stop",
+        &expect![[r"
+        > start at ROOT/A then stop
+        enter ROOT
+        enter ROOT/A
+          run ROOT/A
+        > stop
+        stopping
+          preempt ROOT
+          preempt ROOT/A
+        > A done
+        leave ROOT/A preempted
+        enter ROOT/R
+        wait ROOT/R: no children
+        > active
+        ROOT Inside preempted
+        ROOT/R Waiting(NoChildren)
+        Stopping, 3 states run
+        > stop
+        stopping
+        leave ROOT/R preempted
+        leave ROOT preempted
+        finished
+          preempt ROOT/R
+          end of run: preempted (-2), 3 states
+    "]],
+    );
+}

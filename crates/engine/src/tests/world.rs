@@ -102,6 +102,7 @@ impl World {
                 self.say(&format!("refused: {refusal}"));
             }
         }
+        assert_eq!(self.engine.check(), Ok(()));
     }
 
     fn change(&self, wait: bool) -> Input<Value> {
@@ -113,7 +114,7 @@ impl World {
     /// The run is lost, and taken up by another engine.
     fn cut(&mut self, how: &str) {
         let root = self.engine.configuration().expect("something is active");
-        let counted = self.engine.counted();
+        let (counted, stopping) = (self.engine.counted(), self.engine.stopping());
         let (how, elsewhere) = match how.strip_suffix(" elsewhere") {
             Some(how) => (how, self.next.as_ref()),
             None => (how, None),
@@ -124,24 +125,14 @@ impl World {
         self.engine = Engine::new(Arc::clone(&self.program));
         self.running.clear();
         let (how, hold) = how.strip_suffix(" held").map_or((how, false), |how| (how, true));
-        self.restore(root, interrupted(how), hold, counted);
+        let restore = restore(root, interrupted(how), hold);
+        self.feed(Input::Restore(Box::new(Restore { counted, stopping, ..restore })));
     }
 
     /// The run goes back to the moment that was kept.
     fn go_back(&mut self) {
         let root = self.moment.clone().expect("a moment that was kept");
-        self.restore(root, Interrupted::Again, true, Counted::default());
-    }
-
-    fn restore(
-        &mut self,
-        root: Restored<Value>,
-        interrupted: Interrupted,
-        hold: bool,
-        counted: Counted,
-    ) {
-        let crash = Some(Value::str("crash"));
-        let restore = Restore { root, interrupted, crash, hold, counted };
+        let restore = restore(root, Interrupted::Again, true);
         self.feed(Input::Restore(Box::new(restore)));
     }
 
@@ -329,6 +320,11 @@ impl World {
         self.text += line;
         self.text.push('\n');
     }
+}
+
+fn restore(root: Restored<Value>, interrupted: Interrupted, hold: bool) -> Restore<Value> {
+    let (crash, counted) = (Some(Value::str("crash")), Counted::default());
+    Restore { root, interrupted, crash, hold, counted, stopping: None }
 }
 
 fn interrupted(how: &str) -> Interrupted {

@@ -575,3 +575,42 @@ hierarchy ROOT
     runner.join().unwrap();
     assert!(text.contains("-ROOT/B=aborted\n") && text.contains("\nfinished "), "{text}");
 }
+
+/// The first script does not end, whatever it is asked; behind its preemption comes another state.
+const STUCK: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  A.ok -> .done
+  A.preempted -> B
+  B.ok -> .done
+  execution A \"stuck\"
+    outcome ok
+  execution B
+    outcome ok
+";
+
+#[test]
+fn a_state_that_was_preempted_stays_so_when_it_is_taken_up() {
+    let house = House::new(STUCK);
+    let test = "tests::resuming::a_state_that_was_preempted_stays_so_when_it_is_taken_up";
+    let preempt = Command::Preempt { path: "ROOT/A".to_owned() };
+    house.die_after(test, "+ROOT/A", &[("preempt", preempt)]);
+    let resume = Command::Resume { branch: None };
+    check(
+        &house,
+        (OnCrash::Ask, None),
+        &[("ROOT is held before ROOT/B by Start", resume)],
+        &expect![[r"
+            life 2 after a crash of ROOT/A: Ask
+            +ROOT
+            +ROOT/A
+            -ROOT/A=preempted
+            ROOT is held before ROOT/B by Start
+            +ROOT/B
+            -ROOT/B=ok
+            -ROOT=done
+            finished done
+        "]],
+    );
+}

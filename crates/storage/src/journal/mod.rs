@@ -54,7 +54,7 @@ pub use folder::{make_folder, run_id};
 pub use found::{Found, Looked, Search, is_about_values};
 pub use journal::{Committed, Journal, Options, RECORDER_BYTES, SIZE_MAX, TakenUp};
 pub use lock::{locks, writer_of};
-pub use moment::{ANSWERS_MAX, BadMoment, Ended, Moment, Standing, Variable, Whole};
+pub use moment::{ANSWERS_MAX, BadMoment, Ended, Moment, Standing, StopRequest, Variable, Whole};
 pub use pack::{Hash, Manifest, Pack, Packed, Packer};
 pub use places::Places;
 pub use reader::{Entry, Reader};

@@ -30,6 +30,9 @@ struct Header {
     states_run: u64,
     /// Since when each active state is, in the order of their entries.
     since_ns: Vec<u64>,
+    /// The places of those that were asked to end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    asked: Vec<u32>,
     /// Places of containers in which a step was just undone.
     undone: Vec<u32>,
     whole: Whole,
@@ -54,6 +57,7 @@ impl Moment {
             entries: self.entries,
             states_run: self.states_run,
             since_ns: active.iter().map(|(_, active)| active.t_ns).collect(),
+            asked: self.asked().collect(),
             undone: self.undone().collect(),
             whole: self.whole.clone(),
         };
@@ -91,6 +95,11 @@ impl Moment {
         for (active, since_ns) in active.into_iter().zip(&header.since_ns) {
             active.t_ns = *since_ns;
         }
+        for place in header.asked {
+            if let Some(active) = self.active.get_mut(&PlaceNumber(place)) {
+                active.asked = true;
+            }
+        }
         for place in header.undone {
             if let Some(active) = self.active.get_mut(&PlaceNumber(place)) {
                 active.inside.set_undone();
@@ -99,6 +108,10 @@ impl Moment {
         (self.sequence, self.t_ns) = (header.sequence, header.t_ns);
         (self.entries, self.states_run) = (header.entries, header.states_run);
         (self.whole, self.lacks_steps) = (header.whole, false);
+    }
+
+    fn asked(&self) -> impl Iterator<Item = u32> {
+        self.active.iter().filter(|(_, active)| active.asked).map(|(place, _)| place.0)
     }
 
     fn undone(&self) -> impl Iterator<Item = u32> {

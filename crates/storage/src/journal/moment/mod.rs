@@ -13,7 +13,7 @@ mod tests;
 pub use bytes::BadMoment;
 pub(super) use bytes::{values_in, without_values};
 pub use standing::{Ended, Standing, Variable};
-pub use told::{ANSWERS_MAX, Whole};
+pub use told::{ANSWERS_MAX, StopRequest, Whole};
 
 use super::places::Places;
 use super::record::{Definition, Kept, PlaceNumber, Record};
@@ -50,6 +50,8 @@ struct Active {
     /// The record that it was entered by.
     order: u64,
     t_ns: u64,
+    /// It was asked to end by a command or its deadline, or what it stands in was.
+    asked: bool,
     inside: Inside,
 }
 
@@ -122,7 +124,8 @@ impl Moment {
         self.states_run += u64::from(undoes.is_none() && !is_library);
         let around = parent.and_then(|parent| self.active.get_mut(&parent));
         let (order, t_ns) = (self.sequence, self.t_ns);
-        let mut active = Active { inputs: inputs.to_vec(), order, t_ns, inside: Inside::default() };
+        let (inputs, asked, inside) = (inputs.to_vec(), false, Inside::default());
+        let mut active = Active { inputs, order, t_ns, asked, inside };
         if let Some(around) = around {
             around.inside.begin();
             if undoes.is_some() {
@@ -184,6 +187,7 @@ impl Moment {
         let Some(bytes) = self.restored.take() else { return };
         if let Ok(earlier) = Self::from_bytes(&bytes, self.places.clone()) {
             self.active = earlier.active;
+            self.whole.stop = None;
             self.globals.extend(earlier.globals);
             self.persistent.extend(earlier.persistent);
         }
@@ -229,6 +233,17 @@ impl Moment {
     /// The active state around this place.
     fn around(&mut self, place: PlaceNumber) -> Option<&mut Active> {
         self.active.get_mut(&self.places.parent(place)?)
+    }
+
+    /// A state was preempted with all that was active in it. What was entered at the same moment was entered because of it.
+    fn preempt(&mut self, path: &str) {
+        let Some(top) = self.places.number(path) else { return };
+        let is_below = |place: PlaceNumber, places: &Places| {
+            std::iter::successors(Some(place), |&place| places.parent(place)).any(|at| at == top)
+        };
+        for (place, active) in &mut self.active {
+            active.asked |= active.t_ns < self.t_ns && is_below(*place, &self.places);
+        }
     }
 
     fn drop_state(&mut self, path: &str) {

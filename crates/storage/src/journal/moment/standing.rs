@@ -21,6 +21,8 @@ pub struct Standing {
     pub order: u64,
     /// When it was entered, in ns since the start of the run.
     pub since_ns: u64,
+    /// Whether a command or a deadline asked it to end, or what it stands in. Races and a stop are not counted.
+    pub asked: bool,
     /// Its inputs by port id. Empty if values were not kept.
     pub inputs: Vec<(u64, Kept)>,
     /// Whether it has inputs that were not kept.
@@ -155,6 +157,7 @@ impl Moment {
             parent,
             order: it.order,
             since_ns: it.t_ns,
+            asked: it.asked,
             inputs: by_port(&place.inputs, &it.inputs),
             lacks_inputs: it.inputs.len() < place.inputs.len(),
             scoped: it.inside.scoped().into_iter().map(variable).collect(),

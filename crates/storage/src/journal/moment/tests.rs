@@ -53,6 +53,9 @@ fn shown(moment: &Moment) -> String {
 
 fn line(standing: &Standing) -> String {
     let mut text = format!("{} #{}", standing.state(), standing.order);
+    if standing.asked {
+        text += " asked";
+    }
     for (port, value) in &standing.inputs {
         write!(text, " in {port}={}", plain(value)).unwrap();
     }
@@ -440,4 +443,47 @@ fn a_long_loop_keeps_few_steps_and_says_when_they_do_not_reach() {
         }
     }
     assert!(short.lacks_steps() && !moment.lacks_steps());
+}
+
+#[test]
+fn what_a_command_or_a_deadline_preempts_is_known_but_not_the_handler_that_follows() {
+    check(
+        r#"@1 enter R
+           @1 enter R/H
+           @1 enter R/H/Y
+           @2 told {"type": "deadline_passed", "path": "R/H", "deadline_ms": 1}
+           @3 leave R/H/Y ok
+           @3 enter R/H/X"#,
+        &expect![[r"
+            #6 Running, 4 run
+            R #1
+              H #2 asked | Y 0#5 | last Y
+                X #6
+        "]],
+    );
+    check(
+        r#"@1 enter R
+           @1 enter R/H
+           @2 enter R/H/Y
+           @2 told {"type": "commanded", "envelope": {"id": "1", "command": {"type": "preempt", "path": "R/H"}}, "answer": {"answer": "applied"}}"#,
+        &expect![[r"
+            #4 Running, 3 run
+            R #1
+              H #2 asked
+                Y #3
+        "]],
+    );
+}
+
+#[test]
+fn a_stop_is_known_by_its_first_record_until_there_is_a_second() {
+    let stop = |text: &str| format!("{:?}", after(text).whole().stop);
+    let once = r#"enter R
+        told {"type": "stopping"}
+        told {"type": "resumed", "life": 2, "crash": {"reason": "", "active": []}, "policy": "restart"}
+        enter R
+        told {"type": "stopping"}"#;
+    expect!["Some(StopRequest { order: 2, twice: false, repeats: false })"].assert_eq(&stop(once));
+    let twice = format!("{once}\n told {{\"type\": \"stopping\"}}");
+    expect!["Some(StopRequest { order: 6, twice: true, repeats: false })"].assert_eq(&stop(&twice));
 }

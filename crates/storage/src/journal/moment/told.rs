@@ -34,9 +34,24 @@ pub struct Whole {
     pub held: Vec<Holding>,
     /// States that wait, by path, and for what.
     pub waiting: BTreeMap<String, String>,
+    /// The request to stop, if there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopRequest>,
     /// The latest commands by id, with their answers: none of them is carried out again.
     #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
     pub answers: VecDeque<(String, Answer)>,
+}
+
+/// A request to stop the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StopRequest {
+    /// The number of the record of the last one.
+    pub order: u64,
+    /// Whether there was more than one.
+    pub twice: bool,
+    /// The runner ended after it: the next one says once more that the run stops.
+    #[serde(default)]
+    repeats: bool,
 }
 
 impl Default for Whole {
@@ -51,6 +66,7 @@ impl Default for Whole {
             questions: BTreeMap::new(),
             held: Vec::new(),
             waiting: BTreeMap::new(),
+            stop: None,
             answers: VecDeque::new(),
         }
     }
@@ -96,6 +112,16 @@ impl Whole {
     /// What became of the command with this id, if it is among the latest.
     pub fn answer(&self, id: &str) -> Option<&Answer> {
         self.answers.iter().rev().find(|(known, _)| known == id).map(|(_, answer)| answer)
+    }
+
+    /// A second request counts from its own record on; what only repeats the first after a crash does not.
+    fn stops(&mut self, order: u64) {
+        self.status = RunStatus::Stopping;
+        let twice = self.stop.is_some();
+        match &mut self.stop {
+            Some(stop) if stop.repeats => stop.repeats = false,
+            stop => *stop = Some(StopRequest { order, twice, repeats: false }),
+        }
     }
 
     fn commanded(&mut self, envelope: &Envelope, answer: &Answer) {
@@ -144,7 +170,13 @@ impl Moment {
             }
             Event::Dropped { path } => self.drop_state(path),
             Event::Root { hash, .. } => whole.root = Some(hash.clone()),
-            Event::Commanded { envelope, answer } => whole.commanded(envelope, answer),
+            Event::Commanded { envelope, answer } => {
+                whole.commanded(envelope, answer);
+                if let (Command::Preempt { path }, Answer::Applied) = (&envelope.command, answer) {
+                    self.preempt(path);
+                }
+            }
+            Event::DeadlinePassed { path, .. } => self.preempt(path),
             Event::Asked { question } => {
                 whole.questions.insert(question.id, (**question).clone());
             }
@@ -155,7 +187,7 @@ impl Moment {
             }
             Event::Paused { paused: true } => whole.status = RunStatus::Paused,
             Event::Paused { paused: false } => whole.status = RunStatus::Running,
-            Event::Stopping => whole.status = RunStatus::Stopping,
+            Event::Stopping => whole.stops(self.sequence),
             Event::Finished { outcome, .. } => {
                 whole.status = RunStatus::Finished;
                 whole.outcome = Some(outcome.clone());
@@ -170,6 +202,9 @@ impl Whole {
     fn taken_up(&mut self, life: u32) {
         self.life = life;
         self.status = RunStatus::Running;
+        if let Some(stop) = &mut self.stop {
+            stop.repeats = true;
+        }
         self.outcome = None;
         self.questions.clear();
         self.held.clear();

@@ -1,0 +1,158 @@
+//! Engines that are lost at any moment, and others that take their runs up.
+
+use crate::commands;
+use crate::edits::{edited, reloaded};
+use crate::watch::{Amid, Checked, promise};
+use crate::world::World;
+use rafcon_engine::{
+    Counted, Engine, Event, Input, Interrupted, ModelLiterals, Outbox, Program, Restore, Restored,
+};
+use rafcon_model::{Machine, StatePath, Value};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What is left of a run whose process died.
+struct Left {
+    breakpoints: Vec<Input<Value>>,
+    restore: Restore<Value>,
+    /// Which states were active, and whether they had been asked to end.
+    asked: BTreeMap<StatePath, bool>,
+    /// Whether every state went on forwards by itself. What was held behind the end of a branch, or was being undone, counts
+    /// as ended in a run that is taken up.
+    went_on: bool,
+}
+
+impl World {
+    /// The process dies; another engine takes the run up as it was.
+    pub(crate) fn lose_engine(&mut self) -> Checked {
+        let Some(root) = self.engine.configuration() else { return Ok(()) };
+        let counted = self.engine.counted();
+        let restore = self.restoring(root, counted);
+        self.count_loss();
+        let left = self.left(restore);
+        if self.chance(15) && self.take_up_changed(&left)? {
+            return Ok(());
+        }
+        let program = match self.wide {
+            Some(_) => Arc::new(Program::compile(&self.machine, &mut ModelLiterals)),
+            None => Arc::clone(self.engine.program()),
+        };
+        self.begin_engine(self.machine.clone(), program, &left.breakpoints)?;
+        self.take_up(left)
+    }
+
+    /// The same while nothing is held, so that it goes on as if nothing had happened.
+    pub(crate) fn lose_engine_quietly(&mut self) -> Checked {
+        let Some(root) = self.engine.configuration() else { return Ok(()) };
+        let counted = self.engine.counted();
+        self.count_loss();
+        let interrupted = Interrupted::Again;
+        let stopping = self.engine.stopping();
+        let restore = Restore { root, interrupted, crash: None, hold: false, counted, stopping };
+        let left = self.left(restore);
+        let program = Arc::new(Program::compile(&self.machine, &mut ModelLiterals));
+        self.begin_engine(self.machine.clone(), program, &left.breakpoints)?;
+        self.take_up(left)
+    }
+
+    pub(crate) fn restoring(&mut self, root: Restored<Value>, counted: Counted) -> Restore<Value> {
+        let interrupted = commands::interrupted(&mut self.random);
+        let crash = Some(Value::str("crash"));
+        let stopping = self.engine.stopping().filter(|_| self.wide.is_some());
+        let hold = self.random.percent(50);
+        Restore { root, interrupted, crash, hold, counted, stopping }
+    }
+
+    fn count_loss(&mut self) {
+        let amid = Amid::of(&self.engine);
+        let with_breakpoints = self.engine.breakpoints().next().is_some();
+        let backwards = self.watch.is_backwards();
+        let counts = &mut self.watch.counts;
+        counts.taken_up += 1;
+        counts.taken_up_again += u64::from(self.was_taken_up);
+        counts.taken_up_stopping += u64::from(amid.stopping);
+        counts.taken_up_preempting += u64::from(amid.preempting);
+        counts.taken_up_handling += u64::from(amid.handling);
+        counts.taken_up_backwards += u64::from(backwards);
+        counts.taken_up_with_breakpoints += u64::from(with_breakpoints);
+        self.was_taken_up = true;
+    }
+
+    fn left(&self, restore: Restore<Value>) -> Left {
+        let breakpoints = self.engine.breakpoints().filter(|_| self.wide.is_some());
+        let breakpoints = breakpoints.map(|(breakpoint, _)| Input::Break(breakpoint.clone()));
+        let snapshot = self.engine.snapshot();
+        let held = snapshot.iter().any(|active| !active.holds.is_empty());
+        let went_on = !held && self.watch.checks.is_empty() && !self.watch.is_backwards();
+        let asked = snapshot.into_iter();
+        let asked = asked.map(|active| (self.engine.path_text(active.path), active.preempted));
+        let (breakpoints, asked) = (breakpoints.collect(), asked.collect());
+        Left { breakpoints, restore, asked, went_on }
+    }
+
+    /// The machine was changed while nobody ran it. Whether it fits the run.
+    fn take_up_changed(&mut self, left: &Left) -> Result<bool, String> {
+        let Some(random) = &mut self.wide else { return Ok(false) };
+        let reloads = random.percent(20);
+        let machine = if reloads {
+            reloaded(&self.machine, random, &mut self.fresh)
+        } else {
+            edited(&self.machine, random, &mut self.fresh)
+        };
+        let Some(machine) = machine else { return Ok(false) };
+        let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
+        let mut trial = Engine::new(Arc::clone(&program));
+        let input = Input::Restore(Box::new(left.restore.clone()));
+        let taken = trial.handle(input, &rafcon_engine::NoGlobals, &mut Outbox::default());
+        if taken.is_err() {
+            self.watch.counts.refused_changed += 1;
+            return Ok(false);
+        }
+        self.watch.counts.taken_up_changed += 1;
+        self.has_changed = true;
+        self.begin_engine(machine, program, &left.breakpoints)?;
+        self.feed(Input::Restore(Box::new(left.restore.clone())))?;
+        Ok(true)
+    }
+
+    fn begin_engine(
+        &mut self,
+        machine: Machine,
+        program: Arc<Program<Value>>,
+        breakpoints: &[Input<Value>],
+    ) -> Checked {
+        self.machine = machine.clone();
+        self.latest = (machine, Arc::clone(&program));
+        self.engine = Engine::new(program);
+        self.stale = None;
+        self.watch.begin_anew();
+        breakpoints.iter().try_for_each(|breakpoint| self.feed(breakpoint.clone()))
+    }
+
+    /// Goes on as it was: what was asked to end still is, and nothing else.
+    fn take_up(&mut self, left: Left) -> Checked {
+        let input = Input::Restore(Box::new(left.restore));
+        self.say(&input);
+        self.handle(input).map_err(|refusal| format!("refused: {refusal}"))?;
+        let mut entered = BTreeMap::new();
+        let mut quiet = left.went_on;
+        for event in &self.out.events {
+            match event {
+                Event::Entered { path, .. } => *entered.entry(*path).or_insert(0) += 1,
+                Event::Left { .. } => quiet = false,
+                _ => {}
+            }
+        }
+        self.take()?;
+        for active in self.engine.snapshot() {
+            let asked = left.asked.get(&self.engine.path_text(active.path));
+            let Some(&asked) = asked.filter(|_| entered.get(&active.path) == Some(&1)) else {
+                continue;
+            };
+            promise(active.preempted || !asked, "a request to end was lost with an engine")?;
+            let more = active.preempted && !asked && quiet;
+            promise(!more, "a state was asked to end by taking it up")?;
+        }
+        Ok(())
+    }
+}
