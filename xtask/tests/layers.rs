@@ -7,13 +7,18 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 10] = [
+const LAYERS: [(&str, &[&str]); 11] = [
     ("rafcon-model", &[]),
+    // Knows nothing but locks.
+    ("rafcon-locks", &[]),
     // The journal keeps the events of the protocol, so storage speaks it.
     ("rafcon-storage", &["rafcon-protocol", "rafcon-model"]),
     ("rafcon-engine", &["rafcon-model"]),
     ("rafcon-protocol", &["rafcon-model"]),
-    ("rafcon-runner", &["rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"]),
+    (
+        "rafcon-runner",
+        &["rafcon-locks", "rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"],
+    ),
     (
         "rafcon-python",
         &["rafcon-runner", "rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"],
@@ -21,7 +26,10 @@ const LAYERS: [(&str, &[&str]); 10] = [
     // What starts runners and follows them, for the two programs that do.
     ("rafcon-supervisor", &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
     // Starts runners as processes: never the extension, the runner or the engine.
-    ("rafcon-server", &["rafcon-supervisor", "rafcon-storage", "rafcon-protocol", "rafcon-model"]),
+    (
+        "rafcon-server",
+        &["rafcon-locks", "rafcon-supervisor", "rafcon-storage", "rafcon-protocol", "rafcon-model"],
+    ),
     // Never the extension and never the runner: it starts them as a process and speaks the protocol.
     (
         "rafcon",

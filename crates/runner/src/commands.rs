@@ -3,7 +3,7 @@
 use crate::connection::{Sender, Words};
 use crate::driver::Driver;
 use crate::{Scripts, inquiry, tell};
-use parking_lot::{Condvar, Mutex};
+use rafcon_locks::{Condvar, Mutex};
 use rafcon_protocol::{Answer, Envelope, LogLevel, ToRunner, ToViewer, decode};
 use rafcon_storage::journal::ANSWERS_MAX;
 use std::collections::VecDeque;

@@ -1,6 +1,6 @@
 //! The talk with one viewer: lines in, lines out. Knows messages; must never know what they lead to.
 
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;

@@ -4,8 +4,8 @@
 use crate::core::Core;
 use crate::prepare::Source;
 use crate::{Driver, Scripts};
-use parking_lot::{Condvar, Mutex, RwLock};
 use rafcon_engine::{Change, Input, PathId, Program};
+use rafcon_locks::{Condvar, Mutex, RwLock};
 use rafcon_model::edit::{Edit, StateEdit, apply};
 use rafcon_model::{BuiltinTypes, Machine, StatePath};
 use rafcon_protocol::Event;

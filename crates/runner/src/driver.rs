@@ -14,10 +14,10 @@ use crate::signals::PREEMPTED;
 use crate::timers::Timers;
 use crate::written::{self, Beside};
 use crate::{Clock, Places, Scripts, tell};
-use parking_lot::{Condvar, Mutex};
 use rafcon_engine::{
     BranchId, Effect, Event, Finish, Input, Job, NodeId, PathId, Program, Refusal,
 };
+use rafcon_locks::{Condvar, Mutex};
 use rafcon_protocol::LogLevel;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Where the script of a state lies on disk, for tracebacks and for scripts that ask. Knows folders, reads none.
 
-use parking_lot::RwLock;
+use rafcon_locks::RwLock;
 use rafcon_model::StatePath;
 use rafcon_storage::{Libraries, Saved};
 use std::path::{Path, PathBuf};

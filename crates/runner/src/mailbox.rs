@@ -1,6 +1,6 @@
 //! How a branch's thread gets its next work from another thread.
 
-use parking_lot::{Condvar, Mutex};
+use rafcon_locks::{Condvar, Mutex};
 use std::collections::VecDeque;
 
 /// What waits for one thread. A branch has one piece of work at a time, so it never holds more than a few.

@@ -1,7 +1,7 @@
 //! What the numbers of places stand for, at each moment of the run. Written by whoever records, read by all.
 
-use parking_lot::RwLock;
 use rafcon_engine::{Datum, Engine, Node, NodeId, PathId};
+use rafcon_locks::RwLock;
 use rafcon_model::{KindName, Port, PortId};
 use rafcon_storage::journal::{Place, PlaceNumber};
 use smol_str::SmolStr;

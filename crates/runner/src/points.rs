@@ -3,9 +3,9 @@
 use crate::driver::NotTaken;
 use crate::written::Beside;
 use crate::{Driver, Scripts, tell};
-use parking_lot::Mutex;
 use rafcon_engine as engine;
 use rafcon_engine::Input;
+use rafcon_locks::Mutex;
 use rafcon_model::StatePath;
 use rafcon_protocol::{Breakpoint, Event, Scope, Unattended, When};
 use rafcon_storage::journal::Record;

@@ -3,8 +3,8 @@
 
 use crate::signals::PREEMPTED;
 use crate::{Clock, Driver, Place, Scripts};
-use parking_lot::{Condvar, Mutex};
 use rafcon_engine::PathId;
+use rafcon_locks::{Condvar, Mutex};
 use rafcon_protocol::{Closing, Event, Form, Question};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@ use crate::names::Names;
 use crate::pen::Pen;
 use crate::prepare::reason;
 use crate::safety::Safety;
-use parking_lot::{Condvar, Mutex, MutexGuard};
+use rafcon_locks::{Condvar, Mutex, MutexGuard};
 use rafcon_protocol::Keeping;
 use rafcon_storage::journal::{Full, Journal, Place, PlaceNumber, Record, TakenUp};
 use std::ops::{Deref, DerefMut};

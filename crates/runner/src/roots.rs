@@ -5,7 +5,7 @@ use crate::driver::Driver;
 use crate::mailbox::Mailbox;
 use crate::prepare::reason;
 use crate::{Clock, Scripts, StateFiles, tell};
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_model::Machine;
 use rafcon_protocol::{Event, LogLevel};
 use rafcon_storage::journal::{Hash, Journal, JournalError, Pack, Packer};

@@ -1,6 +1,6 @@
 //! What of the record is safe from a power cut, and who waits for it. Knows numbers; must never know a disk.
 
-use parking_lot::{Condvar, Mutex, MutexGuard};
+use rafcon_locks::{Condvar, Mutex, MutexGuard};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! What a running script is asked to do, and how it waits for it. Knows flags; must never know states.
 
 use crate::Clock;
-use parking_lot::{Condvar, Mutex};
+use rafcon_locks::{Condvar, Mutex};
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 

@@ -3,8 +3,8 @@
 
 use crate::limits::Limits;
 use crate::{Clock, Place};
-use parking_lot::{Condvar, Mutex, RwLock};
 use rafcon_engine::{NodeId, PathId, Program};
+use rafcon_locks::{Condvar, Mutex, RwLock};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;

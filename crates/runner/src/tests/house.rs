@@ -3,10 +3,10 @@
 use crate::keep::Keep;
 use crate::signals::PREEMPTED;
 use crate::{Asked, Driver, Host, Opening, Place, Scripts, serve};
-use parking_lot::{Mutex, RwLock};
 use rafcon_engine::{
     Check, Globals, Job, Literals, ModelLiterals, NoGlobals, Program, Returned, ScriptResult,
 };
+use rafcon_locks::{Mutex, RwLock};
 use rafcon_model::edit::{ChildrenEdit, Edit, TransitionEdit};
 use rafcon_model::{
     Machine, Origin, OutcomeId, StateId, StatePath, Target, TransitionId, Value, notation,

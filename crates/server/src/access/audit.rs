@@ -4,7 +4,7 @@
 use super::private::{self, PrivateError};
 use super::seldom::Seldom;
 use crate::log;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_supervisor::clock::since_1970_ms;
 use serde::Serialize;
 use std::fs::{self, File};

@@ -4,7 +4,7 @@ use crate::settings::HashCost;
 use argon2::password_hash::PasswordHasher as _;
 use argon2::password_hash::phc::{Output, PasswordHash};
 use argon2::{Algorithm, Argon2, Block, Params, Version};
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 
 /// How many characters a password has at least.
 pub(super) const LENGTH_MIN: usize = 10;

@@ -11,7 +11,7 @@ use super::who::{Credential, Who};
 use crate::gate::Gate;
 use crate::{Failure, Settings};
 use axum::http::StatusCode;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::api::Role;
 use rafcon_supervisor::clock::since_1970_ms;
 use std::net::IpAddr;

@@ -5,7 +5,7 @@ use super::private::{self, PrivateError};
 use super::roster::{Roster, RosterError};
 use super::users::UsersError;
 use crate::log;
-use parking_lot::RwLock;
+use rafcon_locks::RwLock;
 use std::fs;
 use std::io;
 use std::os::unix::fs::MetadataExt as _;

@@ -3,7 +3,7 @@
 
 use super::private::{self, PrivateError};
 use super::secret::{Digest, Secret};
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

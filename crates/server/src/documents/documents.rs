@@ -11,7 +11,7 @@ use super::steps::Along;
 use crate::gate::Gate;
 use crate::{Failure, House, Settings, request_id};
 use axum::http::StatusCode;
-use parking_lot::{Condvar, Mutex};
+use rafcon_locks::{Condvar, Mutex};
 use rafcon_model::{Fresh, StatePath};
 use rafcon_protocol::api::{
     CloseMachine, CopyStates, EditMachine, JumpMachine, MachineFile, MachineSummary, NewMachine,

@@ -5,7 +5,7 @@
 //! documents, named after their content: the one that was read, and those that took its place.
 
 use crate::access::{PrivateError, private};
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::edit::Edit;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};

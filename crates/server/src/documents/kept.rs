@@ -1,7 +1,7 @@
 //! What is made of a revision of a machine once, for all who ask for it meanwhile. Must never know what it is.
 
 use crate::Failure;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 
 /// Something that was made of the revision that was asked for last.
 #[derive(Debug)]

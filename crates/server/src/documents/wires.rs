@@ -1,7 +1,7 @@
 //! What everybody is told about an open machine: the latest truth, and who looks at it. Knows who waits for it; must never know
 //! files or edits. Nothing here waits for anybody, so that it may be asked from anywhere.
 
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::api::{MachineStatus, MachineSummary, Presence};
 use tokio::sync::watch;
 

@@ -7,7 +7,7 @@ use crate::extract::Path;
 use crate::{Failure, House};
 use axum::extract::State;
 use axum::http::StatusCode;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::api::{Comparison, Refusal, Statistics};
 use rafcon_storage::journal::{Reader, Tally, compare};
 use std::collections::VecDeque;

@@ -11,7 +11,7 @@ use crate::{Failure, House};
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::StatusCode;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::api::{KeptMachineQuery, Refusal};
 use rafcon_protocol::document::Document;
 use rafcon_protocol::{Event, Keeping};

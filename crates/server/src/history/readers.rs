@@ -5,7 +5,7 @@
 
 use crate::Failure;
 use crate::blocking::blocking;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_storage::journal::folder::{DATABASE_FILE, RECORDER_FILE};
 use rafcon_storage::journal::{JournalError, Reader, writer_of};
 use std::collections::VecDeque;

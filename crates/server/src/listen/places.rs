@@ -5,7 +5,7 @@
 
 use super::connection::Peer;
 use crate::access::network;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::Arc;

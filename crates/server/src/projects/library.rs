@@ -6,7 +6,7 @@ use crate::failure::reason;
 use crate::{Failure, Settings};
 use axum::body::Bytes;
 use axum::http::StatusCode;
-use parking_lot::{Mutex, RwLock};
+use rafcon_locks::{Mutex, RwLock};
 use rafcon_protocol::api::{LibraryNode, LibraryNodeKind, LibraryRoot};
 use rafcon_storage::libraries::{Entry, EntryKind};
 use rafcon_storage::read::LoadError;

@@ -7,7 +7,7 @@ use super::pulse::{self, Heard, Pulse};
 use super::run::Run;
 use super::talk::{Connection, LinkError, open};
 use super::told::Told;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::{Answer, Envelope, Join, ToRunner, ToViewer, decode, encode};
 use std::collections::BTreeMap;
 use std::sync::Arc;

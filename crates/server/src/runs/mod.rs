@@ -33,7 +33,7 @@ pub(crate) use told::Told;
 use crate::news::News;
 use crate::{Failure, House, Settings};
 use axum::http::StatusCode;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_supervisor::{MakeError, Runs as Folder, clock, policy_of};
 use request::Request;

@@ -3,7 +3,7 @@
 //! Knows numbers and sizes. Must never know who reads, nor wait for them.
 
 use super::told::Told;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use tokio::sync::watch;

@@ -9,7 +9,7 @@ use super::link::Link;
 use super::ring::Ring;
 use super::told::Told;
 use crate::house::House;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
 use rafcon_protocol::{EnginePulse, Event, Snapshot};
 use rafcon_supervisor::{Exit, clock};

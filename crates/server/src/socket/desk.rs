@@ -36,7 +36,7 @@ pub(super) struct Desk {
     /// One change of a machine after the other, in the order in which they were asked for.
     turn: Arc<Mutex<()>>,
     /// The machine that the client looks at.
-    looks_at: Arc<parking_lot::Mutex<Option<String>>>,
+    looks_at: Arc<rafcon_locks::Mutex<Option<String>>>,
 }
 
 impl Desk {

@@ -1,7 +1,7 @@
 //! What is on its way to one client, bounded by its bytes: frames in two lanes, each in order. Must never know what they say.
 
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes};
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use std::collections::VecDeque;
 use tokio::sync::{AcquireError, Notify, Semaphore, SemaphorePermit, watch};
 

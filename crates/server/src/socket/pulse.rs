@@ -1,7 +1,7 @@
 //! Whether somebody is at the other end of a connection. Knows when the client was heard, or took something, last.
 
 use super::outbox::Outbox;
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 

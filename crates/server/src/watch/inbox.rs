@@ -2,7 +2,7 @@
 
 use notify::event::{AccessKind, AccessMode, CreateKind, ModifyKind, RenameMode};
 use notify::{Event, EventKind};
-use parking_lot::Mutex;
+use rafcon_locks::Mutex;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use tokio::sync::Notify;

@@ -20,7 +20,7 @@ use crate::access::PrivateError;
 use crate::{Failure, log};
 use axum::body::Bytes;
 use axum::http::StatusCode;
-use parking_lot::{Mutex, RwLock};
+use rafcon_locks::{Mutex, RwLock};
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
     DiskState, MachineFile, MachineProblem, MachineStatus, MachineSteps, MachineSummary, Presence,

@@ -1,0 +1,20 @@
+//! The locks of the runner and the server. A release build has those of `parking_lot`, as they are. A debug build, and so every
+//! test, checks them while they are used: it panics when a thread
+//!
+//! - takes a lock that it holds already, also for reading twice: a writer that waits in between stops both for ever,
+//! - takes two locks of one kind, one inside the other,
+//! - takes two locks in an order that contradicts the orders seen so far in this process, whichever threads took them.
+//!
+//! So an order that can end in a deadlock is found by the first test that comes through each of its halves; the deadlock itself
+//! need not happen. Locks made at the same place in the source are of one kind. An attempt that does not wait (`try_lock`, or one
+//! with a bound) cannot deadlock and adds nothing to the order. The orders of this project stand in ARCHITECTURE.md.
+
+#[cfg(debug_assertions)]
+mod checked;
+#[cfg(debug_assertions)]
+mod order;
+
+#[cfg(debug_assertions)]
+pub use checked::{Condvar, Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
+#[cfg(not(debug_assertions))]
+pub use parking_lot::{Condvar, Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};

@@ -1,0 +1,137 @@
+//! Which locks a thread holds, and in which order locks were taken so far. Knows kinds of locks; must never know how one is taken.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::panic::Location;
+
+/// Where in the source something is done.
+pub(crate) type At = &'static Location<'static>;
+
+/// All locks that are made at one place in the source, for one type of content.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Kind {
+    pub(crate) made: At,
+    pub(crate) content: &'static str,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the lock of {} made at {}", self.content, self.made)
+    }
+}
+
+/// A lock that a thread holds.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    kind: Kind,
+    address: usize,
+    taken: At,
+}
+
+/// Where the first lock of a pair was held, and where the second was taken inside it.
+type Seen = (At, At);
+
+/// For each kind of lock the kinds that were taken inside it.
+#[derive(Debug, Default)]
+struct Orders(BTreeMap<Kind, BTreeMap<Kind, Seen>>);
+
+static ORDERS: parking_lot::Mutex<Orders> = parking_lot::Mutex::new(Orders(BTreeMap::new()));
+
+thread_local! {
+    static HELD: RefCell<Vec<Held>> = const { RefCell::new(Vec::new()) };
+    /// Pairs that this thread need not look up again.
+    static KNOWN: RefCell<BTreeSet<(Kind, Kind)>> = const { RefCell::new(BTreeSet::new()) };
+}
+
+impl Orders {
+    /// Notes that `inner` was taken inside `outer`; the error says which earlier order contradicts it.
+    fn note(&mut self, outer: Kind, inner: Kind, seen: Seen) -> Result<(), String> {
+        if let Some(way) = self.way(inner, outer) {
+            let steps = way.iter().map(|(kind, (held, taken))| {
+                format!("\n  inside the lock taken at {held}, {kind} was taken at {taken}")
+            });
+            return Err(format!(
+                "locks are taken in contradicting orders: {inner} is taken at {} inside {outer}, taken at {}; before that:{}",
+                seen.1,
+                seen.0,
+                steps.collect::<String>()
+            ));
+        }
+        self.0.entry(outer).or_default().entry(inner).or_insert(seen);
+        Ok(())
+    }
+
+    /// How `to` was taken inside `from`, perhaps with others in between.
+    fn way(&self, from: Kind, to: Kind) -> Option<Vec<(Kind, Seen)>> {
+        let mut ways = vec![(from, Vec::new())];
+        let mut visited = BTreeSet::new();
+        while let Some((kind, way)) = ways.pop() {
+            if !visited.insert(kind) {
+                continue;
+            }
+            for (inner, seen) in self.0.get(&kind).into_iter().flatten() {
+                let mut further: Vec<(Kind, Seen)> = way.clone();
+                further.push((*inner, *seen));
+                if *inner == to {
+                    return Some(further);
+                }
+                ways.push((*inner, further));
+            }
+        }
+        None
+    }
+}
+
+/// This thread is about to wait for a lock; panics if it could wait for ever.
+pub(crate) fn before(kind: Kind, address: usize, at: At) {
+    // A thread that ends has forgotten what it holds.
+    let checked = HELD
+        .try_with(|held| held.borrow().iter().try_for_each(|held| inside(held, kind, address, at)));
+    if let Ok(Err(why)) = checked
+        && !std::thread::panicking()
+    {
+        fail(&why);
+    }
+}
+
+fn inside(held: &Held, kind: Kind, address: usize, at: At) -> Result<(), String> {
+    let Held { kind: outer, address: other, taken } = *held;
+    if other == address {
+        return Err(format!("{kind} is taken at {at} by a thread that holds it since {taken}"));
+    }
+    if outer == kind {
+        return Err(format!(
+            "two locks of one kind are taken, at {taken} and inside it at {at}: {kind}"
+        ));
+    }
+    let is_new = KNOWN.try_with(|known| !known.borrow().contains(&(outer, kind)));
+    if is_new != Ok(true) {
+        return Ok(());
+    }
+    ORDERS.lock().note(outer, kind, (taken, at))?;
+    KNOWN.try_with(|known| known.borrow_mut().insert((outer, kind))).unwrap_or_default();
+    Ok(())
+}
+
+#[expect(clippy::panic, reason = "a defect of ours, found by a test before it stops a run")]
+fn fail(why: &str) -> ! {
+    panic!("{why}")
+}
+
+/// This thread has got a lock.
+pub(crate) fn taken(kind: Kind, address: usize, at: At) {
+    let held = Held { kind, address, taken: at };
+    HELD.try_with(|all| all.borrow_mut().push(held)).unwrap_or_default();
+}
+
+/// This thread lets a lock go.
+pub(crate) fn left(address: usize) {
+    let forget = |held: &RefCell<Vec<Held>>| {
+        let mut held = held.borrow_mut();
+        if let Some(index) = held.iter().rposition(|held| held.address == address) {
+            held.remove(index);
+        }
+    };
+    HELD.try_with(forget).unwrap_or_default();
+}
