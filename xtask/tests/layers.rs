@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 11] = [
+const LAYERS: [(&str, &[&str]); 12] = [
     ("rafcon-model", &[]),
     // Knows nothing but locks.
     ("rafcon-locks", &[]),
@@ -25,10 +25,19 @@ const LAYERS: [(&str, &[&str]); 11] = [
     ),
     // What starts runners and follows them, for the two programs that do.
     ("rafcon-supervisor", &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
+    // The one checker of machines, for the two programs that tell people what it finds.
+    ("rafcon-check", &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
     // Starts runners as processes: never the extension, the runner or the engine.
     (
         "rafcon-server",
-        &["rafcon-locks", "rafcon-supervisor", "rafcon-storage", "rafcon-protocol", "rafcon-model"],
+        &[
+            "rafcon-locks",
+            "rafcon-supervisor",
+            "rafcon-check",
+            "rafcon-storage",
+            "rafcon-protocol",
+            "rafcon-model",
+        ],
     ),
     // Never the extension and never the runner: it starts them as a process and speaks the protocol.
     (
@@ -36,6 +45,7 @@ const LAYERS: [(&str, &[&str]); 11] = [
         &[
             "rafcon-server",
             "rafcon-supervisor",
+            "rafcon-check",
             "rafcon-engine",
             "rafcon-storage",
             "rafcon-protocol",

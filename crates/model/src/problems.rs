@@ -2,7 +2,7 @@
 //! [`rules`](crate::rules).
 
 use crate::rules::{Fault, MAX_NESTING, Part, Rule, Severity, errors_of, faults_of, parts};
-use crate::{Kind, LibraryContent, Machine, State, StatePath, Types};
+use crate::{Container, Kind, LibraryContent, Machine, Origin, State, StateId, StatePath, Types};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
@@ -113,6 +113,12 @@ impl Visit<'_> {
             let faults = faults_of(self.parent, self.state, part, types);
             found.extend(faults.into_iter().map(|fault| Problem::new(&self.path, part, fault)));
         }
+        if let Kind::Hierarchy(container) = &self.state.kind {
+            found.extend(unreachable(container).map(|child| {
+                let fault = Fault::new(Rule::Unreachable, "no way leads to it from the start");
+                Problem::new(&self.path.child(child.clone()), Part::State, fault)
+            }));
+        }
     }
 
     fn nesting_fault(&self) -> Option<Fault> {
@@ -141,6 +147,22 @@ impl Visit<'_> {
             open.push(Self { path, parent: Some(self.state), state: root });
         }
     }
+}
+
+/// The children of a hierarchy to which no transitions lead from its start. Where there is no start, that is the fault.
+fn unreachable(container: &Container) -> impl Iterator<Item = &StateId> {
+    let start = container.transitions.from(&Origin::Income).next();
+    let mut open: Vec<&StateId> =
+        start.and_then(|start| start.to_state.as_ref()).into_iter().collect();
+    let mut reached = BTreeSet::new();
+    while let Some(id) = open.pop() {
+        if reached.insert(id) {
+            let leading = container.transitions.out_of_state(id);
+            open.extend(leading.filter_map(|transition| transition.to_state.as_ref()));
+        }
+    }
+    let is_lost = start.is_some();
+    container.states.keys().filter(move |id| is_lost && !reached.contains(id))
 }
 
 #[cfg(test)]

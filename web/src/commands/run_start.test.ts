@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import type { Right } from "../model/generated/protocol.ts";
+import type { MachineProblem, Right } from "../model/generated/protocol.ts";
 import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Start, Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
@@ -81,6 +81,25 @@ test("beside a run that goes on another one is started only if it is meant", asy
   expect(await startRun(context)).toBeNull();
   await startRun(context);
   expect(started.length).toBe(1);
+});
+
+test("a machine with errors is started only if that is meant", async () => {
+  const about = { path: "R/A", part: "script.py:2", rule: "ScriptOutcome" };
+  const note = { ...about, severity: "note", message: "R/A: worth knowing" } as const;
+  const error = { ...about, severity: "error", message: "R/A: no outcome" } as const;
+  const started = async (problems: readonly MachineProblem[], answer: unknown) => {
+    const { context, started } = setUp({ problems, answers: [answer] });
+    await startRun(context);
+    return [started.length, ...context.record];
+  };
+  expect(await started([note], null)).toEqual([1, "show r2"]);
+  expect(await started([error], "start")).toEqual([1, "ask Start with an error?", "show r2"]);
+  expect(await started([error, error], "show")).toEqual([
+    0,
+    "ask Start with 2 errors?",
+    "show problems",
+  ]);
+  expect(await started([error], null)).toEqual([0, "ask Start with an error?"]);
 });
 
 test("breakpoints that are kept for the machine go along; conditions only with the right to edit", async () => {

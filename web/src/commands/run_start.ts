@@ -18,7 +18,7 @@ export async function startRun(context: Context, more: Partial<Start> = {}): Pro
   const { page, tab } = context;
   if (!tab || !(await mayBeAnother(context, tab))) return null;
   const machine = await asOnDisk(context, tab);
-  if (!machine) return null;
+  if (!machine || !(await mayHaveErrors(context, tab))) return null;
   const breakpoints = allowed(context, keptBreakpoints(tab).peek());
   const id = await page.runs.start({ breakpoints, ...more, machine });
   await page.showRun(id);
@@ -42,6 +42,32 @@ async function mayBeAnother({ page, shell }: Context, tab: OpenTab): Promise<boo
     danger: true,
   });
 }
+
+/** A machine with errors is started only if that is meant. */
+async function mayHaveErrors({ shell }: Context, tab: OpenTab): Promise<boolean> {
+  const problems = tab.room.fixed === null ? await tab.room.check() : null;
+  const errors = (problems ?? []).filter(({ severity }) => severity === "error");
+  if (errors.length === 0) return true;
+  const shown = errors.slice(0, ERRORS_SHOWN).map(({ message }) => message);
+  const more = errors.length - shown.length;
+  const rest = more > 0 ? [`… and ${more} more.`] : [];
+  const choice = await shell.choose({
+    title: errors.length === 1 ? "Start with an error?" : `Start with ${errors.length} errors?`,
+    text: [...shown, ...rest].join("\n"),
+    choices: [SHOW_ERRORS, START_ANYWAY],
+  });
+  if (choice === SHOW_ERRORS.value) shell.showPanel("problems");
+  return choice === START_ANYWAY.value;
+}
+
+/** So many errors are listed before a start. */
+const ERRORS_SHOWN = 3;
+const SHOW_ERRORS = { value: "show", title: "Show the problems" } as const;
+const START_ANYWAY = {
+  value: "start",
+  title: "Start anyway",
+  detail: "States with errors abort, or the run waits at them.",
+} as const;
 
 /** The folder of the machine, saved if the user wants; null if nothing is to be started. */
 async function asOnDisk(context: Context, tab: OpenTab): Promise<MachineFile | null> {

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals-core";
 import { type ElementKey, elementOf } from "../model/element.ts";
-import type { Edit, MachineStatus, Right } from "../model/generated/protocol.ts";
+import type { Edit, MachineProblem, MachineStatus, Right } from "../model/generated/protocol.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import type { OpenTab, Page } from "../store/page.ts";
@@ -21,6 +21,8 @@ export interface StandOptions {
   readonly selected?: readonly ElementKey[];
   readonly rights?: readonly Right[];
   readonly changed?: boolean;
+  /** What is wrong with the machine. */
+  readonly problems?: readonly MachineProblem[];
   /** What the user answers, in order. */
   readonly answers?: readonly unknown[];
   /** What the server answers to a request. */
@@ -44,6 +46,7 @@ export function stand(text: string, options: StandOptions = {}): Stand {
     people: signal([]),
     pending: signal([]),
     named: (text: string) => text,
+    check: () => Promise.resolve(options.problems ?? []),
     edit: (name: string, edit: Edit) => {
       record.push(`edit ${name} (${edit.edit})`);
       return Promise.resolve({ revision: 2 });

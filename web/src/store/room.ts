@@ -55,6 +55,10 @@ export interface Room {
   readonly problems: ReadonlySignal<readonly MachineProblem[]>;
   /** A text for people, with the names of states in the place of their paths. */
   readonly named: (text: string) => string;
+  /** Whether the problems are those of the machine as it is now; never true of the machine of a run, which nobody checks. */
+  readonly isChecked: ReadonlySignal<boolean>;
+  /** Has the machine checked as it is now; null if that cannot be done. */
+  readonly check: () => Promise<readonly MachineProblem[] | null>;
   /** Makes an edit. Never throws; what is refused is also told to the user. */
   readonly edit: (name: string, edit: Edit) => Promise<EditAnswer>;
   readonly undo: () => Promise<EditAnswer>;

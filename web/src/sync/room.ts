@@ -51,6 +51,7 @@ export class OpenRoom implements Room {
   readonly pending = signal<readonly PendingEdit[]>([]);
   readonly steps: Signal<MachineSteps>;
   readonly problems = signal<readonly MachineProblem[]>([]);
+  readonly isChecked = signal(false);
   readonly #ports: RoomPorts;
   readonly #onItsWay = new Pending();
   readonly #traces = new Traces();
@@ -60,6 +61,8 @@ export class OpenRoom implements Room {
   readonly #listeners = new Set<(touched: Touched) => void>();
   readonly #following: Following;
   readonly #deaf: () => void;
+  /** Counts changes and checks: only the last check since the last change tells of the machine as it is. */
+  #checksBegun = 0;
   #unsettled: () => void = () => {};
   #toldOfRecovery = false;
 
@@ -294,13 +297,24 @@ export class OpenRoom implements Room {
   }
 
   #soonProblems(): void {
+    this.isChecked.value = false;
+    this.#checksBegun += 1;
     this.#unsettled();
-    this.#unsettled = this.#ports.clock.after(SETTLED_MS, () => void this.#loadProblems());
+    this.#unsettled = this.#ports.clock.after(SETTLED_MS, () => void this.check());
   }
 
-  async #loadProblems(): Promise<void> {
+  async check(): Promise<readonly MachineProblem[] | null> {
+    this.#checksBegun += 1;
+    const mine = this.#checksBegun;
     const problems = await this.#get<readonly MachineProblem[]>("problems");
-    if (problems) this.problems.value = problems;
+    // What changed meanwhile is checked again.
+    if (problems && mine === this.#checksBegun) {
+      batch(() => {
+        this.problems.value = problems;
+        this.isChecked.value = true;
+      });
+    }
+    return problems;
   }
 
   /** Null if it cannot be had now: it is asked for again after the next change. */

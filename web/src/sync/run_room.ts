@@ -45,6 +45,8 @@ export class RunRoom implements Room {
   readonly pending = signal<readonly PendingEdit[]>([]);
   readonly steps = signal<MachineSteps>({ start: 0, steps: [] });
   readonly problems = signal<readonly MachineProblem[]>([]);
+  readonly isChecked = signal(false);
+  readonly check = () => Promise.resolve(null);
   readonly #shelf: Shelf;
   readonly #listeners = new Set<(touched: Touched) => void>();
   readonly #stops: (() => void)[];

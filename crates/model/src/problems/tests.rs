@@ -317,3 +317,23 @@ fn every_rule_has_a_way_out() {
         assert!(!rule.way_out().is_empty() && !rule.way_out().ends_with('.'), "{rule}");
     }
 }
+
+#[test]
+fn states_that_nothing_reaches_are_noted() {
+    check(
+        "hierarchy ROOT
+           outcome success
+           start -> AAAAAA
+           AAAAAA.success -> BBBBBB ; BBBBBB.success -> .success ; LOOPXX.success -> LOOPXX
+           execution AAAAAA
+             outcome success
+             script \"\"
+           execution BBBBBB
+             outcome success
+             script \"\"
+           execution LOOPXX
+             outcome success
+             script \"\"",
+        &expect![[r""]],
+    );
+}

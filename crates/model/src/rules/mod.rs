@@ -111,8 +111,10 @@ rules! {
     DataTypeName: Error, "write the type as in Python, such as int or numpy.ndarray";
     /// A default fits the type.
     DefaultType: Error, "change the default or the type";
-    /// A hierarchy with children has a start.
-    StartMissing: Note, "connect the income with a child";
+    /// A hierarchy with children has a start; without one the run waits there for ever.
+    StartMissing: Error, "connect the income with a child";
+    /// The transitions of a hierarchy lead from its start to each of its children.
+    Unreachable: Note, "lead a transition to the state, or remove it";
     /// A container has one start transition at most.
     StartTwice: Error, "remove one of the start transitions";
     /// A concurrency state has no start transition: all its children start.
@@ -193,9 +195,11 @@ rules! {
 }
 
 impl Rule {
-    /// Whether an edit that breaks this rule is refused.
+    /// Whether an edit that breaks this rule is refused. A machine has no start yet while it is drawn, and a library may be
+    /// missing for a while.
     pub(crate) fn refuses_edits(self) -> bool {
-        self.severity() == Severity::Error && self != Self::LibraryMissing
+        let is_allowed = matches!(self, Self::LibraryMissing | Self::StartMissing);
+        self.severity() == Severity::Error && !is_allowed
     }
 }
 

@@ -247,6 +247,10 @@ pub struct MachineProblem {
     pub severity: Severity,
     /// What, where, and the way out.
     pub message: String,
+    /// The line of the state's script that it is about, counted from 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub line: Option<u64>,
     /// Edits that would mend it, the one that keeps most first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repairs: Vec<Repair>,

@@ -36,7 +36,7 @@ pub use people::{
     ChangePassword, ChangeUser, Login, NewToken, NewUser, Right, Role, Session, TokenAbout,
     TokenMade, User,
 };
-pub use python::{CheckScript, ScriptProblem};
+pub use python::{CheckScript, ScriptPlace, ScriptProblem};
 pub use refusal::Refusal;
 pub use run_wait::RunWait;
 pub use runs::{

@@ -12,7 +12,7 @@ use crate::gate::Gate;
 use crate::{Failure, House, Settings, request_id};
 use axum::http::StatusCode;
 use rafcon_locks::{Condvar, Mutex};
-use rafcon_model::{Fresh, StatePath};
+use rafcon_model::{Fresh, Machine, StatePath};
 use rafcon_protocol::api::{
     CloseMachine, CopyStates, EditMachine, JumpMachine, MachineFile, MachineSummary, NewMachine,
     Presence, Undo,
@@ -108,6 +108,11 @@ impl Documents {
     /// The open machine of this name.
     pub(crate) fn room(&self, id: &str) -> Result<Arc<Room>, Failure> {
         self.rooms.lock().get(id).cloned().ok_or_else(|| closed(id))
+    }
+
+    /// An open machine as it is now.
+    pub(crate) fn machine_of(&self, id: &str) -> Result<Machine, Failure> {
+        Ok(self.room(id)?.machine().1)
     }
 
     pub(super) fn room_of(&self, folder: &Path) -> Option<Arc<Room>> {

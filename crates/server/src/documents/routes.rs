@@ -153,7 +153,7 @@ async fn revisions(
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/problems", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
-        (status = 200, description = "Rules that it breaks, faults of its files when they were read last, and libraries that have changed", body = [MachineProblem]),
+        (status = 200, description = "Rules that it breaks, scripts that do not fit, faults of its files when they were read last, and libraries that have changed", body = [MachineProblem]),
         (status = 404, description = "It is not open", body = Refusal),
         (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
@@ -163,8 +163,8 @@ async fn machine_problems(
     Path(machine): Path<String>,
 ) -> Result<Json<Vec<MachineProblem>>, Failure> {
     let room = house.documents.room(&machine)?;
-    let libraries = house.projects.libraries();
-    house.documents.looks.work(move || room.problems(&libraries).map(Json)).await
+    let at = Arc::clone(&house);
+    at.documents.looks.work(move || room.problems(&house).map(Json)).await
 }
 
 /// Copies states of an open machine, as an edit `paste` takes them.

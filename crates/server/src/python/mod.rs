@@ -1,5 +1,7 @@
-//! What Python's own parser says about a script, so that whoever writes it sees it before it runs. Knows the interpreter that
-//! runs would use; must never run a script.
+//! What Python's parser says about a script, and how the script fits its state, so that its author sees it before it runs.
+//! Knows the interpreter that runs would use; must never run a script.
+
+mod facts;
 
 use crate::child::{Bounds, ask};
 use crate::extract::Body;
@@ -9,7 +11,10 @@ use crate::{Failure, House, Settings};
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use rafcon_protocol::api::{CheckScript, Refusal, ScriptProblem};
+use facts::Known;
+use rafcon_check::{Facts, Finding};
+use rafcon_model::StatePath;
+use rafcon_protocol::api::{CheckScript, Refusal, ScriptPlace, ScriptProblem, Severity};
 use rafcon_supervisor::Interpreter;
 use std::sync::Arc;
 use std::time::Duration;
@@ -29,12 +34,25 @@ const BOUNDS: Bounds = Bounds { patience: Duration::from_secs(10), output: 1 << 
 #[derive(Debug)]
 pub(crate) struct Python {
     gate: Gate,
+    known: Known,
 }
 
 impl Default for Python {
     fn default() -> Self {
-        Self { gate: Gate::of(AT_ONCE) }
+        Self { gate: Gate::of(AT_ONCE), known: Known::default() }
     }
+}
+
+impl Python {
+    /// What Python says about each text; nothing where it says nothing. To be called on a thread that may wait.
+    pub(crate) fn facts(&self, settings: &Settings, texts: &[&str]) -> Vec<Option<Arc<Facts>>> {
+        self.known.facts(settings, texts)
+    }
+}
+
+fn interpreter(settings: &Settings) -> Result<Interpreter, String> {
+    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.surroundings);
+    interpreter.map_err(|error| error.to_string())
 }
 
 /// The routes of this part.
@@ -42,16 +60,17 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
     OpenApiRouter::new().routes(routes!(check))
 }
 
-/// What Python's parser says about a script. Nothing of it runs.
+/// What Python's parser says about a script, and how it fits the state that is named. Nothing of it runs.
 #[utoipa::path(post, path = "/api/v1/python/check", tag = "files", request_body = CheckScript, responses(
     (status = 200, description = "Errors and warnings by their place; none if there are none", body = [ScriptProblem]),
+    (status = 404, description = "The machine of the state is not open", body = Refusal),
     (status = 413, description = "The script is too long", body = Refusal),
     (status = 422, description = "There is no Python, or it does not come to an end", body = Refusal),
     (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
 ))]
 async fn check(
     State(house): State<Arc<House>>,
-    Body(CheckScript { script }): Body<CheckScript>,
+    Body(CheckScript { script, state }): Body<CheckScript>,
 ) -> Result<Json<Vec<ScriptProblem>>, Failure> {
     if script.len() > BYTES_MAX {
         let message =
@@ -59,16 +78,41 @@ async fn check(
         return Err(Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message));
     }
     let at = Arc::clone(&house);
-    let look = move || Handle::current().block_on(look(&house.settings, script)).map(Json);
+    let look = move || {
+        let mut found = Handle::current().block_on(look(&house.settings, &script))?;
+        if let (Some(state), true) =
+            (state, found.iter().all(|one| one.severity != Severity::Error))
+        {
+            found.extend(fit(&house, &script, &state)?);
+        }
+        Ok(Json(found))
+    };
     at.python.gate.work(look).await
 }
 
-async fn look(settings: &Settings, script: String) -> Result<Vec<ScriptProblem>, Failure> {
-    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.surroundings);
-    let interpreter = interpreter.map_err(|error| unchecked(&error.to_string()))?;
+/// How a script that parses fits a state.
+fn fit(house: &House, script: &str, state: &ScriptPlace) -> Result<Vec<ScriptProblem>, Failure> {
+    let machine = house.documents.machine_of(&state.machine)?;
+    let facts = house.python.facts(&house.settings, &[script]);
+    let Some(facts) = facts.into_iter().flatten().next() else { return Ok(Vec::new()) };
+    let found = rafcon_check::of_script(&machine, &StatePath::parse(&state.path), &facts);
+    let problem = |finding: Finding| ScriptProblem {
+        line: finding.line.and_then(|line| u32::try_from(line).ok()).unwrap_or(1),
+        column: 1,
+        end_line: None,
+        end_column: None,
+        message: format!("{}; {}", finding.what, finding.remedy),
+        severity: finding.severity,
+        repairs: finding.repairs,
+    };
+    Ok(found.into_iter().map(problem).collect())
+}
+
+async fn look(settings: &Settings, script: &str) -> Result<Vec<ScriptProblem>, Failure> {
+    let interpreter = interpreter(settings).map_err(|why| unchecked(&why))?;
     let mut python = Command::new(&interpreter.program);
     python.args(["-I", "-S", "-X", "utf8", "-c", CHECK]).current_dir("/");
-    let said = ask(python, script.into_bytes(), BOUNDS).await.map_err(|error| {
+    let said = ask(python, script.as_bytes().to_vec(), BOUNDS).await.map_err(|error| {
         let (why, way_out) = (reason(&error), interpreter.way_out());
         unchecked(&format!("the interpreter `{interpreter}`: {why}; {way_out}"))
     })?;

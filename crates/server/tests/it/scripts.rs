@@ -62,3 +62,24 @@ fn what_cannot_be_looked_at_is_refused() {
     let house = House::with(|settings| settings.python = Some("/bin/false".into()));
     assert_eq!(ask(&house, "x = 1"), "422 not_checked");
 }
+
+#[test]
+fn problems_of_a_machine_are_those_of_its_scripts_too() {
+    let house = House::new();
+    let machine = "execution ROOT\n  outcome done\n  script |\n    def execute(self, inputs, outputs, gvm):\n        return \"nope\"";
+    crate::machines::write(&house, "one", machine);
+    let id = crate::machines::open(&house, "one");
+    let found = crate::machines::get(&house, &format!("/{id}/problems"));
+    let [problem] = &found.as_array().unwrap()[..] else { panic!("{found}") };
+    assert_eq!(problem["rule"], "ScriptOutcome");
+    assert_eq!((problem["line"].as_u64(), &problem["severity"]), (Some(2), &json!("error")));
+    assert_eq!(problem["repairs"][0]["name"], "Add the outcome \"nope\"");
+    let state = json!({ "machine": id, "path": "ROOT" });
+    let check = |script: &str| {
+        let body = json!({ "script": script, "state": state });
+        house.call(Some(Role::Viewer), "POST", "/api/v1/python/check", Some(&body)).json()
+    };
+    let draft = check("def execute(self, inputs, outputs, gvm):\n    return inputs[\"x\"]");
+    assert_eq!(draft[0]["repairs"][0]["name"], "Add the input \"x\"");
+    assert_eq!(check("def execute(self, inputs, outputs, gvm):\n    return \"done\""), json!([]));
+}

@@ -41,6 +41,8 @@ export class PlainRoom implements Room {
   } as unknown as Room["steps"]["value"]);
   readonly revision = signal(0);
   readonly problems = signal([]);
+  readonly isChecked = signal(true);
+  readonly check = async () => [];
   readonly made: { readonly name: string; readonly edit: Edit }[] = [];
 
   constructor(text: string, library: string | null = null) {

@@ -85,7 +85,11 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
   const editor = useRef<ScriptEditor | null>(null);
   const latest = useRef({ seen, onType, onApply, text });
   latest.current = { seen, onType, onApply, text };
-  const check = useMemo(() => checkScript(seen.page), [seen.page]);
+  const { page, path, tab } = seen;
+  const check = useMemo(() => {
+    const state = tab.room.fixed === null ? { machine: tab.room.id, path } : null;
+    return checkScript(page, state);
+  }, [page, path, tab]);
   useEffect(() => {
     if (!place.current) return;
     const made = scriptEditor(place.current, {
@@ -94,6 +98,9 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
       label: `Script of ${latest.current.seen.state.name}`,
       names: () => namesOf(latest.current.seen),
       check,
+      onRepair: async ({ name, edit }) => {
+        await latest.current.seen.tab.room.edit(name, edit);
+      },
       onType: (typed) => latest.current.onType(typed),
       onApply: () => latest.current.onApply(),
     });

@@ -1,13 +1,16 @@
-/** Asks the server what Python's own parser says of a script. */
+/** Asks the server what Python's parser says of a script, and whether the script fits its state. */
 
-import type { CheckScript, ScriptProblem } from "../../model/generated/protocol.ts";
+import type { CheckScript, ScriptPlace, ScriptProblem } from "../../model/generated/protocol.ts";
 import type { Page } from "../../store/page.ts";
 
 /** If the server cannot say, that is told as a note on the first line. */
-export function checkScript(page: Page): (script: string) => Promise<readonly ScriptProblem[]> {
+export function checkScript(
+  page: Page,
+  state: ScriptPlace | null,
+): (script: string) => Promise<readonly ScriptProblem[]> {
   return async (script) => {
     if (page.server.link.peek().state !== "up") return [];
-    const body: CheckScript = { script };
+    const body: CheckScript = { script, state };
     try {
       return await page.server.request<readonly ScriptProblem[]>("POST", "/python/check", body);
     } catch (error) {

@@ -7,6 +7,7 @@ import { type Machine, namesTo } from "../../model/machine.ts";
 import { byWeight, elementOfProblem, withoutPlace } from "../../model/problem.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { mayEdit } from "../../store/rights.ts";
+import { wantedLine } from "../../store/script_line.ts";
 import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
@@ -37,15 +38,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   const { machine } = tab.room;
   const rows = useMemo(() => byWeight(problems).filter(matching(query)), [problems, query]);
   const columns = useMemo(() => columnsOf(machine), [machine]);
-  if (problems.length === 0) {
-    return (
-      <Empty
-        icon={<CircleCheck size={22} />}
-        title="No problems"
-        text="The machine keeps every rule. It is looked at again after each edit."
-      />
-    );
-  }
+  if (problems.length === 0) return <NoneFound tab={tab} />;
   const problem = rows.find((each) => idOf(each) === chosen);
   return (
     <div className="problems">
@@ -70,11 +63,34 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
           onSelect={(each) => {
             setChosen(idOf(each));
             reveal(host, elementOfProblem(each));
+            if (each.line != null) wantedLine.value = { path: each.path, line: each.line };
           }}
         />
       </div>
       {problem && <Chosen tab={tab} problem={problem} />}
     </div>
+  );
+}
+
+/** Nothing was found, which means something only once the machine was checked. */
+function NoneFound({ tab }: { readonly tab: OpenTab }) {
+  const isChecked = useSignal(tab.room.isChecked);
+  if (tab.room.fixed !== null) {
+    return (
+      <Empty
+        title="Not checked"
+        text="This is the machine of a run. Open the machine itself to have it checked."
+      />
+    );
+  }
+  return isChecked ? (
+    <Empty
+      icon={<CircleCheck size={22} />}
+      title="No problems"
+      text="Rules, files and scripts were checked. Each edit is checked again."
+    />
+  ) : (
+    <Empty title="Checking…" text="Rules, files and scripts are being checked." />
   );
 }
 

@@ -8,9 +8,9 @@ use crate::environment::Environment;
 use crate::machine::Source;
 use crate::view::{counted, harmless};
 use anyhow::Result;
-use finding::{Finding, Level};
-use rafcon_model::{BuiltinTypes, Machine, Rule, problems};
-use rafcon_storage::{Fault, Loaded};
+use finding::Line;
+use rafcon_check::{ScriptFacts, Severity, findings};
+use rafcon_model::Machine;
 use rafcon_supervisor::Interpreter;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -20,44 +20,36 @@ pub(super) fn check(raw: &cli::Check, environment: &Environment) -> Result<ExitC
     let source = Source::new(&raw.path, &raw.libraries)?;
     let interpreter = Interpreter::choose(raw.python.python.as_deref(), &environment.surroundings)?;
     let loaded = source.load()?;
-    let mut findings = of_machine(&loaded);
-    findings.extend(scripts::findings(&loaded.machine, &interpreter)?);
+    let texts = rafcon_check::scripts(&loaded.machine);
+    let facts = scripts::read(&texts, &interpreter)?;
+    let facts: ScriptFacts<'_> = texts.into_iter().zip(&facts).collect();
+    let found = findings(&loaded.machine, &loaded.problems, &facts);
+    let lines: Vec<_> = found.iter().map(|finding| Line::of(&loaded.machine, finding)).collect();
     let text = match raw.format {
-        CheckFormat::Text => for_people(&loaded.machine, &findings),
-        CheckFormat::Json => lines(&findings)?,
+        CheckFormat::Text => for_people(&loaded.machine, &lines),
+        CheckFormat::Json => for_programs(&lines)?,
     };
     io::stdout().write_all(text.as_bytes())?;
-    let wrong = findings.iter().any(|finding| finding.level == Level::Error);
+    let wrong = lines.iter().any(|line| line.level == Severity::Error);
     Ok(ExitCode::from(u8::from(wrong)))
 }
 
-fn of_machine(loaded: &Loaded) -> Vec<Finding> {
-    let is_missing = |problem: &&rafcon_storage::LoadProblem| {
-        matches!(problem.fault, Fault::MissingLibrary { .. })
+fn for_people(machine: &Machine, lines: &[Line]) -> String {
+    let text: String = lines.iter().map(ToString::to_string).collect();
+    let count = |levels: &[Severity]| {
+        lines.iter().filter(|line| levels.contains(&line.level)).count() as u64
     };
-    let missing: Vec<_> = loaded.problems.iter().filter(is_missing).map(|p| &p.state).collect();
-    let of_files = loaded.problems.iter().map(|problem| Finding::of_file(&loaded.machine, problem));
-    let of_rules = problems(&loaded.machine, &BuiltinTypes)
-        .into_iter()
-        .filter(|problem| problem.rule != Rule::LibraryMissing || !missing.contains(&&problem.path))
-        .map(|problem| Finding::of_rule(&loaded.machine, &problem));
-    of_files.chain(of_rules).collect()
-}
-
-fn for_people(machine: &Machine, findings: &[Finding]) -> String {
-    let text: String = findings.iter().map(ToString::to_string).collect();
-    let count = |level| findings.iter().filter(|finding| finding.level == level).count() as u64;
-    let (errors, notes) = (count(Level::Error), count(Level::Note));
     let states = counted(machine.count() as u64, "state");
     let name = harmless(&machine.root.name);
-    let (errors, notes) = (counted(errors, "error"), counted(notes, "note"));
+    let errors = counted(count(&[Severity::Error]), "error");
+    let notes = counted(count(&[Severity::Warning, Severity::Note]), "note");
     text + &format!("{name}: {states}, {errors}, {notes}\n")
 }
 
-fn lines(findings: &[Finding]) -> Result<String> {
+fn for_programs(lines: &[Line]) -> Result<String> {
     let mut text = String::new();
-    for finding in findings {
-        text += &serde_json::to_string(finding)?;
+    for line in lines {
+        text += &serde_json::to_string(line)?;
         text.push('\n');
     }
     Ok(text)

@@ -76,6 +76,7 @@ fn note(
             "{path}, state: its library {label} has changed: {}; take it over as it is now, or leave the state as it is until the machine is read again",
             what.join(", ")
         ),
+        line: None,
         repairs: repair.into_iter().collect(),
     })
 }

@@ -17,7 +17,7 @@ use super::machine::{Deed, OpenMachine, Request};
 use super::recover::Recovered;
 use super::wires::Wires;
 use crate::access::PrivateError;
-use crate::{Failure, log};
+use crate::{Failure, House, log};
 use axum::body::Bytes;
 use axum::http::StatusCode;
 use rafcon_locks::{Mutex, RwLock};
@@ -235,17 +235,16 @@ impl Room {
         self.document.of(revision, || Ok(whole(revision, &disk::content(&machine)?.1)))
     }
 
-    /// Rules that it breaks, faults of its files as they were read last, and libraries that have changed.
-    pub(super) fn problems(&self, libraries: &Libraries) -> Result<Vec<MachineProblem>, Failure> {
+    /// Faults of its files as they were read last, rules that it breaks, scripts that do not fit, and libraries that have
+    /// changed.
+    pub(super) fn problems(&self, house: &House) -> Result<Vec<MachineProblem>, Failure> {
         let (revision, machine) = self.machine();
-        let rules =
-            self.problems.of(revision, || Ok(super::problems::of_machine(&machine).into()))?;
-        let open = self.open.read();
-        let files: Vec<_> =
-            open.files.problems.iter().filter_map(super::problems::of_file).collect();
-        drop(open);
-        let changed = super::problems::of_libraries(&machine, libraries);
-        Ok(files.into_iter().chain(rules.iter().cloned()).chain(changed).collect())
+        let rules = self.problems.of(revision, || Ok(super::problems::rules(&machine).into()))?;
+        let files = super::problems::files(&self.open.read().files.problems);
+        let scripts = super::problems::scripts(&machine, house);
+        let changed = super::problems::of_libraries(&machine, &house.projects.libraries());
+        let rules = rules.iter().cloned();
+        Ok(files.into_iter().chain(rules).chain(scripts).chain(changed).collect())
     }
 
     /// Somebody looks at these states.

@@ -1,8 +1,8 @@
-/** Problems of a script as Python's own parser tells them, at their places in the text. */
+/** Problems of a script at their places in the text, with a button for each edit of the machine that mends one. */
 
 import type { Diagnostic } from "@codemirror/lint";
 import type { Text } from "@codemirror/state";
-import type { ScriptProblem, Severity } from "../../../model/generated/protocol.ts";
+import type { Repair, ScriptProblem, Severity } from "../../../model/generated/protocol.ts";
 
 const SHOWN: Readonly<Record<Severity, Diagnostic["severity"]>> = {
   error: "error",
@@ -11,14 +11,22 @@ const SHOWN: Readonly<Record<Severity, Diagnostic["severity"]>> = {
 };
 
 /** Where the problems show; what the parser does not place shows up to the end of its line. */
-export function diagnostics(text: Text, problems: readonly ScriptProblem[]): Diagnostic[] {
-  return problems.map(({ line, column, end_line, end_column, message, severity }) => {
+export function diagnostics(
+  text: Text,
+  problems: readonly ScriptProblem[],
+  onRepair: (repair: Repair) => void,
+): Diagnostic[] {
+  return problems.map(({ line, column, end_line, end_column, message, severity, repairs }) => {
     const first = lineOf(text, line);
     const from = Math.min(first.to, first.from + Math.max(0, column - 1));
     const last = end_line == null ? first : lineOf(text, end_line);
     const to = end_column == null ? last.to : last.from + Math.max(0, end_column - 1);
     const end = Math.min(last.to, Math.max(from, to));
-    return { ...seen(text, from, end), severity: SHOWN[severity], message, source: "Python" };
+    const actions = (repairs ?? []).map((repair) => ({
+      name: repair.name,
+      apply: () => onRepair(repair),
+    }));
+    return { ...seen(text, from, end), severity: SHOWN[severity], message, actions };
   });
 }
 

@@ -31,6 +31,7 @@ test("what is typed is told, what is put in is not", () => {
     label: "Script of Scan",
     names: () => ({ inputs: [], outputs: [], outcomes: [], globals: [] }),
     check: async () => [],
+    onRepair: async () => {},
     onType: (text) => told.push(text),
     onApply: () => told.push("applied"),
   });

@@ -18,7 +18,13 @@ import {
 } from "@codemirror/language";
 import { linter, lintGutter, lintKeymap } from "@codemirror/lint";
 import { highlightSelectionMatches, search, searchKeymap } from "@codemirror/search";
-import { type ChangeSpec, Compartment, EditorState, type Extension } from "@codemirror/state";
+import {
+  type ChangeSpec,
+  Compartment,
+  EditorState,
+  type Extension,
+  StateEffect,
+} from "@codemirror/state";
 import {
   drawSelection,
   EditorView,
@@ -27,8 +33,9 @@ import {
   highlightSpecialChars,
   keymap,
   lineNumbers,
+  type ViewUpdate,
 } from "@codemirror/view";
-import type { ScriptProblem } from "../../../model/generated/protocol.ts";
+import type { Repair, ScriptProblem } from "../../../model/generated/protocol.ts";
 import { diagnostics } from "./check.ts";
 import { nameCompletion, type ScriptNames } from "./complete.ts";
 import { look } from "./look.ts";
@@ -39,8 +46,10 @@ export interface ScriptEditorOptions {
   /** What it is, for screen readers: "Script of Scan". */
   readonly label: string;
   readonly names: () => ScriptNames;
-  /** What Python's parser says of a text. */
+  /** What is wrong with a text. */
   readonly check: (script: string) => Promise<readonly ScriptProblem[]>;
+  /** Makes an edit of the machine that mends a problem. */
+  readonly onRepair: (repair: Repair) => Promise<void>;
   /** Told at each change that was typed here. */
   readonly onType: (text: string) => void;
   readonly onApply: () => void;
@@ -137,10 +146,20 @@ export function pythonText(label: string): Extension {
   ];
 }
 
-function editing({ names, check }: ScriptEditorOptions): Extension {
+/** The machine around the script is another one: the same text may fit now. */
+const checkAgain = StateEffect.define<null>();
+
+function isChangedElsewhere(update: ViewUpdate): boolean {
+  return update.transactions.some(({ effects }) => effects.some((effect) => effect.is(checkAgain)));
+}
+
+function editing({ names, check, onRepair }: ScriptEditorOptions): Extension {
   const source = async (view: EditorView) => {
     const { doc } = view.state;
-    return doc.length === 0 ? [] : diagnostics(doc, await check(doc.toString()));
+    if (doc.length === 0) return [];
+    const mend = (repair: Repair) =>
+      void onRepair(repair).then(() => view.dispatch({ effects: checkAgain.of(null) }));
+    return diagnostics(doc, await check(doc.toString()), mend);
   };
   return [
     history(),
@@ -150,7 +169,7 @@ function editing({ names, check }: ScriptEditorOptions): Extension {
     pythonLanguage.data.of({ autocomplete: nameCompletion(names) }),
     highlightActiveLine(),
     highlightActiveLineGutter(),
-    linter(source, { delay: CHECK_AFTER_MS }),
+    linter(source, { delay: CHECK_AFTER_MS, needsRefresh: isChangedElsewhere }),
     lintGutter(),
     keymap.of([
       ...closeBracketsKeymap,

@@ -9,7 +9,7 @@ use rafcon_protocol::api::Repair;
 use rafcon_protocol::edit::{Edit, Goal, OutcomeOf, PortList, PortOf};
 
 /// The edits that mend a problem, the one that keeps most first.
-pub(super) fn repairs(machine: &Machine, problem: &Problem) -> Vec<Repair> {
+pub(crate) fn repairs(machine: &Machine, problem: &Problem) -> Vec<Repair> {
     let Some(state) = machine.state(&problem.path) else { return Vec::new() };
     let place = Place { machine, path: &problem.path, state };
     match problem.part {
@@ -18,6 +18,13 @@ pub(super) fn repairs(machine: &Machine, problem: &Problem) -> Vec<Repair> {
         Part::RuntimeValue(kind, port) => place.runtime_value(kind, port.0, problem.rule),
         Part::State | Part::Outcome(_) | Part::Port(..) => Vec::new(),
     }
+}
+
+/// The repair, if it is an edit that the model takes.
+pub(crate) fn possible(machine: &Machine, name: impl Into<String>, edit: Edit) -> Option<Repair> {
+    let wish = rafcon_model::edit::Edit::try_from(&edit).ok()?;
+    apply(&mut machine.clone(), wish, &BuiltinTypes).ok()?;
+    Some(Repair { name: name.into(), edit })
 }
 
 /// The state that has the broken part.
@@ -32,11 +39,8 @@ impl Place<'_> {
         self.path.to_string()
     }
 
-    /// The repair, if it is an edit that the model takes.
     fn possible(&self, name: impl Into<String>, edit: Edit) -> Option<Repair> {
-        let wish = rafcon_model::edit::Edit::try_from(&edit).ok()?;
-        apply(&mut self.machine.clone(), wish, &BuiltinTypes).ok()?;
-        Some(Repair { name: name.into(), edit })
+        possible(self.machine, name, edit)
     }
 
     fn transition(&self, id: TransitionId, rule: Rule) -> Vec<Repair> {

@@ -1,0 +1,238 @@
+//! Scripts against their states: outcomes that they return, ports that they read and write.
+
+use crate::ScriptFacts;
+use crate::facts::{Facts, Returned};
+use crate::finding::{Finding, Severity};
+use crate::repairs::possible;
+use rafcon_model::{Kind, LibraryContent, Machine, Outcomes, Ports, State, StatePath};
+use rafcon_protocol::api::Repair;
+use rafcon_protocol::edit::{Edit, PortList};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// A script where it is used.
+pub(crate) struct Use<'m> {
+    pub(crate) path: StatePath,
+    pub(crate) state: &'m State,
+    pub(crate) text: &'m str,
+}
+
+/// All scripts from the root down; the content of a library once, below the first state that uses it.
+pub(crate) fn uses(machine: &Machine) -> Vec<Use<'_>> {
+    let mut found = Vec::new();
+    let mut seen: BTreeSet<*const State> = BTreeSet::new();
+    let mut open = vec![(StatePath::root(machine.root.id.clone()), &machine.root)];
+    while let Some((path, state)) = open.pop() {
+        if let Some(text) = state.script().and_then(|script| script.text.as_deref()) {
+            found.push(Use { path: path.clone(), state, text });
+        }
+        if let Kind::Library(library) = &state.kind
+            && let LibraryContent::Found(root) = &library.content
+            && seen.insert(Arc::as_ptr(root))
+        {
+            open.push((path.child(root.id.clone()), root));
+        }
+        let children =
+            state.container().into_iter().flat_map(|inside| inside.states.values().rev());
+        open.extend(children.map(|child| (path.child(child.id.clone()), child)));
+    }
+    found
+}
+
+/// The texts of all scripts, each once.
+pub(crate) fn texts(machine: &Machine) -> Vec<&str> {
+    let texts: BTreeSet<&str> = uses(machine).iter().map(|used| used.text).collect();
+    texts.into_iter().collect()
+}
+
+/// Everything that is wrong with scripts, state by state.
+pub(crate) fn findings(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let mut unread = 0;
+    for used in uses(machine) {
+        match facts.get(used.text) {
+            Some(facts) => found.extend(of_state(machine, (&used.path, used.state), facts)),
+            None => unread += 1,
+        }
+    }
+    if unread > 0 {
+        let scripts = if unread == 1 { "1 script".to_owned() } else { format!("{unread} scripts") };
+        found.push(Finding {
+            severity: Severity::Warning,
+            path: StatePath::default(),
+            part: "scripts".to_owned(),
+            rule: "ScriptsUnchecked",
+            file: None,
+            line: None,
+            what: format!("{scripts} could not be checked"),
+            remedy: "see that Python starts, and check again".to_owned(),
+            repairs: Vec::new(),
+        });
+    }
+    found
+}
+
+/// What is wrong with a text as the script of this state.
+pub(crate) fn of_state(
+    machine: &Machine,
+    (path, state): (&StatePath, &State),
+    facts: &Facts,
+) -> Vec<Finding> {
+    let judge = Judge { machine, path, state };
+    if let Some(syntax) = &facts.syntax {
+        let what = format!("the script does not parse: {}", syntax.message);
+        let remedy = "correct the line; the state aborts until then";
+        return vec![judge.error("ScriptSyntax", syntax.line, what, remedy)];
+    }
+    if let Some(line) = facts.r#async.first() {
+        let remedy = "write `def execute`; the state aborts until then";
+        return vec![judge.error("ScriptExecute", Some(*line), "`execute` is a coroutine", remedy)];
+    }
+    if !facts.execute {
+        let remedy =
+            "write `def execute(self, inputs, outputs, gvm):`; the state aborts until then";
+        let what = "the script has no function `execute`";
+        return vec![judge.error("ScriptExecute", None, what, remedy)];
+    }
+    let mut found = judge.signature(facts);
+    found.extend(
+        facts.outcomes.iter().filter_map(|(line, returned)| judge.returned(*line, returned)),
+    );
+    found.extend(facts.inputs.iter().filter_map(|(line, name)| judge.input(*line, name)));
+    found.extend(facts.outputs.iter().filter_map(|(line, name)| judge.output(*line, name)));
+    found
+}
+
+/// A state whose script is looked at.
+struct Judge<'m> {
+    machine: &'m Machine,
+    path: &'m StatePath,
+    state: &'m State,
+}
+
+impl Judge<'_> {
+    fn error(
+        &self,
+        rule: &'static str,
+        line: Option<u64>,
+        what: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Finding {
+        let part = line.map_or_else(|| "script.py".to_owned(), |line| format!("script.py:{line}"));
+        Finding {
+            severity: Severity::Error,
+            path: self.path.clone(),
+            part,
+            rule,
+            file: None,
+            line,
+            what: what.into(),
+            remedy: remedy.into(),
+            repairs: Vec::new(),
+        }
+    }
+
+    fn signature(&self, facts: &Facts) -> Vec<Finding> {
+        let mut found = Vec::new();
+        if facts.line.is_some() && !facts.takes_four {
+            let what = "`execute` cannot be called with four arguments";
+            let remedy = "write `def execute(self, inputs, outputs, gvm):`";
+            found.push(self.error("ScriptExecute", facts.line, what, remedy));
+        }
+        if facts.line.is_some() && facts.returns_nothing {
+            let what = "`execute` never returns an outcome, so the state aborts";
+            let remedy = format!("return one of {}", listed(&self.state.outcomes));
+            let severity = if facts.raises { Severity::Note } else { Severity::Error };
+            let finding = self.error("ScriptOutcome", facts.line, what, remedy);
+            found.push(Finding { severity, ..finding });
+        }
+        found
+    }
+
+    fn returned(&self, line: u64, returned: &Returned) -> Option<Finding> {
+        let outcomes = &self.state.outcomes;
+        let (shown, name) = match returned {
+            Returned::Name(name) if outcomes.by_name(name).is_none() => {
+                (format!("{name:?}"), Some(name))
+            }
+            Returned::Id(id) if !outcomes.iter().any(|one| Some(one.id.0) == id.as_i64()) => {
+                (id.to_string(), None)
+            }
+            Returned::Name(_) | Returned::Id(_) => return None,
+        };
+        let what = format!("`execute` returns {shown}, which is no outcome of the state");
+        let remedy = format!("return one of {}, or add the outcome", listed(outcomes));
+        let added = name.and_then(|name| self.add_outcome(name));
+        let finding = self.error("ScriptOutcome", Some(line), what, remedy);
+        Some(Finding { repairs: added.into_iter().collect(), ..finding })
+    }
+
+    fn add_outcome(&self, name: &str) -> Option<Repair> {
+        let (path, outcome) = (self.path.to_string(), self.state.free_outcome_id().0);
+        let edit = Edit::AddOutcome { path, outcome, name: name.to_owned() };
+        possible(self.machine, format!("Add the outcome \"{name}\""), edit)
+    }
+
+    fn input(&self, line: u64, name: &str) -> Option<Finding> {
+        if has(&self.state.inputs, name) {
+            return None;
+        }
+        let what =
+            format!("`execute` reads the input {name:?}, which the state has not, so it aborts");
+        let finding = self.port_finding((line, name), what, ("input", &self.state.inputs));
+        let added = self.add_port(name, PortList::Input, "input");
+        Some(Finding { repairs: added.into_iter().collect(), ..finding })
+    }
+
+    fn output(&self, line: u64, name: &str) -> Option<Finding> {
+        if has(&self.state.outputs, name) {
+            return None;
+        }
+        let what = format!(
+            "`execute` writes the output {name:?}, which the state has not, so the value is lost"
+        );
+        let finding = self.port_finding((line, name), what, ("output", &self.state.outputs));
+        let added = self.add_port(name, PortList::Output, "output");
+        Some(Finding { repairs: added.into_iter().collect(), ..finding })
+    }
+
+    fn port_finding(
+        &self,
+        (line, name): (u64, &str),
+        what: String,
+        (kind, ports): (&str, &Ports),
+    ) -> Finding {
+        let known: Vec<_> = ports.iter().map(|port| format!("{:?}", port.name)).collect();
+        let remedy = if known.is_empty() {
+            format!("add the {kind} {name:?}")
+        } else {
+            format!("use one of {}, or add the {kind}", known.join(", "))
+        };
+        self.error("ScriptPort", Some(line), what, remedy)
+    }
+
+    fn add_port(&self, name: &str, list: PortList, kind: &str) -> Option<Repair> {
+        let edit = Edit::AddPort {
+            path: self.path.to_string(),
+            list,
+            port: self.state.free_port_id().0,
+            name: name.to_owned(),
+            data_type: "object".to_owned(),
+            default: serde_json::Value::Null,
+        };
+        possible(self.machine, format!("Add the {kind} \"{name}\""), edit)
+    }
+}
+
+fn has(ports: &Ports, name: &str) -> bool {
+    ports.iter().any(|port| port.name == name)
+}
+
+fn listed(outcomes: &Outcomes) -> String {
+    let names = outcomes.iter().filter(|outcome| !outcome.id.is_mandatory());
+    let names: Vec<_> = names.map(|outcome| format!("{:?}", outcome.name)).collect();
+    if names.is_empty() { "\"aborted\", \"preempted\"".to_owned() } else { names.join(", ") }
+}
+
+#[cfg(test)]
+mod tests;

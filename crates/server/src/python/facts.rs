@@ -1,0 +1,90 @@
+//! What Python's parser says about the scripts of machines, kept by their text: after an edit one script is read, not all.
+//! Knows the interpreter that runs would use; must never run a script.
+
+use super::interpreter;
+use crate::child::{Bounds, ask};
+use crate::{Settings, log};
+use parking_lot::Mutex;
+use rafcon_check::{Facts, SCRIPT_READER, read_facts, request};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::process::Command;
+use tokio::runtime::Handle;
+
+/// What is said about so many scripts is kept.
+const KEPT_MAX: usize = 100_000;
+/// So many bytes of scripts are read by one process.
+const PART_BYTES: usize = 1 << 20;
+const BOUNDS: Bounds = Bounds { patience: Duration::from_secs(20), output: 64 << 20 };
+
+/// The BLAKE3 of a script's text.
+type Hash = [u8; 32];
+
+/// What was said about scripts, by the hash of their text.
+#[derive(Debug, Default)]
+pub(super) struct Known(Mutex<BTreeMap<Hash, Arc<Facts>>>);
+
+impl Known {
+    /// What Python says about each text; nothing where it says nothing. To be called on a thread that may wait.
+    pub(super) fn facts(&self, settings: &Settings, texts: &[&str]) -> Vec<Option<Arc<Facts>>> {
+        let hashes: Vec<Hash> =
+            texts.iter().map(|text| *blake3::hash(text.as_bytes()).as_bytes()).collect();
+        let mut unread: Vec<(Hash, &str)> = Vec::new();
+        {
+            let known = self.0.lock();
+            let all = hashes.iter().copied().zip(texts.iter().copied());
+            unread.extend(all.filter(|(hash, _)| !known.contains_key(hash)));
+        }
+        for part in parts(&unread) {
+            let texts: Vec<&str> = part.iter().map(|(_, text)| *text).collect();
+            match Handle::current().block_on(read(settings, &texts)) {
+                Ok(facts) => self.keep(part.iter().map(|(hash, _)| *hash).zip(facts)),
+                Err(why) => {
+                    log::say(&format!("scripts cannot be checked: {why}"));
+                    break;
+                }
+            }
+        }
+        let known = self.0.lock();
+        hashes.iter().map(|hash| known.get(hash).cloned()).collect()
+    }
+
+    fn keep(&self, facts: impl Iterator<Item = (Hash, Facts)>) {
+        let mut known = self.0.lock();
+        if known.len() >= KEPT_MAX {
+            known.clear();
+        }
+        known.extend(facts.map(|(hash, facts)| (hash, Arc::new(facts))));
+    }
+}
+
+/// The texts in parts of a limited size.
+fn parts<'a, 't>(all: &'a [(Hash, &'t str)]) -> Vec<&'a [(Hash, &'t str)]> {
+    let (mut parts, mut begin, mut bytes) = (Vec::new(), 0, 0);
+    for (at, (_, text)) in all.iter().enumerate() {
+        bytes += text.len();
+        if bytes >= PART_BYTES {
+            parts.push(&all[begin..=at]);
+            (begin, bytes) = (at + 1, 0);
+        }
+    }
+    if begin < all.len() {
+        parts.push(&all[begin..]);
+    }
+    parts
+}
+
+async fn read(settings: &Settings, texts: &[&str]) -> Result<Vec<Facts>, String> {
+    let interpreter = interpreter(settings)?;
+    let mut python = Command::new(&interpreter.program);
+    python.args(["-I", "-S", "-X", "utf8", "-c", SCRIPT_READER]).current_dir("/");
+    let input = request(texts).map_err(|error| error.to_string())?;
+    let said = ask(python, input, BOUNDS).await.map_err(|error| {
+        format!("the interpreter `{interpreter}`: {error}; {}", interpreter.way_out())
+    })?;
+    read_facts(&said.output, texts.len()).map_err(|error| {
+        let last = said.error.lines().last().unwrap_or("it said nothing else");
+        format!("the interpreter `{interpreter}`: {error}; {last}")
+    })
+}
