@@ -19,8 +19,10 @@ export interface GivenPorts {
 
 type Fate = NonNullable<Sent["answer"]>;
 
-/** A command is no longer wanted after so long, if nobody says otherwise. */
+/** A command is no longer wanted after so long, if nobody says otherwise; as `Command::lifetime_ms` in the protocol says. */
 const PATIENCE_MS = 10_000;
+/** What only brings a run to its end is wanted whenever it arrives. */
+const LASTING: readonly Command["type"][] = ["stop", "kill"];
 /** A command without an answer is asked for again after so long. */
 const AGAIN_MS = 500;
 /** So long after its expiry its fate is asked for. Then it is lost. */
@@ -42,8 +44,10 @@ export class Given {
   async give(command: Command, patience_ms = PATIENCE_MS): Promise<Sent> {
     const { clock, newId, server, decidedOn } = this.#ports;
     const [id, sent_ms] = [newId(), clock.now()];
-    const expiry_ms = sent_ms + patience_ms;
-    const expiry = Math.round(expiry_ms + (server.pulse.peek()?.ahead_ms ?? 0));
+    const isLasting = LASTING.includes(command.type);
+    const expiry_ms = isLasting ? Number.POSITIVE_INFINITY : sent_ms + patience_ms;
+    const ahead_ms = server.pulse.peek()?.ahead_ms ?? 0;
+    const expiry = isLasting ? null : Math.round(expiry_ms + ahead_ms);
     const begun: Sent = { id, command, sent_ms, expiry_ms, answer: null, answered_ms: null };
     this.#put(begun);
     const recorded = new Promise<Fate>((known) => this.#open.set(id, known));
