@@ -4,8 +4,8 @@
 use super::interpreter;
 use crate::child::{Bounds, ask};
 use crate::{Settings, log};
-use parking_lot::Mutex;
 use rafcon_check::{Facts, SCRIPT_READER, read_facts, request};
+use rafcon_locks::Mutex;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
