@@ -612,6 +612,10 @@ fn a_run_that_stops_goes_on_stopping() {
               end of run: preempted (-2), 4 states
         "]],
     );
+}
+
+#[test]
+fn a_run_that_stops_is_taken_up_twice_and_stopped_again() {
     check(
         HANDLER,
         "start; stop; cut again; A done; stop; cut again; C done",
@@ -653,6 +657,10 @@ fn a_run_that_stops_goes_on_stopping() {
               end of run: preempted (-2), 4 states
         "]],
     );
+}
+
+#[test]
+fn a_run_that_stops_ends_by_the_policy_abort() {
     check(
         HANDLER,
         "start; stop; cut abort",

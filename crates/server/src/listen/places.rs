@@ -142,11 +142,9 @@ mod tests {
                 [name, "comes", address] => {
                     let ip: std::net::IpAddr = address.trim_end_matches('!').parse().unwrap();
                     let place = places.take(Peer { ip, is_near: ip.is_loopback() });
-                    if let Some((place, _lost)) = place {
-                        if address.ends_with('!') {
-                            place.log_in("ana");
-                        }
-                        there.push((name.to_owned(), place));
+                    there.extend(place.map(|(place, _lost)| (name.to_owned(), place)));
+                    if let (true, Some((_, place))) = (address.ends_with('!'), there.last()) {
+                        place.log_in("ana");
                     }
                 }
                 [name, "goes"] => there.retain(|(other, _)| other != name),

@@ -84,7 +84,9 @@ export type ChangeUser = {
 /** Asks what Python's parser says about a script. Nothing of it runs. */
 export type CheckScript = {
   /** The text. */
-  script: string, };
+  script: string,
+  /** The state whose script it is to be; with it, the outcomes and ports in the text are compared with those of the state. */
+  state: ScriptPlace | null, };
 
 /** Closes an open machine. */
 export type CloseMachine = {
@@ -1035,6 +1037,8 @@ export type MachineProblem = {
   severity: Severity,
   /** What, where, and the way out. */
   message: string,
+  /** The line of the state's script that it is about, counted from 1. */
+  line?: number,
   /** Edits that would mend it, the one that keeps most first. */
   repairs?: Array<Repair>, };
 
@@ -1527,6 +1531,13 @@ export type SavedState = {
 /** What a breakpoint holds. */
 export type Scope = "branch" | "run";
 
+/** A state of an open machine. */
+export type ScriptPlace = {
+  /** The id of the open machine. */
+  machine: string,
+  /** The state: ids joined by `/`. */
+  path: string, };
+
 /** A place in a script that Python's parser does not take, or warns of. */
 export type ScriptProblem = {
   /** The line, from 1 on. */
@@ -1539,8 +1550,10 @@ export type ScriptProblem = {
   end_column?: number | null,
   /** What the parser says. */
   message: string,
-  /** An error keeps the script from running. */
-  severity: Severity, };
+  /** An error keeps the script from running, or its state from ending as it should. */
+  severity: Severity,
+  /** Edits of the machine that mend it. */
+  repairs?: Array<Repair>, };
 
 /** States taken from a container, with what connects them: what *copy* gives and *paste* takes. */
 export type Selection = {
