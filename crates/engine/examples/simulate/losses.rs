@@ -17,8 +17,8 @@ struct Left {
     restore: Restore<Value>,
     /// Which states were active, and whether they had been asked to end.
     asked: BTreeMap<StatePath, bool>,
-    /// Whether every state went on forwards by itself. What was held behind the end of a branch, or was being undone, counts
-    /// as ended in a run that is taken up.
+    /// Whether nothing was held and nothing was ever undone. A branch that was held behind its end, or that had ended when
+    /// another was undone, wins its race when the run is taken up.
     went_on: bool,
 }
 
@@ -30,7 +30,7 @@ impl World {
         let restore = self.restoring(root, counted);
         self.count_loss();
         let left = self.left(restore);
-        if self.chance(15) && self.take_up_changed(&left)? {
+        if self.chance(25) && self.take_up_changed(&left)? {
             return Ok(());
         }
         let program = match self.wide {
@@ -83,7 +83,8 @@ impl World {
         let breakpoints = breakpoints.map(|(breakpoint, _)| Input::Break(breakpoint.clone()));
         let snapshot = self.engine.snapshot();
         let held = snapshot.iter().any(|active| !active.holds.is_empty());
-        let went_on = !held && self.watch.checks.is_empty() && !self.watch.is_backwards();
+        let forwards = self.watch.counts.backward_steps == 0;
+        let went_on = !held && self.watch.checks.is_empty() && forwards;
         let asked = snapshot.into_iter();
         let asked = asked.map(|active| (self.engine.path_text(active.path), active.preempted));
         let (breakpoints, asked) = (breakpoints.collect(), asked.collect());

@@ -37,7 +37,7 @@ impl World {
         if self.mood.likes(Like::Losses) && self.chance(30) && !self.is_over() {
             self.lose_engine_quietly()?;
         }
-        while self.chance(60) && !self.is_over() {
+        while self.chance(75) && !self.is_over() {
             if self.engine.status() == Status::Running {
                 self.stop()?;
             } else {

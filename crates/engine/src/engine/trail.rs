@@ -128,6 +128,7 @@ impl<D> Trail<D> {
     /// The last child ended once more; it replaced so many values more.
     pub(super) fn renew(&mut self, past: Past<D>, replaced: usize) {
         let Some(mut trace) = self.traces.pop_back() else { return };
+        self.weight -= trace.past.weight();
         trace.past = past;
         trace.replaced += replaced;
         self.push(trace);
