@@ -4,6 +4,7 @@
 use super::frames::{Ended, Frame, NONE, Seed, Slot};
 use super::phase::Phase;
 use super::step::{Step, Work};
+use super::trail::Past;
 use super::{Command, Refusal, Status};
 use crate::program::{ABORTED, Body, Concurrency, Content, Inside, Node};
 use crate::{
@@ -332,7 +333,11 @@ impl<'s, D: Datum> Step<'s, D> {
             return;
         }
         match ended {
-            Some(ended) => self.library_root_ended(slot, content, (ended, None)),
+            Some(ended) => {
+                let past = Past::unknown(ended.outcome);
+                let past = self.keeps_trail().then_some(past);
+                self.library_root_ended(slot, content, (ended, past));
+            }
             None => self.begin_library(slot, content),
         }
     }

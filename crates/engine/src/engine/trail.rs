@@ -184,6 +184,11 @@ impl<D> Past<D> {
         Self { entry: 0, outcome, kept: Kept::Nothing }
     }
 
+    /// Of a state that ended before the run was taken up.
+    pub(super) fn unknown(outcome: u32) -> Self {
+        Self { entry: 0, outcome, kept: Kept::Lost }
+    }
+
     fn weight(&self) -> usize {
         match &self.kept {
             Kept::Nothing | Kept::Lost => 1,
@@ -210,6 +215,12 @@ impl<D> Past<D> {
 }
 
 impl<D> Frame<D> {
+    /// Whether it is known what branches did, or the root of a library: not if the run was taken up meanwhile.
+    fn knows_children(&self) -> bool {
+        let is_lost = self.pasts.iter().flatten().any(Past::is_lost);
+        !is_lost && self.pasts.len() >= self.children.len()
+    }
+
     /// Takes what is in the frame of a container that ends.
     fn take_inner(&mut self) -> Inner<D> {
         let pasts = std::mem::take(&mut self.pasts);
@@ -248,9 +259,9 @@ impl<D: Datum> Step<'_, D> {
         let kept = match body {
             Body::Script => Kept::Nothing,
             Body::Hierarchy(_) | Body::Concurrency(..) | Body::Library(_) => {
+                let is_known = frame.knows_children();
                 let inner = frame.take_inner();
-                let has_lost = inner.pasts.iter().flatten().any(Past::is_lost);
-                if has_lost || inner.depth > DEPTH_MAX {
+                if !is_known || inner.depth > DEPTH_MAX {
                     Kept::Lost
                 } else {
                     Kept::Inner(Box::new(inner))

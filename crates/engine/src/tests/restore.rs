@@ -808,3 +808,53 @@ hierarchy ROOT
         "]],
     );
 }
+
+#[test]
+fn branches_that_were_taken_up_are_not_stepped_back_into() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> P ; P.done -> Z ; Z.done -> .done
+  barrier P
+    outcome done
+    unique_decider_state_id.done -> .done
+    execution A
+      outcome done
+    decider unique_decider_state_id
+      outcome done
+  execution Z
+    outcome done
+";
+    check(
+        machine,
+        "start; cut again; pause; A done; unique_decider_state_id done; step back",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/P
+            enter ROOT/P/A
+              fork 1
+              run ROOT/P/A on 1
+            > cut again
+            enter ROOT
+            enter ROOT/P
+            enter ROOT/P/A
+              fork 1
+              run ROOT/P/A on 1
+            > pause
+            paused
+              paused true
+            > A done
+            leave ROOT/P/A done
+            enter ROOT/P/unique_decider_state_id
+              end 1
+              run ROOT/P/unique_decider_state_id [A done]
+            > unique_decider_state_id done
+            leave ROOT/P/unique_decider_state_id done
+            leave ROOT/P done
+            hold ROOT before ROOT/Z (Pause)
+            > step back
+            refused: what happened in 'ROOT' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+        "]],
+    );
+}
