@@ -3,6 +3,7 @@
 use super::Run;
 use super::backward::Back;
 use super::frames::Ended;
+use super::phase::Phase;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
 
@@ -59,12 +60,24 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Looks what is next in a container. Nothing, while a child of it is active.
     fn advance(&mut self, frame: FrameId) {
         let Some(slot) = self.run.frames.find(frame) else { return };
+        if self.is_held_anew(slot) {
+            return;
+        }
         match self.body(slot) {
             Body::Hierarchy(inside) => self.advance_hierarchy(slot, inside),
             Body::Concurrency(kind, inside) => self.advance_concurrency(slot, *kind, inside),
             Body::Script => self.advance_script(slot),
             Body::Library(content) => self.advance_library(slot, content),
         }
+    }
+
+    /// Whether a frame that was to look what is next did so before, and is held there: it was asked to end twice in one
+    /// answer. Whatever lets it go takes its hold away first.
+    fn is_held_anew(&self, slot: u32) -> bool {
+        let frame = self.run.frames.get(slot);
+        let mut holds = self.run.control.holds.iter().map(|hold| hold.spot);
+        matches!(frame.phase, Phase::Held | Phase::Checking)
+            && holds.any(|spot| spot.parent == slot && !self.is_branch(spot))
     }
 
     fn advance_concurrency(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {

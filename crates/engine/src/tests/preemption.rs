@@ -752,3 +752,66 @@ preemptive ROOT
         "]],
     );
 }
+
+#[test]
+fn a_handler_that_is_held_and_asked_for_twice_is_held_once() {
+    let machine = "
+preemptive ROOT
+  outcome done
+  A.done -> .done ; B.done -> .done
+  hierarchy A
+    outcome done
+    start -> X
+    execution X
+      outcome done
+  hierarchy B
+    outcome done
+    start -> Y ; Y.done -> .done ; Y.preempted -> C ; C.done -> .done
+    execution C
+      outcome done
+    execution Y
+      outcome done
+";
+    check(
+        machine,
+        "start; step; preempt ROOT/B; X done; Y done; preempt ROOT; resume; C done",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/A
+            enter ROOT/A/X
+            enter ROOT/B
+            enter ROOT/B/Y
+              fork 1
+              run ROOT/A/X on 1
+              fork 2
+              run ROOT/B/Y on 2
+            > step
+            > preempt ROOT/B
+              preempt ROOT/B
+              preempt ROOT/B/Y
+            > X done
+            leave ROOT/A/X done
+            wait ROOT/A: no transition from ROOT/A/X done
+            > Y done
+            leave ROOT/B/Y preempted
+            hold ROOT/B before ROOT/B/C (Step)
+            > preempt ROOT
+            leave ROOT/A preempted
+            hold ROOT/B before ROOT/B/C (Step)
+              preempt ROOT
+              preempt ROOT/A
+              end 1
+            > resume
+            enter ROOT/B/C
+              run ROOT/B/C on 2
+            > C done
+            leave ROOT/B/C done
+            leave ROOT/B preempted
+            leave ROOT preempted
+            finished
+              end 2
+              end of run: preempted (-2), 6 states
+        "]],
+    );
+}
