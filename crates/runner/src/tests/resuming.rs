@@ -602,7 +602,7 @@ fn a_state_that_was_preempted_stays_so_when_it_is_taken_up() {
         (OnCrash::Ask, None),
         &[("ROOT is held before ROOT/B by Start", resume)],
         &expect![[r"
-            life 2 after a crash of ROOT/A: Ask
+            life 2 after a crash of ROOT/B: Ask
             +ROOT
             +ROOT/A
             -ROOT/A=preempted
