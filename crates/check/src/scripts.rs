@@ -10,6 +10,9 @@ use rafcon_protocol::edit::{Edit, PortList};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+/// The input under which the error of the state before arrives, also without a port.
+const ERROR: &str = "error";
+
 /// A script where it is used.
 pub(crate) struct Use<'m> {
     pub(crate) path: StatePath,
@@ -174,7 +177,7 @@ impl Judge<'_> {
     }
 
     fn input(&self, line: u64, name: &str) -> Option<Finding> {
-        if has(&self.state.inputs, name) {
+        if has(&self.state.inputs, name) || name == ERROR {
             return None;
         }
         let what =

@@ -75,7 +75,7 @@ fn names_and_ids() {
           execution "a/b"
             semantic {}
         "#,
-        &expect![[r"
+        &expect![[r#"
             Error StateName: ROOT, state: the name is empty; give the state a name
             Error OutcomeMissing: ROOT, state: the outcome preempted (-2) is missing; add the outcome
             Error OutcomeNameTwice: ROOT, outcome 0: the outcome 1 has the name `a`, too; rename one of the outcomes
@@ -89,12 +89,13 @@ fn names_and_ids() {
             Error DataTypeName: ROOT, output 1: `no-type` is not the name of a type; write the type as in Python, such as int or numpy.ndarray
             Note PortNamedError: ROOT, scoped variable 1: the name `error` is where errors of scripts arrive; choose another name unless the port takes the error
             Error PortIdTwice: ROOT, scoped variable 1: there is an input with the id 1, too; remove one of the ports and add it again
+            Note Unreachable: ROOT/a/b, state: no way leads to it from the start; lead a transition to the state, or remove it
             Error StateNameSlash: ROOT/ROOT, state: the name `a/b` contains a `/`; take the `/` out of the name
             Error StateIdOfParent: ROOT/ROOT, state: its parent has the id ROOT, too; give the state another id
             Error StateNameSlash: ROOT/a/b, state: the name `a/b` contains a `/`; take the `/` out of the name
             Error StateId: ROOT/a/b, state: the id `a/b` is empty or contains a `/` or a control character; give the state another id
             Note ScriptMissing: ROOT/a/b, state: there is no script; write a script
-        "]],
+        "#]],
     );
 }
 
@@ -241,8 +242,8 @@ fn data_flows_connect_ports_that_fit() {
           hierarchy CCCCCC
             var hidden: int
         "#,
-        &expect![[r"
-            Note StartMissing: ROOT, state: no child is where it starts; connect the income with a child
+        &expect![[r#"
+            Error StartMissing: ROOT, state: no child is where it starts; connect the income with a child
             Error FlowState: ROOT, data flow 1: it begins at GONE, which does not exist; connect the data flow with a child or the container, or remove it
             Error FlowPort: ROOT, data flow 2: it begins at the port 9 of AAAAAA, which does not exist; connect the data flow with a port that exists, or remove it
             Error FlowSamePort: ROOT, data flow 3: it leads to the port where it begins; connect the two ends with different ports
@@ -256,7 +257,7 @@ fn data_flows_connect_ports_that_fit() {
             Error FlowTwice: ROOT, data flow 11: the data flow 12 connects the same ports; remove one of the data flows
             Error FlowTwice: ROOT, data flow 12: the data flow 11 connects the same ports; remove one of the data flows
             Error FlowPort: ROOT, data flow 13: it ends at the port 0 of CCCCCC, which does not exist; connect the data flow with a port that exists, or remove it
-        "]],
+        "#]],
     );
 }
 
@@ -285,7 +286,7 @@ fn libraries_are_looked_at_once() {
             missing "no such folder"
         "#,
         &expect![[r#"
-            Note StartMissing: ROOT, state: no child is where it starts; connect the income with a child
+            Error StartMissing: ROOT, state: no child is where it starts; connect the income with a child
             Note OutcomeUnconnected: ROOT/AAAAAA, outcome 0: no transition begins at the outcome `success`; connect the outcome if it can happen
             Error RuntimeValueType: ROOT/AAAAAA, runtime value of input 0: the runtime value of `x`: "three" is not of the type int; change the runtime value or do not use it
             Error RuntimeValuePort: ROOT/AAAAAA, runtime value of input 7: there is no input with the id 7; remove the runtime value

@@ -80,20 +80,20 @@ fn a_truncated_root() {
     place.write("core_data.json", "{");
     check(
         &place,
-        &expect![[r"
+        &expect![[r#"
             check: 1
             error: UNREAD: is not JSON: line 1, column 2: expected a key in quotes
                 correct the file by hand or restore it; it stays as it is until this part of the state is changed
                 at UNREAD, core_data.json
-            note: UNREAD: no child is where it starts
+            error: UNREAD: no child is where it starts
                 connect the income with a child
                 at UNREAD
             note: UNREAD/First: outcome 0: no transition begins at the outcome `success`
                 connect the outcome if it can happen
                 at UNREAD/AAAAAA
-            UNREAD: 2 states, 1 error, 2 notes
+            UNREAD: 2 states, 2 errors, 1 note
             run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
-        "]],
+        "#]],
     );
 }
 
@@ -121,7 +121,7 @@ fn wrong_types() {
     edit(&place, "core_data.json", "\"transitions\": {", "\"transitions\": 7, \"old\": {");
     check(
         &place,
-        &expect![[r"
+        &expect![[r#"
             check: 1
             error: Root: `transitions` should be an object, not an integer
                 correct the key in the file, or change the state and save it
@@ -129,15 +129,15 @@ fn wrong_types() {
             error: Root/AAAAAA: `name` should be a string, not a list
                 correct the key in the file, or change the state and save it
                 at ROOT/AAAAAA, First_AAAAAA/core_data.json
-            note: Root: no child is where it starts
+            error: Root: no child is where it starts
                 connect the income with a child
                 at ROOT
             note: Root/AAAAAA: outcome 0: no transition begins at the outcome `success`
                 connect the outcome if it can happen
                 at ROOT/AAAAAA
-            Root: 2 states, 2 errors, 2 notes
+            Root: 2 states, 3 errors, 1 note
             run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
-        "]],
+        "#]],
     );
 }
 
@@ -148,20 +148,23 @@ fn duplicate_ids() {
     place.write("Second/core_data.json", &first.replace("First", "Second"));
     check(
         &place,
-        &expect![[r"
+        &expect![[r#"
             check: 1
             error: Root/Second: the id AAAAAA is taken; the state is now JQZKMF
                 save the machine to keep the new id, or give it another in its file
                 at ROOT/JQZKMF, Second/core_data.json
+            note: Root/Second: no way leads to it from the start
+                lead a transition to the state, or remove it
+                at ROOT/JQZKMF
             note: Root/Second: there is no script
                 write a script
                 at ROOT/JQZKMF
             note: Root/Second: outcome 0: no transition begins at the outcome `success`
                 connect the outcome if it can happen
                 at ROOT/JQZKMF
-            Root: 3 states, 1 error, 2 notes
+            Root: 3 states, 1 error, 3 notes
             run: finished, 0 success
-        "]],
+        "#]],
     );
 }
 

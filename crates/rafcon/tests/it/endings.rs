@@ -60,7 +60,7 @@ fn global_variables_of_the_command_line_are_there_from_the_start() {
         0 finished success
     "]]
     .assert_eq(&place.run(r#"--global word=["a",1]"#).ending());
-    let told = place.run(r#"--global word=["a",1] --output json"#).stdout;
+    let told = place.run(r#"--global word=["a",1]"#).stdout;
     assert!(told.contains(r#""globals":{"word":["a",1]}"#), "{told}");
 }
 

@@ -37,7 +37,12 @@ fn names_numbers_and_choices_are_outcomes() {
         error script.py:2: `execute` returns -3, which is no outcome of the state
     "#]],
     );
-    check(&body("return inputs['outcome']"), &expect![""]);
+    check(
+        &body("return inputs['outcome']"),
+        &expect![[r#"
+        error script.py:2: `execute` reads the input "outcome", which the state has not, so it aborts
+    "#]],
+    );
     check(&body("return True"), &expect![""]);
 }
 

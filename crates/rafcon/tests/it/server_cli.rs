@@ -407,7 +407,6 @@ fn a_run_whose_runner_dies_is_told_with_the_way_out() {
     let answer = house.call("resume SERVER last --policy abort --output json");
     expect![[r#"
         4
-        {"type":"root","hash":"b534230a8ec69090c459ac8ecfe855dd0a4b7c905bc2f817eb286a4da807262a","change":""}
         {"type":"resumed","life":2,"crash":{"reason":"its runner ended before the run did","active":["LONELY"]},"policy":"abort"}
         {"type":"entered","path":"LONELY"}
         {"type":"left","path":"LONELY","outcome":{"id":-1,"name":"aborted"},"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: its runner ended before the run did; the scripts of LONELY were running"}}

@@ -114,8 +114,10 @@ fn control_is_offered_and_accepted_and_an_admin_takes_it_from_anybody() {
         409 not_in_control
         200 adam"]],
     );
-    let audit = std::fs::read_to_string(site.place.path("state/audit.jsonl")).unwrap();
-    assert!(audit.lines().any(|line| line.contains("control_override") && line.contains("adam")));
+    command(&adam, &run, "stop", &json!({ "type": "stop" }));
+    site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
+    let journal = site.journal(&run);
+    assert!(journal.contains(&"control to adam by adam: Applied".to_owned()), "{journal:?}");
 }
 
 #[test]

@@ -170,9 +170,9 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
         )),
         say(post(&house, Role::Operator, &format!("/{id}/save"), &json!({}))),
     ];
-    expect![[r"
+    expect![[r#"
         404 no_such_file: there is no machine in `none` of the project project: /api/v1/projects/project/tree lists them
-        400 bad_path: `../other` is not a path in a project: names joined by `/`, none of them empty, `.` or `..`, no `/` at the beginning, 4096 bytes at most
+        400 bad_path: `../other` is not a path in a project: names joined by `/`, none of them empty or hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
         404 no_such_machine: no machine `nobody` is open: POST /api/v1/machines/open opens one
         409 nothing_to_do: there is no step of yours to be taken back
         409 edit_refused: ROOT/GONE, state: there is no such state; look at the machine again: it may have changed
@@ -183,7 +183,7 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
         409 folder_exists: one exists: choose another folder
         400 bad_name: the name is empty or has a `/` in it: give the machine another one
         403 not_your_right: operator is operator here, and this needs the right to edit: ask an admin for another role
-    "]].assert_eq(&said.concat());
+    "#]].assert_eq(&said.concat());
 }
 
 #[test]
@@ -489,7 +489,7 @@ fn problems_are_told_with_the_way_out() {
     let problems = get(&house, &format!("/{id}/problems"));
     let lines = problems.as_array().unwrap().iter().map(|problem| problem.to_string() + "\n");
     expect![[r#"
-        {"message":"ROOT, state: no child is where it starts; connect the income with a child","part":"state","path":"ROOT","rule":"StartMissing","severity":"note"}
+        {"message":"ROOT, state: no child is where it starts; connect the income with a child","part":"state","path":"ROOT","rule":"StartMissing","severity":"error"}
         {"message":"ROOT, transition 1: it leads to GONE, which does not exist; connect the end with a child or an outcome of the container, or remove the transition","part":"transition 1","path":"ROOT","repairs":[{"edit":{"edit":"remove_transition","path":"ROOT","transition":1},"name":"Remove the transition"}],"rule":"TargetState","severity":"error"}
         {"message":"ROOT/AAAAAA, state: there is no script; write a script","part":"state","path":"ROOT/AAAAAA","rule":"ScriptMissing","severity":"note"}
     "#]].assert_eq(&lines.collect::<String>());

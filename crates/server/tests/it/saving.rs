@@ -104,21 +104,21 @@ fn nothing_is_written_where_something_else_lies() {
             &post(&house, Role::Engineer, "", &json!({ "name": "x", "file": file("two/inside") })),
         ),
     ];
-    expect![[r"
+    expect![[r#"
         409 folder_exists: two exists: choose another folder, or save with `overwrite`
         200: 
         409 inside_a_machine: two/inside lies in the machine …/two: choose a folder outside of it
         409 inside_a_machine: one/deep/inside lies in the machine …/one: choose a folder outside of it
         409 is_open: open is open: close it first
         409 not_a_machine: full is no machine, and not empty: choose another folder
-        400 bad_path: `../out` is not a path in a project: names joined by `/`, none of them empty, `.` or `..`, no `/` at the beginning, 4096 bytes at most
+        400 bad_path: `../out` is not a path in a project: names joined by `/`, none of them empty or hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
         404 no_such_state: there is no state ROOT/GONE: it may have changed
         422 no_machine: unique_decider_state_id is the decider of its barrier, and belongs there: save the barrier
         409 inside_a_machine: two/inside lies in the machine …/two: choose a folder outside of it
         400 no_place_for_a_copy: a copy needs a folder of its own: name one in `file`
         400 no_place_for_a_copy: a copy needs a folder of its own: name one in `file`
         409 inside_a_machine: two/inside lies in the machine …/two: choose a folder outside of it
-    "]].assert_eq(&told.concat());
+    "#]].assert_eq(&told.concat());
     let two = shown(&house, "two");
     assert!(two.starts_with("hierarchy INNER"), "{two}");
     assert!(!house.project().join("two/inside").exists());

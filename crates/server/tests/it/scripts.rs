@@ -80,6 +80,6 @@ fn problems_of_a_machine_are_those_of_its_scripts_too() {
         house.call(Some(Role::Viewer), "POST", "/api/v1/python/check", Some(&body)).json()
     };
     let draft = check("def execute(self, inputs, outputs, gvm):\n    return inputs[\"x\"]");
-    assert_eq!(draft[0]["repairs"][0]["name"], "Add the input \"x\"");
+    assert_eq!(draft[0]["repairs"][0]["name"], "Add the input \"x\"", "{draft}");
     assert_eq!(check("def execute(self, inputs, outputs, gvm):\n    return \"done\""), json!([]));
 }

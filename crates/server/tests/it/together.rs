@@ -5,7 +5,7 @@ use crate::harness::{House, name};
 use crate::machines::{get, open, post};
 use crate::socket_client::Client;
 use rafcon_model::edit::any::{Dice, edit};
-use rafcon_model::{BuiltinTypes, Severity, problems};
+use rafcon_model::{BuiltinTypes, Problem, Rule, Severity, problems};
 use rafcon_protocol::api::Role;
 use rafcon_protocol::document::{Document, Mirror, leave};
 use rafcon_protocol::edit::Edit;
@@ -186,5 +186,8 @@ fn two_people_edit_one_machine_and_end_with_the_same() {
     let saved = load(&house.project().join("one"), &Libraries::default()).unwrap();
     assert_eq!(Document::of(&saved.machine).states, document.states);
     let faults = problems(&saved.machine, &BuiltinTypes);
-    assert!(faults.iter().all(|fault| fault.severity() != Severity::Error), "{faults:?}");
+    // A machine may lose its start while it is drawn.
+    let is_allowed =
+        |fault: &Problem| fault.severity() != Severity::Error || fault.rule == Rule::StartMissing;
+    assert!(faults.iter().all(is_allowed), "{faults:?}");
 }

@@ -98,7 +98,56 @@ fn every_move_has_an_answer_in_every_situation() {
         ("bob", "0 bob commands"),
         ("bob, ana asks", "0 bob commands; 1 ana requests"),
     ];
-    expect![[r#""#]].assert_eq(&table(&situations));
+    expect![[r#"
+        nobody | ana commands | ana []
+        nobody | ana requests | ana []
+        nobody | ana withdraws | nobody []
+        nobody | ana hands-to-cy | nobody [], denied: nobody holds it
+        nobody | ana releases | nobody [], denied: nobody holds it
+        nobody | ana takes-over | ana []
+        nobody | ana accepts | nobody [], denied: not offered
+        nobody | ana declines | nobody [], denied: not offered
+        nobody | ana overrides | ana []
+        ana | ana commands | ana []
+        ana | ana requests | ana []
+        ana | ana withdraws | ana []
+        ana | ana hands-to-cy | ana [], offered to cy
+        ana | ana releases | nobody []
+        ana | ana takes-over | ana []
+        ana | ana accepts | ana [], denied: not offered
+        ana | ana declines | ana [], denied: not offered
+        ana | ana overrides | ana []
+        ana, bob asks | ana commands | ana ["bob"]
+        ana, bob asks | ana requests | ana ["bob"]
+        ana, bob asks | ana withdraws | ana ["bob"]
+        ana, bob asks | ana hands-to-cy | ana ["bob"], offered to cy
+        ana, bob asks | ana releases | bob []
+        ana, bob asks | ana takes-over | ana ["bob"]
+        ana, bob asks | ana accepts | ana ["bob"], denied: not offered
+        ana, bob asks | ana declines | ana ["bob"], denied: not offered
+        ana, bob asks | ana overrides | ana ["bob"]
+        bob | ana commands | bob [], denied: held
+        bob | ana requests | bob ["ana"]
+        bob | ana withdraws | bob []
+        bob | ana hands-to-cy | bob [], denied: held
+        bob | ana releases | bob [], denied: held
+        bob | ana takes-over | bob [], denied: heard
+        bob, silent | ana takes-over | ana []
+        bob | ana accepts | bob [], denied: not offered
+        bob | ana declines | bob [], denied: not offered
+        bob | ana overrides | ana []
+        bob, ana asks | ana commands | bob ["ana"], denied: held
+        bob, ana asks | ana requests | bob ["ana"]
+        bob, ana asks | ana withdraws | bob []
+        bob, ana asks | ana hands-to-cy | bob ["ana"], denied: held
+        bob, ana asks | ana releases | bob ["ana"], denied: held
+        bob, ana asks | ana takes-over | bob ["ana"], denied: heard
+        bob, ana asks, silent | ana takes-over | ana []
+        bob, ana asks | ana accepts | bob ["ana"], denied: not offered
+        bob, ana asks | ana declines | bob ["ana"], denied: not offered
+        bob, ana asks | ana overrides | ana []
+    "#]]
+    .assert_eq(&table(&situations));
 }
 
 #[test]
@@ -110,7 +159,57 @@ fn every_move_has_an_answer_beside_an_offer() {
         ("bob, offered to ana", "0 bob commands; 1 bob hands-to-ana"),
         ("bob, offered to cy", "0 bob commands; 1 bob hands-to-cy"),
     ];
-    expect![[r#""#]].assert_eq(&table(&situations));
+    expect![[r#"
+        bob, cy asks | ana commands | bob ["cy"], denied: held
+        bob, cy asks | ana requests | bob ["cy", "ana"]
+        bob, cy asks | ana withdraws | bob ["cy"]
+        bob, cy asks | ana hands-to-cy | bob ["cy"], denied: held
+        bob, cy asks | ana releases | bob ["cy"], denied: held
+        bob, cy asks | ana takes-over | bob ["cy"], denied: heard
+        bob, cy asks, silent | ana takes-over | ana ["cy"]
+        bob, cy asks | ana accepts | bob ["cy"], denied: not offered
+        bob, cy asks | ana declines | bob ["cy"], denied: not offered
+        bob, cy asks | ana overrides | ana ["cy"]
+        ana, cy asks | ana commands | ana ["cy"]
+        ana, cy asks | ana requests | ana ["cy"]
+        ana, cy asks | ana withdraws | ana ["cy"]
+        ana, cy asks | ana hands-to-cy | cy []
+        ana, cy asks | ana releases | cy []
+        ana, cy asks | ana takes-over | ana ["cy"]
+        ana, cy asks | ana accepts | ana ["cy"], denied: not offered
+        ana, cy asks | ana declines | ana ["cy"], denied: not offered
+        ana, cy asks | ana overrides | ana ["cy"]
+        ana, offered to cy | ana commands | ana [], offered to cy
+        ana, offered to cy | ana requests | ana [], offered to cy
+        ana, offered to cy | ana withdraws | ana []
+        ana, offered to cy | ana hands-to-cy | ana [], offered to cy
+        ana, offered to cy | ana releases | nobody []
+        ana, offered to cy | ana takes-over | ana []
+        ana, offered to cy | ana accepts | ana [], offered to cy, denied: not offered
+        ana, offered to cy | ana declines | ana [], offered to cy, denied: not offered
+        ana, offered to cy | ana overrides | ana []
+        bob, offered to ana | ana commands | bob [], offered to ana, denied: held
+        bob, offered to ana | ana requests | ana []
+        bob, offered to ana | ana withdraws | bob [], offered to ana
+        bob, offered to ana | ana hands-to-cy | bob [], offered to ana, denied: held
+        bob, offered to ana | ana releases | bob [], offered to ana, denied: held
+        bob, offered to ana | ana takes-over | bob [], offered to ana, denied: heard
+        bob, offered to ana, silent | ana takes-over | ana []
+        bob, offered to ana | ana accepts | ana []
+        bob, offered to ana | ana declines | bob []
+        bob, offered to ana | ana overrides | ana []
+        bob, offered to cy | ana commands | bob [], offered to cy, denied: held
+        bob, offered to cy | ana requests | bob ["ana"], offered to cy
+        bob, offered to cy | ana withdraws | bob [], offered to cy
+        bob, offered to cy | ana hands-to-cy | bob [], offered to cy, denied: held
+        bob, offered to cy | ana releases | bob [], offered to cy, denied: held
+        bob, offered to cy | ana takes-over | bob [], offered to cy, denied: heard
+        bob, offered to cy, silent | ana takes-over | ana []
+        bob, offered to cy | ana accepts | bob [], offered to cy, denied: not offered
+        bob, offered to cy | ana declines | bob [], offered to cy, denied: not offered
+        bob, offered to cy | ana overrides | ana []
+    "#]]
+    .assert_eq(&table(&situations));
 }
 
 /// After these lines, with a semicolon between each.

@@ -253,6 +253,10 @@ impl Source {
 
     pub(super) fn value(&self, number: ValueNumber) -> Found<Option<Stored>> {
         let key = number.0.cast_signed();
+        if key <= 0 {
+            // Values are counted from 1.
+            return Ok(None);
+        }
         let query = self.query("SELECT hash, data, SUM FROM vals WHERE number = ?1");
         let row = |row: &Columns<'_>| Ok((row.get(0)?, row.get(1)?, row.get(2)?));
         let value: Option<KeptRow> =
