@@ -92,17 +92,25 @@ fn has_nextest() -> bool {
     asked.is_ok_and(|status| status.success())
 }
 
-/// `crates/python/tests/test_*.py`, once with each interpreter.
+/// What interpreters between the oldest and the newest run: the extension, scripts and values.
+const BETWEEN: &str = "test_[esv][cxa]*.py";
+
+/// `crates/python/tests/test_*.py`: all with the oldest and the newest interpreter, the basic ones with those between.
 fn python_side(product: &Product) -> Result<()> {
     let reference = Reference::installed()?;
     let plugins = workspace::target()?.join("plugins");
     let planner = python::sources(&python::default()?, &plugins, PLANNER)?;
-    for interpreter in python::all() {
+    let interpreters = python::all();
+    let last = interpreters.len().saturating_sub(1);
+    for (at, interpreter) in interpreters.into_iter().enumerate() {
         let folder = workspace::target()?.join("python-venvs").join(&interpreter.version);
         let python = python::environment(&interpreter, &folder, CONTENTS)?;
         let mut command = discover(&python, "crates/python/tests", product);
         command.env("RAFCON_REFERENCE_PYTHON", &reference.python);
         command.env("RAFCON_TASK_PLANNER", &planner);
+        if at != 0 && at != last {
+            command.args(["--pattern", BETWEEN]);
+        }
         process::run(&mut command).with_context(|| format!("Python {}", interpreter.version))?;
     }
     Ok(())

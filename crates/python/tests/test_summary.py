@@ -290,17 +290,21 @@ class Loading(Built):
     def test_faults_of_a_machine_are_in_the_log(self):
         self.check(
             """
-            import json, logging
+            import io, json, logging
             out = os.environ["OUT"]
             storage.save_state_machine_to_path(machine, out + "/m")
             state = json.load(open(out + "/m/core_data.json"))
             for transition in state["transitions"].values():
                 transition["from_outcome"] = 7 if transition["from_state"] == "TWOXXX" else transition["from_outcome"]
             json.dump(state, open(out + "/m/core_data.json", "w"))
-            logging.basicConfig(stream=__import__("sys").stdout, format="%(levelname)s %(message)s")
+            said = io.StringIO()
+            logging.basicConfig(stream=said, format="%(levelname)s %(message)s")
             storage.load_state_machine_from_path(out + "/m")
+            print(said.getvalue().replace(out, "OUT"), end="")
             """,
-            "",
+            """
+            ERROR OUT/m: ROOTID, transition 5: it begins at the outcome 7 of TWOXXX, which does not exist; connect the beginning with an outcome that exists, or remove the transition
+            """,
         )
 
 

@@ -75,7 +75,7 @@ fn names_and_ids() {
           execution "a/b"
             semantic {}
         "#,
-        &expect![[r#"
+        &expect![[r"
             Error StateName: ROOT, state: the name is empty; give the state a name
             Error OutcomeMissing: ROOT, state: the outcome preempted (-2) is missing; add the outcome
             Error OutcomeNameTwice: ROOT, outcome 0: the outcome 1 has the name `a`, too; rename one of the outcomes
@@ -95,7 +95,7 @@ fn names_and_ids() {
             Error StateNameSlash: ROOT/a/b, state: the name `a/b` contains a `/`; take the `/` out of the name
             Error StateId: ROOT/a/b, state: the id `a/b` is empty or contains a `/` or a control character; give the state another id
             Note ScriptMissing: ROOT/a/b, state: there is no script; write a script
-        "#]],
+        "]],
     );
 }
 
@@ -179,6 +179,7 @@ fn transitions_lead_somewhere() {
             Error TargetOutcome: ROOT, transition 4: it leads to the outcome 9 of the container, which does not exist; connect the end with an outcome that exists, or remove the transition
             Error TargetState: ROOT, transition 5: it leads to GONE, which does not exist; connect the end with a child or an outcome of the container, or remove the transition
             Error TargetOutcomeOfChild: ROOT, transition 6: it leads to the outcome 0 of the child AAAAAA; connect the end with the child's income
+            Note Unreachable: ROOT/AAAAAA, state: no way leads to it from the start; lead a transition to the state, or remove it
         "]],
     );
 }
@@ -242,7 +243,7 @@ fn data_flows_connect_ports_that_fit() {
           hierarchy CCCCCC
             var hidden: int
         "#,
-        &expect![[r#"
+        &expect![[r"
             Error StartMissing: ROOT, state: no child is where it starts; connect the income with a child
             Error FlowState: ROOT, data flow 1: it begins at GONE, which does not exist; connect the data flow with a child or the container, or remove it
             Error FlowPort: ROOT, data flow 2: it begins at the port 9 of AAAAAA, which does not exist; connect the data flow with a port that exists, or remove it
@@ -257,7 +258,7 @@ fn data_flows_connect_ports_that_fit() {
             Error FlowTwice: ROOT, data flow 11: the data flow 12 connects the same ports; remove one of the data flows
             Error FlowTwice: ROOT, data flow 12: the data flow 11 connects the same ports; remove one of the data flows
             Error FlowPort: ROOT, data flow 13: it ends at the port 0 of CCCCCC, which does not exist; connect the data flow with a port that exists, or remove it
-        "#]],
+        "]],
     );
 }
 
@@ -335,6 +336,8 @@ fn states_that_nothing_reaches_are_noted() {
            execution LOOPXX
              outcome success
              script \"\"",
-        &expect![[r""]],
+        &expect![[r"
+            Note Unreachable: ROOT/LOOPXX, state: no way leads to it from the start; lead a transition to the state, or remove it
+        "]],
     );
 }

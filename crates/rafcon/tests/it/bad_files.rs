@@ -80,7 +80,7 @@ fn a_truncated_root() {
     place.write("core_data.json", "{");
     check(
         &place,
-        &expect![[r#"
+        &expect![[r"
             check: 1
             error: UNREAD: is not JSON: line 1, column 2: expected a key in quotes
                 correct the file by hand or restore it; it stays as it is until this part of the state is changed
@@ -93,7 +93,7 @@ fn a_truncated_root() {
                 at UNREAD/AAAAAA
             UNREAD: 2 states, 2 errors, 1 note
             run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
-        "#]],
+        "]],
     );
 }
 
@@ -121,7 +121,7 @@ fn wrong_types() {
     edit(&place, "core_data.json", "\"transitions\": {", "\"transitions\": 7, \"old\": {");
     check(
         &place,
-        &expect![[r#"
+        &expect![[r"
             check: 1
             error: Root: `transitions` should be an object, not an integer
                 correct the key in the file, or change the state and save it
@@ -137,7 +137,7 @@ fn wrong_types() {
                 at ROOT/AAAAAA
             Root: 2 states, 3 errors, 1 note
             run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
-        "#]],
+        "]],
     );
 }
 
@@ -148,7 +148,7 @@ fn duplicate_ids() {
     place.write("Second/core_data.json", &first.replace("First", "Second"));
     check(
         &place,
-        &expect![[r#"
+        &expect![[r"
             check: 1
             error: Root/Second: the id AAAAAA is taken; the state is now JQZKMF
                 save the machine to keep the new id, or give it another in its file
@@ -164,7 +164,7 @@ fn duplicate_ids() {
                 at ROOT/JQZKMF
             Root: 3 states, 1 error, 3 notes
             run: finished, 0 success
-        "#]],
+        "]],
     );
 }
 
@@ -179,7 +179,10 @@ fn transitions_to_nowhere() {
             error: Root: transition 1: it leads to NOBODY, which does not exist
                 connect the end with a child or an outcome of the container, or remove the transition
                 at ROOT
-            Root: 2 states, 1 error, no notes
+            note: Root/First: no way leads to it from the start
+                lead a transition to the state, or remove it
+                at ROOT/AAAAAA
+            Root: 2 states, 1 error, 1 note
             run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
         "]],
     );

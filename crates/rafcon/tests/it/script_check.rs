@@ -55,9 +55,10 @@ fn returns_of_inner_functions_do_not_count() {
 fn no_return_is_an_error_unless_it_raises() {
     check(
         &body("outputs['x'] = 1"),
-        &expect![[r"
-        error script.py:1: `execute` never returns an outcome, so the state aborts
-    "]],
+        &expect![[r#"
+            error script.py:1: `execute` never returns an outcome, so the state aborts
+            error script.py:2: `execute` writes the output "x", which the state has not, so the value is lost
+        "#]],
     );
     check(
         &body("raise ValueError"),

@@ -170,7 +170,7 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
         )),
         say(post(&house, Role::Operator, &format!("/{id}/save"), &json!({}))),
     ];
-    expect![[r#"
+    expect![[r"
         404 no_such_file: there is no machine in `none` of the project project: /api/v1/projects/project/tree lists them
         400 bad_path: `../other` is not a path in a project: names joined by `/`, none of them empty or hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
         404 no_such_machine: no machine `nobody` is open: POST /api/v1/machines/open opens one
@@ -183,7 +183,7 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
         409 folder_exists: one exists: choose another folder
         400 bad_name: the name is empty or has a `/` in it: give the machine another one
         403 not_your_right: operator is operator here, and this needs the right to edit: ask an admin for another role
-    "#]].assert_eq(&said.concat());
+    "]].assert_eq(&said.concat());
 }
 
 #[test]

@@ -104,7 +104,7 @@ fn nothing_is_written_where_something_else_lies() {
             &post(&house, Role::Engineer, "", &json!({ "name": "x", "file": file("two/inside") })),
         ),
     ];
-    expect![[r#"
+    expect![[r"
         409 folder_exists: two exists: choose another folder, or save with `overwrite`
         200: 
         409 inside_a_machine: two/inside lies in the machine …/two: choose a folder outside of it
@@ -118,7 +118,7 @@ fn nothing_is_written_where_something_else_lies() {
         400 no_place_for_a_copy: a copy needs a folder of its own: name one in `file`
         400 no_place_for_a_copy: a copy needs a folder of its own: name one in `file`
         409 inside_a_machine: two/inside lies in the machine …/two: choose a folder outside of it
-    "#]].assert_eq(&told.concat());
+    "]].assert_eq(&told.concat());
     let two = shown(&house, "two");
     assert!(two.starts_with("hierarchy INNER"), "{two}");
     assert!(!house.project().join("two/inside").exists());

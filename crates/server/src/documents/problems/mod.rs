@@ -5,14 +5,14 @@ mod changed;
 pub(super) use changed::of_libraries;
 
 use crate::House;
-use rafcon_check::{Finding, ScriptFacts, of_files, of_rules, of_scripts};
+use rafcon_check::{Finding, ScriptFacts, of_files, of_rules_with_repairs, of_scripts};
 use rafcon_model::Machine;
 use rafcon_protocol::api::MachineProblem;
 use rafcon_storage::{Fault, LoadProblem};
 
 /// Every rule that the machine breaks.
 pub(super) fn rules(machine: &Machine) -> Vec<MachineProblem> {
-    told(&of_rules(machine))
+    told(&of_rules_with_repairs(machine))
 }
 
 /// Everything that is wrong with its scripts; they are read where that was not done before, so the thread may wait.
