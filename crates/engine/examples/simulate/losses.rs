@@ -30,7 +30,7 @@ impl World {
         let restore = self.restoring(root, counted);
         self.count_loss();
         let left = self.left(restore);
-        if self.chance(25) && self.take_up_changed(&left)? {
+        if self.chance(40) && self.take_up_changed(&left)? {
             return Ok(());
         }
         let program = match self.wide {
@@ -94,13 +94,17 @@ impl World {
     /// The machine was changed while nobody ran it. Whether it fits the run.
     fn take_up_changed(&mut self, left: &Left) -> Result<bool, String> {
         let Some(random) = &mut self.wide else { return Ok(false) };
-        let reloads = random.percent(20);
-        let machine = if reloads {
-            reloaded(&self.machine, random, &mut self.fresh)
-        } else {
-            edited(&self.machine, random, &mut self.fresh)
-        };
-        let Some(machine) = machine else { return Ok(false) };
+        let mut machine = self.machine.clone();
+        for _ in 0..=random.below(4) {
+            let reloads = random.percent(20);
+            let fresh = &mut self.fresh;
+            let other = if reloads {
+                reloaded(&machine, random, fresh)
+            } else {
+                edited(&machine, random, fresh)
+            };
+            machine = other.unwrap_or(machine);
+        }
         let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));
         let mut trial = Engine::new(Arc::clone(&program));
         let input = Input::Restore(Box::new(left.restore.clone()));

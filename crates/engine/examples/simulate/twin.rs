@@ -37,10 +37,9 @@ impl World {
         if self.mood.likes(Like::Losses) && self.chance(30) && !self.is_over() {
             self.lose_engine_quietly()?;
         }
-        while self.chance(75) && !self.is_over() {
-            if self.engine.status() == Status::Running {
-                self.stop()?;
-            } else {
+        if self.chance(60) && self.engine.status() == Status::Running {
+            self.stop()?;
+            while self.chance(90) && !self.is_over() && !Amid::of(&self.engine).handling {
                 self.one_ends()?;
             }
         }

@@ -195,7 +195,8 @@ impl World {
             let path = self.wide.as_mut().and_then(|random| moment.active_path(random));
             return path.map_or(Ok(()), |path| self.counted(Input::Preempt(path)));
         }
-        if !self.watch.plain && self.mood.likes(Like::Losses) && self.chance(8) {
+        let often = if self.watch.is_backwards() { 40 } else { 8 };
+        if !self.watch.plain && self.mood.likes(Like::Losses) && self.chance(often) {
             return self.lose_engine();
         }
         if self.random.percent(self.mood.commands) {

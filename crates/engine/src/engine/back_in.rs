@@ -129,8 +129,8 @@ impl<'s, D: Datum> Step<'s, D> {
                 let frame = self.run.frames.get_mut(slot);
                 frame.ended.clear();
                 match frame.pasts.pop().flatten() {
-                    Some(root) => self.enter_back((slot, 0), root, branch),
-                    None => self.leave_back_later(slot),
+                    Some(root) if root.entry > 0 => self.enter_back((slot, 0), root, branch),
+                    Some(_) | None => self.leave_back_later(slot),
                 }
             }
             Body::Concurrency(kind, inside) => {

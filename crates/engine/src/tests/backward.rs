@@ -1165,3 +1165,27 @@ fn a_change_of_variables_keeps_the_way_back() {
         "]],
     );
 }
+
+#[test]
+fn a_root_of_a_library_that_was_skipped_is_not_entered_backwards() {
+    check(
+        LIBRARY,
+        "start hold; run to ROOT/L/R; force ROOT/L/R 0; step back",
+        &expect![[r"
+            > start hold
+            enter ROOT
+            hold ROOT before ROOT/L (Start)
+            > run to ROOT/L/R
+            enter ROOT/L
+            hold ROOT/L before ROOT/L/R (RunTo)
+            > force ROOT/L/R 0
+            force ROOT/L/R ok
+            leave ROOT/L ok
+            hold ROOT before ROOT/M (Step)
+            > step back
+            enter back 2 ROOT/L
+            leave back 2 ROOT/L ok
+            hold ROOT before ROOT/L (Start)
+        "]],
+    );
+}

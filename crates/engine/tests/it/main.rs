@@ -98,7 +98,8 @@ const BROKEN_ONCE: [u64; 11] = [
     8_123_457_698,
 ];
 /// The same in the wide world.
-const BROKEN_ONCE_WIDE: [u64; 4] = [9_000_001_522, 9_000_003_028, 9_000_010_552, 9_100_000_071];
+const BROKEN_ONCE_WIDE: [u64; 5] =
+    [9_000_001_522, 9_000_003_028, 9_000_010_552, 9_100_000_071, 20_261_122_003_653];
 
 #[test]
 fn seeds_that_failed_once_pass() {
