@@ -57,7 +57,7 @@ impl Mood {
 
     /// What runs get in the wide world besides.
     pub(crate) fn widen(&mut self, random: &mut Random) {
-        let chances = [(Like::Losses, 50), (Like::Requests, 50)];
+        let chances = [(Like::Losses, 50), (Like::Requests, 35)];
         let chosen = chances.into_iter().filter(|(_, chance)| random.percent(*chance));
         self.likes.extend(chosen.map(|(like, _)| like));
     }

@@ -34,7 +34,7 @@ impl World {
         if matches!(self.engine.status(), Status::Paused | Status::Stepping) {
             self.feed(Input::Resume(None))?;
         }
-        if self.mood.likes(Like::Losses) && self.chance(30) && !self.is_over() {
+        if self.mood.likes(Like::Losses) && self.chance(20) && !self.is_over() {
             self.lose_engine_quietly()?;
         }
         if self.chance(60) && self.engine.status() == Status::Running {
@@ -99,8 +99,10 @@ fn twins(world: &mut World) -> Checked {
 /// before an engine was lost.
 fn is_told(world: &mut World, amid: Amid) -> bool {
     let commanded = world.watch.counts.preempt_commands > 0 || world.was_taken_up;
-    let known = if world.wide.is_some() { !commanded } else { !amid.preempting };
-    !world.has_changed && known && world.random.percent(50)
+    if world.wide.is_some() {
+        return !world.has_changed && !commanded && world.chance(90);
+    }
+    !world.has_changed && !amid.preempting && world.random.percent(50)
 }
 
 /// The same scripts run, with the same inputs, and the same stands still.
