@@ -77,7 +77,7 @@ fn problems_of_a_machine_are_those_of_its_scripts_too() {
     let state = json!({ "machine": id, "path": "ROOT" });
     let check = |script: &str| {
         let body = json!({ "script": script, "state": state });
-        house.call(Some(Role::Viewer), "POST", "/api/v1/python/check", Some(&body)).json()
+        house.call(Some(Role::Engineer), "POST", "/api/v1/python/check", Some(&body)).json()
     };
     let draft = check("def execute(self, inputs, outputs, gvm):\n    return inputs[\"x\"]");
     assert_eq!(draft[0]["repairs"][0]["name"], "Add the input \"x\"", "{draft}");
