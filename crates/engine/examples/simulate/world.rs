@@ -42,9 +42,10 @@ pub(crate) fn simulate(seed: u64, width: Width) -> Result<Report, String> {
     let handlers = random.percent(50);
     let text = machine(&mut random, handlers);
     let machine = notation::parse(&text).map_err(|error| format!("{error}\n{text}"))?;
-    let is_twin = random.percent(20);
-    let mut mood = if is_twin { Mood::plain(&mut random) } else { Mood::new(&mut random) };
     let mut wide = (width == Width::Wide).then(|| Random::new(!seed));
+    let more = wide.as_mut().is_some_and(|wide| wide.percent(25));
+    let is_twin = random.percent(20) || more;
+    let mut mood = if is_twin { Mood::plain(&mut random) } else { Mood::new(&mut random) };
     if let Some(wide) = &mut wide {
         mood.widen(wide);
     }
