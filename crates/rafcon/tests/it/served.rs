@@ -57,11 +57,6 @@ impl Served {
         self.child.id()
     }
 
-    /// Waits for its end by itself, or by somebody else.
-    pub(crate) fn wait(mut self) {
-        self.child.wait().map(drop).unwrap_or_default();
-    }
-
     /// Ends it as `kill -9` does.
     pub(crate) fn kill(&mut self) {
         self.child.kill().unwrap_or_default();

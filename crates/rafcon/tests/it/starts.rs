@@ -11,6 +11,7 @@ use rafcon_protocol::api::RunPhase;
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_storage::journal::Reader;
 use rafcon_storage::{Naming, save};
+use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
 use serde_json::{Value, json};
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -178,7 +179,10 @@ fn a_server_that_dies_of_the_first_script_has_started_the_run_once() {
     site.put("script", "os.kill(os.getppid(), signal.SIGKILL)").serve();
     // It may die before it answers or after.
     let answered = site.ask(&json!({})).map(|(_, run)| run["id"].as_str().unwrap().to_owned());
-    site.served.take().unwrap().wait();
+    let server = site.served.take().unwrap();
+    let pid = Pid::from_raw(server.pid().cast_signed()).unwrap();
+    waitid(WaitId::Pid(pid), WaitIdOptions::EXITED | WaitIdOptions::NOWAIT).unwrap();
+    drop(server);
     assert_eq!(asked(&mut site, &json!({})), "finished after \"xx\\n\"");
     let run = site.runs().remove(0);
     assert_eq!(answered.unwrap_or_else(|_lost| run.clone()), run);

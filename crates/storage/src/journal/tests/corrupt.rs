@@ -146,8 +146,9 @@ fn renumbered(part: &Batch, with_places: bool, value: &mut u64, batch: &mut Batc
         match &mut record {
             Record::Entered { inputs, .. } => inputs.iter_mut().for_each(again),
             Record::Left { outputs, .. } => outputs.iter_mut().for_each(again),
-            Record::Scoped { value, .. } | Record::Persistent { value, .. } => again(value),
-            Record::Global { value: Some(value), .. } => again(value),
+            Record::Scoped { value, .. }
+            | Record::Persistent { value, .. }
+            | Record::Global { value: Some(value), .. } => again(value),
             _ => {}
         }
         batch.record(t_ns, &record);
@@ -213,7 +214,10 @@ fn corrupt(folder: &Path, random: &mut Random) -> String {
     format!("{}: {what}", file.strip_prefix(folder).unwrap().display())
 }
 
-fn events(reader: &mut Reader) -> Result<(BTreeMap<u64, String>, Vec<(u64, u64)>), JournalError> {
+/// Events by number as text, and the first and last number of what is damaged.
+type Events = (BTreeMap<u64, String>, Vec<(u64, u64)>);
+
+fn events(reader: &mut Reader) -> Result<Events, JournalError> {
     let (mut events, mut damaged, mut failure) = (BTreeMap::new(), Vec::new(), None);
     reader.each(1, |reader, entry| match reader.event(&entry, true) {
         Ok(Event::Damaged { first, last, .. }) => {
