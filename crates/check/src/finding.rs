@@ -68,30 +68,29 @@ impl Finding {
             repairs: Vec::new(),
         }
     }
+
+    /// Which file or part of the state it is about, in words.
+    fn place(&self) -> String {
+        match &self.file {
+            Some(file) => format!("file {}", file.display()),
+            None if self.part.is_empty() => "state".to_owned(),
+            None => self.part.clone(),
+        }
+    }
 }
 
 /// In one line: `ROOT/A, outcome 0: what is wrong; what can be done`.
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let file = self.file.as_ref().map(|file| format!("file {}", file.display()));
-        let part = file.unwrap_or_else(|| match self.part.as_str() {
-            "" => "state".to_owned(),
-            part => part.to_owned(),
-        });
-        write!(f, "{}, {part}: {}; {}", self.path, self.what, self.remedy)
+        write!(f, "{}, {}: {}; {}", self.path, self.place(), self.what, self.remedy)
     }
 }
 
 impl From<&Finding> for MachineProblem {
     fn from(finding: &Finding) -> Self {
-        let file = finding.file.as_ref().map(|file| format!("file {}", file.display()));
-        let part = file.unwrap_or_else(|| match finding.part.as_str() {
-            "" => "state".to_owned(),
-            part => part.to_owned(),
-        });
         Self {
             path: finding.path.to_string(),
-            part,
+            part: finding.place(),
             rule: finding.rule.to_owned(),
             severity: finding.severity,
             message: finding.to_string(),
