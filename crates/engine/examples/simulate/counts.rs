@@ -40,6 +40,8 @@ counts! {
     steps,
     /// Steps of one branch.
     branch_steps,
+    /// Steps back, of the run or of one branch.
+    steps_back,
     /// States that were entered or left backwards.
     backward_steps,
     /// Scripts that ran backwards.

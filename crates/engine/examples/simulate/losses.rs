@@ -83,7 +83,7 @@ impl World {
         let breakpoints = breakpoints.map(|(breakpoint, _)| Input::Break(breakpoint.clone()));
         let snapshot = self.engine.snapshot();
         let held = snapshot.iter().any(|active| !active.holds.is_empty());
-        let forwards = self.watch.counts.backward_steps == 0;
+        let forwards = self.watch.counts.steps_back == 0;
         let went_on = !held && self.watch.checks.is_empty() && forwards;
         let asked = snapshot.into_iter();
         let asked = asked.map(|active| (self.engine.path_text(active.path), active.preempted));

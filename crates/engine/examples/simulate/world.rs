@@ -244,6 +244,7 @@ impl World {
             Input::Step(Stride::Into | Stride::Over | Stride::Out, Some(_)) => {
                 counts.branch_steps += 1;
             }
+            Input::Step(Stride::Back, _) => counts.steps_back += 1,
             Input::Preempt(_) => counts.preempt_commands += 1,
             Input::Start(_) => counts.started_again += 1,
             Input::Recover(..) => counts.recovered += 1,
