@@ -122,6 +122,19 @@ pub struct Restore<D> {
     pub counted: Counted,
     /// Set if the run was stopping.
     pub stopping: Option<Stopping>,
+    /// Where the run was begun, if that still matters.
+    pub begun_at: Option<BegunAt>,
+}
+
+/// The state that a run was begun at, while it was not entered or something is to happen behind it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BegunAt {
+    /// See [`Start::start_from`].
+    pub path: StatePath,
+    /// Whether it was entered. If not, what is active on the way to it leads there first.
+    pub is_reached: bool,
+    /// See [`Start::then`].
+    pub then: Then,
 }
 
 /// A run that was asked to stop and is not over.

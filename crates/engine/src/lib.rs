@@ -23,7 +23,7 @@ pub use engine::{Active, Activity, Command, Engine, Hold, Inspection, Refusal, S
 pub use event::{Event, HeldBy, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{
-    Change, Counted, Input, Restore, Returned, ScriptResult, Start, Stopping, Stride, Then,
+    BegunAt, Change, Counted, Input, Restore, Returned, ScriptResult, Start, Stopping, Stride, Then,
 };
 pub use program::{Node, Program, UnknownPath};
 pub use values::{ModelLiterals, failed};

@@ -47,8 +47,9 @@ impl World {
         let counted = self.engine.counted();
         self.count_loss();
         let interrupted = Interrupted::Again;
-        let stopping = self.engine.stopping();
-        let restore = Restore { root, interrupted, crash: None, hold: false, counted, stopping };
+        let (stopping, begun_at) = (self.engine.stopping(), self.engine.begun_at());
+        let (crash, hold) = (None, false);
+        let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
         let left = self.left(restore);
         let program = Arc::new(Program::compile(&self.machine, &mut ModelLiterals));
         self.begin_engine(self.machine.clone(), program, &left.breakpoints)?;
@@ -60,7 +61,8 @@ impl World {
         let crash = Some(Value::str("crash"));
         let stopping = self.engine.stopping().filter(|_| self.wide.is_some());
         let hold = self.random.percent(50);
-        Restore { root, interrupted, crash, hold, counted, stopping }
+        let begun_at = self.engine.begun_at().filter(|_| self.wide.is_some());
+        Restore { root, interrupted, crash, hold, counted, stopping, begun_at }
     }
 
     fn count_loss(&mut self) {

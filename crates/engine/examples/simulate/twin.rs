@@ -67,10 +67,11 @@ fn twins(world: &mut World) -> Checked {
     counts.twins_cut_handling += u64::from(amid.handling);
     counts.twins_told_preempting += u64::from(told && amid.preempting);
     let program = Arc::clone(world.engine.program());
-    let counted = world.engine.counted();
+    let (counted, begun_at) = (world.engine.counted(), world.engine.begun_at());
     let mut cut = Side { engine: Engine::new(Arc::clone(&program)), jobs: BTreeMap::new() };
     let interrupted = Interrupted::Again;
-    let restore = Restore { root, interrupted, crash: None, hold: false, counted, stopping };
+    let (crash, hold) = (None, false);
+    let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
     cut.feed(Input::Restore(Box::new(restore)))?;
     let engine = std::mem::replace(&mut world.engine, Engine::new(program));
     let running = std::mem::take(&mut world.watch.running);
@@ -159,8 +160,9 @@ impl Side {
         }
         let Some(root) = self.engine.configuration() else { return Ok(false) };
         let (counted, stopping) = (self.engine.counted(), self.engine.stopping());
-        let interrupted = Interrupted::Again;
-        let restore = Restore { root, interrupted, crash: None, hold: false, counted, stopping };
+        let (interrupted, begun_at) = (Interrupted::Again, self.engine.begun_at());
+        let (crash, hold) = (None, false);
+        let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
         self.engine = Engine::new(Arc::clone(self.engine.program()));
         self.jobs.clear();
         self.feed(Input::Restore(Box::new(restore)))?;

@@ -326,7 +326,8 @@ impl World {
             return Ok(());
         }
         let Some(root) = self.random.pick(&self.moments) else { return Ok(()) };
-        let restore = Restore { stopping: None, ..self.restoring(root, Counted::default()) };
+        let restore = self.restoring(root, Counted::default());
+        let restore = Restore { stopping: None, begun_at: None, ..restore };
         if self.try_out(Input::Restore(Box::new(restore)))? {
             self.watch.counts.moments_restored += 1;
         }

@@ -5,6 +5,7 @@ mod back_in;
 mod back_out;
 mod backward;
 mod barrier;
+mod begun;
 mod branch;
 mod branches;
 mod breakpoints;

@@ -52,7 +52,7 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// The place behind which a start inside says what happens: of the state itself, or of the outermost concurrency state
     /// around it.
-    fn target(&mut self, steps: &[u32]) -> Option<PathId> {
+    pub(super) fn target(&mut self, steps: &[u32]) -> Option<PathId> {
         let mut node = Program::<D>::ROOT;
         let mut depth = 0;
         while depth < steps.len() && !matches!(self.program.node(node).body, Body::Concurrency(..))

@@ -572,3 +572,170 @@ hierarchy ROOT
     "]],
     );
 }
+
+#[test]
+fn a_run_that_is_lost_before_the_state_it_was_begun_at_still_begins_there() {
+    check(
+        NESTED,
+        "start hold at H/I/J/Q; cut again; Q ok; Y ok",
+        &expect![[r"
+            > start hold at H/I/J/Q
+            enter H
+            enter H/I
+            enter H/I/J
+            hold H/I/J before H/I/J/Q (Start)
+            > cut again
+            enter H
+            enter H/I
+            enter H/I/J
+            enter H/I/J/Q
+              run H/I/J/Q
+            > Q ok
+            leave H/I/J/Q ok
+            leave H/I/J ok
+            enter H/I/Y
+              run H/I/Y
+            > Y ok
+            leave H/I/Y ok
+            leave H/I ok
+            enter H/B
+              run H/B
+        "]],
+    );
+}
+
+#[test]
+fn a_run_that_is_lost_still_holds_behind_the_state_it_was_begun_at() {
+    check(
+        NESTED,
+        "start at H/I/J/P then hold; cut again; P ok; resume",
+        &expect![[r"
+        > start at H/I/J/P then hold
+        enter H
+        enter H/I
+        enter H/I/J
+        enter H/I/J/P
+          run H/I/J/P
+        > cut again
+        enter H
+        enter H/I
+        enter H/I/J
+        enter H/I/J/P
+          run H/I/J/P
+        > P ok
+        leave H/I/J/P ok
+        hold H/I/J before H/I/J/Q (Step)
+        > resume
+        enter H/I/J/Q
+          run H/I/J/Q
+    "]],
+    );
+}
+
+#[test]
+fn a_run_that_is_lost_still_stops_behind_the_state_it_was_begun_at() {
+    check(
+        NESTED,
+        "start at H/I/J then stop; P ok; cut again; Q ok",
+        &expect![[r"
+        > start at H/I/J then stop
+        enter H
+        enter H/I
+        enter H/I/J
+        enter H/I/J/P
+          run H/I/J/P
+        > P ok
+        leave H/I/J/P ok
+        enter H/I/J/Q
+          run H/I/J/Q
+        > cut again
+        enter H
+        enter H/I
+        enter H/I/J
+        enter H/I/J/Q
+          run H/I/J/Q
+        > Q ok
+        leave H/I/J/Q ok
+        leave H/I/J ok
+        stopping
+        leave H/I preempted
+        leave H preempted
+        finished
+          preempt H
+          preempt H/I
+          end of run: preempted (-2), 5 states
+    "]],
+    );
+}
+
+#[test]
+fn a_run_that_was_lost_behind_the_state_it_was_begun_at_forgets_it() {
+    check(
+        NESTED,
+        "start at H/I/J/P then hold; P ok; resume; cut again; Q ok",
+        &expect![[r"
+        > start at H/I/J/P then hold
+        enter H
+        enter H/I
+        enter H/I/J
+        enter H/I/J/P
+          run H/I/J/P
+        > P ok
+        leave H/I/J/P ok
+        hold H/I/J before H/I/J/Q (Step)
+        > resume
+        enter H/I/J/Q
+          run H/I/J/Q
+        > cut again
+        enter H
+        enter H/I
+        enter H/I/J
+        enter H/I/J/Q
+          run H/I/J/Q
+        > Q ok
+        leave H/I/J/Q ok
+        leave H/I/J ok
+        enter H/I/Y
+          run H/I/Y
+    "]],
+    );
+}
+
+#[test]
+fn a_branch_that_a_run_was_begun_at_is_begun_at_when_the_run_is_taken_up() {
+    check(
+        "
+preemptive B
+  outcome ok
+  L.ok -> .ok ; R.ok -> .ok
+  hierarchy L
+    outcome ok
+    start -> X ; X.ok -> Y ; Y.ok -> .ok
+    execution X
+      outcome ok
+    execution Y
+      outcome ok
+  execution R
+    outcome ok
+",
+        "start hold at B/L/Y; cut again",
+        &expect![[r"
+            > start hold at B/L/Y
+            enter B
+            enter B/L
+            hold B/L before B/L/Y (Start)
+            hold B before B/R (Start)
+              fork 1
+              fork 2
+            > cut again
+            enter B
+            enter B/L
+            enter B/R
+            enter B/L/Y
+              fork 1
+              fork 2
+              run B/R on 2
+              run B/L/Y on 1
+        "]],
+    );
+}

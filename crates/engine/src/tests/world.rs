@@ -115,6 +115,7 @@ impl World {
     fn cut(&mut self, how: &str) {
         let root = self.engine.configuration().expect("something is active");
         let (counted, stopping) = (self.engine.counted(), self.engine.stopping());
+        let begun_at = self.engine.begun_at();
         let (how, elsewhere) = match how.strip_suffix(" elsewhere") {
             Some(how) => (how, self.next.as_ref()),
             None => (how, None),
@@ -126,7 +127,7 @@ impl World {
         self.running.clear();
         let (how, hold) = how.strip_suffix(" held").map_or((how, false), |how| (how, true));
         let restore = restore(root, interrupted(how), hold);
-        self.feed(Input::Restore(Box::new(Restore { counted, stopping, ..restore })));
+        self.feed(Input::Restore(Box::new(Restore { counted, stopping, begun_at, ..restore })));
     }
 
     /// The run goes back to the moment that was kept.
@@ -324,7 +325,7 @@ impl World {
 
 fn restore(root: Restored<Value>, interrupted: Interrupted, hold: bool) -> Restore<Value> {
     let (crash, counted) = (Some(Value::str("crash")), Counted::default());
-    Restore { root, interrupted, crash, hold, counted, stopping: None }
+    Restore { root, interrupted, crash, hold, counted, stopping: None, begun_at: None }
 }
 
 fn interrupted(how: &str) -> Interrupted {
