@@ -5,6 +5,7 @@
 
 mod active;
 mod archive;
+mod begun;
 mod blocks;
 mod branch;
 mod clock;

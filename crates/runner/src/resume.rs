@@ -1,6 +1,7 @@
 //! Runs that are taken up again: after the end of their runner, or at an entry of their history. Knows what has to be put back,
 //! and in which order; what a journal says, others read.
 
+use crate::begun::begun_at;
 use crate::commands::Answers;
 use crate::driver::NotTaken;
 use crate::journal::options;
@@ -206,7 +207,8 @@ impl Past {
         let counted = counted(&self.last);
         let hold = hold || held;
         let stopping = stopping(&self.last);
-        let restore = Restore { root, interrupted, crash, hold, counted, stopping };
+        let begun_at = begun_at(&mut self.reader, &self.last, &self.taken_up.about.beginning);
+        let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
         driver.input(Input::Restore(Box::new(restore)))
     }
 }
@@ -315,6 +317,7 @@ impl<S: Scripts> Driver<S> {
                 hold: true,
                 counted,
                 stopping: None,
+                begun_at: None,
             })),
             None => self.begin_again(reader, from),
         };

@@ -37,7 +37,8 @@ impl<'s, D: Datum> Step<'s, D> {
         match decider.filter(|_| frame.last.is_none() && !frame.preempted) {
             Some(decider) => self.go_to_decider(slot, inside, (decider, pass)),
             None if frame.last.is_none() => self.leave_container(slot, inside, PREEMPTED),
-            None => self.decided(slot, inside),
+            None if self.passes_end(slot) => self.conclude(slot, inside),
+            None => {}
         }
     }
 
@@ -50,13 +51,6 @@ impl<'s, D: Datum> Step<'s, D> {
         if self.passes_to(slot, decider, pass) {
             self.run.frames.get_mut(slot).phase = Phase::Deciding;
             self.enter_decider(slot, inside, decider);
-        }
-    }
-
-    fn decided(&mut self, slot: u32, inside: &'s Inside<D>) {
-        let is_quiet = self.run.frames.get(slot).children.iter().all(|&child| child == NONE);
-        if is_quiet && self.passes_end(slot) {
-            self.conclude(slot, inside);
         }
     }
 

@@ -5,7 +5,7 @@ use super::Engine;
 use super::frames::NONE;
 use super::step::Step;
 use crate::program::Body;
-use crate::{BegunAt, Datum, Program, Then};
+use crate::{BegunAt, Datum, PathId, Program, Then};
 use rafcon_model::{StateId, StatePath};
 
 impl<D: Datum> Engine<D> {
@@ -51,23 +51,47 @@ impl<D: Datum> Engine<D> {
 }
 
 impl<D: Datum> Step<'_, D> {
-    /// Lets what is active lead to the state that the run was begun at, as it did before the run was lost.
-    pub(super) fn lead_on(&mut self, begun: &BegunAt, way: Vec<u32>) {
-        self.run.control.then = self.target(&way).map(|place| (place, begun.then));
+    /// Lets what is active lead to the state that the run was begun at, as it did before the run was lost; as far as that
+    /// state is still in the machine.
+    pub(super) fn lead_on(&mut self, begun: &BegunAt) {
+        let (way, is_whole) = self.way_to(&begun.path);
+        let target = self.target(&way).filter(|_| is_whole);
+        let is_ahead = |&place: &PathId| !begun.is_reached || self.is_active(place);
+        self.run.control.then = target.filter(is_ahead).map(|place| (place, begun.then));
         let mut slot = self.run.root.filter(|_| !begun.is_reached);
         for (depth, &step) in (0..).zip(&way) {
-            let Some(on_the_way) = slot else { break };
-            let frame = self.run.frames.get_mut(on_the_way);
-            frame.start_depth = Some(depth);
-            let is_concurrency = matches!(self.body(on_the_way), Body::Concurrency(..));
-            let frame = self.run.frames.get(on_the_way);
-            let child = if is_concurrency {
-                frame.active_child(step)
-            } else {
-                frame.children.first().copied().unwrap_or(NONE)
+            let Some(around) = slot.filter(|&slot| self.run.frames.get(slot).last.is_none()) else {
+                break;
             };
-            slot = Some(child).filter(|&child| child != NONE);
+            self.run.frames.get_mut(around).start_depth = Some(depth);
+            slot = self.child_within(around, step);
         }
         self.run.start_from = way;
+    }
+
+    /// The steps to a state, or to the last one above it that is there, and whether it is the state itself.
+    fn way_to(&self, path: &StatePath) -> (Vec<u32>, bool) {
+        let mut ids = path.0.clone();
+        while ids.len() > 1 {
+            if let Ok((_, steps)) = self.program.descend(&StatePath(ids.clone())) {
+                return (steps, ids.len() == path.0.len());
+            }
+            ids.pop();
+        }
+        (Vec::new(), false)
+    }
+
+    fn is_active(&self, place: PathId) -> bool {
+        self.active().into_iter().any(|slot| self.run.frames.get(slot).path == place)
+    }
+
+    /// The frame of the child at this position, or of the only child that is active.
+    fn child_within(&self, slot: u32, child: u32) -> Option<u32> {
+        let frame = self.run.frames.get(slot);
+        let within = match self.body(slot) {
+            Body::Concurrency(..) => frame.active_child(child),
+            Body::Script | Body::Hierarchy(_) | Body::Library(_) => *frame.children.first()?,
+        };
+        Some(within).filter(|&within| within != NONE)
     }
 }

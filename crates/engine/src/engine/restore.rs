@@ -27,8 +27,6 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(super) fn restore(&mut self, restore: Restore<D>) -> Result<(), Refusal> {
         self.nothing_runs(Command::Restore)?;
         super::fitting::fits(self.program, &restore.root)?;
-        let way = restore.begun_at.as_ref().map(|begun| self.program.descend(&begun.path));
-        let way = way.transpose()?.map(|(_, steps)| steps);
         if self.run.status == Status::Idle {
             self.run.entered = restore.counted.states_run;
             self.run.entries = restore.counted.entries;
@@ -45,8 +43,8 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.control.starting = hold;
         self.step_all(hold);
         let made = self.rebuild(restore.root, stopping.map_or(0, |stopping| stopping.order));
-        if let Some((begun, way)) = restore.begun_at.zip(way) {
-            self.lead_on(&begun, way);
+        if let Some(begun) = restore.begun_at {
+            self.lead_on(&begun);
         }
         if stopping.is_some() {
             self.out.events.push(Event::Stopping);

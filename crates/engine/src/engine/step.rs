@@ -2,7 +2,7 @@
 
 use super::Run;
 use super::backward::Back;
-use super::frames::Ended;
+use super::frames::{Ended, NONE};
 use super::phase::Phase;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
@@ -81,7 +81,9 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     fn advance_concurrency(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
-        if self.run.frames.get(slot).open > 0 {
+        let frame = self.run.frames.get(slot);
+        let decides = kind.decider().is_some_and(|decider| frame.active_child(decider) != NONE);
+        if frame.open > 0 || decides {
             return;
         }
         match kind {

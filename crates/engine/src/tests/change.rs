@@ -477,3 +477,66 @@ hierarchy ROOT
     "]],
     );
 }
+
+#[test]
+fn a_decider_begins_once_when_a_change_ends_the_last_branch_beside_one_that_just_ended() {
+    let before = "
+barrier ROOT
+  outcome done
+  unique_decider_state_id.ok -> .done
+  hierarchy A
+    outcome ok
+    start -> X ; X.ok -> .ok
+    execution X
+      outcome ok
+  hierarchy W
+    outcome ok
+  decider unique_decider_state_id
+    outcome ok
+";
+    let after = "
+barrier ROOT
+  outcome done
+  unique_decider_state_id.ok -> .done
+  hierarchy A
+    outcome ok
+    start -> .ok
+  hierarchy W
+    outcome ok
+    start -> .ok
+  decider unique_decider_state_id
+    outcome ok
+";
+    check_change(
+        before,
+        after,
+        "start; change or wait; X ok; unique_decider_state_id ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/A
+        enter ROOT/A/X
+        enter ROOT/W
+        wait ROOT/W: no start
+          fork 1
+          run ROOT/A/X on 1
+          fork 2
+        > change or wait
+        change waits for ROOT/A/X
+        > X ok
+        leave ROOT/A/X ok
+        leave ROOT/A ok
+        changed
+        leave ROOT/W ok
+        enter ROOT/unique_decider_state_id
+          end 1
+          end 2
+          run ROOT/unique_decider_state_id [A ok] [W ok]
+        > unique_decider_state_id ok
+        leave ROOT/unique_decider_state_id ok
+        leave ROOT done
+        finished
+          end of run: done (0), 5 states
+    "]],
+    );
+}

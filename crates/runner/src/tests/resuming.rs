@@ -614,3 +614,29 @@ fn a_state_that_was_preempted_stays_so_when_it_is_taken_up() {
         "]],
     );
 }
+
+/// What follows its first state is not drawn.
+const UNDRAWN: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  B.preempted -> C
+  C.ok -> .done
+  execution A
+    outcome ok
+  execution B \"wait\"
+    outcome ok
+  execution C
+    outcome ok
+";
+
+#[test]
+fn a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up() {
+    let house = House::new(UNDRAWN);
+    let test =
+        "tests::resuming::a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up";
+    let only = Command::RunOnlySelected { path: "ROOT/B".to_owned(), data: Vec::new() };
+    house.die_after(test, "ROOT waits", &[("only", only)]);
+    let preempt = Command::Preempt { path: "ROOT/B".to_owned() };
+    check(&house, (OnCrash::Restart, None), &[("+ROOT/B", preempt)], &expect![[r""]]);
+}
