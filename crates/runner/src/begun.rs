@@ -25,7 +25,7 @@ pub(crate) fn begun_at(
     };
     let (path, then) = wanted?;
     let is_told = begun_again.is_some() || first == 1;
-    let moves = entries[since..].iter().filter_map(|entry| {
+    let mut moves = entries[since..].iter().filter_map(|entry| {
         let (place, comes) = match &entry.record {
             Record::Entered { place, .. } => (place, true),
             Record::Left { place, undoes: Some(_), .. } => (place, false),
@@ -33,7 +33,7 @@ pub(crate) fn begun_at(
         };
         (last.places().get(*place)?.path == path).then_some(comes)
     });
-    let is_reached = moves.last().unwrap_or(!is_told);
+    let is_reached = moves.next_back().unwrap_or(!is_told);
     let matters = !is_reached || then != Then::GoOn;
     matters.then(|| BegunAt { path: StatePath::parse(&path), is_reached, then })
 }

@@ -615,15 +615,12 @@ fn a_state_that_was_preempted_stays_so_when_it_is_taken_up() {
     );
 }
 
-/// What follows its first state is not drawn.
-const UNDRAWN: &str = "
+/// Where it begins is not drawn.
+const STARTLESS: &str = "
 hierarchy ROOT
   outcome done
-  start -> A
   B.preempted -> C
   C.ok -> .done
-  execution A
-    outcome ok
   execution B \"wait\"
     outcome ok
   execution C
@@ -632,11 +629,30 @@ hierarchy ROOT
 
 #[test]
 fn a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up() {
-    let house = House::new(UNDRAWN);
+    let house = House::new(STARTLESS);
     let test =
         "tests::resuming::a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up";
     let only = Command::RunOnlySelected { path: "ROOT/B".to_owned(), data: Vec::new() };
-    house.die_after(test, "ROOT waits", &[("only", only)]);
+    house.die_after(
+        test,
+        "ROOT waits: there is no start state: connect the income, or stop the run",
+        &[("only", only)],
+    );
     let preempt = Command::Preempt { path: "ROOT/B".to_owned() };
-    check(&house, (OnCrash::Restart, None), &[("+ROOT/B", preempt)], &expect![[r""]]);
+    check(
+        &house,
+        (OnCrash::Restart, None),
+        &[("+ROOT/B", preempt)],
+        &expect![[r"
+        life 2 after a crash of ROOT/B: Restart
+        +ROOT
+        +ROOT/B
+        -ROOT/B=preempted
+        stopping
+        +ROOT/C
+        -ROOT/C=ok
+        -ROOT=preempted
+        finished preempted
+    "]],
+    );
 }
