@@ -3,6 +3,7 @@
 use crate::harness::{Answer, Place, Run};
 use expect_test::{Expect, expect};
 use rafcon_model::notation;
+use rafcon_storage::journal::folder::ABOUT_FILE;
 use rafcon_storage::{Naming, save};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::process::{Child, ChildStdout, Stdio};
@@ -181,6 +182,14 @@ fn kept_runs_are_read_at_a_server_as_beside_it() {
         house.without_names(&std::fs::read_to_string(&file).unwrap()),
         house.without_names(&here)
     );
+    assert_eq!(house.call("runs SERVER").code, Some(0));
+    let broken = house.place.path(".local/state/rafcon/runs").join("20261121-120000-broken");
+    std::fs::create_dir(&broken).unwrap();
+    std::fs::write(broken.join(ABOUT_FILE), "{").unwrap();
+    for words in ["runs", "runs SERVER"] {
+        let answer = house.call(words);
+        assert!(answer.code == Some(1) && answer.stdout.contains("unreadable: "), "{answer:?}");
+    }
 }
 
 #[test]

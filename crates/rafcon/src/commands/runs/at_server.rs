@@ -13,7 +13,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Lists them, the newest last.
+/// Lists them, the newest last. The code is 1 if one cannot be read.
 pub(super) fn runs(
     raw: &cli::ListRuns,
     server: &Server,
@@ -36,7 +36,8 @@ pub(super) fn runs(
         writeln!(out, "no runs at {}", server.address)?;
     }
     out.flush()?;
-    Ok(ExitCode::SUCCESS)
+    let is_unreadable = |run: &RunSummary| matches!(run.phase, RunPhase::Unreadable { .. });
+    Ok(ExitCode::from(u8::from(found.iter().any(is_unreadable))))
 }
 
 fn line(run: &RunSummary, width: usize) -> Line {
