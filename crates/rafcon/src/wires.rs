@@ -27,6 +27,10 @@ const KEYS_EVERY: Duration = Duration::from_millis(200);
 /// Longer lines of raw output are cut into pieces.
 const RAW_LINE: u64 = 64 * 1024;
 
+/// What is told of an engine that takes no inputs.
+pub(crate) const STUCK: &str = "the run stands still: its program is heard, but its engine takes no inputs; a stop ends the \
+                                program if need be";
+
 /// Something that happened.
 #[derive(Debug)]
 pub(crate) enum Cause {

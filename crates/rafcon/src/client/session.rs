@@ -4,7 +4,7 @@
 //! The cursor of the history and the commands without an answer outlive a connection: the next one goes on from there, and is
 //! asked for the same commands by the same ids, which are carried out once.
 
-use crate::wires::Cause;
+use crate::wires::{Cause, STUCK};
 use rafcon_protocol::api::{CommandAnswer, LinkState, Refusal, RunNow, RunPhase};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
 use rafcon_protocol::{Answer, Envelope, Event, Expiry, Hello, Join, Snapshot, ToRunner, ToViewer};
@@ -324,11 +324,7 @@ impl Session {
                 Runner::Silent => {
                     Told::Cut("the run is not heard: its program does not answer".to_owned())
                 }
-                Runner::Stuck => Told::Cut(
-                    "the run stands still: its program is heard, but its engine takes no inputs; \
-                     a stop ends the program if need be"
-                        .to_owned(),
-                ),
+                Runner::Stuck => Told::Cut(STUCK.to_owned()),
             });
         }
     }

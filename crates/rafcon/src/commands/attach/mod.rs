@@ -2,6 +2,7 @@
 
 mod guest;
 mod manners;
+mod pulse;
 mod stay;
 mod visit;
 
@@ -46,6 +47,7 @@ pub(super) fn attach(
     wires.join(control.try_clone()?)?;
     let prefix = format!("attach-{}", std::process::id());
     let visit = Visit::new(join, &environment.user, prefix, Manners::of_a_guest());
+    let visit = visit.asking_for_the_engine();
     control.write_all(&encode(&Hello::ours())?)?;
     let end = Guest { visit, view, line: Box::new(control), clock }.until_the_end(&wires)?;
     if let Some(text) = words(&end, &runs::id(&folder)) {

@@ -1,10 +1,13 @@
 //! A visit to a run, from hello to leave: what is said, shown, and how it ends. Knows no socket and no terminal.
 
 use super::manners::{Manners, Step};
+use super::pulse::Pulse;
 use crate::console::Wish;
 use crate::supervisor::{self, Active};
-use crate::wires::Cause;
-use rafcon_protocol::{Answer, Command, Envelope, Event, Join, Outcome, ToRunner, ToViewer};
+use crate::wires::{Cause, STUCK};
+use rafcon_protocol::{
+    Answer, Command, EnginePulse, Envelope, Event, Join, Outcome, ToRunner, ToViewer,
+};
 use rafcon_supervisor::Death;
 use std::time::Duration;
 
@@ -85,6 +88,8 @@ pub(in crate::commands) struct Visit {
     /// What the ids of this visitor's commands begin with.
     prefix: String,
     commands: u32,
+    /// Whether the engine takes inputs, if nobody else asks that.
+    pulse: Option<Pulse>,
     end: Option<End>,
 }
 
@@ -103,8 +108,14 @@ impl Visit {
             author: author.to_owned(),
             prefix,
             commands: 0,
+            pulse: None,
             end: None,
         }
+    }
+
+    /// The same visit, which also finds out whether the engine takes inputs: at a server, that one does.
+    pub(in crate::commands) fn asking_for_the_engine(self) -> Self {
+        Self { pulse: Some(Pulse::default()), ..self }
     }
 
     /// How it ended, if it has.
@@ -114,7 +125,8 @@ impl Visit {
 
     /// When the next tick is needed at the latest.
     pub(in crate::commands) fn wake_at(&self) -> Option<Duration> {
-        self.manners.wake_at()
+        let asks = self.pulse.as_ref().filter(|_| self.join.is_none()).map(Pulse::due);
+        [self.manners.wake_at(), asks].into_iter().flatten().min()
     }
 
     /// Takes one cause in.
@@ -154,6 +166,17 @@ impl Visit {
         if let Some(step) = self.manners.watch(now) {
             self.step(step, out);
         }
+        let pulse = self.pulse.as_mut().filter(|_| self.join.is_none());
+        out.extend(pulse.and_then(|pulse| pulse.question(now)).map(Act::Send));
+    }
+
+    /// Whether the engine takes inputs, said when that changes.
+    fn reached(&mut self, engine: EnginePulse, out: &mut Vec<Act>) {
+        let Some(is_reached) = self.pulse.as_mut().and_then(|pulse| pulse.answered(engine)) else {
+            return;
+        };
+        let text = if is_reached { "the run is heard again" } else { STUCK };
+        out.extend([Act::Heard(is_reached), Act::Note(text.to_owned())]);
     }
 
     fn message(&mut self, message: ToViewer, out: &mut Vec<Act>) {
@@ -161,6 +184,11 @@ impl Visit {
         match message {
             ToViewer::LoadFailed { reason } => self.finish(End::Refused(reason)),
             ToViewer::Answer { answer, .. } => out.extend(note(answer)),
+            ToViewer::Pong { engine, .. } => {
+                if let Some(engine) = engine {
+                    self.reached(engine, out);
+                }
+            }
             ToViewer::Loaded { problems, name, states, run } => {
                 let (told, none) = (supervisor::as_events(problems), Vec::new());
                 out.push(Act::Show(ToViewer::Loaded { name, states, problems: none, run }));
@@ -249,7 +277,7 @@ mod tests {
     use crate::console::Wish;
     use crate::wires::Cause;
     use expect_test::{Expect, expect};
-    use rafcon_protocol::{Answer, Command, Event, Hello, Join, ToViewer};
+    use rafcon_protocol::{Answer, Command, EnginePulse, Event, Hello, Join, ToViewer};
     use std::time::Duration;
 
     fn check(manners: Manners, causes: Vec<Cause>, expect: &Expect) {
@@ -339,6 +367,33 @@ mod tests {
                 Heard(true)
                 Note("it is back")"#]],
         );
+    }
+
+    #[test]
+    fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
+        let visit = Visit::new(Join::default(), "ana", String::new(), Manners::of_a_guest());
+        let mut visit = visit.asking_for_the_engine();
+        let pong = |unreached_ms| {
+            let engine = Some(EnginePulse { unreached_ms, still_ms: unreached_ms, scripts: None });
+            Cause::Messages(vec![ToViewer::Pong { id: 1, now_ms: 0, engine }])
+        };
+        let causes = [Cause::Hello(Hello::ours()), pong(0), pong(2_900), pong(3_900), pong(0)];
+        let mut acts = Vec::new();
+        for (second, cause) in (0..).zip(causes) {
+            visit.handle(Duration::from_secs(second), cause, &mut acts);
+        }
+        let lines: Vec<String> = acts.iter().map(|act| format!("{act:?}")).collect();
+        expect![[r#"
+            Send(Join(Join { from: 0, every_event: false, values: false }))
+            Send(Ping { id: 1 })
+            Send(Ping { id: 2 })
+            Send(Ping { id: 3 })
+            Heard(false)
+            Note("the run stands still: its program is heard, but its engine takes no inputs; a stop ends the program if need be")
+            Send(Ping { id: 4 })
+            Heard(true)
+            Note("the run is heard again")
+            Send(Ping { id: 5 })"#]].assert_eq(&lines.join("\n"));
     }
 
     #[test]

@@ -1,0 +1,47 @@
+//! Whether the engine of a run takes inputs, asked of its runner from time to time. Pure.
+
+use rafcon_protocol::{EnginePulse, ToRunner};
+use std::time::Duration;
+
+/// From one question to the next.
+const RHYTHM: Duration = Duration::from_secs(1);
+
+/// An engine that has taken no inputs for so long is stuck.
+const STUCK_AFTER: Duration = Duration::from_secs(3);
+
+/// What was asked and heard.
+#[derive(Debug, Default)]
+pub(super) struct Pulse {
+    next: Duration,
+    asked: u64,
+    is_stuck: bool,
+}
+
+impl Pulse {
+    /// When the next question is due.
+    pub(super) fn due(&self) -> Duration {
+        self.next
+    }
+
+    /// The question, if it is due.
+    pub(super) fn question(&mut self, now: Duration) -> Option<ToRunner> {
+        if now < self.next {
+            return None;
+        }
+        self.next = now + RHYTHM;
+        self.asked += 1;
+        Some(ToRunner::Ping { id: self.asked })
+    }
+
+    /// Whether the engine is reached again or not any more, if the answer changes that.
+    pub(super) fn answered(&mut self, engine: EnginePulse) -> Option<bool> {
+        let unreached = Duration::from_millis(engine.unreached_ms);
+        let is_reached = match self.is_stuck {
+            false if unreached >= STUCK_AFTER => false,
+            true if unreached.is_zero() => true,
+            _ => return None,
+        };
+        self.is_stuck = !is_reached;
+        Some(is_reached)
+    }
+}
