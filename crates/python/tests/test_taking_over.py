@@ -119,10 +119,17 @@ class TakingOver(unittest.TestCase):
             print(container.state_id, list(container.states), container.name)
             refused(ConcurrencyState, "c")
             refused(container.add_data_flow, "7", "out", "1", "in")
+            container.add_transition(7, 0, 1, 0)
+            print([(line.from_state, line.to_state) for line in container.transitions.values()])
+            refused(container.add_transition, 8, 0, 1, 0)
+            refused(container.add_data_flow, 8, 0, 7, 0)
             """,
             """
             1 ['7'] c
             TypeError
+            ValueError
+            [('7', '1')]
+            ValueError
             ValueError
             """,
         )
@@ -135,9 +142,11 @@ class TakingOver(unittest.TestCase):
             global_config.load()
             print("between")
             global_config.load(path="nowhere")
+            global_config.load("none.yaml")
             """,
             """
             between
+            INFO
             WARNING
             """,
         )

@@ -1,7 +1,7 @@
 """The configuration: the keys of ``config.yaml`` that scripts and plugins ask for."""
 
 import os
-from logging import DEBUG, WARNING
+from logging import DEBUG, INFO, WARNING
 
 from rafcon._bridge import native
 from rafcon.design_patterns.observer.observable import Observable
@@ -42,13 +42,13 @@ class Config(ObservableConfig):
     def load(self, config_file=None, path=None):
         """Reads a ``config.yaml`` in the folder ``path`` (``~/.config/rafcon``); without a file, defaults hold.
 
-        Nothing is written.
+        Nothing is written. A missing file is a warning in the log if it was named itself, and not its folder only.
         """
         folder = os.path.expanduser(path or os.path.join("~", ".config", "rafcon"))
         file = os.path.join(folder, config_file or "config.yaml")
         if not os.path.isfile(file):
-            is_named = config_file is not None or path is not None
-            logger.log(WARNING if is_named else DEBUG, "there is no configuration %s; defaults hold", file)
+            level = WARNING if config_file is not None else DEBUG if path is None else INFO
+            logger.log(level, "there is no configuration %s; defaults hold", file)
             return
         values, problems = native.read_config(file)
         for problem in problems:

@@ -120,6 +120,7 @@ class ContainerChanges(StateChanges):
         """
         of_type(from_outcome, int, "from_outcome", or_none=True)
         of_type(to_outcome, int, "to_outcome", or_none=True)
+        from_state_id, to_state_id = _id(from_state_id), _id(to_state_id)
         if transition_id is None:
             transition_id = _ids.transition_id(lambda key: self._home.has_line(self, "transitions", key))
         self._change("transition.add", transition_id, from_state_id, from_outcome, to_state_id, to_outcome)
@@ -136,6 +137,7 @@ class ContainerChanges(StateChanges):
         """Adds a data flow between two ports (or scoped variables) and returns its id."""
         of_type(from_data_port_id, int, "from_data_port_id")
         of_type(to_data_port_id, int, "to_data_port_id")
+        from_state_id, to_state_id = _id(from_state_id), _id(to_state_id)
         if data_flow_id is None:
             data_flow_id = _ids.data_flow_id(lambda key: self._home.has_line(self, "data_flows", key))
         self._change("flow.add", data_flow_id, from_state_id, from_data_port_id, to_state_id, to_data_port_id)
@@ -164,6 +166,11 @@ class ContainerChanges(StateChanges):
             (ScopedVariable, self.remove_scoped_variable),
             *StateChanges._removals(self),
         ]
+
+
+def _id(state_id):
+    """The id of a state, which is a text; a number stands for its digits, as where a state gets its id."""
+    return str(state_id) if isinstance(state_id, int) else state_id
 
 
 def _list(ids):
