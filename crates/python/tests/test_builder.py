@@ -197,6 +197,34 @@ class Building(unittest.TestCase):
             """,
         )
 
+    def test_a_script_may_be_made_and_given_to_a_state(self):
+        self.check(
+            """
+            from rafcon.core.script import Script
+            out = os.environ["OUT"]
+            with open(out + "/mine.py", "w") as file:
+                file.write("def execute(self, inputs, outputs, gvm):\\n    return 0\\n")
+            state = ExecutionState("s")
+            print(Script().script == state.script_text)
+            made = Script(out, "mine.py", state)
+            print(made.path == out, made.filename, made.parent is state, "return 0" in state.script_text)
+            state.script = made
+            print(state.script is made, state.script_text == made.script, made.filename)
+            made.script = "# new"
+            print(state.script_text)
+            refused(setattr, state, "script", "text")
+            refused(Script, out, "missing.py")
+            """,
+            """
+            True
+            True mine.py True False
+            True True script.py
+            # new
+            TypeError
+            FileNotFoundError
+            """,
+        )
+
     def test_a_state_of_another_kind_keeps_what_it_can(self):
         self.check(
             """

@@ -34,13 +34,23 @@ class ExecutionState(State):
             self.script.load_script(path, filename)
 
     @cached_property
-    def _script(self):
-        return Script(self)
+    def _own_script(self):
+        return Script()._belong_to(self)
 
     @property
     def script(self):
-        """The :class:`Script`."""
-        return self._script
+        """The :class:`Script`. The text of another one that is assigned is taken over."""
+        return self._own_script
+
+    @script.setter
+    def script(self, script):
+        if not isinstance(script, Script):
+            raise TypeError(f"a Script is expected, not {type(script).__name__}")
+        self.script_text = script.script
+        self._own_script = script._belong_to(self)
+
+    # As old programs reach it.
+    _script = script
 
     @property
     def script_text(self):
