@@ -141,6 +141,39 @@ class EmbeddedRuns(unittest.TestCase):
             """,
         )
 
+    def test_scoped_data_says_of_which_class_a_port_is(self):
+        self.check(
+            """
+            machine = data()
+            run(machine)
+            inner = machine.root_state.states["INNER"]
+            print([inner.scoped_data[key].data_port_type.__name__ for key in ("0INNER", "1TEN", "6INNER")])
+            """,
+            """
+            ['InputDataPort', 'OutputDataPort', 'ScopedVariable']
+            """,
+        )
+
+    def test_outputs_that_are_assigned_stand_there_until_the_run(self):
+        self.check(
+            """
+            machine = data()
+            inner = machine.root_state.states["INNER"]
+            print(inner.output_data)
+            inner.output_data = {"y": None}
+            print(inner.output_data)
+            run(machine)
+            print(inner.output_data)
+            refused(setattr, inner, "output_data", 7)
+            """,
+            """
+            {}
+            {'y': None}
+            {'y': 70}
+            TypeError
+            """,
+        )
+
     # ---- inputs and global variables
 
     def test_a_start_takes_inputs_and_global_variables(self):
@@ -259,6 +292,25 @@ class EmbeddedRuns(unittest.TestCase):
         )
 
     # ---- files
+
+    def test_a_machine_that_is_started_for_one_state_is_held_once(self):
+        self.check(
+            """
+            commands = ((engine.run_selected_state, "ROOT/INNER"), (engine.run_to_selected_state, "ROOT/AFTER"))
+            for command, path in commands:
+                machine = data()
+                engine.synchronization_counter = 0
+                command(path, machine.state_machine_id)
+                wait_for(1)
+                engine.stop()
+                engine.join()
+                print(machine.root_state.states["INNER"].output_data, engine.synchronization_counter)
+            """,
+            """
+            {'y': 70} 1
+            {'y': 70} 1
+            """,
+        )
 
     def test_a_start_writes_no_file(self):
         self.check(

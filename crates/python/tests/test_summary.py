@@ -307,6 +307,32 @@ class Loading(Built):
             """,
         )
 
+    def test_what_the_log_has_of_a_machine_is_not_told_again_when_it_starts(self):
+        self.check(
+            """
+            import json, logging, sys
+            out = os.environ["OUT"]
+            storage.save_state_machine_to_path(machine, out + "/m")
+            state = json.load(open(out + "/m/core_data.json"))
+            state["data_flows"] = {"1": {
+                "__jsonqualname__": "rafcon.core.state_elements.data_flow.DataFlow", "data_flow_id": 1,
+                "from_state": "GROUPI", "from_key": 8, "to_state": "TWOXXX", "to_key": 9,
+            }}
+            json.dump(state, open(out + "/m/core_data.json", "w"))
+            logging.basicConfig(stream=sys.stdout, format="%(levelname)s")
+            loaded = StateMachine(storage.load_state_machine_from_path(out + "/m").root_state)
+            state_machine_manager.add_state_machine(loaded)
+            engine.start(loaded.state_machine_id)
+            engine.join()
+            """,
+            """
+            ERROR
+            ERROR
+            one
+            two
+            """,
+        )
+
 
 class Libraries(Built):
     def test_a_missing_library_is_seen_by_its_name(self):

@@ -102,15 +102,17 @@ class Run:
         if kind == "load_failed":
             self._error = message["reason"]
         elif kind == "loaded":
+            told = self.machine.root_state._problems_told
             for problem in message["problems"]:
-                logger.warning(problem)
+                if problem not in told:
+                    logger.warning(problem)
             self._begun.set()
         elif kind == "event":
             self._happened(message["event"])
 
     def _happened(self, event):
         if event["type"] == "held":
-            self._engine._held()
+            self._engine._held(event["by"]["type"])
         elif event["type"] == "log" and event["stream"] == "engine":
             logger.log(_LEVELS.get(event["level"], logging.INFO), event["message"])
 

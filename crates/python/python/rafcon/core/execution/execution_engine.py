@@ -43,6 +43,8 @@ class ExecutionEngine(Observable):
         #: Where the run is held: a :class:`~rafcon.core.execution.breakpoint_manager.BreakpointManager`.
         self.breakpoint_manager = BreakpointManager()
         self._last_command = None
+        # Whether the run was started to be led elsewhere: that it is held at its beginning does not count.
+        self._is_led = False
         #: Counts how often a branch came to be held in a run of this program; may be set. A step is over when it has grown.
         self.synchronization_counter = 0
         #: ``status.execution_mode`` is a ``StateMachineExecutionStatus``.
@@ -76,7 +78,7 @@ class ExecutionEngine(Observable):
         if not self._begin(state_machine_id, {"start_from": start_state_path}, inputs, journal):
             self._command("resume")
 
-    def _begin(self, state_machine_id, wanted, inputs=None, journal=None):
+    def _begin(self, state_machine_id, wanted, inputs=None, journal=None, is_led=False):
         """Starts a machine of this program, as ``wanted`` says; False if one runs already."""
         if _objects.is_host() or self._is_running():
             return False
@@ -90,6 +92,7 @@ class ExecutionEngine(Observable):
             journal = bool(global_config.get_config_value("FILE_SYSTEM_EXECUTION_HISTORY_ENABLE"))
         folder = _embedding.run_folder(machine, journal) if journal else None
         inputs = machine.root_state._given_inputs if inputs is None else inputs
+        self._is_led = is_led
         self._launch(machine, wanted, inputs, folder)
         return True
 
@@ -105,9 +108,10 @@ class ExecutionEngine(Observable):
             self._run = machine.root_state._home.run = None
             raise
 
-    def _held(self):
-        """A branch of the run is held."""
-        self.synchronization_counter += 1
+    def _held(self, by):
+        """A branch of the run is held, by a start, a step or whatever."""
+        if by != "start" or not self._is_led:
+            self.synchronization_counter += 1
 
     def _ended(self, run):
         """A run has ended: its machine is the active one no more."""
@@ -187,17 +191,17 @@ class ExecutionEngine(Observable):
 
     def run_to_selected_state(self, path, state_machine_id=None):
         """Runs until before the state at a path, and holds there."""
-        self._begin(state_machine_id, {"hold": True})
+        self._begin(state_machine_id, {"hold": True}, is_led=True)
         self._command("run_to", path)
 
     def run_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and holds. The machine has to be held."""
-        self._begin(state_machine_id, {"hold": True})
+        self._begin(state_machine_id, {"hold": True}, is_led=True)
         self._command("run_selected", path)
 
     def run_only_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and stops. The machine has to be held."""
-        self._begin(state_machine_id, {"hold": True})
+        self._begin(state_machine_id, {"hold": True}, is_led=True)
         self._command("run_only_selected", path)
 
     def replay_from_history(self, call_item, state_machine=None):
@@ -214,6 +218,7 @@ class ExecutionEngine(Observable):
                 "the last run kept no journal, so it has no history to begin from; start it with `journal=True`"
             )
         self.state_machine_manager.active_state_machine_id = run.machine.state_machine_id
+        self._is_led = False
         self._launch(run.machine, {"resume": {"from": call_item.sequence}}, folder=run.folder)
         self._last_command = "start_from_history"
 

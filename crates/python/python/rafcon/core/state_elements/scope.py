@@ -27,15 +27,16 @@ def generate_time_stamp():
 class ScopedData(StateElement):
     """The value that a port or scoped variable has at this moment."""
 
-    _fields = ("name", "value", "value_type", "from_state")
+    _fields = ("name", "value", "value_type", "from_state", "data_port_type")
 
     name = field("The name of the port.")
     value = field("The value itself, not a copy.")
     value_type = field("The declared type.")
     from_state = field("The id of the state whose port it is.")
+    data_port_type = field("The class of the port: ``InputDataPort``, ``OutputDataPort`` or ``ScopedVariable``.")
 
-    def __init__(self, name, value, value_type, from_state, parent=None):
-        StateElement.__init__(self, parent, (name, value, value_type, from_state))
+    def __init__(self, name, value, value_type, from_state, data_port_type, parent=None):
+        StateElement.__init__(self, parent, (name, value, value_type, from_state, data_port_type))
 
     def __str__(self):
         return f"ScopedData '{self.name}': {self.value!r} (from {self.from_state})"

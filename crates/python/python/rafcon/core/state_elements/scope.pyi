@@ -25,6 +25,14 @@ class ScopedData(StateElement):
     def value_type(self) -> type[Any]: ...
     @property
     def from_state(self) -> str: ...
+    @property
+    def data_port_type(self) -> type[DataPort]: ...
     def __init__(
-        self, name: str, value: Any, value_type: type, from_state: str, parent: State | None = None
+        self,
+        name: str,
+        value: Any,
+        value_type: type,
+        from_state: str,
+        data_port_type: type[DataPort],
+        parent: State | None = None,
     ) -> None: ...

@@ -113,7 +113,7 @@ class ContainerState(ContainerChanges, State):
     def _scoped(self, state, ports, values):
         key = state.state_id
         return {
-            str(port_id) + key: ScopedData(port.name, values[port.name], port.data_type, key, self)
+            str(port_id) + key: ScopedData(port.name, values[port.name], port.data_type, key, type(port), self)
             for port_id, port in ports.items()
             if port.name in values
         }

@@ -51,6 +51,10 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     #: Of the root of a machine that is being built: the inputs of its next runs.
     _given_inputs = None
+    #: Of the same: what stands for its outputs until it runs.
+    _given_outputs = None
+    #: Of the root of a machine that was loaded: the faults that the log has of it already.
+    _problems_told = frozenset()
 
     @property
     def _facts(self):
@@ -346,16 +350,27 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @input_data.setter
     def input_data(self, input_data):
-        if not isinstance(input_data, dict):
-            raise TypeError(f"the inputs must be a dict, not {type(input_data).__name__}")
-        if self._place >= 0:
-            raise AttributeError(f"{self} runs, and has its inputs; they change with the next entry")
-        self._given_inputs = dict(input_data)
+        self._given_inputs = self._given(input_data, "inputs")
 
     @property
     def output_data(self):
-        """The outputs of the last run: name of the port to value."""
-        return self._live()["output_data"]
+        """The outputs of the last run: name of the port to value.
+
+        What is assigned to the root of a machine that is being built stands there until it runs.
+        """
+        live = self._live()
+        return live["output_data"] if live["run_count"] else self._given_outputs or {}
+
+    @output_data.setter
+    def output_data(self, output_data):
+        self._given_outputs = self._given(output_data, "outputs")
+
+    def _given(self, data, what):
+        if not isinstance(data, dict):
+            raise TypeError(f"the {what} must be a dict, not {type(data).__name__}")
+        if self._place >= 0:
+            raise AttributeError(f"{self} runs, and has its {what}; they change with the next entry")
+        return dict(data)
 
     @property
     def final_outcome(self):

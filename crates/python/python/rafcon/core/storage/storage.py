@@ -51,6 +51,7 @@ def load_state_machine_from_path(base_path, state_machine_id=None):
     for problem in problems:
         logger.error("%s: %s", base_path, problem)
     machine = StateMachine._loaded(document, state_machine_id)
+    machine.root_state._problems_told = frozenset(problems)
     if global_config.get_config_value("RAISE_ERROR_ON_MISSING_LIBRARY_STATES"):
         _refuse_missing(machine.root_state)
     return machine
