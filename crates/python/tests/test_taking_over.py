@@ -112,11 +112,12 @@ class TakingOver(unittest.TestCase):
     def test_classes_by_themselves_and_ids_of_other_types(self):
         self.check(
             """
+            from copy import copy
             from rafcon.core.states.container_state import ContainerState
             from rafcon.core.states.concurrency_state import ConcurrencyState
             container = ContainerState("c", 1)
             container.add_state(ExecutionState("e", 7))
-            print(container.state_id, list(container.states), container.name)
+            print(container.state_id, list(container.states), container.name, copy(container) == container)
             refused(ConcurrencyState, "c")
             refused(container.add_data_flow, "7", "out", "1", "in")
             container.add_transition(7, 0, 1, 0)
@@ -125,12 +126,40 @@ class TakingOver(unittest.TestCase):
             refused(container.add_data_flow, 8, 0, 7, 0)
             """,
             """
-            1 ['7'] c
+            1 ['7'] c True
             TypeError
             ValueError
             [('7', '1')]
             ValueError
             ValueError
+            """,
+        )
+
+    def test_a_state_becomes_a_dictionary_and_another_state(self):
+        self.check(
+            """
+            leaf = ExecutionState("leaf", "LEAFID")
+            leaf.description = "What it is."
+            key = leaf.add_input_data_port("x", int, 3)
+            port = leaf.input_data_ports[key]
+            leaf.add_outcome("other", 1)
+            made = ExecutionState.from_dict(ExecutionState.state_to_dict(leaf))
+            print(made == leaf, made is leaf, made.description, port.parent is leaf)
+            made.input_data_ports[key].name = "y"
+            print(port.name, [port.name for port in made.input_data_ports.values()])
+            group = HierarchyState("group", "GROUPI")
+            group.add_scoped_variable("kept", int, 7)
+            group.add_state(leaf)
+            group.add_transition("LEAFID", 0, "GROUPI", 0)
+            made, transitions, data_flows = HierarchyState.from_dict(group.to_dict())
+            print(made.name, [kept.default_value for kept in made.scoped_variables.values()], len(made.states))
+            print(transitions == group.transitions, data_flows)
+            """,
+            """
+            True False What it is. True
+            x ['y']
+            group [7] 0
+            True {}
             """,
         )
 

@@ -1,6 +1,6 @@
 """How a state comes to be: bound to a place of the machine that runs, or built by itself."""
 
-from rafcon import _ids, _objects, _signals
+from rafcon import _ids, _signals
 from rafcon._bridge import native
 from rafcon._homes import RUNNING, Built
 from rafcon.core.decorators import lock_state_machine
@@ -119,7 +119,7 @@ class StateConstruction:
     def __copy__(self):
         """The same once more, with everything inside; it stands alone."""
         document = self._home.copy_of(self)
-        copied = _objects.blank_state(self._kind)
+        copied = type(self).__new__(type(self))
         copied._settle_alone(document, document.root_id())
         return copied
 

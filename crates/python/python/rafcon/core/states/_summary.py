@@ -2,6 +2,7 @@
 
 import os
 import threading
+from copy import copy
 
 from rafcon.utils.hashable import Hashable
 
@@ -53,6 +54,22 @@ class StateSummary(Hashable):
         names = ("name", "state_id", "description", "input_data_ports", "output_data_ports", "income", "outcomes")
         parts = (*names, "transitions", "data_flows", "scoped_variables")
         return {name: getattr(self, name) for name in parts if hasattr(self, name)}
+
+    @staticmethod
+    def state_to_dict(state):
+        """The same as ``state.to_dict()``."""
+        return state.to_dict()
+
+    @classmethod
+    def from_dict(cls, dictionary):
+        """A new state with copies of the parts in a dictionary that ``to_dict`` made."""
+        named = {name: dictionary[name] for name in ("name", "state_id")}
+        for name in ("input_data_ports", "output_data_ports", "outcomes", "scoped_variables"):
+            if name in dictionary:
+                named[name] = {key: copy(element) for key, element in dictionary[name].items()}
+        state = cls(**named)
+        state.description = dictionary.get("description")
+        return state
 
     def update_hash(self, obj_hash):
         """Adds what the state is made of, with all inside, to a hash; layout and notes do not count."""

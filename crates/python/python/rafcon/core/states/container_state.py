@@ -76,6 +76,11 @@ class ContainerState(ContainerChanges, State):
     def _complete(self):
         """Adds what a container of this kind always has."""
 
+    @classmethod
+    def from_dict(cls, dictionary):
+        """A new container, empty, and the transitions and data flows of the dictionary, which need its states."""
+        return State.from_dict.__func__(cls, dictionary), dictionary["transitions"], dictionary["data_flows"]
+
     @property
     def states(self):
         """State id to state, for the states inside."""

@@ -32,6 +32,10 @@ class ContainerState(ContainerChanges, State):
         scoped_variables: Mapping[int, ScopedVariable] | Iterable[ScopedVariable] | None = None,
         safe_init: bool = True,
     ) -> None: ...
+    @classmethod
+    def from_dict(
+        cls, dictionary: Mapping[str, Any]
+    ) -> tuple[ContainerState, dict[int, Transition], dict[int, DataFlow]]: ...
     @property
     def states(self) -> Children: ...
     @property
