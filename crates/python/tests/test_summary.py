@@ -266,7 +266,38 @@ class Containers(Built):
         )
 
 
-class Histories(unittest.TestCase):
+class Histories(Built):
+    def test_branches_and_decider_stand_in_the_one_list_of_the_last_run(self):
+        self.check(
+            """
+            barrier = BarrierConcurrencyState("barrier", "BARRIE")
+            barrier.add_state(root.remove_state("TWOXXX"))
+            barrier.states["unique_decider_state_id"].script_text = two.script_text
+            barrier.add_transition("unique_decider_state_id", 0, "BARRIE", 0)
+            machine.root_state = barrier
+            global_config.set_config_value("IN_MEMORY_EXECUTION_HISTORY_ENABLE", False)
+            for _ in range(2):
+                engine.start(machine.state_machine_id)
+                engine.join()
+            print(len(machine.execution_histories))
+            for item in machine.execution_histories[0]:
+                print(type(item).__name__, item.path)
+            """,
+            """
+            two
+            Decider
+            two
+            Decider
+            1
+            CallItem BARRIE
+            CallItem BARRIE/TWOXXX
+            ReturnItem BARRIE/TWOXXX
+            CallItem BARRIE/unique_decider_state_id
+            ReturnItem BARRIE/unique_decider_state_id
+            ReturnItem BARRIE
+            """,
+        )
+
     def test_items_say_what_they_are(self):
         text = """
         from rafcon.core.execution.execution_history_items import (
