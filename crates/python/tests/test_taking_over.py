@@ -135,6 +135,29 @@ class TakingOver(unittest.TestCase):
             """,
         )
 
+    def test_calls_that_hold_the_lock_of_a_machine_are_counted(self):
+        self.check(
+            """
+            from rafcon.core import decorators
+            from rafcon.core.state_machine_manager import StateMachineManager
+            root = ExecutionState("root")
+            machine = StateMachine(root)
+            @decorators.lock_state_machine
+            def failing(state):
+                print(decorators.global_lock_counter)
+                raise AttributeError("no")
+            refused(failing, root)
+            print(decorators.global_lock_counter)
+            print(StateMachineManager.instance([machine]) is state_machine_manager, state_machine_manager.state_machines)
+            """,
+            """
+            1
+            AttributeError
+            0
+            True {}
+            """,
+        )
+
     def test_a_state_becomes_a_dictionary_and_another_state(self):
         self.check(
             """

@@ -1,6 +1,11 @@
 """Decorators for methods that belong to a state machine."""
 
 import functools
+import threading
+
+#: How many decorated calls hold the lock of a state machine at this moment.
+global_lock_counter = 0
+_counting = threading.Lock()
 
 
 def lock_state_machine(method):
@@ -12,9 +17,19 @@ def lock_state_machine(method):
         if machine is None:
             return method(self, *arguments, **named)
         with machine.modification_lock():
-            return method(self, *arguments, **named)
+            _count(1)
+            try:
+                return method(self, *arguments, **named)
+            finally:
+                _count(-1)
 
     return wrapper
+
+
+def _count(difference):
+    global global_lock_counter
+    with _counting:
+        global_lock_counter += difference
 
 
 def _machine_of(thing):

@@ -53,8 +53,8 @@ class GlobalVariableManager(Observable):
         self._ledger = Ledger()
 
     @staticmethod
-    def instance():
-        """The manager of this process, the one that scripts get as ``gvm``."""
+    def instance(*arguments, **named):
+        """The manager of this process, the one that scripts get as ``gvm``, which is there already: arguments mean nothing."""
         return global_variables
 
     # ---- reading and writing

@@ -30,8 +30,8 @@ class LibraryManager(Observable):
         self._known = None
 
     @staticmethod
-    def instance():
-        """The manager of this process."""
+    def instance(*arguments, **named):
+        """The manager of this process, which is there already: arguments mean nothing."""
         from rafcon.core.singleton import library_manager
 
         return library_manager

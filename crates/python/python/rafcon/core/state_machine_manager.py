@@ -15,8 +15,8 @@ class StateMachineManager(Observable):
         self._active_id = None
 
     @staticmethod
-    def instance():
-        """The manager of this process."""
+    def instance(*arguments, **named):
+        """The manager of this process, which is there already: arguments mean nothing."""
         from rafcon.core.singleton import state_machine_manager
 
         return state_machine_manager

@@ -1,13 +1,15 @@
 from collections.abc import Mapping
 from os import PathLike
 
+from typing import Any
+
 from rafcon.core.state_machine import StateMachine
 from rafcon.design_patterns.observer.observable import Observable
 
 class StateMachineManager(Observable):
     def __init__(self) -> None: ...
     @staticmethod
-    def instance() -> StateMachineManager: ...
+    def instance(*arguments: Any, **named: Any) -> StateMachineManager: ...
     @property
     def state_machines(self) -> dict[int, StateMachine]: ...
     @property

@@ -51,8 +51,8 @@ class ExecutionEngine(Observable):
         self.status = self._status = ExecutionStatus(self._mode)
 
     @staticmethod
-    def instance():
-        """The engine of this process."""
+    def instance(*arguments, **named):
+        """The engine of this process, which is there already: arguments mean nothing."""
         from rafcon.core.singleton import state_machine_execution_engine
 
         return state_machine_execution_engine
