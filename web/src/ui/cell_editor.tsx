@@ -3,6 +3,7 @@
 import { useId, useRef, useState } from "react";
 import { createPortal } from "react-dom";
 import { type Commit, committed } from "./field.tsx";
+import { isOthers, meanwhileInWords } from "./meanwhile.ts";
 
 export type CellStep = -1 | 0 | 1;
 
@@ -21,15 +22,18 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
   const [text, setText] = useState(value);
   const [refusal, setRefusal] = useState<string | null>(null);
   const over = useRef(false);
+  const own = useRef<Set<string>>(new Set([value]));
   const input = useRef<HTMLInputElement>(null);
   const id = useId();
   const stop = (step: CellStep = 0) => {
     over.current = true;
     onStop(step);
   };
+  const isBehind = isOthers(value, own.current, text);
   const commit = async (step: CellStep = 0) => {
     if (over.current) return;
     if (text === value) return stop(step);
+    own.current.add(text);
     const answer = check(text) ?? onCommit(text);
     // Who goes on to another cell types there already: only what is refused at once, or asked about, keeps them here.
     if (step !== 0 && answer instanceof Promise) return stop(step);
@@ -37,14 +41,15 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
     if (fault == null) stop(step);
     else setRefusal(fault);
   };
+  const said = refusal ?? (isBehind ? meanwhileInWords(value) : null);
   return (
     <>
       <input
         ref={input}
         className={`table-edit ${rest.mono ? "field-mono" : ""}`}
         aria-label={label}
-        aria-invalid={refusal !== null}
-        aria-describedby={refusal === null ? undefined : `${id}-refusal`}
+        aria-invalid={said !== null}
+        aria-describedby={said === null ? undefined : `${id}-refusal`}
         // biome-ignore lint/a11y/noAutofocus: the user asked to edit this cell
         autoFocus
         autoComplete="off"
@@ -56,7 +61,7 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
           setText(event.currentTarget.value);
           setRefusal(null);
         }}
-        onBlur={() => void commit()}
+        onBlur={() => (isBehind ? stop() : void commit())}
         onKeyDown={(event) => {
           event.stopPropagation();
           if (event.key === "Escape") stop();
@@ -73,8 +78,8 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
           ))}
         </datalist>
       )}
-      {refusal !== null && input.current && (
-        <Said id={`${id}-refusal`} at={input.current} text={refusal} />
+      {said !== null && input.current && (
+        <Said id={`${id}-refusal`} at={input.current} text={said} />
       )}
     </>
   );

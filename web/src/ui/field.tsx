@@ -10,6 +10,7 @@ import {
   useRef,
   useState,
 } from "react";
+import { givenUpInWords, isOthers, meanwhileInWords } from "./meanwhile.ts";
 import "./field.css";
 
 /** What becomes of a text that was committed: nothing said is well, a text says why it was refused. */
@@ -113,7 +114,8 @@ export function TextField(props: TextFieldProps) {
   );
 }
 
-/** The text as it is typed, which is committed too when the field goes away; what comes from outside replaces it unless somebody is typing. */
+/** The text as it is typed, which is committed too when the field goes away. What comes from outside replaces it unless somebody
+ * is typing: then only Enter overwrites what came. */
 function useDraft({
   value,
   onCommit,
@@ -129,24 +131,28 @@ function useDraft({
   const [refused, setRefused] = useState<string | null>(null);
   const latest = useRef<string | null>(null);
   const isGone = useRef(false);
+  const own = useRef<Set<string>>(new Set());
   const put = (next: string | null) => {
     latest.current = next;
     setText(next);
   };
   const typed = (next: string) => {
+    if (latest.current === null) own.current = new Set([value]);
     put(next);
     setRefused(null);
     onInput?.(next);
   };
-  const commit = async () => {
+  const isBehind = onCommit !== undefined && isOthers(value, own.current, text);
+  const commit = async (overwrites: boolean) => {
     const typedText = latest.current;
     if (typedText === null || !onCommit) return;
     if (typedText === value) return put(null);
+    const loses = (why: string) => lost(`${label} “${typedText}” was not taken over: ${why}`);
+    if (isBehind && !overwrites) return isGone.current ? loses(givenUpInWords(value)) : undefined;
     const fault = check?.(typedText) ?? null;
+    own.current.add(typedText);
     const answer = fault ?? (await committed(onCommit(typedText))) ?? null;
-    if (answer !== null && isGone.current) {
-      return lost(`${label} “${typedText}” was not taken over: ${answer}`);
-    }
+    if (answer !== null && isGone.current) return loses(answer);
     setRefused(answer);
     if (answer === null && latest.current === typedText) put(null);
   };
@@ -156,13 +162,13 @@ function useDraft({
     isGone.current = false;
     return () => {
       isGone.current = true;
-      void last.current();
+      void last.current(false);
     };
   }, []);
   const key = (event: KeyboardEvent<HTMLElement>) => {
     if (event.key === "Enter" && (!multiline || event.ctrlKey || event.metaKey)) {
       if (onCommit) event.preventDefault();
-      void commit();
+      void commit(true);
     } else if (event.key === "Escape" && latest.current !== null && onCommit) {
       event.stopPropagation();
       event.preventDefault();
@@ -173,11 +179,12 @@ function useDraft({
     more.onKeyDown?.(event);
   };
   const checked = text === null ? null : (check?.(text) ?? null);
+  const warning = isBehind ? meanwhileInWords(value, multiline ? "Ctrl+Enter" : "Enter") : null;
   return {
     text: text ?? value,
-    refusal: refused ?? checked ?? refusal ?? null,
+    refusal: refused ?? checked ?? warning ?? refusal ?? null,
     typed,
-    commit: () => void commit(),
+    commit: () => void commit(false),
     key,
   };
 }

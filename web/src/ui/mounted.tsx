@@ -47,6 +47,13 @@ export function click(target: Element | null): void {
   });
 }
 
+/** The focus goes elsewhere. */
+export function leave(target: Element | null): void {
+  act(() => {
+    target?.dispatchEvent(new FocusEvent("focusout", { bubbles: true }));
+  });
+}
+
 /** Types over what stands in a field. */
 export async function type(target: Element | null, text: string): Promise<void> {
   await act(async () => {

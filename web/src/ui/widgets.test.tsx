@@ -3,7 +3,7 @@ import { afterEach, expect, test, vi } from "vitest";
 import type { Commit } from "./field.tsx";
 import { LostTexts, TextField } from "./field.tsx";
 import { ContextMenu } from "./menu.tsx";
-import { byRole, click, mount, press, settled, type, unmount } from "./mounted.tsx";
+import { byRole, click, draw, leave, mount, press, settled, type, unmount } from "./mounted.tsx";
 import { Section } from "./section.tsx";
 import { Table } from "./table.tsx";
 import { Tree } from "./tree.tsx";
@@ -47,6 +47,58 @@ test("what was typed is committed when the field goes away", async () => {
   unmount();
   await settled();
   expect(commit.mock.calls).toEqual([["new"]]);
+});
+
+test("what somebody else makes of a text while it is typed is said, and only Enter overwrites it", async () => {
+  const commit = vi.fn(() => null);
+  const name = (value: string) => <TextField label="Name" value={value} onCommit={commit} />;
+  const input = mount(name("old")).querySelector("input");
+  const said = () => document.querySelector("[role=alert]")?.textContent;
+  await type(input, "mine");
+  expect(said()).toBeUndefined();
+  draw(name("theirs"));
+  expect(said()).toBe(
+    "It was changed to “theirs” meanwhile: Enter takes your text, Escape theirs.",
+  );
+  leave(input);
+  await settled();
+  expect([commit.mock.calls.length, input?.value]).toEqual([0, "mine"]);
+  press(input, "Enter");
+  await settled();
+  expect(commit.mock.calls).toEqual([["mine"]]);
+  expect(said()).toBeUndefined();
+});
+
+test("a text that would overwrite somebody else's goes with its field, and that is said", async () => {
+  const [commit, lost] = [vi.fn(() => null), vi.fn()];
+  const name = (value: string) => (
+    <LostTexts.Provider value={lost}>
+      <TextField label="Name" value={value} onCommit={commit} />
+    </LostTexts.Provider>
+  );
+  await type(mount(name("old")).querySelector("input"), "mine");
+  draw(name("theirs"));
+  unmount();
+  await settled();
+  expect(commit).not.toHaveBeenCalled();
+  expect(lost.mock.calls).toEqual([
+    ["Name “mine” was not taken over: it was changed to “theirs” meanwhile"],
+  ]);
+});
+
+test("what one's own Enter made of a text is nobody else's", async () => {
+  let answer = (_: null) => {};
+  const commit = () => new Promise<null>((resolve) => (answer = resolve));
+  const name = (value: string) => <TextField label="Name" value={value} onCommit={commit} />;
+  const input = mount(name("old")).querySelector("input");
+  await type(input, "new");
+  press(input, "Enter");
+  await type(input, "newer");
+  draw(name("new"));
+  expect(document.querySelector("[role=alert]")).toBeNull();
+  answer(null);
+  await settled();
+  expect(document.querySelector("[role=alert]")).toBeNull();
 });
 
 test("a section folds and says so", () => {
@@ -149,6 +201,36 @@ test("a cell is edited in place, and what is refused stays in it", async () => {
     ["one", "bad"],
     ["one", "good"],
   ]);
+});
+
+test("a cell says, too, what somebody else makes of it meanwhile, and leaving it overwrites nothing", async () => {
+  const commit = vi.fn(() => null);
+  const table = (name: string) => (
+    <Table
+      label="Ports"
+      rows={[{ name }]}
+      id={() => "0"}
+      columns={[
+        {
+          key: "name",
+          title: "Name",
+          cell: (row) => row.name,
+          edit: { value: (row) => row.name, commit },
+        },
+      ]}
+    />
+  );
+  const place = mount(table("old"));
+  const [grid = null] = byRole(place, "grid");
+  press(grid, "ArrowDown");
+  press(grid, "Enter");
+  const input = () => place.querySelector("input");
+  await type(input(), "mine");
+  draw(table("theirs"));
+  expect(document.querySelector("[role=alert]")?.textContent).toContain("changed to “theirs”");
+  leave(input());
+  await settled();
+  expect([commit.mock.calls.length, input()]).toEqual([0, null]);
 });
 
 test("Tab goes on to the next cell while the key is still down, but not from what is refused or asked", async () => {
