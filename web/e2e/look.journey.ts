@@ -1,3 +1,5 @@
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { expect } from "vitest";
 import type { App } from "./house/app.ts";
 import { journey } from "./house/journey.ts";
@@ -91,3 +93,36 @@ journey("everything of the canvas is reached by keyboard", HERE, async ({ app })
   await app.settled();
   expect(await app.children()).toContain("Told by keys");
 });
+
+/** The part of the page that the canvas has. */
+const share = (app: App) =>
+  app.sheet.evaluate(() => {
+    const box = document.querySelector(".canvas-place")?.getBoundingClientRect();
+    return ((box?.width ?? 0) * (box?.height ?? 0)) / (innerWidth * innerHeight);
+  });
+
+journey(
+  "on a small page, as at 200 %, panels fold and one bar stands for all",
+  HERE,
+  async ({ app, server }) => {
+    const side = app.sheet.getByRole("button", { name: "Right side" });
+    await app.sheet.setViewportSize({ width: 800, height: 500 });
+    await expect.poll(() => share(app)).toBeGreaterThan(0.7);
+    await side.click();
+    await app.sheet.getByRole("textbox", { name: "Version" }).waitFor();
+    await side.click();
+    const file = join(server.place.project, "hierarchy_and_data", "core_data.json");
+    writeFileSync(file, readFileSync(file, "utf8").replace("Pack an order", "Pack two orders"));
+    const other = app.sheet.getByText("Another program changed the files");
+    await other.waitFor();
+    await server.end("SIGKILL");
+    await app.sheet.getByText("No connection for").waitFor();
+    await other.waitFor({ state: "hidden" });
+    await expect.poll(() => share(app)).toBeGreaterThan(0.6);
+    await app.sheet.getByRole("button", { name: "Show the other bars" }).click();
+    await other.waitFor();
+    await app.sheet.setViewportSize({ width: 1600, height: 1000 });
+    for (const tab of ["Tree", "Problems", "Inspector"])
+      await app.sheet.getByRole("tab", { name: tab, exact: true }).waitFor();
+  },
+);

@@ -1,10 +1,10 @@
 /** What somebody who works on the machine has to know now: each a bar above the canvas, with the ways out. */
 
-import { Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
+import { ChevronDown, ChevronUp, Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
 import type { OpenTab } from "../store/page.ts";
 import { mayEdit } from "../store/rights.ts";
-import { Button } from "../ui/button.tsx";
+import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";
@@ -14,9 +14,11 @@ import { RunBars } from "./run_bars.tsx";
 import { RunFateBars } from "./run_fate_bars.tsx";
 import { isInMission } from "./session.ts";
 
+/** On a low page only the gravest stands there, and a button shows the others. */
 export function Bars({ tab }: { tab: OpenTab }) {
+  const [isOpen, setOpen] = useState(false);
   return (
-    <>
+    <div className={isOpen ? "bars" : "bars bars-folded"}>
       <LinkBar tab={tab} />
       <RunBars tab={tab} />
       <MomentBar tab={tab} />
@@ -24,7 +26,14 @@ export function Bars({ tab }: { tab: OpenTab }) {
       <ReadOnlyBar tab={tab} />
       <DiskBar tab={tab} />
       <RecoveredBar tab={tab} />
-    </>
+      <div className="bars-more">
+        <IconButton
+          label={isOpen ? "Show one bar only" : "Show the other bars"}
+          icon={isOpen ? <ChevronUp size={15} /> : <ChevronDown size={15} />}
+          onClick={() => setOpen(!isOpen)}
+        />
+      </div>
+    </div>
   );
 }
 

@@ -31,7 +31,7 @@ import { Centre } from "./centre.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { DockControl } from "./dock_control.ts";
 import { listenToKeys } from "./keyboard.ts";
-import { NARROW } from "./mission_place.ts";
+import { NARROW, SMALL } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
 import { useDerived, useSession } from "./provided.tsx";
@@ -50,6 +50,8 @@ export function Dock() {
       shedOf(() => window.localStorage),
     );
     const narrow = window.matchMedia(NARROW);
+    const small = window.matchMedia(SMALL);
+    const fold = () => control.fold(small.matches);
     control.stack(narrow.matches);
     control.restore(wantedLayout(session.page));
     session.dock.value = control;
@@ -59,7 +61,9 @@ export function Dock() {
     // The dock has its new size from the next picture on.
     const soon = () => requestAnimationFrame(() => requestAnimationFrame(stack));
     stack();
+    fold();
     narrow.addEventListener("change", soon);
+    small.addEventListener("change", fold);
     const asked = takeAsked(window);
     if (asked.isMission) session.commands.run("mission.open", session.context());
     if (asked.run !== null) session.commands.run("run.show", session.context(), asked.run);
@@ -81,6 +85,7 @@ export function Dock() {
     );
     return () => {
       narrow.removeEventListener("change", soon);
+      small.removeEventListener("change", fold);
       opened.dispose();
       failed.dispose();
       control.dispose();

@@ -3,6 +3,7 @@
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockview-react";
 import type { Layouts, Side } from "../commands/command.ts";
+import { MISSION_PANEL } from "../commands/mission.ts";
 import { kept, type Shed } from "../store/shed.ts";
 import { type Layout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
 import { placeMission, sizeMission } from "./mission_place.ts";
@@ -14,6 +15,7 @@ const SIDES: readonly Side[] = ["bottom", "left", "right"];
 
 const NOW = "rafcon.layout";
 const OWN = "rafcon.layouts";
+const FOLDED = "rafcon.folded";
 const CANVAS = "canvas";
 const OPPOSITE: Readonly<Record<Side, "left" | "right" | "below">> = {
   left: "left",
@@ -65,6 +67,16 @@ export class DockControl implements DockPort {
     // The place of the canvas is measured when its size has changed: so that comes last, when all else stands.
     if (isMoved) setTimeout(() => sizeMission(this.#api, isNarrow), CALM_MS);
     return isMoved;
+  }
+
+  /** On a small page sides fold, so that the canvas has the room; once it is large again they are there again. What is folded or
+   * shown by hand meanwhile stays so, also when the page is loaded again. */
+  fold(isSmall: boolean): void {
+    const folded = kept<Side[]>(this.#shed, FOLDED);
+    if (isSmall === (folded !== undefined) || this.#api.getPanel(MISSION_PANEL)) return;
+    const sides = folded ?? SIDES.filter((side) => this.layouts.isShown(side));
+    for (const side of sides) this.#show(side, !isSmall);
+    this.#shed.put(FOLDED, isSmall ? sides : undefined);
   }
 
   readonly isInSight = (id: string): boolean => {

@@ -6,6 +6,9 @@ import { MISSION_PANEL } from "../commands/mission.ts";
 /** Narrower pages have one column. */
 export const NARROW = "(max-width: 900px)";
 
+/** Pages on which panels would leave the canvas next to nothing, as at a zoom of 200 %. */
+export const SMALL = `${NARROW}, (max-height: 560px)`;
+
 /** What of a narrow page's height it takes, and of a wide one's width at most. */
 const HEIGHT_SHARE = 0.64;
 /** On a low page it has the room for its buttons and some more first, but for what is left to the canvas. */
