@@ -1,4 +1,4 @@
-import { readFileSync, rmSync, writeFileSync } from "node:fs";
+import { readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect } from "vitest";
 import type { App } from "./house/app.ts";
@@ -41,10 +41,29 @@ journey(
   async ({ app, server }) => {
     await app.sheet.getByRole("button", { name: "New machine" }).first().click();
     const dialog = app.sheet.getByRole("dialog", { name: "New machine" });
-    await dialog.getByLabel("Name of the machine").fill("Fetch the mug");
-    await dialog.getByRole("button", { name: /Make|Create|New/ }).click();
+    await expect
+      .poll(() => app.sheet.evaluate(() => getSelection()?.toString()))
+      .toBe("New machine");
+    await app.sheet.keyboard.type("Fetch the mug");
+    await dialog.getByRole("button", { name: "Create" }).click();
     await app.until(({ tab }) => tab !== null, null);
     expect(onDisk(server.place.project, "fetch_the_mug")).toContain("Fetch the mug");
+  },
+);
+
+journey(
+  "a new machine goes into a new folder, and its place says whether it is a library",
+  { machines: examples("mission") },
+  async ({ app, server }) => {
+    await app.sheet.getByRole("button", { name: "New machine" }).first().click();
+    const dialog = app.sheet.getByRole("dialog", { name: "New machine" });
+    await dialog.getByRole("treeitem", { name: "examples library root" }).click();
+    await dialog.getByRole("textbox", { name: "Folder name" }).fill("kitchen/fetch");
+    await dialog.getByText("as the library examples/kitchen/fetch").waitFor();
+    await dialog.getByRole("button", { name: "Create" }).click();
+    await app.until(({ tab }) => tab !== null, null);
+    const folder = join(server.place.project, "libraries", "examples", "kitchen", "fetch");
+    expect(readdirSync(folder)).toContain("statemachine.json");
   },
 );
 

@@ -42,7 +42,7 @@ journey(
     await app.press("F7");
     await stands(app, "running");
     await app.press("F8");
-    await answer(app, "Stop the run?", "Go on");
+    await answer(app, "Stop the run?", "Keep running");
     await stands(app, "running");
     await stopRun(app);
     await ended(app, "preempted");

@@ -90,7 +90,7 @@ journey("a script that somebody else changed is compared", HERE, async ({ app, c
   await app.sheet.getByRole("button", { name: "Compare…" }).click();
   const both = app.sheet.getByRole("dialog", { name: "Two versions of the script" });
   await both.getByRole("textbox", { name: "Theirs" }).getByText("# theirs").waitFor();
-  await both.getByRole("button", { name: "Go on with mine" }).click();
+  await both.getByRole("button", { name: "Keep mine" }).click();
   await app.sheet.getByRole("button", { name: "Apply", exact: true }).click();
   await app.settled();
   expect(await script(app)).toContain("# mine");

@@ -18,7 +18,7 @@ function inTree(sheet: Sheet, name: string) {
 /** Puts the panel's group into a window of its own. */
 async function popOut(app: App, title: string): Promise<Sheet> {
   await app.panel(title);
-  await app.sheet.getByRole("button", { name: `Place of ${title}` }).click();
+  await app.sheet.getByRole("button", { name: `${title} panel menu` }).click();
   const coming = app.sheet.waitForEvent("popup");
   await app.sheet.getByRole("menuitem", { name: "Open in a window" }).click();
   const own = await coming;
@@ -36,7 +36,7 @@ journey("a panel works in a window of its own, and is docked again", HERE, async
   await own.keyboard.press("Control+z");
   await inTree(own, "Label the box").waitFor();
   const closing = own.waitForEvent("close");
-  await own.getByRole("button", { name: "Place of Tree" }).click();
+  await own.getByRole("button", { name: "Tree panel menu" }).click();
   await own.getByRole("menuitem", { name: "Dock" }).click();
   await closing;
   await app.panel("Tree");

@@ -84,7 +84,7 @@ export async function runInFront(app: App): Promise<string> {
 /** Stops the run in front and waits for its end. */
 export async function stopRun(app: App): Promise<void> {
   await press(app, "Stop");
-  await answer(app, "Stop the run?", "Stop");
+  await answer(app, "Stop the run?", "Stop the run");
   await app.until(({ tab }) => tab?.run.value?.now.value?.run.phase === "finished", null);
 }
 

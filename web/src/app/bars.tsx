@@ -135,7 +135,7 @@ function RecoveredBar({ tab }: { tab: OpenTab }) {
         <>
           <Button onClick={() => commands.run("file.compare", context())}>Compare</Button>
           <Button onClick={() => commands.run("file.save", context())}>Save</Button>
-          <Button onClick={() => setClosed(true)}>Go on</Button>
+          <Button onClick={() => setClosed(true)}>Hide</Button>
         </>
       }
     >

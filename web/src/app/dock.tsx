@@ -167,7 +167,7 @@ function GroupActions({ api, containerApi, activePanel, group }: IDockviewHeader
   const items: MenuItem[] = [
     {
       id: "size",
-      title: big ? "As large as before" : "As large as it can be",
+      title: big ? "Restore size" : "Maximize",
       icon: big ? <Minimize2 size={13} /> : <Maximize2 size={13} />,
       disabled: place !== "grid",
       run: () => (big ? api.exitMaximized() : api.maximize()),
@@ -199,7 +199,7 @@ function GroupActions({ api, containerApi, activePanel, group }: IDockviewHeader
   return (
     <div className="dock-actions">
       <IconButton
-        label={`Place of ${activePanel.title}`}
+        label={`${activePanel.title} panel menu`}
         icon={<Ellipsis size={14} />}
         onClick={(event) => {
           const { left, bottom } = event.currentTarget.getBoundingClientRect();

@@ -77,9 +77,12 @@ export interface ProjectTreeProps {
   readonly selected: MachineFile | null;
   readonly onSelect: (node: ProjectNode) => void;
   readonly onOpen: (node: ProjectNode) => void;
+  /** What a folder is besides. */
+  readonly note?: (node: ProjectNode) => string | null;
 }
 
-export function ProjectTree({ nodes, search = "", selected, onSelect, onOpen }: ProjectTreeProps) {
+export function ProjectTree(props: ProjectTreeProps) {
+  const { nodes, search = "", selected, onSelect, onOpen, note } = props;
   const [folded, setFolded] = useState<ReadonlySet<string>>(new Set());
   const roots = useMemo(() => filtered(nodes, search), [nodes, search]);
   const expanded = useMemo(() => openKeys(roots, folded), [roots, folded]);
@@ -104,7 +107,7 @@ export function ProjectTree({ nodes, search = "", selected, onSelect, onOpen }: 
       roots={roots}
       id={nodeKey}
       childrenOf={childrenOf}
-      text={nameOf}
+      text={({ name }) => name}
       expanded={expanded}
       selected={new Set(selected ? [`${selected.project}/${selected.path}`] : [])}
       onExpand={(node, open) =>
@@ -117,13 +120,17 @@ export function ProjectTree({ nodes, search = "", selected, onSelect, onOpen }: 
       }
       onSelect={onSelect}
       onOpen={onOpen}
-      row={(node) => <NodeRow node={node} open={expanded.has(nodeKey(node))} />}
+      row={(node) => (
+        <>
+          <NodeRow node={node} open={expanded.has(nodeKey(node))} />
+          {note?.(node) && <span className="tree-note">{note(node)}</span>}
+        </>
+      )}
     />
   );
 }
 
 const childrenOf = (node: ProjectNode) => node.children;
-const nameOf = (node: ProjectNode) => node.name;
 
 /** All folders but those that the user folded. */
 function openKeys(nodes: readonly ProjectNode[], folded: ReadonlySet<string>): ReadonlySet<string> {

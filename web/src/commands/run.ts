@@ -127,8 +127,8 @@ function confirmStop({ shell }: Context, watch: Watch): Promise<boolean> {
     text: isAgain
       ? "The run is being stopped already. A second stop preempts handlers too and starts no other."
       : "All active states are preempted, then handlers run. A run that was stopped does not go on.",
-    yes: isAgain ? "Stop handlers too" : "Stop",
-    no: "Go on",
+    yes: isAgain ? "Stop handlers too" : "Stop the run",
+    no: isAgain ? "Let handlers finish" : "Keep running",
     danger: true,
   });
 }

@@ -96,7 +96,7 @@ test("connections go before their ends, and what cannot go says why", () => {
 
 test("names, ids and kinds", () => {
   expect(lines(rename(machine, "R/A", " Look "))).toEqual(["set_name R/A name=Look"]);
-  expect(reason(rename(machine, "R/A", "a/b"))).toContain("no /");
+  expect(reason(rename(machine, "R/A", "a/b"))).toContain("a slash");
   expect(made(setId(machine, "R/A", "LOOK")).select).toEqual([{ kind: "state", path: "R/LOOK" }]);
   expect(reason(setId(machine, "R/A", "B"))).toContain("free");
   expect(lines(setStart(machine, "R/B"))).toEqual(['set_start R to={"state":"B"}']);

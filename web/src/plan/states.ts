@@ -183,7 +183,7 @@ export function rename(machine: Machine, path: string, name: string): Planned {
   if (isRefused(state)) return state;
   const text = name.trim();
   if (text === "") return refused(`A state has a name: ${state.name} keeps its own.`);
-  if (text.includes("/")) return refused("The name of a state has no /: write it without.");
+  if (text.includes("/")) return refused("The name of a state cannot contain a slash (/).");
   return { name: `Rename ${state.name}`, edit: { edit: "set_name", path, name: text } };
 }
 

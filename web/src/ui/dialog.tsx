@@ -30,6 +30,7 @@ export function Dialog({ title, children, footer, onClose, width = 460, height }
     const wanted = dialog.contains(before) ? before : dialog.querySelector(FIRST);
     if (!dialog.open) dialog.showModal();
     if (wanted instanceof HTMLElement) wanted.focus();
+    if (wanted instanceof HTMLInputElement) wanted.select();
     return () => {
       dialog.close();
       if (before instanceof HTMLElement && before.isConnected) before.focus();

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { projectNode } from "../project_tree.tsx";
-import { chosenFolder } from "./folder_chooser.tsx";
+import { chosenFolder, libraryOf, placeInWords } from "./folder_chooser.tsx";
 
 const PROJECT = projectNode(
   { id: "p", name: "Missions", folder: "/m" },
@@ -21,9 +21,38 @@ test("a new folder lies in the folder that was chosen, or in the first project",
   expect(chosenFolder([PROJECT], null, " drill ").file).toEqual({ project: "p", path: "drill" });
 });
 
+test("slashes in the name make folders on the way, unless a machine stands in it", () => {
+  expect(chosenFolder([PROJECT], PROJECT, "mars/rover/drill").file?.path).toBe("mars/rover/drill");
+  expect(chosenFolder([PROJECT], MARS, "rover / drill").file?.path).toBe("mars/rover/drill");
+  expect(chosenFolder([PROJECT], PROJECT, "moon/drill").refusal).toContain(
+    "a machine holds no others",
+  );
+  for (const name of ["/drill", "mars//drill", "mars/", "../drill", ".git", "a\\b"])
+    expect(chosenFolder([PROJECT], PROJECT, name).refusal).toContain("a name each");
+});
+
+test("it is said where it will lie, and as which library", () => {
+  const [project] = [{ id: "p", name: "Missions", folder: "/m" }];
+  const roots = [{ name: "skills", folder: "/m/mars", children: [] }];
+  const libraryAt = (path: string) => libraryOf([project], roots, { project: "p", path });
+  expect([libraryAt("mars"), libraryAt("mars/rover"), libraryAt("marsh"), libraryAt("")]).toEqual([
+    "skills",
+    "skills/rover",
+    null,
+    null,
+  ]);
+  const at = (name: string) => {
+    const { file } = chosenFolder([PROJECT], MARS, name);
+    return file && placeInWords([project], roots, file);
+  };
+  expect(at("drill")).toBe("It will lie in Missions / mars / drill, as the library skills/drill.");
+  expect(placeInWords([project], [], { project: "p", path: "drill" })).toBe(
+    "It will lie in Missions / drill.",
+  );
+});
+
 test("no machine is saved inside another, nor over what is there", () => {
   expect(chosenFolder([PROJECT], MOON, "x").refusal).toContain("a machine holds no others");
   expect(chosenFolder([PROJECT], PROJECT, "moon").refusal).toContain("already");
-  expect(chosenFolder([PROJECT], PROJECT, "a/b").refusal).toContain("no slashes");
   expect(chosenFolder([], null, "x").refusal).toContain("no project");
 });

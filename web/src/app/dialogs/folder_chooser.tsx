@@ -1,9 +1,11 @@
-/** A folder for a machine: one that is there, with a name for a new one in it. */
+/** A folder for a machine: one that is there, with a name for a new one in it, or for several inside each other. */
 
 import { useState } from "react";
-import type { MachineFile } from "../../model/generated/protocol.ts";
+import type { LibraryRoot, MachineFile, Project } from "../../model/generated/protocol.ts";
 import { TextField } from "../../ui/field.tsx";
+import { useSignal } from "../../ui/signals.ts";
 import { type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
+import { useSession } from "../provided.tsx";
 
 export interface Chosen {
   readonly file: MachineFile | null;
@@ -17,28 +19,71 @@ export function chosenFolder(
   place: ProjectNode | null,
   name: string,
 ): Chosen {
-  const text = name.trim();
   const parent = place ?? nodes[0] ?? null;
-  if (!parent) return { file: null, refusal: "There is no project to save in." };
-  if (text === "") return { file: null, refusal: "The folder needs a name." };
-  if (/[/\\]/.test(text) || text === "." || text === "..") {
-    return { file: null, refusal: "The name of a folder has no slashes: choose the place above." };
+  if (!parent) return refused("There is no project to save in.");
+  if (name.trim() === "") return refused("The folder needs a name.");
+  const names = name.split("/").map((part) => part.trim());
+  if (!names.every(isName)) {
+    return refused(
+      "A folder, or several joined by slashes: a name each, without a dot in front and without backslashes.",
+    );
   }
-  if (parent.kind === "machine") {
-    return {
-      file: null,
-      refusal: `${parent.name} is a machine, and a machine holds no others: choose a folder beside it.`,
-    };
+  let around = parent;
+  for (const part of names) {
+    if (around.kind === "machine") {
+      return refused(
+        `${around.name} is a machine, and a machine holds no others: choose a folder beside it.`,
+      );
+    }
+    const there = around.children?.find((child) => child.name === part);
+    if (!there) {
+      const { project, path } = parent.file;
+      return { file: { project, path: joined(path, names) }, refusal: null };
+    }
+    around = there;
   }
-  const there = parent.children?.find((child) => child.name === text);
-  if (there) {
-    return {
-      file: null,
-      refusal: `There is a ${there.kind} ${text} in ${parent.name} already: choose another name.`,
-    };
+  return refused(
+    `There is a ${around.kind} ${around.name} in ${parent.name} already: choose another name.`,
+  );
+}
+
+function refused(refusal: string): Chosen {
+  return { file: null, refusal };
+}
+
+function isName(name: string): boolean {
+  return name !== "" && !name.startsWith(".") && !name.includes("\\");
+}
+
+function joined(path: string, names: readonly string[]): string {
+  return [...(path === "" ? [] : [path]), ...names].join("/");
+}
+
+/** The library path of a folder; null if it lies below no library root. */
+export function libraryOf(
+  projects: readonly Project[],
+  roots: readonly LibraryRoot[],
+  { project, path }: MachineFile,
+): string | null {
+  const home = projects.find((each) => each.id === project)?.folder;
+  const folder = path === "" ? home : `${home}/${path}`;
+  for (const root of roots) {
+    if (folder === root.folder) return root.name;
+    if (folder?.startsWith(`${root.folder}/`)) return root.name + folder.slice(root.folder.length);
   }
-  const { project, path } = parent.file;
-  return { file: { project, path: path === "" ? text : `${path}/${text}` }, refusal: null };
+  return null;
+}
+
+/** Where the folder will lie, and as which library. */
+export function placeInWords(
+  projects: readonly Project[],
+  roots: readonly LibraryRoot[],
+  file: MachineFile,
+): string {
+  const project = projects.find((each) => each.id === file.project)?.name ?? file.project;
+  const library = libraryOf(projects, roots, file);
+  const place = [project, ...file.path.split("/")].join(" / ");
+  return `It will lie in ${place}${library === null ? "" : `, as the library ${library}`}.`;
 }
 
 export interface FolderChooserProps {
@@ -53,8 +98,14 @@ export interface FolderChooserProps {
 }
 
 export function FolderChooser(props: FolderChooserProps) {
+  const { page } = useSession();
   const nodes = useProjects();
+  const projects = useSignal(page.projects);
+  const roots = useSignal(page.libraries);
   const [search, setSearch] = useState("");
+  const { file } = chosenFolder(nodes ?? [], props.place, props.name);
+  const libraryRoot = (node: ProjectNode) =>
+    roots.some(({ name }) => name === libraryOf(projects, roots, node.file));
   return (
     <div className="form">
       <TextField
@@ -63,7 +114,7 @@ export function FolderChooser(props: FolderChooserProps) {
         onInput={props.onName}
         autoFocus={props.autoFocus ?? true}
         refusal={props.refusal}
-        hint={placeHint(props.place ?? nodes?.[0] ?? null)}
+        hint={file ? placeInWords(projects, roots, file) : undefined}
         onKeyDown={(event) => event.key === "Enter" && props.onDone()}
       />
       <TextField
@@ -82,15 +133,10 @@ export function FolderChooser(props: FolderChooserProps) {
             selected={(props.place ?? nodes[0])?.file ?? null}
             onSelect={props.onPlace}
             onOpen={props.onPlace}
+            note={(node) => (libraryRoot(node) ? "library root" : null)}
           />
         )}
       </div>
     </div>
   );
-}
-
-function placeHint(place: ProjectNode | null): string | undefined {
-  if (!place) return undefined;
-  const { file, name, kind } = place;
-  return `It will lie in ${kind === "project" ? name : `${file.project} / ${file.path}`}.`;
 }

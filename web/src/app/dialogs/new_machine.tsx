@@ -28,7 +28,7 @@ export function NewMachine({ answer }: DialogProps<undefined>) {
         <>
           <Button onClick={() => answer(null)}>Cancel</Button>
           <Button kind="primary" disabled={!file || name.trim() === ""} onClick={done}>
-            Make it
+            Create
           </Button>
         </>
       }

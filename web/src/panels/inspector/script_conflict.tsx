@@ -47,7 +47,7 @@ export function ScriptConflict({ theirs, mine, onMine, onTheirs, onKeep }: Scrip
             <>
               <Button onClick={then(onTheirs)}>Take theirs</Button>
               <Button kind="primary" onClick={then(() => onKeep(merged))}>
-                Go on with mine
+                Keep mine
               </Button>
             </>
           }
