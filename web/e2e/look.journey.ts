@@ -126,3 +126,38 @@ journey(
       await app.sheet.getByRole("tab", { name: tab, exact: true }).waitFor();
   },
 );
+
+/** What is smaller than this in one direction, of all that can be pressed. What only screen readers see is no target. */
+const smallerThan = (app: App, least: number) =>
+  app.sheet.evaluate((size) => {
+    const targets = document.querySelectorAll(
+      "button, select, input, [role=tab], [role=treeitem], [role=menuitem], .table-row",
+    );
+    return [...targets].flatMap((target) => {
+      const { width, height } = (target.closest("label") ?? target).getBoundingClientRect();
+      const isSeen = width > 1 && height > 1 && !target.closest(".visually-hidden, [inert]");
+      const name = target.getAttribute("aria-label") ?? target.textContent;
+      const isFit = height >= size - 0.5 && width >= size - 0.5;
+      return isSeen && !isFit ? [`${name}: ${width} x ${height}`] : [];
+    });
+  }, least);
+
+for (const [pointer, least, browser] of [
+  ["a mouse", 24, {}],
+  ["fingers", 32, { hasTouch: true, viewport: { width: 1024, height: 768 } }],
+] as const) {
+  journey(
+    `what can be pressed is large enough for ${pointer}`,
+    { ...HERE, browser },
+    async ({ app }) => {
+      await app.select(PART);
+      for (const panel of ["Tree", "Libraries", "Globals", "Edits", "Problems"]) {
+        await app.panel(panel);
+        expect(await smallerThan(app, least)).toEqual([]);
+      }
+      await app.press("Shift+F10");
+      await app.sheet.getByRole("menu").waitFor();
+      expect(await smallerThan(app, least)).toEqual([]);
+    },
+  );
+}

@@ -139,9 +139,9 @@ function buttonIn(box: HTMLElement): HTMLButtonElement {
   const fold = document.createElement("button");
   fold.type = "button";
   fold.style.cssText = [
-    "position:absolute;right:2px;top:2px;min-width:20px;height:20px;padding:0 5px;border:0",
+    "position:absolute;right:2px;top:2px;min-width:var(--row);height:var(--row);padding:0 6px;border:0",
     "border-radius:var(--radius-small);background:var(--surface);color:var(--text-soft)",
-    "font:500 var(--text-tiny)/20px var(--font-text);cursor:pointer",
+    "font:500 var(--text-tiny)/1 var(--font-text);cursor:pointer",
   ].join(";");
   box.append(fold);
   return fold;

@@ -5,6 +5,7 @@ import { ArrowDown, ArrowUp } from "lucide-react";
 import { type KeyboardEvent, type ReactNode, useEffect, useId, useRef, useState } from "react";
 import { CellEditor, type CellStep } from "./cell_editor.tsx";
 import type { Commit } from "./field.tsx";
+import { rowHeight } from "./rows.ts";
 import { isAtEnd, useScrolled } from "./scrolled.ts";
 import "./table.css";
 
@@ -74,8 +75,6 @@ interface Cell {
   readonly column: number;
 }
 
-const ROW_PX = 24;
-
 export function Table<T>(props: TableProps<T>) {
   const { rows, columns, id, rowsMax, follow = false } = props;
   const place = useRef<HTMLDivElement>(null);
@@ -86,7 +85,7 @@ export function Table<T>(props: TableProps<T>) {
   const virtual = useVirtualizer({
     count: rows.length,
     getScrollElement: () => place.current,
-    estimateSize: () => ROW_PX,
+    estimateSize: rowHeight,
     getItemKey: (index) => {
       const row = rows[index];
       return row === undefined ? index : id(row);
@@ -123,7 +122,8 @@ export function Table<T>(props: TableProps<T>) {
   };
   // What is out of sight is not made, and cannot be named.
   const isShown = virtual.getVirtualItems().some(({ index }) => index === at);
-  const height = rowsMax && Math.min(rows.length, rowsMax) * ROW_PX + (props.hideHead ? 0 : 26);
+  const height =
+    rowsMax && Math.min(rows.length, rowsMax) * rowHeight() + (props.hideHead ? 0 : 26);
   return (
     <div
       ref={place}
@@ -212,7 +212,7 @@ function walk(
   place: HTMLElement | null,
 ): boolean {
   const { at, column } = cursor;
-  const page = Math.max(1, Math.floor((place?.clientHeight ?? 0) / ROW_PX) - 2);
+  const page = Math.max(1, Math.floor((place?.clientHeight ?? 0) / rowHeight()) - 2);
   const walks: Record<string, readonly [number, number]> = {
     ArrowDown: [at + 1, column],
     ArrowUp: [at - 1, column],
@@ -320,7 +320,7 @@ function Row<T>({ table, row, index, top, template, cursor, base, onStop }: RowP
       aria-rowindex={index + (table.hideHead ? 1 : 2)}
       aria-selected={table.selected?.has(table.id(row)) ?? false}
       style={{
-        height: ROW_PX,
+        height: rowHeight(),
         transform: `translateY(${top}px)`,
         gridTemplateColumns: template,
         zIndex: here && cursor.editing ? 1 : undefined,

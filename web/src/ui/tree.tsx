@@ -12,6 +12,7 @@ import {
   useRef,
   useState,
 } from "react";
+import { rowHeight } from "./rows.ts";
 import { type TreeRow, type TreeSource, treeFind, treeKey, treeRows } from "./tree_rows.ts";
 import "./tree.css";
 
@@ -41,12 +42,11 @@ export interface TreeProps<T> extends TreeSource<T> {
   readonly rowHeight?: number | undefined;
 }
 
-const ROW_PX = 24;
 const INDENT_PX = 14;
 const TYPING_MS = 700;
 
 export function Tree<T>(props: TreeProps<T>) {
-  const { roots, id, childrenOf, expanded, reveal, rowHeight = ROW_PX } = props;
+  const { roots, id, childrenOf, expanded, reveal, rowHeight: height = rowHeight() } = props;
   const place = useRef<HTMLDivElement>(null);
   const base = useId();
   const rows = useMemo(
@@ -59,7 +59,7 @@ export function Tree<T>(props: TreeProps<T>) {
   const virtual = useVirtualizer({
     count: rows.length,
     getScrollElement: () => place.current,
-    estimateSize: () => rowHeight,
+    estimateSize: () => height,
     overscan: 8,
   });
   const revealed = reveal == null ? -1 : rows.findIndex((row) => row.id === reveal);
@@ -101,7 +101,7 @@ export function Tree<T>(props: TreeProps<T>) {
                 tree={props}
                 row={row}
                 top={start}
-                height={rowHeight}
+                height={height}
                 active={index === active}
                 onActive={() => setActive(row.id)}
               />
@@ -129,7 +129,10 @@ function useTreeKeys<T>(
     return true;
   };
   const walk = (event: KeyboardEvent<HTMLElement>, node: T) => {
-    const page = Math.max(1, Math.floor((place.current?.clientHeight ?? 0) / ROW_PX) - 1);
+    const page = Math.max(
+      1,
+      Math.floor((place.current?.clientHeight ?? 0) / (props.rowHeight ?? rowHeight())) - 1,
+    );
     const move = treeKey(rows, active, event.key, page);
     if (move && "to" in move) go(move.to);
     else if (move) props.onExpand(node, move.open);

@@ -15,6 +15,16 @@ test("a transition is drawn from port to port, and says where it may end", () =>
   );
 });
 
+test("a finger draws from an outcome that it misses a little, of a state that is not selected", () => {
+  const canvas = driver();
+  const { x, y } = canvas.point("A.lost");
+  const [from, to] = [{ x: x + 14, y: y + 8 }, canvas.point("C.income")];
+  canvas.press(from, {}, { touch: 1 }).drag(to, {}, 1).release(1);
+  expect(canvas.text()).toContain(
+    'add_transition R 3 {"state":"A","outcome":1} {"state":"C"}',
+  );
+});
+
 test("the line snaps to a port that is near", () => {
   const canvas = driver();
   const near = canvas.point("C.income");

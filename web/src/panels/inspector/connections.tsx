@@ -19,7 +19,7 @@ import { type Column, Table } from "../../ui/table.tsx";
 import { EndSelect } from "./end_select.tsx";
 import { Fold } from "./fold.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import { RowButtons } from "./row_buttons.tsx";
+import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
 import type { Made, SeenState } from "./seen.ts";
 
 const WORDS = {
@@ -155,7 +155,7 @@ function columnsOf(
       key: "buttons",
       title: "Actions",
       hideTitle: true,
-      width: "46px",
+      width: ROW_BUTTONS_WIDTH,
       cell: (row) => (
         <RowButtons
           what={connectionInWords(machine, row.element)}

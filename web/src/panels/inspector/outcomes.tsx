@@ -13,7 +13,7 @@ import { Goal } from "./goal.tsx";
 import { PartTable, PasteButton } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
-import { RowButtons } from "./row_buttons.tsx";
+import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
 import type { SeenState } from "./seen.ts";
 
 export function Outcomes({ seen }: { seen: SeenState }) {
@@ -59,7 +59,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
       key: "buttons",
       title: "Actions",
       hideTitle: true,
-      width: "46px",
+      width: ROW_BUTTONS_WIDTH,
       cell: (outcome) => (
         <RowButtons
           what={`outcome ${outcome.name}`}

@@ -22,7 +22,7 @@ import { Fold } from "./fold.tsx";
 import { PartTable, PasteButton } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
-import { RowButtons } from "./row_buttons.tsx";
+import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
 import type { Made, SeenState } from "./seen.ts";
 
 export const PORT_TITLES = {
@@ -50,7 +50,7 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
     key: "buttons",
     title: "Actions",
     hideTitle: true,
-    width: "46px",
+    width: ROW_BUTTONS_WIDTH,
     cell: (port) => (
       <RowButtons
         what={`${one} ${port.name}`}

@@ -11,6 +11,9 @@ export interface RowButtonsProps {
   readonly onRemove?: (() => void) | undefined;
 }
 
+/** Of the column in which they stand. */
+export const ROW_BUTTONS_WIDTH = "calc(2 * var(--row) + 10px)";
+
 export function RowButtons({ what, onShow, onRemove }: RowButtonsProps) {
   return (
     <span className="inspector-row-buttons">

@@ -24,6 +24,8 @@ import type { Made, SeenState } from "./seen.ts";
 
 const ROWS_MAX = 16;
 
+import { ROW_BUTTONS_WIDTH } from "./row_buttons.tsx";
+
 export function Semantic({ seen }: { seen: SeenState }) {
   const { state, readOnly } = seen;
   const [asText, setAsText] = useState(false);
@@ -134,7 +136,7 @@ function columnsOf(
       key: "buttons",
       title: "Actions",
       hideTitle: true,
-      width: "46px",
+      width: ROW_BUTTONS_WIDTH,
       cell: (row) =>
         readOnly ? null : (
           <Buttons

@@ -1,0 +1,8 @@
+/** How high rows are that are made only in sight, and so have to be known beforehand: as `--row` in `tokens.css`. */
+
+const ROW_PX = 24;
+const FINGER_ROW_PX = 32;
+
+export function rowHeight(): number {
+  return window.matchMedia("(pointer: coarse)").matches ? FINGER_ROW_PX : ROW_PX;
+}
