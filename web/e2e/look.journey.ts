@@ -39,6 +39,21 @@ journey("a double click goes into a state, the breadcrumb leads out", HERE, asyn
   );
 });
 
+journey(
+  "states between give way above the canvas, and are reached by a menu",
+  { ...HERE, browser: { viewport: { width: 1280, height: 720 } } },
+  async ({ app }) => {
+    await app.select(PICK);
+    const path = app.sheet.getByRole("navigation", { name: "Where you are" });
+    const said = () => path.getByRole("listitem").allTextContents();
+    await expect.poll(said).toEqual(["Pack an order", "…", "Pick from the belt"]);
+    await path.getByRole("button", { name: "The state between" }).click();
+    await app.sheet.getByRole("menuitem", { name: "Pack one part" }).click();
+    await app.selected(`state:${PART}`);
+    await expect.poll(said).toEqual(["Pack an order", "Pack one part"]);
+  },
+);
+
 journey("layers of the picture are shown and hidden", HERE, async ({ app }) => {
   await app.press("d");
   await app.until(({ tab }) => tab?.view.modes.value.dataFlows === "all", null);

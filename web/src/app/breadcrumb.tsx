@@ -1,20 +1,29 @@
 /** Where one is: the states around what is selected, each a way back out. */
 
 import { ChevronRight } from "lucide-react";
-import { Fragment, useState } from "react";
+import { Fragment, useEffect, useRef, useState } from "react";
 import { elementOf } from "../model/element.ts";
+import type { Point } from "../model/geometry.ts";
 import { lineage } from "../model/path.ts";
 import type { OpenTab } from "../store/page.ts";
 import { select } from "../store/view.ts";
+import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { crumbsIn } from "./crumbs.ts";
 import { useDerived, useSession } from "./provided.tsx";
-
-/** So many of the innermost states are always named; those between them and the root give way. */
-const LAST_SHOWN = 3;
 
 export function Breadcrumb({ tab }: { tab: OpenTab }) {
   const { canvas } = useSession();
   const { machine } = tab.room;
+  const place = useRef<HTMLElement>(null);
+  const [room_px, setRoom] = useState(0);
+  useEffect(() => {
+    const { current: nav } = place;
+    if (!nav) return;
+    const sizes = new ResizeObserver(() => setRoom(nav.clientWidth));
+    sizes.observe(nav);
+    return () => sizes.disconnect();
+  }, []);
   useSignal(tab.room.version);
   const path = useDerived(() => {
     const [key] = tab.view.selection.value;
@@ -25,44 +34,68 @@ export function Breadcrumb({ tab }: { tab: OpenTab }) {
     select(tab.view, [{ kind: "state", path: to }]);
     canvas.peek()?.fit([to]);
   };
-  const [expanded, setExpanded] = useState<string | null>(null);
-  const all = lineage(path);
-  const hidden = expanded === path ? [] : all.slice(1, -LAST_SHOWN);
-  const isHidden = hidden.length > 1;
-  const crumbs = isHidden ? all.filter((outer) => !hidden.includes(outer)) : all;
+  const crumbs = lineage(path).map((at) => ({ at, name: machine.state(at)?.name ?? at }));
+  const { from, to } = crumbsIn(
+    crumbs.map(({ name }) => name),
+    room_px,
+  );
   return (
-    <nav className="breadcrumb" aria-label="Where you are">
+    <nav ref={place} className="breadcrumb" aria-label="Where you are">
       <ol>
-        {crumbs.map((outer, index) => (
-          <Fragment key={outer}>
-            {index > 0 && <ChevronRight size={13} aria-hidden />}
-            {index === 1 && isHidden && (
-              <>
-                <li className="breadcrumb-more">
-                  <button
-                    type="button"
-                    aria-label={`Show the ${hidden.length} states between`}
-                    title={hidden.map((each) => machine.state(each)?.name ?? each).join(" › ")}
-                    onClick={() => setExpanded(path)}
-                  >
-                    …
-                  </button>
-                </li>
-                <ChevronRight size={13} aria-hidden />
-              </>
+        {crumbs.map(({ at, name }, index) => (
+          <Fragment key={at}>
+            {index > 0 && (index <= from || index >= to) && <ChevronRight size={13} aria-hidden />}
+            {index === from && to > from && <Between crumbs={crumbs.slice(from, to)} go={go} />}
+            {(index < from || index >= to) && (
+              <li>
+                <button
+                  type="button"
+                  title={name}
+                  aria-current={at === path ? "location" : undefined}
+                  onClick={() => go(at)}
+                >
+                  {name}
+                </button>
+              </li>
             )}
-            <li>
-              <button
-                type="button"
-                aria-current={outer === path ? "location" : undefined}
-                onClick={() => go(outer)}
-              >
-                {machine.state(outer)?.name ?? outer}
-              </button>
-            </li>
           </Fragment>
         ))}
       </ol>
     </nav>
+  );
+}
+
+interface Crumb {
+  readonly at: string;
+  readonly name: string;
+}
+
+/** The states for which there is no room, as a menu. */
+function Between({ crumbs, go }: { crumbs: readonly Crumb[]; go: (to: string) => void }) {
+  const [menu, setMenu] = useState<Point | null>(null);
+  const words = crumbs.length === 1 ? "The state between" : `The ${crumbs.length} states between`;
+  return (
+    <li className="breadcrumb-more">
+      <button
+        type="button"
+        aria-label={words}
+        aria-haspopup="menu"
+        title={crumbs.map(({ name }) => name).join(" › ")}
+        onClick={(event) => {
+          const { left, bottom } = event.currentTarget.getBoundingClientRect();
+          setMenu({ x: left, y: bottom });
+        }}
+      >
+        …
+      </button>
+      {menu && (
+        <ContextMenu
+          label={words}
+          at={menu}
+          items={crumbs.map(({ at, name }) => ({ id: at, title: name, run: () => go(at) }))}
+          onClose={() => setMenu(null)}
+        />
+      )}
+    </li>
   );
 }
