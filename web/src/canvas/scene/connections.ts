@@ -2,9 +2,10 @@
  * thinner layer below. */
 
 import type { ElementKey } from "../../model/element.ts";
-import type { Point } from "../../model/geometry.ts";
+import type { Box, Point } from "../../model/geometry.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import type { LineMarkOfRun } from "../../store/marks.ts";
+import { touches } from "../grid.ts";
 import type { Line } from "../lines.ts";
 import { DETAIL, extent, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
@@ -190,18 +191,45 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
 const HALF = 7;
 
 /** Whether a text of this width lies beside all states inside. */
-export function isClear({ at: state, x, y, scale }: Spot, at: Point, width: number): boolean {
-  const area = {
-    x: (at.x - width / 2 - x) / scale,
-    y: (at.y - HALF - y) / scale,
-    width: width / scale,
-    height: (2 * HALF) / scale,
-  };
+export function isClear(spot: Spot, at: Point, width: number, around = NO_PLATE): boolean {
   let clear = true;
-  state.eachChild(area, () => {
+  spot.at.eachChild(areaOf(spot, at, width, around), () => {
     clear = false;
   });
   return clear;
+}
+
+/** Whether no transition runs through a text of this width and its plate. */
+export function isOffLines(spot: Spot, at: Point, width: number): boolean {
+  const area = areaOf(spot, at, width, PLATE);
+  let isOff = true;
+  spot.at.eachLine(area, ({ kind, points }) => {
+    if (kind !== "transition" || !isOff) return;
+    isOff = !points.some((to, index) => {
+      const from = points[index - 1];
+      return from !== undefined && touches(boxOf(from, to), area);
+    });
+  });
+  return isOff;
+}
+
+/** How much farther the plate behind a text reaches, and a little more, in CSS pixels. */
+export const PLATE = { beside: 5, above: 2 };
+const NO_PLATE = { beside: 0, above: 0 };
+
+function areaOf({ x, y, scale }: Spot, at: Point, width: number, around: typeof PLATE): Box {
+  const [wide, high] = [width + 2 * around.beside, 2 * (HALF + around.above)];
+  return {
+    x: (at.x - wide / 2 - x) / scale,
+    y: (at.y - high / 2 - y) / scale,
+    width: wide / scale,
+    height: high / scale,
+  };
+}
+
+function boxOf(from: Point, to: Point): Box {
+  const [x, y] = [Math.min(from.x, to.x), Math.min(from.y, to.y)];
+  return { x, y, width: Math.abs(to.x - from.x), height: Math.abs(to.y - from.y) };
 }
 
 /** The middle of the piece that is best, or else of the first lying one that is long enough and has room. */

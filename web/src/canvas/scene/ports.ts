@@ -3,10 +3,10 @@
 import type { PortPlace } from "../../model/drawing.ts";
 import { keyOf } from "../../model/element.ts";
 import type { JsonValue, StateDocument } from "../../model/generated/protocol.ts";
-import { sideOf } from "../../model/geometry.ts";
+import { type Point, sideOf } from "../../model/geometry.ts";
 import { ABORTED, type PortKind, PREEMPTED, portsOf } from "../../model/machine.ts";
 import { python } from "../../model/value.ts";
-import { isClear } from "./connections.ts";
+import { isClear, isOffLines, PLATE } from "./connections.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Drawing, Spot } from "./drawing.ts";
 import type { ValueChip } from "./input.ts";
@@ -161,8 +161,20 @@ function label(
   taken[side].push(along);
   const away = place.size / 2 + 5;
   const align = side === "left" ? "left" : side === "right" ? "right" : "center";
+  const inwards = side === "left" ? away : -away;
+  const beside = { x: place.x + inwards, y: place.y };
   const [x, y] = isUpright
-    ? [place.x + (side === "left" ? away : -away), place.y]
+    ? [
+        beside.x,
+        rowOf(
+          drawing,
+          spot,
+          port,
+          place,
+          { ...beside, x: beside.x + (Math.sign(inwards) * width) / 2 },
+          width,
+        ),
+      ]
     : [place.x, place.y + (side === "top" ? away + 5 : -away - 5)];
   drawing.portNames.push({
     what: `${port.key} name`,
@@ -177,6 +189,27 @@ function label(
     plate: place.open ? groundInk(spot) : null,
     width,
   });
+}
+
+/** How far above or below its port a name stands that makes way for a line. */
+const ASIDE = [0, -12, 12, -20, 20];
+
+/** The height at which no transition runs through the name of a container's outcome: on a level with it, above or below. */
+function rowOf(
+  drawing: Drawing,
+  spot: Spot,
+  port: PortPlace,
+  { open, y }: LabelPlace,
+  middle: Point,
+  width: number,
+): number {
+  if (!open || port.kind !== "outcome" || !drawing.input.modes.transitions) return y;
+  const rows = ASIDE.map((aside) => y + aside);
+  const isFree = (row: number) => {
+    const at = { x: middle.x, y: row };
+    return isOffLines(spot, at, width) && (row === y || isClear(spot, at, width, PLATE));
+  };
+  return rows.find(isFree) ?? y;
 }
 
 /** So many letters of a value are shown. */

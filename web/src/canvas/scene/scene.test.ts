@@ -73,7 +73,7 @@ describe("how much shows depends on the size on the screen", () => {
   test("a large one shows names of ports, and labels of transitions", () => {
     const lines = seen(2.5);
     expect(about(lines, "outcome:R/B:0 name")).toEqual([
-      expect.stringContaining('"held" 890 180 11px soft'),
+      expect.stringContaining('"held" 890 168 11px soft'),
     ]);
     expect(about(lines, "label").map((line) => line.split(" ")[2])).toEqual([
       "transition:R:1",
@@ -82,6 +82,14 @@ describe("how much shows depends on the size on the screen", () => {
     ]);
     expect(about(lines, "dot input:R/B:0")).toHaveLength(1);
   });
+});
+
+test("the name of a container's outcome makes way for the line that ends there", () => {
+  const place = (more: Partial<SceneInput> = {}) =>
+    about(seen(2.5, more), "outcome:R/B:0").map((line) => line.split(" ").slice(3, 8).join(" "));
+  const hidden = { modes: { ...MODES, transitions: false } };
+  expect(place()).toEqual(["outcome 900 180 outcome", 'name "held" 890 168 11px']);
+  expect(place(hidden)).toEqual(["outcome 900 180 outcome", 'name "held" 890 180 11px']);
 });
 
 describe("what is where", () => {

@@ -20,9 +20,7 @@ test("a finger draws from an outcome that it misses a little, of a state that is
   const { x, y } = canvas.point("A.lost");
   const [from, to] = [{ x: x + 14, y: y + 8 }, canvas.point("C.income")];
   canvas.press(from, {}, { touch: 1 }).drag(to, {}, 1).release(1);
-  expect(canvas.text()).toContain(
-    'add_transition R 3 {"state":"A","outcome":1} {"state":"C"}',
-  );
+  expect(canvas.text()).toContain('add_transition R 3 {"state":"A","outcome":1} {"state":"C"}');
 });
 
 test("the line snaps to a port that is near", () => {
