@@ -72,6 +72,8 @@ journey(
   "a description cannot cover the page, and its links open beside it",
   HERE,
   async ({ app }) => {
+    const complaints: string[] = [];
+    app.sheet.on("console", (said) => said.type() === "error" && complaints.push(said.text()));
     await app.select(LABEL);
     const shown = async () => (await app.sheet.locator(".inspector-markdown").innerHTML()).trim();
     const check = async (text: string, expected: string) => {
@@ -89,5 +91,6 @@ journey(
       '<p><a href="https://example.org" target="_blank" rel="noopener noreferrer">docs</a> <a>run</a></p>',
     );
     await check("- [x] **done**", "<ul>\n<li>☑ <strong>done</strong></li>\n</ul>");
+    expect(complaints).toEqual([]);
   },
 );

