@@ -29,3 +29,16 @@ journey("who comes from the reference takes its keys", HERE, async ({ app }) => 
   await app.settled();
   expect((await app.children()).length).toBe(4);
 });
+
+journey(
+  "a key whose command cannot be done says why",
+  { open: "hierarchy_and_data" },
+  async ({ app }) => {
+    await app.select("PACKER");
+    await app.press("Control+Shift+Alt+u");
+    await app.told("Substitute by library…: select a state inside the machine, not all of it");
+    await app.press("Escape");
+    await app.press("Delete");
+    await app.told("Delete: select something first");
+  },
+);

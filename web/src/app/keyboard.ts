@@ -3,7 +3,7 @@
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import { refusalOf } from "../commands/command.ts";
 import { isCanvasKey, isTextKey, keymap, keyName } from "../commands/keys.ts";
-import { whyNot } from "../commands/subject.ts";
+import { whyDisabled } from "../commands/why.ts";
 import type { AppSession } from "./session.ts";
 
 /** Where the keyboard is. */
@@ -68,17 +68,11 @@ export function listenToKeys(session: AppSession, view: Window): () => void {
       event.preventDefault();
       return;
     }
-    if (ids.some(changes)) explain(session);
-    const isTold = ids.some((id) => tellRefusal(session, id));
+    const isTold = !event.repeat && ids.some((id) => tellRefusal(session, id));
     if (isTold || isOurs(key)) event.preventDefault();
   };
   view.addEventListener("keydown", press);
   return () => view.removeEventListener("keydown", press);
-}
-
-/** Whether a command changes what is selected. */
-function changes(id: string): boolean {
-  return /^(edit\.(cut|delete|duplicate|rename)|insert\.|arrange\.)/.test(id);
 }
 
 /** The commands that a key is for: a key that is held makes one state, not one for each repetition. */
@@ -86,17 +80,13 @@ function meant(ids: readonly string[], isRepeated: boolean): readonly string[] {
   return isRepeated ? ids.filter((id) => !/^(insert|arrange)\./.test(id)) : ids;
 }
 
-/** Says why a key did nothing, where libraries are the reason. */
-function explain({ page, context }: AppSession): void {
-  const text = whyNot(context());
-  if (text !== null) page.tell({ level: "warning", text });
-}
-
 /** Says why the command of a key cannot be done; false if it has no reasons to tell. */
 function tellRefusal({ page, commands, context }: AppSession, id: string): boolean {
   const command = commands.get(id);
-  const text = command && refusalOf(command, context());
-  if (!text) return false;
+  const refusal = command ? refusalOf(command, context()) : null;
+  if (!command || refusal === null) return false;
+  const text = refusal === "" ? whyDisabled(command, context()) : refusal;
+  if (text === null) return false;
   page.tell({ level: "info", text: `${command.title}: ${text}` });
   return true;
 }

@@ -44,6 +44,7 @@ const TOGETHER: readonly Command[] = [
     keys: ["G"],
     classic: ["Ctrl+G", "G"],
     menu: "Arrange/1",
+    needs: "select states of one container first, not the whole machine",
     enabled: (context) => canEdit(context) && siblings(context, 1),
     run: (context) =>
       perform(context, (m) => {
@@ -59,6 +60,7 @@ const TOGETHER: readonly Command[] = [
     keys: ["U"],
     classic: ["Ctrl+Shift+G", "Ctrl+U", "U"],
     menu: "Arrange/1",
+    needs: "select one hierarchy or concurrency inside the machine",
     enabled: (context) => canEdit(context) && isInnerContainer(context),
     run: (context) => onState(context, ungroup),
   },
@@ -67,6 +69,7 @@ const TOGETHER: readonly Command[] = [
     title: "Substitute by library…",
     keys: ["Ctrl+Shift+Alt+U"],
     menu: "Arrange/1",
+    needs: "select a state inside the machine, not all of it",
     enabled: (context) => canEdit(context) && isInner(context),
     run: substituteByLibrary,
   },
@@ -106,6 +109,7 @@ const TOGETHER: readonly Command[] = [
     keys: ["Ctrl+E"],
     classic: ["Ctrl+E", "Ctrl+Shift+X"],
     menu: "Arrange/1",
+    needs: "select one state of a hierarchy",
     enabled: (context) => canEdit(context) && canStart(context),
     checked: isStart,
     run: (context) =>
@@ -252,6 +256,7 @@ const LAID_OUT: readonly Command[] = [
     title: "Automatic layout of this level",
     keys: ["Ctrl+Shift+L"],
     menu: "Arrange/3",
+    needs: "select something of this machine, not of a library",
     enabled: (context) => canEdit(context) && levelToLayOut(context) !== null,
     run: (context) => layOutFrom(context, levelToLayOut(context), false),
   },
@@ -260,6 +265,7 @@ const LAID_OUT: readonly Command[] = [
     title: "Automatic layout of all levels inside",
     keys: ["Ctrl+Shift+Alt+L"],
     menu: "Arrange/3",
+    needs: "select something of this machine, not of a library",
     enabled: (context) => canEdit(context) && containerToLayOut(context) !== null,
     run: (context) => layOutFrom(context, containerToLayOut(context), true),
   },

@@ -130,6 +130,8 @@ export interface Command {
   readonly menu?: MenuPlace;
   /** Whether it can be done now. Left out: always. */
   readonly enabled?: (context: Context) => boolean;
+  /** What to do first where `enabled` says no: "select a state first". */
+  readonly needs?: string;
   /** Why it cannot be done now, and the way out; null: it can. For commands whose reasons are not plain to see. */
   readonly refusal?: (context: Context, argument?: unknown) => string | null;
   /** For switches: whether it is on. */

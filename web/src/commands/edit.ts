@@ -43,6 +43,7 @@ export const EDIT: readonly Command[] = [
     title: "Cut",
     keys: ["Ctrl+X"],
     menu: "Edit/2",
+    needs: "select something first",
     enabled: canChange,
     run: async (context, argument) => {
       const cut = elements(context);
@@ -54,6 +55,7 @@ export const EDIT: readonly Command[] = [
     title: "Copy",
     keys: ["Ctrl+C"],
     menu: "Edit/2",
+    needs: "select something first",
     enabled: hasSelection,
     run: copy,
   },
@@ -78,6 +80,7 @@ export const EDIT: readonly Command[] = [
     keys: ["Ctrl+D"],
     classic: ["Ctrl+Shift+D"],
     menu: "Edit/2",
+    needs: "select a state first",
     enabled: hasStates,
     run: (context) =>
       perform(context, (m) => {
@@ -90,6 +93,7 @@ export const EDIT: readonly Command[] = [
     title: "Delete",
     keys: ["Delete", "Backspace"],
     menu: "Edit/2",
+    needs: "select something first",
     enabled: canChange,
     run: (context, argument) => {
       const gone = (argument as readonly ElementRef[] | undefined) ?? elements(context);
@@ -137,6 +141,7 @@ export const EDIT: readonly Command[] = [
     title: "Rename",
     keys: ["F2"],
     menu: "Edit/4",
+    needs: "select a state, port or outcome first",
     enabled: (context) => canEdit(context) && nameable(context) !== null,
     run: rename,
   },

@@ -145,6 +145,10 @@ function port(
     keys,
     classic,
     menu: "Insert/2",
+    needs:
+      kind === "scoped_variable"
+        ? "select one hierarchy or concurrency first"
+        : "select one state first",
     enabled: (context) => {
       const path = owner(context);
       const state = path === null ? undefined : machineOf(context)?.state(path);
@@ -165,6 +169,7 @@ const PORTS: readonly Command[] = [
     keys: ["O"],
     classic: ["Ctrl+Alt+O", "O"],
     menu: "Insert/2",
+    needs: "select one state first",
     enabled: hasOwner,
     run: (context) => {
       const path = owner(context);
@@ -203,6 +208,7 @@ const CONNECTIONS: readonly Command[] = [
       "Begins a connection at the selected port or state; Tab goes through what it may lead to.",
     keys: ["C"],
     menu: "Insert/3",
+    needs: "select one state, port or outcome first",
     enabled: (context) => canEdit(context) && elements(context).length === 1,
     run: ({ canvas }) => canvas?.beginConnection(),
   },

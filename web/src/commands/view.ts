@@ -27,6 +27,7 @@ const LOOK: readonly Command[] = [
     title: "Zoom to selection",
     keys: ["Z"],
     menu: "View/1",
+    needs: "select something first",
     enabled: hasSelection,
     run: ({ canvas, tab }) => {
       if (!tab) return;
@@ -122,6 +123,7 @@ const MODES: readonly Command[] = [
     detail: "Colours states by how often, or how long, they ran; nothing, in turn.",
     keys: ["Shift+H"],
     menu: "View/2",
+    needs: "start a run first, or choose one",
     enabled: ({ tab }) => tab?.run.value != null,
     checked: ({ tab }) => tab !== null && tab.view.heat.value !== "off",
     choices: ({ tab }) =>
@@ -147,6 +149,7 @@ const MODES: readonly Command[] = [
     detail: "Shows what is inside the selected library state, in place.",
     keys: ["Shift+L"],
     menu: "View/2",
+    needs: "select a library state first",
     enabled: (context) => anyOnlyState(context)?.state.kind === "library",
     checked: isContentShown,
     run: async (context) => {
