@@ -23,7 +23,7 @@ import { measured, sinceStart } from "../parts/duration.ts";
 import { happenedInWords, type NameOf, namesOf } from "../parts/happened.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { reveal } from "../reveal.ts";
-import { ends, type Node, Nodes } from "./nodes.ts";
+import { ends, lengthOf, type Node, Nodes, timesOf } from "./nodes.ts";
 import "./history.css";
 
 export function RunHistory() {
@@ -132,24 +132,39 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   const at = shown === NONE ? null : isHere ? chosen.id : `c${shown}`;
   const begin = (node: Node) => calls.begin(ends(node).first);
   return (
-    <Tree<Node>
-      label="Calls of the run, in order"
-      roots={roots}
-      id={idOfNode}
-      childrenOf={childrenOf}
-      expanded={expanded}
-      onExpand={(node, open) => setExpanded((before) => toggled(before, node.id, open))}
-      text={(node) => nameOfNode(node, calls, nameOf)}
-      row={(node) => <Row node={node} calls={calls} nameOf={nameOf} />}
-      selected={new Set(at === null ? [] : [at])}
-      reveal={at}
-      onSelect={(node) => {
-        setChosen(node);
-        show(begin(node));
-      }}
-      onOpen={(node) => show(begin(node), true)}
-      onMenu={(node, at) => onMenu(begin(node), at)}
-    />
+    <>
+      <Head />
+      <Tree<Node>
+        label="Calls of the run, in order"
+        roots={roots}
+        id={idOfNode}
+        childrenOf={childrenOf}
+        expanded={expanded}
+        onExpand={(node, open) => setExpanded((before) => toggled(before, node.id, open))}
+        text={(node) => nameOfNode(node, calls, nameOf)}
+        row={(node) => <Row node={node} calls={calls} nameOf={nameOf} />}
+        selected={new Set(at === null ? [] : [at])}
+        reveal={at}
+        onSelect={(node) => {
+          setChosen(node);
+          show(begin(node));
+        }}
+        onOpen={(node) => show(begin(node), true)}
+        onMenu={(node, at) => onMenu(begin(node), at)}
+      />
+    </>
+  );
+}
+
+/** What stands in the columns. */
+function Head() {
+  return (
+    <div className="history-head" aria-hidden>
+      <span className="history-name">State</span>
+      <span className="history-when">Began</span>
+      <span className="history-long">Took</span>
+      <span className="history-end">Outcome</span>
+    </div>
   );
 }
 
@@ -179,7 +194,7 @@ function nameOfNode(node: Node, calls: Calls, nameOf: NameOf): string {
     case "loop": {
       const names = node.calls.slice(0, Math.min(node.period, NAMES_MAX)).map(name);
       const more = node.period > NAMES_MAX ? ", …" : "";
-      return `${names.join(", ")}${more} × ${Math.ceil(node.calls.length / node.period)}`;
+      return `${names.join(", ")}${more} × ${timesOf(node, calls)}`;
     }
   }
 }
@@ -193,14 +208,12 @@ interface RowProps {
 function Row({ node, calls, nameOf }: RowProps) {
   const { first, last } = ends(node);
   const began = calls.began_ns(first);
-  const now_ns = calls.journal.t_ns(calls.journal.length - 1);
-  const length = calls.ended_ns(last, now_ns) - began;
   return (
     <span className="history-row">
       <Sign node={node} calls={calls} />
       <span className="history-name">{nameOfNode(node, calls, nameOf)}</span>
       <span className="history-when">{sinceStart(began / 1e6, 1)}</span>
-      <span className="history-long">{measured(length / 1e6)}</span>
+      <span className="history-long">{measured(lengthOf(node, calls) / 1e6)}</span>
       <End call={last} calls={calls} />
     </span>
   );
@@ -230,7 +243,7 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
   const error = isBad ? errorInWords(calls.journal.error(calls.end(call))) : "";
   return (
     <span
-      className={`history-end history-${isBad ? "aborted" : look}`}
+      className={`history-end history-${isBad ? "aborted" : look} ${look === "open" ? "shows-run" : ""}`}
       title={error === "" ? words : `${words}: ${error}`}
     >
       {isBad && look !== "aborted" ? `✕ ${words}` : words}

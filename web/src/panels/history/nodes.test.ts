@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { Calls } from "../../store/calls.ts";
 import { Journal } from "../../store/journal.ts";
 import { events, randomRun } from "../../store/testing/events.ts";
-import { type Node, Nodes } from "./nodes.ts";
+import { lengthOf, type Node, Nodes, timesOf } from "./nodes.ts";
 
 function told(entries: Parameters<Journal["add"]>[0]): Calls {
   const journal = new Journal();
@@ -72,4 +72,24 @@ test("a long list stands in parts, and the way to each call is known", () => {
   }
   const first = nodes.inside(nodes.roots()[0] ?? { kind: "call", id: "", call: 0 }) ?? [];
   expect(first.length).toBeLessThanOrEqual(200);
+});
+
+test("a loop counts visits as the inspector does, without steps back, and lasts as long as they did", () => {
+  const calls = told(
+    events(`> R
+      > R/A
+      < R/A done
+      > R/A!
+      = R/A held
+      = R/A held
+      < R/A!
+      > R/A
+      < R/A done`),
+  );
+  const nodes = new Nodes(calls);
+  const [root] = nodes.roots();
+  const [loop] = (root && nodes.inside(root)) ?? [];
+  expect(loop?.kind === "loop" && timesOf(loop, calls)).toBe(2);
+  expect(loop && lengthOf(loop, calls)).toBe(2_000_000);
+  expect(root && lengthOf(root, calls)).toBe(8_000_000);
 });

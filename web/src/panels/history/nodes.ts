@@ -133,6 +133,27 @@ export function ends(node: Node): { readonly first: number; readonly last: numbe
   }
 }
 
+/** How often its states were gone through: steps back are no visits. */
+export function timesOf({ calls, period }: Node & { readonly kind: "loop" }, known: Calls): number {
+  return Math.ceil(visitsIn(calls, known).length / period);
+}
+
+/** How long it lasted: of several calls the sum of the visits, without what was between them. */
+export function lengthOf(node: Node, calls: Calls): number {
+  const now_ns = calls.journal.t_ns(calls.journal.length - 1);
+  const lasted = (from: number, to: number) => calls.ended_ns(to, now_ns) - calls.began_ns(from);
+  if (node.kind === "loop" || node.kind === "round") {
+    return visitsIn(node.calls, calls).reduce((sum, call) => sum + lasted(call, call), 0);
+  }
+  const { first, last } = ends(node);
+  return lasted(first, last);
+}
+
+function visitsIn(list: readonly number[], calls: Calls): readonly number[] {
+  const visits = list.filter((call) => !calls.isBack(call));
+  return visits.length === 0 ? list : visits;
+}
+
 function has(node: Node, call: number): boolean {
   const { first, last } = ends(node);
   return call >= first && call <= last;
