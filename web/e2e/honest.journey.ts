@@ -2,7 +2,15 @@
  * `RAFCON_CUT_MS`. */
 
 import { expect } from "vitest";
-import { endsWhole, goesOn, isDownFor, linkIs, PACKER, startAndShow } from "./house/honest.ts";
+import {
+  endsWhole,
+  goesOn,
+  isDownFor,
+  linkIs,
+  looksAlive,
+  PACKER,
+  startAndShow,
+} from "./house/honest.ts";
 import { journey } from "./house/journey.ts";
 import { endRun, eventually, missionOf, status } from "./house/mission.ts";
 import { whileStopped } from "./house/runner.ts";
@@ -138,6 +146,31 @@ journey(
     await old.waitFor({ state: "detached", timeout: 60_000 });
     await live.waitFor();
     await goesOn(app);
+    await endsWhole(app, server, run);
+  },
+);
+
+journey(
+  "while the robot is not heard nothing looks alive, in mission control and in the editor: no button and no sign",
+  HERE,
+  async ({ app, server }) => {
+    const run = await startAndShow(app, server, "packer", FOREVER);
+    await goesOn(app);
+    const lay = (name: string) =>
+      app.sheet.evaluate((layout) => window.__rafcon.context().shell.layouts.apply(layout), name);
+    await lay("Debug");
+    await app.panel("Running");
+    await eventually(async () => (await looksAlive(app)).length > 0);
+    await whileStopped(server, run, async () => {
+      await app.sheet.locator(".canvas-mount.is-old").waitFor({ timeout: 60_000 });
+      for (const panel of ["Timeline", "Run history", "Statistics", "Watches", "Runs"]) {
+        await app.panel(panel);
+        expect(await looksAlive(app)).toEqual([]);
+      }
+      await lay("Mission control");
+      await status(app).waitFor();
+      expect(await looksAlive(app)).toEqual([]);
+    });
     await endsWhole(app, server, run);
   },
 );

@@ -116,3 +116,22 @@ async function eventsIn(app: App): Promise<readonly string[]> {
     });
   });
 }
+
+/** What has the colour of what runs, in panels and buttons: by its class and text. The state of the link to the server is not the
+ * robot's. */
+export async function looksAlive(app: App): Promise<readonly string[]> {
+  return app.sheet.evaluate(() => {
+    const probe = document.createElement("i");
+    probe.style.color = "var(--running)";
+    document.body.append(probe);
+    const live = getComputedStyle(probe).color;
+    probe.remove();
+    return [...document.querySelectorAll("body *")].flatMap((part) => {
+      const { color, backgroundColor, borderTopColor, fill, stroke } = getComputedStyle(part);
+      const has = [color, backgroundColor, borderTopColor, fill, stroke].includes(live);
+      const { width, height } = part.getBoundingClientRect();
+      const isSeen = width > 1 && height > 1 && !part.closest(".link");
+      return has && isSeen ? [`${part.getAttribute("class")}: ${part.textContent}`] : [];
+    });
+  });
+}

@@ -14,6 +14,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
 import { RunStandView } from "../parts/run_stand.tsx";
+import { useIsOld } from "../run_age.ts";
 import { foundRuns } from "./found.ts";
 import "./runs.css";
 
@@ -92,9 +93,10 @@ function RunRow({ run }: { run: RunSummary }) {
   const started = startedInWords(run.started_ms, Date.now());
   const by = run.author === null ? "" : ` · ${run.author}`;
   const isShown = watch === run.id;
+  const isOld = useMayBeOld(run, isShown);
   return (
     <li
-      className={`runs-row ${isShown ? "runs-row-shown" : ""}`}
+      className={`runs-row ${isShown ? "runs-row-shown" : ""} ${isOld ? "shows-run is-old" : ""}`}
       aria-current={isShown}
       onContextMenu={(event) => {
         event.preventDefault();
@@ -128,6 +130,14 @@ function RunRow({ run }: { run: RunSummary }) {
       )}
     </li>
   );
+}
+
+/** Whether a run that goes on may stand otherwise by now: nobody hears the server, or the server does not hear its program. */
+function useMayBeOld(run: RunSummary, isShown: boolean): boolean {
+  const { page } = useHost().context();
+  const isOldInFront = useIsOld(page);
+  const isDown = useSignal(page.server.link).state !== "up";
+  return isLive(run) && (isDown || (isShown && isOldInFront));
 }
 
 function useShownRun(tab: ReturnType<typeof useActiveTab>): string | null {
