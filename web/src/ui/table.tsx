@@ -64,6 +64,8 @@ export interface TableProps<T> {
   readonly follow?: boolean | undefined;
   /** Somebody has scrolled it: to its end, or away from there. */
   readonly onEnd?: ((isAtEnd: boolean) => void) | undefined;
+  /** A row that was just added: the first of its cells that can be edited is, at once. */
+  readonly newRow?: string | undefined;
   /** The id of a row that is brought into sight whenever it is another. */
   readonly inSight?: string | undefined;
   /** How a row looks beside others. */
@@ -112,6 +114,18 @@ export function Table<T>(props: TableProps<T>) {
     scrolled.note();
     props.onSelect?.(row, how);
   };
+  const { newRow } = props;
+  const begin = useRef(go);
+  begin.current = go;
+  useEffect(() => {
+    const { rows, columns, id } = latest.current;
+    const index = rows.findIndex((row) => id(row) === newRow);
+    const row = rows[index];
+    const column = columns.findIndex(({ edit }) => row !== undefined && edit?.value(row) != null);
+    if (newRow === undefined || column < 0) return;
+    begin.current(index, column);
+    setEditing(true);
+  }, [newRow]);
   const template = columns.map((column) => column.width ?? "minmax(0, 1fr)").join(" ");
   const cursor: Cursor = { at, column: active?.column ?? 0, editing, setEditing, go };
   const stop = (step: CellStep) => {

@@ -233,6 +233,33 @@ test("a cell says, too, what somebody else makes of it meanwhile, and leaving it
   expect([commit.mock.calls.length, input()]).toEqual([0, null]);
 });
 
+test("a row that was just added is edited at once, in its first cell that can be", () => {
+  const table = (rows: readonly string[], newRow?: string) => (
+    <Table
+      label="Ports"
+      rows={rows}
+      id={(row) => row}
+      newRow={newRow}
+      columns={[
+        { key: "id", title: "Id", cell: () => "0" },
+        {
+          key: "name",
+          title: "Name",
+          cell: (row) => row,
+          edit: { value: (row) => row, commit: () => null },
+        },
+      ]}
+    />
+  );
+  const place = mount(table(["one"]));
+  draw(table(["one", "two"], "two"));
+  const input = () => place.querySelector("input");
+  expect(input()?.value).toBe("two");
+  press(input(), "Escape");
+  draw(table(["one", "two"], "two"));
+  expect(input()).toBeNull();
+});
+
 test("Tab goes on to the next cell while the key is still down, but not from what is refused or asked", async () => {
   const answers: Record<string, Commit> = {
     later: new Promise<null>(() => {}),

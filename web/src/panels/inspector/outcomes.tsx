@@ -10,7 +10,7 @@ import { IconButton } from "../../ui/button.tsx";
 import type { Column } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import { Goal } from "./goal.tsx";
-import { PartTable, PasteButton } from "./part_table.tsx";
+import { PartTable, PasteButton, useAdded } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
@@ -21,6 +21,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
   const [refusal, run] = useRefusal();
   const [rename, asking] = useRenaming(seen);
   const outcomes = outcomesOf(state).toSorted(asPeopleRead);
+  const [added, adding] = useAdded(outcomes);
   const canChange = !readOnly && !state.library;
   const refOf = ({ id }: OutcomeDocument) => ({ kind: "outcome", path, id }) as const;
   const remove = (outcome: OutcomeDocument) =>
@@ -75,7 +76,10 @@ export function Outcomes({ seen }: { seen: SeenState }) {
       <IconButton
         label="Add outcome"
         icon={<Plus size={15} />}
-        onClick={() => run(edit((now) => addOutcome(now, path)))}
+        onClick={() => {
+          adding();
+          run(edit((now) => addOutcome(now, path)));
+        }}
       />
     </>
   );
@@ -89,6 +93,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
         label={`Outcomes of ${state.name}`}
         columns={columns}
         rows={outcomes}
+        added={added}
         canChange={canChange}
       />
       <Refusal text={refusal} />

@@ -1,7 +1,7 @@
 /** Ports or outcomes as a table whose rows are copied, cut, pasted and removed, by keys and by its menu. */
 
 import { ClipboardPaste } from "lucide-react";
-import { type ClipboardEvent, useState } from "react";
+import { type ClipboardEvent, useRef, useState } from "react";
 import { copyElements, NOTHING_COPIED, read, type TextTransfer } from "../../commands/clipboard.ts";
 import type { ElementRef } from "../../model/element.ts";
 import type { Point } from "../../model/geometry.ts";
@@ -24,6 +24,8 @@ export interface PartTableProps<T> extends PartsOf {
   readonly label: string;
   readonly rows: readonly T[];
   readonly columns: readonly Column<T>[];
+  /** The id of a row that was just added by its button, to be edited at once. */
+  readonly added?: number | undefined;
   /** Whether rows may come and go. */
   readonly canChange: boolean;
 }
@@ -89,6 +91,7 @@ export function PartTable<T extends { readonly id: number }>(props: PartTablePro
         rows={rows}
         id={idOf}
         rowsMax={ROWS_MAX}
+        newRow={props.added === undefined ? undefined : String(props.added)}
         selected={chosen.ids}
         onSelect={chosen.choose}
         onHover={(part) => seen.hover(part && refOf(props, part))}
@@ -105,6 +108,18 @@ export function PartTable<T extends { readonly id: number }>(props: PartTablePro
       )}
     </div>
   );
+}
+
+/** Knows which row came after its button was pressed, and the way to say that it is pressed. */
+export function useAdded(
+  rows: readonly { readonly id: number }[],
+): readonly [number | undefined, () => void] {
+  const before = useRef<ReadonlySet<number> | null>(null);
+  const added = rows.find(({ id }) => before.current?.has(id) === false)?.id;
+  const pressed = () => {
+    before.current = new Set(rows.map(({ id }) => id));
+  };
+  return [added, pressed];
 }
 
 function idOf({ id }: { readonly id: number }): string {

@@ -19,7 +19,7 @@ import { IconButton } from "../../ui/button.tsx";
 import { Checkbox, type Commit } from "../../ui/field.tsx";
 import type { Column } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
-import { PartTable, PasteButton } from "./part_table.tsx";
+import { PartTable, PasteButton, useAdded } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
@@ -41,6 +41,7 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
   const [refusal, run] = useRefusal();
   const [rename, asking] = useRenaming(seen);
   const ports = portsOf(state, kind);
+  const [added, adding] = useAdded(ports);
   const { many, one } = PORT_TITLES[kind];
   const isLibrary = state.library != null;
   const canChange = !readOnly && !isLibrary;
@@ -68,7 +69,10 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
       <IconButton
         label={`Add ${one}`}
         icon={<Plus size={15} />}
-        onClick={() => run(edit((now) => addPort(now, path, kind)))}
+        onClick={() => {
+          adding();
+          run(edit((now) => addPort(now, path, kind)));
+        }}
       />
     </>
   );
@@ -90,6 +94,7 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
           label={`${many} of ${state.name}`}
           columns={[...columns, buttons]}
           rows={ports}
+          added={added}
           canChange={canChange}
         />
       )}
