@@ -64,7 +64,7 @@ fn split(program: &Path, to: &Path, symbols: &Path) -> Result<()> {
     process::run(objcopy().arg("--only-keep-debug").arg(program).arg(&kept))?;
     let mut link = std::ffi::OsString::from("--add-gnu-debuglink=");
     link.push(&kept);
-    process::run(objcopy().arg("--strip-debug").arg(link).arg(program).arg(to))
+    process::run(objcopy().arg("--strip-unneeded").arg(link).arg(program).arg(to))
 }
 
 /// Packs a folder into an archive beside it.
