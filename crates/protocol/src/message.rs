@@ -115,6 +115,17 @@ pub struct EnginePulse {
     pub scripts: Option<u32>,
 }
 
+impl EnginePulse {
+    /// An engine that could not be reached for so long stands still, in ms.
+    const STILL_AFTER_MS: u64 = 3_000;
+
+    /// Whether the engine counts as reached by this answer: one that was does so for three seconds, one that was not only once
+    /// it is reached just now.
+    pub fn is_reached(self, was_reached: bool) -> bool {
+        if was_reached { self.unreached_ms < Self::STILL_AFTER_MS } else { self.unreached_ms == 0 }
+    }
+}
+
 /// The data of one active state, by port name.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]

@@ -1,22 +1,20 @@
 //! Where a run that is taken up was begun, as its journal tells it: by the launch or by a later command, and whether it came
 //! there. Knows events; what follows from it, the engine knows.
 
+use crate::prepare::behind;
+use crate::resume::latest;
 use rafcon_engine::{BegunAt, Then};
 use rafcon_model::StatePath;
-use rafcon_protocol::{Afterwards, Answer, Beginning, Command, Event};
+use rafcon_protocol::{Answer, Beginning, Command, Event};
 use rafcon_storage::journal::{Entry, Moment, Places, Reader, Record};
 
-/// So many of the last events are looked at. A run that was begun before them has come to the state that it was begun at.
-const LAST_EVENTS: u64 = 10_000;
-
-/// The state that the run was begun at last, if that still matters.
+/// The state that the run was begun at last, if that still matters. A run that was begun before the latest events has come there.
 pub(crate) fn begun_at(
     reader: &mut Reader,
     last: &Moment,
     beginning: &Beginning,
 ) -> Option<BegunAt> {
-    let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
-    let entries = reader.page(first, usize::try_from(LAST_EVENTS).ok()? + 1).ok()?;
+    let entries = latest(reader, last).ok()?;
     let begun_again = entries.iter().rposition(|entry| begins(&entry.record));
     let (wanted, since) = match begun_again {
         // What a command leads to stands before it.
@@ -24,7 +22,7 @@ pub(crate) fn begun_at(
         None => (launched(beginning), 0),
     };
     let (path, then) = wanted?;
-    let is_told = begun_again.is_some() || first == 1;
+    let is_told = begun_again.is_some() || entries.first()?.sequence == 1;
     let mut moves = entries[since..].iter().filter_map(|entry| {
         let (place, comes) = match &entry.record {
             Record::Entered { place, .. } => (place, true),
@@ -63,12 +61,7 @@ fn wanted(record: &Record) -> Option<(String, Then)> {
 }
 
 fn launched(beginning: &Beginning) -> Option<(String, Then)> {
-    let then = match beginning.afterwards {
-        Afterwards::GoOn => Then::GoOn,
-        Afterwards::Hold => Then::Hold,
-        Afterwards::Stop => Then::Stop,
-    };
-    Some((beginning.start_from.clone()?, then))
+    Some((beginning.start_from.clone()?, behind(beginning.afterwards)))
 }
 
 /// Where the root was entered last.

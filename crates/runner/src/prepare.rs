@@ -116,15 +116,20 @@ fn start<H: Host>(host: &mut H, launch: &Launch) -> Result<Start<crate::HostValu
 
 /// What happens after the state at which the run begins.
 fn then(launch: &Launch) -> Result<Then, String> {
-    match launch.afterwards {
-        Afterwards::GoOn => Ok(Then::GoOn),
-        Afterwards::Hold if launch.start_from.is_some() => Ok(Then::Hold),
-        Afterwards::Stop if launch.start_from.is_some() => Ok(Then::Stop),
-        Afterwards::Hold | Afterwards::Stop => {
-            Err("the start says what happens after its first state, but not which that is: \
-                  name it in `start_from`, or leave `afterwards` out"
-                .to_owned())
-        }
+    if launch.afterwards != Afterwards::GoOn && launch.start_from.is_none() {
+        return Err("the start says what happens after its first state, but not which that is: \
+                    name it in `start_from`, or leave `afterwards` out"
+            .to_owned());
+    }
+    Ok(behind(launch.afterwards))
+}
+
+/// The same in the engine's words.
+pub(crate) fn behind(afterwards: Afterwards) -> Then {
+    match afterwards {
+        Afterwards::GoOn => Then::GoOn,
+        Afterwards::Hold => Then::Hold,
+        Afterwards::Stop => Then::Stop,
     }
 }
 

@@ -17,7 +17,7 @@ use rafcon_protocol::{
     Answer, Beginning, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
 };
 use rafcon_storage::journal::{
-    About, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader, Record, TakenUp,
+    About, Entry, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader, Record, TakenUp,
 };
 use smol_str::SmolStr;
 use std::fs;
@@ -213,12 +213,16 @@ impl Past {
     }
 }
 
+/// The events at the end of a journal, as far as taking a run up looks back.
+pub(crate) fn latest(reader: &mut Reader, last: &Moment) -> Result<Vec<Entry>, JournalError> {
+    let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
+    reader.page(first, usize::try_from(LAST_EVENTS).unwrap_or(usize::MAX).saturating_add(1))
+}
+
 /// Whether a run that was paused at its end was so because somebody wanted it: then a command says so, in one group with the pause
 /// or later. Else its journal could not be written, and nobody holds it.
 fn somebody_paused(reader: &mut Reader, last: &Moment) -> bool {
-    let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
-    let count = usize::try_from(LAST_EVENTS).unwrap_or(usize::MAX);
-    let Ok(entries) = reader.page(first, count.saturating_add(1)) else { return true };
+    let Ok(entries) = latest(reader, last) else { return true };
     let mut events = entries.iter().rev().filter_map(|entry| match &entry.record {
         Record::Told(event) => Some(&**event),
         _ => None,
@@ -275,8 +279,7 @@ impl<S: Scripts> Driver<S> {
         if last.entries() == 0 || !last.active().is_empty() {
             return None;
         }
-        let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
-        let entries = reader.page(first, usize::try_from(LAST_EVENTS).ok()? + 1).ok()?;
+        let entries = latest(reader, last).ok()?;
         let root = |record: &Record| {
             let Record::Left { place, .. } = record else { return None };
             let place = last.places().get(*place)?;

@@ -23,9 +23,6 @@ use tokio::time::timeout;
 /// How long the way to a runner is waited for by those who need it.
 const LINK_PATIENCE: Duration = Duration::from_secs(3);
 
-/// An engine that has taken no inputs for so long is stuck.
-const STUCK_AFTER: Duration = Duration::from_secs(3);
-
 /// So many look into active states at a time, each over a connection of its own: the runner lets few in, and others need it more.
 const GUESTS: usize = 4;
 
@@ -229,13 +226,12 @@ impl Run {
 
     /// Its runner says whether its engine takes inputs.
     pub(super) fn engine_answers(&self, engine: EnginePulse) {
-        let unreached = Duration::from_millis(engine.unreached_ms);
         let reached_ms = clock::since_1970_ms().saturating_sub(engine.unreached_ms);
         self.change(|now| match now.link {
-            LinkState::Up if unreached >= STUCK_AFTER => {
+            LinkState::Up if !engine.is_reached(true) => {
                 (now.link, now.runner_heard_ms) = (LinkState::Stuck, Some(reached_ms));
             }
-            LinkState::Stuck if unreached.is_zero() => {
+            LinkState::Stuck if engine.is_reached(false) => {
                 (now.link, now.runner_heard_ms) = (LinkState::Up, Some(reached_ms));
             }
             _ => {}

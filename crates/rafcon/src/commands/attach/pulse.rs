@@ -6,9 +6,6 @@ use std::time::Duration;
 /// From one question to the next.
 const RHYTHM: Duration = Duration::from_secs(1);
 
-/// An engine that has taken no inputs for so long is stuck.
-const STUCK_AFTER: Duration = Duration::from_secs(3);
-
 /// What was asked and heard.
 #[derive(Debug, Default)]
 pub(super) struct Pulse {
@@ -35,12 +32,10 @@ impl Pulse {
 
     /// Whether the engine is reached again or not any more, if the answer changes that.
     pub(super) fn answered(&mut self, engine: EnginePulse) -> Option<bool> {
-        let unreached = Duration::from_millis(engine.unreached_ms);
-        let is_reached = match self.is_stuck {
-            false if unreached >= STUCK_AFTER => false,
-            true if unreached.is_zero() => true,
-            _ => return None,
-        };
+        let is_reached = engine.is_reached(!self.is_stuck);
+        if is_reached != self.is_stuck {
+            return None;
+        }
         self.is_stuck = !is_reached;
         Some(is_reached)
     }
