@@ -40,6 +40,7 @@ journey("a port gets another name, type and default", HERE, async ({ app }) => {
 journey("an outcome and a port are added and removed in the inspector", HERE, async ({ app }) => {
   await app.select(LABEL);
   await app.sheet.getByRole("button", { name: "Add input" }).click();
+  await app.sheet.locator("input.table-edit:focus").waitFor();
   await app.sheet.keyboard.type("colour");
   await app.sheet.keyboard.press("Enter");
   await app.settled();

@@ -5,10 +5,10 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import type { ElementRef } from "../src/model/element.ts";
 import { endsOf, isConnection } from "../src/model/ends.ts";
 import type { Document, Edit } from "../src/model/generated/protocol.ts";
-import type { Point } from "../src/model/geometry.ts";
+import { around, type Box, contains } from "../src/model/geometry.ts";
 import type { Machine } from "../src/model/machine.ts";
 import { dataFlowsOf, outcomesOf, portsOf, transitionsOf } from "../src/model/machine.ts";
-import { idOf, lineage } from "../src/model/path.ts";
+import { childPath, idOf, lineage, parentOf } from "../src/model/path.ts";
 import { machineOf } from "../src/model/plain.ts";
 import { boxIn } from "../src/plan/boxes.ts";
 import { copySelection, duplicate, paste } from "../src/plan/clipboard.ts";
@@ -221,7 +221,9 @@ async function walk(id: string, numbers: readonly number[][]): Promise<number> {
     }
     await make(id, `${index}-${each.join()}`, planned.name, planned.edit);
     made++;
-    if (/^(Group|Ungroup) /.test(planned.name)) await staysInSight(id, machine);
+    if (planned.name.startsWith("Group "))
+      await staysInSight(id, machine, planned.select?.[0]?.path);
+    if (planned.name.startsWith("Ungroup ")) await staysInSight(id, machine, undefined);
     await lookAt(id, planned.select ?? []);
   }
   return made;
@@ -244,33 +246,61 @@ async function lookAt(id: string, selected: readonly ElementRef[]): Promise<void
   }
 }
 
-/** Everything that is still there shows where it was. */
-async function staysInSight(id: string, before: Machine): Promise<void> {
+/** Everything that is still there shows where it was. Only the content of a group for which there is no room is made smaller,
+ * and stays in the bounds that it had. */
+async function staysInSight(id: string, before: Machine, group: string | undefined): Promise<void> {
   const machine = machineOf((await server.ask<Told>("GET", `/machines/${id}/document`)).document);
-  const now = cornersById(machine);
-  for (const [state, corner] of cornersById(before)) {
+  const bounds = group === undefined ? null : boundsIfSmaller(before, machine, group);
+  const now = placesById(machine);
+  for (const [state, was] of placesById(before)) {
     const then = now.get(state);
     if (!then) continue;
-    expect(then.x, `${state} in x`).toBeCloseTo(corner.x, 3);
-    expect(then.y, `${state} in y`).toBeCloseTo(corner.y, 3);
+    if (bounds && then.path.startsWith(`${group}/`)) {
+      if (parentOf(then.path) !== group) continue;
+      expect(contains(bounds, then.box), `${state} in its bounds`).toBe(true);
+      continue;
+    }
+    expect(then.box.x, `${state} in x`).toBeCloseTo(was.box.x, 3);
+    expect(then.box.y, `${state} in y`).toBeCloseTo(was.box.y, 3);
   }
 }
 
+/** The bounds that the states of a new group had, if they are smaller now. */
+function boundsIfSmaller(before: Machine, now: Machine, group: string): Box | null {
+  const container = parentOf(group) ?? before.root;
+  const boxes = now.children(group).map((path) => ({
+    was: boxInRoot(before, childPath(container, idOf(path))),
+    is: boxInRoot(now, path),
+  }));
+  const isSmaller = boxes.some(({ was, is }) => is.width < was.width * 0.999);
+  return isSmaller ? around(boxes.map(({ was }) => was)) : null;
+}
+
+interface Place {
+  readonly path: string;
+  readonly box: Box;
+}
+
 /** Where states stand in the root's coordinates, by ids that only one state has. */
-function cornersById(machine: Machine): ReadonlyMap<string, Point> {
-  const corners = new Map<string, Point>();
+function placesById(machine: Machine): ReadonlyMap<string, Place> {
+  const places = new Map<string, Place>();
   const twice = new Set<string>();
   for (const path of machine.paths()) {
     const id = idOf(path);
-    if (corners.has(id)) twice.add(id);
-    const boxes = lineage(path)
-      .slice(1)
-      .map((each) => boxIn(machine, each));
-    const x = boxes.reduce((sum, box) => sum + box.x, 0);
-    corners.set(id, { x, y: boxes.reduce((sum, box) => sum + box.y, 0) });
+    if (places.has(id)) twice.add(id);
+    places.set(id, { path, box: boxInRoot(machine, path) });
   }
-  for (const id of twice) corners.delete(id);
-  return corners;
+  for (const id of twice) places.delete(id);
+  return places;
+}
+
+function boxInRoot(machine: Machine, path: string): Box {
+  const boxes = lineage(path)
+    .slice(1)
+    .map((each) => boxIn(machine, each));
+  const x = boxes.reduce((sum, box) => sum + box.x, 0);
+  const y = boxes.reduce((sum, box) => sum + box.y, 0);
+  return { ...boxIn(machine, path), x, y };
 }
 
 test.each(MACHINES)("plans for %s are taken by the server", async (path, seed) => {
