@@ -56,6 +56,27 @@ mod tests {
     }
 
     #[test]
+    fn an_event_is_read_as_any_message_is() {
+        let lines = [
+            r#"{"message":"event","sequence":7,"t_ns":9,"event":{"type":"entered","path":"R/A","inputs":{"a":[1,2.5]}}}"#,
+            r#"{"t_ns":9,"event":{"path":"R/A","type":"paused","more":1},"sequence":7,"message":"event"}"#,
+            r#"{"message":"event","sequence":7,"t_ns":9,"event":{"type":"hallo"}}"#,
+            r#"{"message":"event","sequence":-7,"t_ns":9,"event":{"type":"stopping"}}"#,
+            r#"{"message":"pong","id":1,"now_ms":2}"#,
+            "nonsense",
+        ];
+        for line in lines {
+            let read =
+                |read: Result<ToViewer, crate::FrameError>| read.map_err(|error| error.to_string());
+            assert_eq!(read(ToViewer::read(line)), read(decode(line)), "{line}");
+        }
+        assert!(matches!(
+            ToViewer::read(lines[0]),
+            Ok(ToViewer::Event { sequence: 7, t_ns: 9, .. })
+        ));
+    }
+
+    #[test]
     fn nonsense_is_refused_with_its_start() {
         let error = decode::<ToViewer>(r#"{"message":"hallo"}"#).unwrap_err();
         expect![[r#"not a message of this protocol: {"message":"hallo"}"#]]

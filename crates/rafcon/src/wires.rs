@@ -253,7 +253,7 @@ fn messages(control: UnixStream, queue: &Queue) -> Flow {
         let mut batch = Vec::new();
         let mut next = Some(first);
         while let Some(text) = next {
-            match decode(&text) {
+            match ToViewer::read(&text) {
                 Ok(message) => batch.push(message),
                 Err(error) => queue.send(nonsense(error))?,
             }
@@ -275,7 +275,10 @@ fn line(lines: &mut BufReader<UnixStream>) -> Option<String> {
     let mut text = Vec::new();
     match lines.read_until(b'\n', &mut text) {
         Ok(0) | Err(_) => None,
-        Ok(_) => Some(String::from_utf8_lossy(&text).into_owned()),
+        Ok(_) => Some(
+            String::from_utf8(text)
+                .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned()),
+        ),
     }
 }
 

@@ -43,7 +43,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     control.say(&ToRunner::Join(Join::default()))?;
     control.say(&ToRunner::Command(envelope(id.clone(), &environment.user, command)))?;
     loop {
-        match decode(&next()?)? {
+        match ToViewer::read(&next()?)? {
             ToViewer::Answer { id: about, answer } if about == id => return said(answer),
             ToViewer::LoadFailed { reason } => bail!(reason),
             _ => {}
