@@ -153,7 +153,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(slot);
         frame.open = crate::program::index(never.len());
         frame.phase = Phase::Branches;
-        if ran.is_empty() {
+        if ran.is_empty() && (never.is_empty() || !self.is_outermost(slot)) {
             return self.leave_back_later(slot);
         }
         for child in never {

@@ -982,3 +982,54 @@ fn a_stop_while_a_state_is_undone_ends_the_run() {
         "]],
     );
 }
+
+#[test]
+fn the_root_of_a_library_stands_at_the_start_of_its_branches_if_none_of_them_ever_ran() {
+    check(
+        "
+library ROOT from \"x\"
+  outcome ok
+  content
+    barrier C
+      outcome ok
+      execution A
+        outcome ok
+      decider unique_decider_state_id
+        outcome ok
+",
+        "break 1 after ROOT/C; start hold; preempt ROOT/C; step back; active; step into; A ok; unique_decider_state_id ok",
+        &expect![[r"
+            > break 1 after ROOT/C
+            > start hold
+            enter ROOT
+            enter ROOT/C
+            hold ROOT/C before ROOT/C/A (Start)
+              fork 1
+            > preempt ROOT/C
+            leave ROOT/C preempted
+            hit 1 at ROOT/C for the 1. time
+            hold ROOT (Breakpoint(1))
+              preempt ROOT/C
+              end 1
+            > step back
+            enter back 2 ROOT/C
+            hold ROOT/C before ROOT/C/A (Start)
+              fork 1
+            > active
+            ROOT Inside
+            ROOT/C Inside (Start before ROOT/C/A)
+            Stepping, 1 states run
+            > step into
+            enter ROOT/C/A
+              run ROOT/C/A on 1
+            > A ok
+            leave ROOT/C/A ok
+            enter ROOT/C/unique_decider_state_id
+              end 1
+              run ROOT/C/unique_decider_state_id [A ok]
+            > unique_decider_state_id ok
+            leave ROOT/C/unique_decider_state_id ok
+            wait ROOT/C: no transition from ROOT/C/unique_decider_state_id ok
+        "]],
+    );
+}
