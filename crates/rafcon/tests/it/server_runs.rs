@@ -43,6 +43,22 @@ hierarchy ROOT "Waits"
           return "ok"
 "#;
 
+/// A script that heeds nothing, and is cut off soon after it was asked to end.
+const HANGS: &str = r#"
+hierarchy ROOT "Hangs"
+  outcome done
+  start -> A
+  A.ok -> .done
+  A.aborted -> A
+  semantic {"grace_s": 0.1}
+  execution A
+    outcome ok
+    script |
+      def execute(self, inputs, outputs, gvm):
+          while True:
+              pass
+"#;
+
 /// A place with a project, its machine, and a server.
 pub(crate) struct Site {
     pub(crate) place: Place,
@@ -243,6 +259,20 @@ fn a_runner_that_dies_is_taken_up_by_its_policy() {
         stop by owner: Applied
         finished preempted"]],
     );
+}
+
+#[test]
+fn a_script_that_hangs_is_stopped_under_every_policy() {
+    for policy in ["ask", "abort", "restart"] {
+        let site = Site::new(HANGS);
+        let start = site.start("r1", &json!({ "on_crash": policy }));
+        let run = start["id"].as_str().unwrap().to_owned();
+        site.until(&run, is_running);
+        assert_eq!(command(site.door(), &run, "stop", &json!({ "type": "stop" })), "200 applied");
+        let now = site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
+        let RunPhase::Finished { outcome, .. } = now.run.phase else { unreachable!() };
+        assert_eq!(outcome.name, "preempted", "{policy}");
+    }
 }
 
 #[test]
