@@ -348,6 +348,11 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     let (code, more, said) = run.end();
     assert_eq!((code, &*said), (Some(0), ""));
     assert_eq!(more.last(), lines.last());
+    let history = house.call("history SERVER last --json").stdout;
+    let commanded: Vec<_> = history.lines().filter(|line| line.contains("tell-")).collect();
+    assert_eq!(commanded.len(), 5, "{history}");
+    let never = |line: &&&str| line.contains(r#""expiry":null"#);
+    assert_eq!(commanded.iter().find(never), None);
 }
 
 #[test]

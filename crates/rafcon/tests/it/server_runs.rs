@@ -398,6 +398,21 @@ fn what_dies_with_its_server_is_taken_up_by_the_next_one() {
 }
 
 #[test]
+fn the_status_of_a_run_that_stands_still_carries_the_time_of_the_answer() {
+    let site = Site::new(WAITS);
+    let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
+    site.until(&run, is_running);
+    let path = format!("/api/v1/runs/{run}");
+    let ask = || site.door().ask("GET", &path, None).unwrap()["now_ms"].as_u64().unwrap();
+    for _ in 0..3 {
+        let before = rafcon_supervisor::clock::since_1970_ms();
+        let said = ask();
+        let after = rafcon_supervisor::clock::since_1970_ms();
+        assert!((before..=after).contains(&said), "{before} {said} {after}");
+    }
+}
+
+#[test]
 fn a_run_that_somebody_kills_is_left_alone() {
     let site = Site::new(WAITS);
     let run =

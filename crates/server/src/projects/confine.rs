@@ -131,6 +131,13 @@ mod tests {
     }
 
     #[test]
+    fn hidden_folders_are_for_the_programs_whose_they_are() {
+        for path in [".git", ".git/hooks", "machines/.git", "machines/one/.hidden/two"] {
+            check(path, &expect!["400 Bad Request bad_path"]);
+        }
+    }
+
+    #[test]
     fn no_link_leads_out_of_the_project() {
         for path in ["out", "out/secret", "out/new", "out/secret/new"] {
             check(path, &expect!["403 Forbidden outside_project"]);

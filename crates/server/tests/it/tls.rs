@@ -52,6 +52,8 @@ fn a_client_that_trusts_the_certificate_is_answered() {
     let file = place.path().join("certificate.pem");
     let answer = ask(&house, &file, "localhost").unwrap();
     assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    let only_tls = "strict-transport-security: max-age=2592000\r\n";
+    assert!(answer.to_lowercase().contains(only_tls), "{answer}");
     assert!(house.url().starts_with("https://"), "{}", house.url());
     ask(&house, &file, "rover.lan").unwrap_err();
 }
