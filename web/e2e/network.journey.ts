@@ -45,8 +45,7 @@ async function pulse(app: App) {
   const found = await app.sheet.evaluate(() => {
     const { link, pulse } = window.__rafcon.page.server;
     const connection = link.value.state === "up" ? link.value.connection : 0;
-    const [delay_ms, ahead_ms] = [pulse.value?.delay_ms ?? 0, pulse.value?.ahead_ms ?? 0];
-    return { connection, delay_ms, ahead_ms };
+    return { connection, ahead_ms: pulse.value?.ahead_ms ?? 0 };
   });
   return found;
 }
@@ -69,10 +68,13 @@ journey(
       const seen = await listen(app);
       await goesOn(app, 150);
       expect(await seen()).toEqual(["up"]);
-      const { delay_ms, ahead_ms } = await pulse(app);
-      expect(Math.round(delay_ms / 1_000)).toBe(4);
+      // One answer may be late on a busy computer; the next one says it.
+      await app.until(
+        ({ page }) => Math.round((page.server.pulse.value?.delay_ms ?? 0) / 1_000) === 4,
+        null,
+      );
       // Browser and server have the same clock here.
-      expect(Math.abs(ahead_ms)).toBeLessThan(1_000);
+      expect(Math.abs((await pulse(app)).ahead_ms)).toBeLessThan(1_000);
       wire.slow({});
       await endsWhole(app, server, run);
     });
