@@ -122,7 +122,7 @@ enum EventTag {
 }
 
 impl ToViewer {
-    /// Reads one line, as [`decode`] does, but events, of which there are many, in half the time.
+    /// Reads one line, as [`decode`] does, but keeps an event in memory once before it is read, and not twice.
     pub fn read(line: &str) -> Result<Self, FrameError> {
         if let Ok(EventMessage { message: _, sequence, t_ns, event }) = serde_json::from_str(line)
             && let Ok(event) = serde_json::from_str(event.get())
