@@ -368,7 +368,7 @@ pub struct Snapshot {
     /// Number of the last event that happened.
     #[serde(default)]
     pub sequence: u64,
-    /// Number of the last event that survives a power cut; events up to here are told. 0 without a journal.
+    /// Number of the last event that survives a power cut; no later one is told yet. 0 without a journal.
     #[serde(default)]
     pub disk_safe: u64,
     /// Why the journal cannot be written, while it cannot.

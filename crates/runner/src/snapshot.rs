@@ -18,9 +18,11 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
             _ => None,
         });
         let texts = Texts { nexts, waits: waits.collect() };
-        (active, texts, core.engine.status(), core.engine.states_run())
+        // With the engine held, in which nothing happens meanwhile.
+        let sequence = driver.recorder().last();
+        (active, texts, core.engine.status(), core.engine.states_run(), sequence)
     };
-    let (active, texts, status, states_run) = driver.with_core(look)?;
+    let (active, texts, status, states_run, sequence) = driver.with_core(look)?;
     let elapsed_ms = driver.clock().now_ms();
     let active =
         active.iter().filter_map(|active| state(driver, (active, &texts), elapsed_ms)).collect();
@@ -30,7 +32,7 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
         active,
         states_run,
         elapsed_ms,
-        sequence: driver.recorder().last(),
+        sequence,
         disk_safe,
         journal_problem: problem.map(|problem| problem.to_string()),
         breakpoints: driver.points().all(),

@@ -63,7 +63,8 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         }
     }
 
-    /// Tells what is new; true when nothing more will come.
+    /// Tells what is new, and how things stand in between: events may come faster than they can be told, without end. True when
+    /// nothing more will come.
     fn tell_new(&mut self) -> bool {
         loop {
             let rare = !self.join.every_event;
@@ -82,6 +83,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             if caught_up {
                 return false;
             }
+            self.tell_snapshot();
         }
     }
 
@@ -97,6 +99,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             self.next = page.last().map_or(end, |(sequence, ..)| sequence + 1);
             let rare = !self.join.every_event;
             self.send(page.into_iter().filter(|(.., record)| !rare || is_rare(record)));
+            self.tell_snapshot();
         }
     }
 

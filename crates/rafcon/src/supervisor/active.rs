@@ -14,12 +14,14 @@ impl Active {
     /// Takes in what the run says.
     pub(crate) fn told(&mut self, message: &ToViewer) {
         match message {
-            ToViewer::Event { sequence, event, .. } => {
-                self.last = self.last.max(*sequence);
+            // A snapshot may come before what happened before it.
+            ToViewer::Event { sequence, event, .. } if *sequence > self.last => {
+                self.last = *sequence;
                 self.happened(event);
             }
-            // A picture may come later than what happened after it.
+            // And after what happened after it.
             ToViewer::Snapshot(snapshot) if snapshot.sequence >= self.last => {
+                self.last = snapshot.sequence;
                 self.paths = snapshot.active.iter().map(|state| state.path.clone()).collect();
             }
             _ => {}

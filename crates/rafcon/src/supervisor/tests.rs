@@ -3,14 +3,17 @@
 use super::{Action, Supervisor};
 use crate::wires::Cause;
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Event, Hello, Launch, Outcome, Stream, ToRunner, ToViewer};
+use rafcon_protocol::{
+    ActiveState, Event, Hello, Launch, Outcome, Phase, RunStatus, Snapshot, Stream, ToRunner,
+    ToViewer,
+};
 use rafcon_supervisor::Exit;
 use std::fmt::Write as _;
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::ExitStatus;
 use std::time::Duration;
 
-/// Runs a script of `seconds word argument`, with a timeout of ten seconds.
+/// Runs a script of `seconds word argument`, with a timeout of ten seconds. The number of an event is that of its line.
 fn check(script: &str, expect: &Expect) {
     let mut run = Supervisor::new(
         Launch::default(),
@@ -19,11 +22,12 @@ fn check(script: &str, expect: &Expect) {
         ("ana", "run"),
     );
     let mut seen = String::new();
-    for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
+    let lines = script.lines().map(str::trim).filter(|line| !line.is_empty());
+    for (number, line) in (1..).zip(lines) {
         let (seconds, what) = line.split_once(' ').unwrap();
         let now = Duration::from_secs_f64(seconds.parse().unwrap());
         let mut actions = Vec::new();
-        run.handle(now, cause(what), &mut actions);
+        run.handle(now, cause(number, what), &mut actions);
         for action in actions {
             writeln!(seen, "{seconds}: {}", shown(&action)).unwrap();
         }
@@ -34,7 +38,8 @@ fn check(script: &str, expect: &Expect) {
     expect.assert_eq(&seen);
 }
 
-fn cause(text: &str) -> Cause {
+fn cause(number: u64, text: &str) -> Cause {
+    let event = |event| message(ToViewer::Event { sequence: number, t_ns: 0, event });
     let (word, argument) = text.split_once(' ').unwrap_or((text, ""));
     match word {
         "hello" => Cause::Hello(Hello::ours()),
@@ -63,6 +68,10 @@ fn cause(text: &str) -> Cause {
             scoped_variables: serde_json::Map::default(),
             states_run: 2,
         }),
+        "snapshot" => {
+            let (sequence, path) = argument.split_once(' ').unwrap();
+            snapshot(sequence.parse().unwrap(), path)
+        }
         "stderr" => Cause::Raw(Stream::Stderr, argument.to_owned()),
         "drained" => Cause::Drained(Stream::Stderr),
         "silence" => Cause::Silence,
@@ -77,8 +86,28 @@ fn message(message: ToViewer) -> Cause {
     Cause::Messages(vec![message])
 }
 
-fn event(event: Event) -> Cause {
-    message(ToViewer::Event { sequence: 1, t_ns: 0, event })
+/// A snapshot after event `sequence`, in which only a state is active.
+fn snapshot(sequence: u64, path: &str) -> Cause {
+    let state = ActiveState {
+        path: path.to_owned(),
+        name: String::new(),
+        phase: Phase::Running,
+        since_ms: 0,
+        branch: String::new(),
+        detail: None,
+        held: vec![],
+    };
+    message(ToViewer::Snapshot(Snapshot {
+        status: RunStatus::Running,
+        active: vec![state],
+        states_run: 0,
+        elapsed_ms: 0,
+        sequence,
+        disk_safe: 0,
+        journal_problem: None,
+        breakpoints: vec![],
+        questions: vec![],
+    }))
 }
 
 fn outcome(id: i64) -> Outcome {
@@ -220,6 +249,32 @@ fn a_runner_that_dies_leaves_what_was_active_and_what_it_said() {
             1: show Left { path: "A/B", outcome: Outcome { id: 0, name: "done" }, outputs: None, error: None, undoes: None }
             2: show Log { path: "", level: Error, stream: Stderr, message: "Fatal Python error: Segmentation fault" }
             2: Died(Death { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"], is_cut_off: false }), exit code 7
+        "#]],
+    );
+}
+
+#[test]
+fn a_snapshot_may_come_before_events_that_it_knows_and_after_events_that_it_does_not() {
+    check(
+        "0 hello
+         0 loaded
+         1 snapshot 5 A
+         1 entered A
+         1 stderr no event
+         1 entered A/B
+         1 snapshot 5 A
+         2 exited 11
+         2 silence
+         2 drained",
+        &expect![[r#"
+            0: send launch
+            0: Loaded { name: "M", states: 2 }
+            1: Snapshot(Snapshot { status: Running, active: [ActiveState { path: "A", name: "", phase: Running, since_ms: 0, branch: "", detail: None, held: [] }], states_run: 0, elapsed_ms: 0, sequence: 5, disk_safe: 0, journal_problem: None, breakpoints: [], questions: [] })
+            1: show Entered { path: "A", inputs: None, undoes: None }
+            1: show Log { path: "", level: Error, stream: Stderr, message: "no event" }
+            1: show Entered { path: "A/B", inputs: None, undoes: None }
+            1: Snapshot(Snapshot { status: Running, active: [ActiveState { path: "A", name: "", phase: Running, since_ms: 0, branch: "", detail: None, held: [] }], states_run: 0, elapsed_ms: 0, sequence: 5, disk_safe: 0, journal_problem: None, breakpoints: [], questions: [] })
+            2: Died(Death { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/B"], said: ["no event"], is_cut_off: false }), exit code 7
         "#]],
     );
 }

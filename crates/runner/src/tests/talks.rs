@@ -38,6 +38,16 @@ hierarchy ROOT
     outcome ok
 ";
 
+/// Goes on until it is stopped, with an event in every few microseconds.
+const GOES_ON: &str = "
+hierarchy ROOT
+  outcome done
+  start -> A
+  A.ok -> A
+  execution A \"go\"
+    outcome ok
+";
+
 /// All events but those of commands, line by line.
 fn check(viewer: Viewer, expect: &Expect) {
     let text = viewer.into_end();
@@ -85,6 +95,26 @@ fn what_a_state_waits_for_is_told_by_names() {
     assert_eq!(awaited, "a transition from the outcome \"ok\" of \"say\"");
     assert_eq!(second.command("stop", Command::Stop), "applied");
     drop((first, second));
+    runner.join().unwrap();
+}
+
+#[test]
+fn snapshots_come_while_events_come_faster_than_they_can_be_told() {
+    let house = House::new(GOES_ON);
+    let (mut viewer, runner) = house.begin(house.launch());
+    let (mut snapshots, mut told) = (Vec::new(), 0);
+    viewer.until(|message| {
+        match message {
+            ToViewer::Snapshot(now) => snapshots.push(now.sequence),
+            ToViewer::Event { sequence, .. } => told = *sequence,
+            _ => {}
+        }
+        (snapshots.len() == 4 || told > 300_000).then_some(())
+    });
+    assert!(snapshots.is_sorted_by(|a, b| a < b), "{snapshots:?}");
+    assert_eq!(snapshots.len(), 4, "{snapshots:?}, and then nothing up to event {told}");
+    assert_eq!(viewer.command("stop", Command::Stop), "applied");
+    drop(viewer);
     runner.join().unwrap();
 }
 

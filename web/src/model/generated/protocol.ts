@@ -1596,7 +1596,7 @@ export type Snapshot = {
   elapsed_ms: number,
   /** Number of the last event that happened. */
   sequence: number,
-  /** Number of the last event that survives a power cut; events up to here are told. 0 without a journal. */
+  /** Number of the last event that survives a power cut; no later one is told yet. 0 without a journal. */
   disk_safe: number,
   /** Why the journal cannot be written, while it cannot. */
   journal_problem: string | null,
