@@ -3,7 +3,7 @@
 //! Tries count for the address that they come from and for the user that they are about. Whoever was let in from an address
 //! before is not held up there by what others try elsewhere.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv6Addr};
 
 /// So many tries at once.
@@ -20,8 +20,16 @@ const MAX: usize = 10_000;
 pub(super) struct Limiter {
     /// When all that was tried is forgotten, by whom it counts for.
     spent: BTreeMap<Key, u64>,
-    /// Users and the addresses from which they were let in.
-    familiar: BTreeSet<(String, IpAddr)>,
+}
+
+/// A try to log in.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Try<'t> {
+    pub(super) user: &'t str,
+    /// Where it comes from: a [`network`].
+    pub(super) from: IpAddr,
+    /// The user was let in from there before.
+    pub(super) is_familiar: bool,
 }
 
 /// For whom a try counts.
@@ -34,9 +42,9 @@ enum Key {
 
 impl Limiter {
     /// Counts a try, or says after how many seconds the next one makes sense.
-    pub(super) fn attempt(&mut self, user: &str, from: IpAddr, now_ms: u64) -> Result<(), u64> {
+    pub(super) fn attempt(&mut self, tried: Try<'_>, now_ms: u64) -> Result<(), u64> {
         self.forget(now_ms);
-        let keys = self.keys(user, from);
+        let keys = keys(tried);
         let wait = keys.iter().map(|key| self.wait(key, now_ms)).max().unwrap_or_default();
         if wait > 0 {
             return Err(wait.div_ceil(1000));
@@ -48,24 +56,13 @@ impl Limiter {
         Ok(())
     }
 
-    /// The try was right: it counts for little, and the address is familiar.
-    pub(super) fn succeeded(&mut self, user: &str, from: IpAddr) {
-        for key in self.keys(user, from) {
+    /// The try was right: it counts for little.
+    pub(super) fn succeeded(&mut self, tried: Try<'_>) {
+        for key in keys(tried) {
             if let Some(spent) = self.spent.get_mut(&key) {
                 *spent = spent.saturating_sub(PAUSE_MS - RIGHT_MS);
             }
         }
-        if self.familiar.len() < MAX {
-            self.familiar.insert((user.to_owned(), network(from)));
-        }
-    }
-
-    fn keys(&self, user: &str, from: IpAddr) -> [Key; 2] {
-        let (user, from) = (user.to_owned(), network(from));
-        if self.familiar.contains(&(user.clone(), from)) {
-            return [Key::From(from), Key::UserFrom(user, from)];
-        }
-        [Key::From(from), Key::User(user)]
     }
 
     fn wait(&self, key: &Key, now_ms: u64) -> u64 {
@@ -89,6 +86,14 @@ impl Limiter {
     }
 }
 
+fn keys(tried: Try<'_>) -> [Key; 2] {
+    let (user, from) = (tried.user.to_owned(), tried.from);
+    if tried.is_familiar {
+        return [Key::From(from), Key::UserFrom(user, from)];
+    }
+    [Key::From(from), Key::User(user)]
+}
+
 /// Whoever has one address of a network of IPv6 has all of them.
 pub(crate) fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
@@ -99,17 +104,17 @@ pub(crate) fn network(address: IpAddr) -> IpAddr {
 
 #[cfg(test)]
 mod tests {
-    use super::{Limiter, MAX};
+    use super::{Limiter, MAX, Try, network};
     use std::net::IpAddr;
 
-    fn from(text: &str) -> IpAddr {
-        text.parse().unwrap()
+    fn from<'t>(user: &'t str, address: &str) -> Try<'t> {
+        Try { user, from: network(address.parse().unwrap()), is_familiar: false }
     }
 
     #[test]
     fn five_tries_at_once_then_one_in_ten_seconds() {
-        let (mut limiter, here) = (Limiter::default(), from("10.0.0.1"));
-        let mut attempt = |now_ms| limiter.attempt("anna", here, now_ms);
+        let mut limiter = Limiter::default();
+        let mut attempt = |now_ms| limiter.attempt(from("anna", "10.0.0.1"), now_ms);
         assert_eq!([0; 5].map(&mut attempt), [Ok(()); 5]);
         assert_eq!(attempt(0), Err(10));
         assert_eq!(attempt(9_001), Err(1));
@@ -125,31 +130,32 @@ mod tests {
     fn one_address_cannot_try_many_users_nor_one_network_many_addresses() {
         let mut limiter = Limiter::default();
         for number in 0..5 {
-            let address = from(&format!("2001:db8::{number}"));
-            assert_eq!(limiter.attempt(&format!("user{number}"), address, 0), Ok(()));
+            let address = format!("2001:db8::{number}");
+            assert_eq!(limiter.attempt(from(&format!("user{number}"), &address), 0), Ok(()));
         }
-        assert_eq!(limiter.attempt("another", from("2001:db8::99"), 0), Err(10));
-        assert_eq!(limiter.attempt("another", from("2001:db8:1::1"), 0), Ok(()));
+        assert_eq!(limiter.attempt(from("another", "2001:db8::99"), 0), Err(10));
+        assert_eq!(limiter.attempt(from("another", "2001:db8:1::1"), 0), Ok(()));
     }
 
     #[test]
     fn who_was_let_in_here_before_is_not_held_up_by_others() {
-        let (mut limiter, home) = (Limiter::default(), from("10.0.0.1"));
-        limiter.attempt("anna", home, 0).unwrap();
-        limiter.succeeded("anna", home);
+        let mut limiter = Limiter::default();
         for number in 2..=250 {
-            limiter.attempt("anna", from(&format!("10.0.0.{number}")), 1).unwrap_or_default();
+            let address = format!("10.0.0.{number}");
+            limiter.attempt(from("anna", &address), 1).unwrap_or_default();
         }
-        assert_eq!(limiter.attempt("anna", from("10.0.1.1"), 1), Err(2));
-        assert_eq!(limiter.attempt("anna", home, 1), Ok(()));
+        assert_eq!(limiter.attempt(from("anna", "10.0.1.1"), 1), Err(10));
+        let home = Try { is_familiar: true, ..from("anna", "10.0.0.1") };
+        assert_eq!(limiter.attempt(home, 1), Ok(()));
     }
 
     #[test]
     fn a_right_password_counts_for_little() {
-        let (mut limiter, here) = (Limiter::default(), from("10.0.0.1"));
+        let mut limiter = Limiter::default();
+        let here = from("anna", "10.0.0.1");
         let mut log_in = |now_ms| {
-            let tried = limiter.attempt("anna", here, now_ms);
-            tried.inspect(|()| limiter.succeeded("anna", here))
+            let tried = limiter.attempt(here, now_ms);
+            tried.inspect(|()| limiter.succeeded(here))
         };
         assert_eq!((0..100).take_while(|_| log_in(0).is_ok()).count(), 21);
         assert_eq!((log_in(1_000), log_in(2_000)), (Err(1), Ok(())));
@@ -159,8 +165,9 @@ mod tests {
     fn what_is_remembered_is_bounded() {
         let mut limiter = Limiter::default();
         for number in 0..u32::try_from(2 * MAX).unwrap() {
-            let address = IpAddr::from(number.to_be_bytes());
-            limiter.attempt(&format!("user{number}"), address, u64::from(number)).unwrap();
+            let (user, from) = (format!("user{number}"), IpAddr::from(number.to_be_bytes()));
+            let tried = Try { user: &user, from, is_familiar: false };
+            limiter.attempt(tried, u64::from(number)).unwrap();
         }
         assert!(limiter.spent.len() <= MAX + 2);
     }

@@ -3,6 +3,7 @@
 mod audit;
 mod door;
 mod failures;
+mod familiar;
 mod layers;
 mod limiter;
 mod notice;

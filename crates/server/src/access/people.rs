@@ -1,6 +1,7 @@
 //! Who is let in: the owner of this computer's account, users with passwords, and programs with tokens.
 
-use super::limiter::Limiter;
+use super::familiar::Familiar;
+use super::limiter::{Limiter, Try, network};
 use super::passwords::{self, BYTES_MAX, HashMemory};
 use super::private::{self, PrivateError};
 use super::roster::{Roster, Token};
@@ -23,8 +24,10 @@ use tokio::time::Instant;
 /// The name of whoever has the owner's token.
 pub const OWNER: &str = "owner";
 
-/// How many passwords are hashed at a time: each takes memory and a processor.
-const HASHES_MAX: usize = 2;
+/// How many passwords of strangers are hashed at a time: each takes memory and a processor.
+const STRANGERS_MAX: usize = 2;
+/// And how many of users who were let in from the same address before.
+const FAMILIAR_MAX: usize = 1;
 
 /// What somebody shows to be let in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,8 +44,11 @@ pub struct People {
     owner: Secret,
     users: Arc<Users>,
     sessions: Sessions,
+    familiar: Familiar,
     limiter: Mutex<Limiter>,
-    hashing: Gate,
+    strangers: Gate,
+    /// Users who were let in from the same address before: however many strangers try, these do not wait for them.
+    familiar_ones: Gate,
     memory: Arc<HashMemory>,
     /// Since when tries are counted.
     begun: Instant,
@@ -56,8 +62,10 @@ impl People {
             owner: owners_token(state, settings.access.keep_token)?,
             users: Arc::new(Users::open(state, settings.access.cost)?),
             sessions: Sessions::open(state.join("sessions.json"))?,
+            familiar: Familiar::open(state.join("familiar.json"))?,
             limiter: Mutex::default(),
-            hashing: Gate::of(HASHES_MAX),
+            strangers: Gate::of(STRANGERS_MAX),
+            familiar_ones: Gate::of(FAMILIAR_MAX),
             memory: Arc::default(),
             begun: Instant::now(),
         })
@@ -125,17 +133,20 @@ impl People {
         password: &str,
         from: IpAddr,
     ) -> Result<(), Failure> {
-        let tried = self.limiter.lock().attempt(user, from, self.age_ms());
-        tried.map_err(too_often)?;
+        let from = network(from);
+        let tried = Try { user, from, is_familiar: self.familiar.knows(user, from) };
+        self.limiter.lock().attempt(tried, self.age_ms()).map_err(too_often)?;
         if password.len() > BYTES_MAX {
             return Err(wrong());
         }
         let kept = self.users.roster().user(user).map(|entry| entry.password.clone());
-        let is_right = self.is_right(user.to_owned(), password.to_owned(), kept).await?;
-        if !is_right {
+        let gate = if tried.is_familiar { &self.familiar_ones } else { &self.strangers };
+        let is_right = self.is_right(user.to_owned(), password.to_owned(), kept);
+        if !gate.work(is_right).await? {
             return Err(wrong());
         }
-        self.limiter.lock().succeeded(user, from);
+        self.limiter.lock().succeeded(tried);
+        self.familiar.add(user, from);
         Ok(())
     }
 
@@ -143,24 +154,22 @@ impl People {
         u64::try_from(self.begun.elapsed().as_millis()).unwrap_or(u64::MAX)
     }
 
-    /// Compares, at most so many at a time; what was hashed at another cost is hashed again. A client that goes away meanwhile
-    /// leaves its turn to the work.
-    async fn is_right(
+    /// The work of comparing; what was hashed at another cost is hashed again.
+    fn is_right(
         &self,
         user: String,
         password: String,
         kept: Option<String>,
-    ) -> Result<bool, Failure> {
+    ) -> impl FnOnce() -> Result<bool, Failure> + Send + 'static {
         let (users, memory) = (Arc::clone(&self.users), Arc::clone(&self.memory));
-        let work = move || {
+        move || {
             let cost = users.cost();
             let is_right = memory.is_right(&password, kept.as_deref(), cost);
             if let Some(kept) = kept.filter(|kept| is_right && !passwords::is_of(kept, cost)) {
                 users.keep_again(&user, &kept, &password)?;
             }
             Ok(is_right)
-        };
-        self.hashing.work(work).await
+        }
     }
 
     /// Begins a login of somebody who was checked.

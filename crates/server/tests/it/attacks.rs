@@ -2,8 +2,10 @@
 
 use crate::harness::{House, PASSWORD, name};
 use crate::machines::{MACHINE, write};
-use crate::raw::{Raw, ask, login_from, status};
+use crate::raw::{Raw, ask, log_in, login_from, status};
 use rafcon_protocol::api::Role;
+use rafcon_server::Settings;
+use rafcon_server::settings::HashCost;
 use serde_json::json;
 use std::time::Duration;
 
@@ -298,4 +300,26 @@ fn ten_thousand_wrong_logins_open_nothing_and_lock_nobody_out() {
     // Whoever was let in from an address before is let in there meanwhile, and who has a token is not asked.
     assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
     assert_eq!(house.call(Some(Role::Engineer), "GET", "/api/v1/session", None).status, 200);
+}
+
+#[test]
+fn who_was_let_in_from_an_address_before_does_not_wait_for_a_flood_of_strangers() {
+    let slow = |settings: &mut Settings| {
+        settings.access.cost = HashCost { memory_kib: 64, passes: 400 };
+    };
+    let house = House::with(slow);
+    let right = json!({"user": name(Role::Operator), "password": PASSWORD});
+    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
+    let house = House::at(house.end(), slow);
+    let flood: Vec<Raw> = (1..=60_u8)
+        .map(|number| {
+            let guess = json!({"user": format!("nobody{number}"), "password": "wrong"});
+            let mut raw = Raw::from([127, 0, 1, number], &house);
+            raw.say(log_in(&house, &guess));
+            raw
+        })
+        .collect();
+    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
+    let answered = flood.iter().filter(|raw| raw.has_answer()).count();
+    assert!(answered < 30, "{answered} of 60 strangers were answered before");
 }

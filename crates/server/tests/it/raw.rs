@@ -46,6 +46,14 @@ impl Raw {
         String::from_utf8_lossy(&bytes).into_owned()
     }
 
+    /// Whether the other side has said something that was not read yet.
+    pub(crate) fn has_answer(&self) -> bool {
+        self.0.set_nonblocking(true).unwrap();
+        let count = self.0.peek(&mut [0; 1]);
+        self.0.set_nonblocking(false).unwrap();
+        matches!(count, Ok(1))
+    }
+
     /// Reads past the body that this head announces.
     pub(crate) fn skip_body(&mut self, head: &str) {
         let mut lines = head.lines().filter_map(|line| line.strip_prefix("content-length: "));
@@ -65,14 +73,20 @@ impl Raw {
 
 /// The status of a login from another address of this computer.
 pub(crate) fn login_from(ip: [u8; 4], house: &House, login: &Value) -> u16 {
-    let (mut raw, text) = (Raw::from(ip, house), login.to_string());
-    raw.say(format!(
+    let mut raw = Raw::from(ip, house);
+    raw.say(log_in(house, login));
+    status(&raw.rest())
+}
+
+/// The request to log in.
+pub(crate) fn log_in(house: &House, login: &Value) -> String {
+    let text = login.to_string();
+    format!(
         "POST /api/v1/session HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Type: application/json\r\n\
          Content-Length: {}\r\n\r\n{text}",
         house.address(),
         text.len()
-    ));
-    status(&raw.rest())
+    )
 }
 
 /// The status of an answer's text; 0 if there was none.
