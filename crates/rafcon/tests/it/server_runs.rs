@@ -10,7 +10,7 @@ use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_protocol::{Command, Event};
 use rafcon_server::access::Users;
 use rafcon_server::settings::HashCost;
-use rafcon_storage::journal::{Reader, Record, writer_of};
+use rafcon_storage::journal::{Reader, Record, size_of, writer_of};
 use rafcon_storage::{Naming, save};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
@@ -410,6 +410,19 @@ fn the_status_of_a_run_that_stands_still_carries_the_time_of_the_answer() {
         let after = rafcon_supervisor::clock::since_1970_ms();
         assert!((before..=after).contains(&said), "{before} {said} {after}");
     }
+}
+
+#[test]
+fn the_list_of_runs_says_what_a_run_takes_by_now() {
+    let site = Site::new(WAITS);
+    let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
+    site.until(&run, is_running);
+    let size = || size_of(&site.place.path("runs").join(&run));
+    let before = size();
+    let runs = site.door().ask("GET", "/api/v1/runs", None).unwrap();
+    let told = runs[0]["bytes"].as_u64().unwrap();
+    let after = size();
+    assert!((before..=after).contains(&told), "{before} {told} {after}");
 }
 
 #[test]

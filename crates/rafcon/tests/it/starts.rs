@@ -262,6 +262,24 @@ fn a_first_script_that_kills_its_process_at_once_is_taken_up_where_the_policy_sa
 }
 
 #[test]
+fn inputs_of_a_client_import_nothing() {
+    let mut site = Site::new();
+    let module = "open('imported', 'w').close()\nclass Robot:\n    from_dict = classmethod(lambda cls, members: 1)\n";
+    fs::write(site.place.path("site/reset_robot.py"), module).unwrap();
+    site.serve();
+    for value in [
+        json!({ "__type__": "reset_robot.Robot" }),
+        json!([{ "__jsonqualname__": "reset_robot.Robot" }]),
+    ] {
+        let (status, refusal) = site.ask(&json!({ "inputs": { "times": value } })).unwrap();
+        assert_eq!((status, refusal["code"].as_str().unwrap()), (422, "load_failed"));
+        let message = refusal["message"].as_str().unwrap();
+        assert!(message.contains("no class is imported for a client"), "{message}");
+    }
+    assert!(!site.place.path("imported").exists());
+}
+
+#[test]
 fn a_started_machine_is_read_in_its_project_and_nowhere_else() {
     for (to, why) in [
         ("../../secret", "leads out of the folders that may be read"),

@@ -43,12 +43,16 @@ use std::sync::Arc;
 use std::time::Duration;
 use summary::Looked;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch as tokio_watch};
+use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
 /// So many runners are started at a time: each holds a thread until its machine is loaded.
 const LAUNCHES: usize = 4;
 /// How long a start waits for its turn.
 const TURN_PATIENCE: Duration = Duration::from_secs(30);
+
+/// How long the disk is asked what runs take.
+const DISK_PATIENCE: Duration = Duration::from_millis(300);
 
 /// What has become of a request; held while something does.
 type Slot = Arc<tokio::sync::Mutex<Option<Asked>>>;
@@ -98,7 +102,10 @@ impl Runs {
     pub(crate) async fn list(&self) -> Vec<RunSummary> {
         self.are_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
-        runs.iter().map(|run| run.summary()).collect()
+        let plain = runs.iter().map(|run| run.summary()).collect();
+        let measure = spawn_blocking(move || runs.iter().map(|run| run.measured()).collect());
+        // A disk that does not answer keeps nobody from seeing what goes on.
+        timeout(DISK_PATIENCE, measure).await.ok().and_then(Result::ok).unwrap_or(plain)
     }
 
     /// Runs that go on, and those that changed since the server began; the newest first.
@@ -244,7 +251,7 @@ pub(crate) fn begin(house: &Arc<House>) {
 /// Looks into every folder. The first look of a server decides what becomes of runs that died while nobody looked.
 async fn look_through(house: &Arc<House>) {
     let here = Arc::clone(house);
-    let all = tokio::task::spawn_blocking(move || {
+    let all = spawn_blocking(move || {
         let folders = watch::folders(here.runs.folder.folder());
         let look = |folder: PathBuf| {
             let looked = summary::look(&folder, &here.projects)?;

@@ -12,6 +12,7 @@ use crate::house::House;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
 use rafcon_protocol::{EnginePulse, Event, Snapshot};
+use rafcon_storage::journal::size_of;
 use rafcon_supervisor::{Exit, clock};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -115,6 +116,15 @@ impl Run {
         let mut run = now.run.clone();
         if let (RunPhase::Live, LinkState::Up, Some(at)) = (&run.phase, now.link, now.snapshot_ms) {
             run.length_ms += clock::since_1970_ms().saturating_sub(at);
+        }
+        run
+    }
+
+    /// The same with what it takes on disk by now. Reads the disk.
+    pub(super) fn measured(&self) -> RunSummary {
+        let mut run = self.summary();
+        if is_live(&run.phase) {
+            run.bytes = size_of(&self.folder);
         }
         run
     }
@@ -227,14 +237,11 @@ impl Run {
     /// Its runner says whether its engine takes inputs.
     pub(super) fn engine_answers(&self, engine: EnginePulse) {
         let reached_ms = clock::since_1970_ms().saturating_sub(engine.unreached_ms);
-        self.change(|now| match now.link {
-            LinkState::Up if !engine.is_reached(true) => {
-                (now.link, now.runner_heard_ms) = (LinkState::Stuck, Some(reached_ms));
+        self.change(|now| {
+            let link = link_with(now.link, engine);
+            if link != now.link {
+                (now.link, now.runner_heard_ms) = (link, Some(reached_ms));
             }
-            LinkState::Stuck if engine.is_reached(false) => {
-                (now.link, now.runner_heard_ms) = (LinkState::Up, Some(reached_ms));
-            }
-            _ => {}
         });
     }
 
@@ -375,6 +382,38 @@ fn is_live(phase: &RunPhase) -> bool {
     matches!(phase, RunPhase::Live | RunPhase::Starting)
 }
 
+/// The link to a runner after its engine has answered so.
+fn link_with(link: LinkState, engine: EnginePulse) -> LinkState {
+    match link {
+        LinkState::Up if !engine.is_reached(true) => LinkState::Stuck,
+        LinkState::Stuck if engine.is_reached(false) => LinkState::Up,
+        other => other,
+    }
+}
+
 fn link_of(phase: &RunPhase) -> LinkState {
     if is_live(phase) { LinkState::Down } else { LinkState::Over }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::link_with;
+    use rafcon_protocol::EnginePulse;
+    use rafcon_protocol::api::LinkState;
+
+    #[test]
+    fn an_engine_that_takes_no_inputs_for_three_seconds_is_stuck_until_it_takes_one() {
+        let mut link = LinkState::Up;
+        let mut told = Vec::new();
+        for unreached_ms in [0, 2_999, 3_000, 4_000, 1, 0, 1] {
+            link = link_with(link, EnginePulse { unreached_ms, still_ms: 0, scripts: None });
+            told.push(link);
+        }
+        let (up, stuck) = (LinkState::Up, LinkState::Stuck);
+        assert_eq!(told, [up, up, stuck, stuck, stuck, up, up]);
+        for link in [LinkState::Down, LinkState::Silent, LinkState::Over] {
+            let engine = EnginePulse { unreached_ms: 9_000, still_ms: 0, scripts: None };
+            assert_eq!(link_with(link, engine), link);
+        }
+    }
 }

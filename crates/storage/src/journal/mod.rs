@@ -61,5 +61,5 @@ pub use reader::{Entry, Reader};
 pub use record::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
 pub use retention::{Pruned, Retention, remove};
 pub use statistics::Tally;
-pub use summary::{RunState, Summary, run_folders, runs};
+pub use summary::{RunState, Summary, run_folders, runs, size_of};
 pub use telling::{DAMAGED, Glossary, tell};

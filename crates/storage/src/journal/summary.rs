@@ -126,7 +126,7 @@ fn finish(record: &Record) -> Option<RunState> {
 }
 
 /// What a folder takes, in bytes, as far as it can be told.
-pub(super) fn size_of(folder: &Path) -> u64 {
+pub fn size_of(folder: &Path) -> u64 {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let size = |entry: fs::DirEntry| match entry.metadata() {
         Ok(metadata) if metadata.is_dir() => size_of(&entry.path()),
