@@ -19,6 +19,8 @@ const NESTED_MAX: usize = 64;
 const DEPTH_MAX: usize = 16;
 /// Bytes of one text, at most.
 const TEXT_MAX: usize = 1024;
+/// Characters of an exception's text, at most.
+const MESSAGE_MAX: usize = 16 << 10;
 /// How much is shown of what has no encoding of its own.
 const SHOWN_MAX: usize = 200;
 /// Objects with one of these keys mean something else than a dictionary.
@@ -199,7 +201,7 @@ impl Looking {
 /// What has no encoding of its own.
 fn other(object: &Bound<'_, PyAny>) -> Value {
     if object.is_instance_of::<PyBaseException>() {
-        json!({ "__exc__": class_name(object), "msg": words(object, object.str()) })
+        json!({ "__exc__": class_name(object), "msg": message(object) })
     } else if let Ok(class) = object.cast::<PyType>() {
         let name = class.name().map(|name| name.to_string_lossy().into_owned());
         json!({ "__type__": name.unwrap_or_default() })
@@ -252,6 +254,15 @@ fn named(object: &Bound<'_, PyAny>, shown: &str) -> Value {
 fn class_name(object: &Bound<'_, PyAny>) -> String {
     let name = object.get_type().name().map(|name| name.to_string_lossy().into_owned());
     name.unwrap_or_default()
+}
+
+/// The text of an exception, which a script makes as long as it likes.
+fn message(exception: &Bound<'_, PyAny>) -> String {
+    let text = words(exception, exception.str());
+    match text.char_indices().nth(MESSAGE_MAX) {
+        Some((end, _)) => format!("{}… ({} characters)", &text[..end], text.chars().count()),
+        None => text,
+    }
 }
 
 /// The text that an object has for itself, which may fail.

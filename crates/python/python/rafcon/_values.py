@@ -12,6 +12,7 @@ from rafcon._types import resolve_type
 #: How deep nested values are shown, and how much of a text representation.
 _DEPTH_MAX = 64
 _REPRESENTATION_MAX = 200
+_MESSAGE_MAX = 16 * 1024
 #: A key with more digits stays a text.
 _DIGITS_MAX = 18
 #: What an object of a file may be without importing anything.
@@ -95,7 +96,7 @@ def _decode_qualified(name, members):
 def encode(value):
     """The value as something that JSON has.
 
-    An exception is ``{"__exc__": class, "msg": text}``, a tuple ``{"__tuple__": […]}``, a type ``{"__type__": name}``,
+    An exception is ``{"__exc__": class, "msg": first 16,384 characters}``, a tuple ``{"__tuple__": […]}``, a type ``{"__type__": name}``,
     anything else ``{"__repr__": first 200 characters, "__class__": class}``. Keys of a dictionary become texts.
     """
     return _encode(value, _DEPTH_MAX)
@@ -107,7 +108,7 @@ def _encode(value, depth):
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else _represent(value)
     if isinstance(value, BaseException):
-        return {"__exc__": type(value).__name__, "msg": _text(value, str)}
+        return {"__exc__": type(value).__name__, "msg": _message(value)}
     if isinstance(value, type):
         return {"__type__": value.__name__}
     if depth == 0:
@@ -132,6 +133,12 @@ def _plain(value):
 
 def _represent(value):
     return {"__repr__": _text(value, repr)[:_REPRESENTATION_MAX], "__class__": type(value).__name__}
+
+
+def _message(exception):
+    """The text of an exception, which a script makes as long as it likes: not all of what is very long."""
+    text = _text(exception, str)
+    return text if len(text) <= _MESSAGE_MAX else f"{text[:_MESSAGE_MAX]}… ({len(text)} characters)"
 
 
 def _text(value, function):

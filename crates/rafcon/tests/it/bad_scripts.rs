@@ -222,6 +222,14 @@ fn deep_recursion() {
 }
 
 #[test]
+fn an_exception_of_ten_million_characters_is_shown_in_part() {
+    let answer = Place::with_script(&body("raise ValueError('x' * 10_000_000)")).run("");
+    assert_eq!(answer.code, Some(4), "{}", answer.stderr);
+    let message = answer.last()["outputs"]["error"]["msg"].as_str().unwrap().to_owned();
+    assert_eq!(message, format!("{}… (10000000 characters)", "x".repeat(16_384)));
+}
+
+#[test]
 fn a_fork_that_goes_its_own_way() {
     let script = body("import os\n    if os.fork() == 0: os._exit(0)\n    os.wait(); return 0");
     check(
