@@ -120,6 +120,7 @@ pub struct MachineDocument {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ReloadMachine {
     /// Chosen by the sender; the same id is carried out once.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
 }
 
@@ -170,6 +171,7 @@ pub struct RevisionsFrom {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct EditMachine {
     /// Chosen by the sender; the same id is carried out once.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
     /// The revision that the sender had seen; for the record.
     #[serde(default)]
@@ -185,6 +187,7 @@ pub struct EditMachine {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Undo {
     /// Chosen by the sender; the same id is carried out once.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
 }
 

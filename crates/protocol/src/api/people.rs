@@ -74,6 +74,7 @@ pub struct Login {
     /// The user's name.
     pub user: String,
     /// The password.
+    #[cfg_attr(feature = "schema", schema(max_length = 1024))]
     pub password: String,
 }
 
@@ -82,8 +83,10 @@ pub struct Login {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ChangePassword {
     /// The password so far.
+    #[cfg_attr(feature = "schema", schema(max_length = 1024))]
     pub password: String,
     /// The new one, of at least 10 characters.
+    #[cfg_attr(feature = "schema", schema(min_length = 10, max_length = 1024))]
     pub new_password: String,
 }
 
@@ -102,10 +105,12 @@ pub struct User {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct NewUser {
     /// The name: letters, digits, `.`, `-`, `_`; at most 64.
+    #[cfg_attr(feature = "schema", schema(pattern = "^[A-Za-z0-9._-]{1,64}$"))]
     pub name: String,
     /// What the user may do.
     pub role: Role,
     /// The password, of at least 10 characters.
+    #[cfg_attr(feature = "schema", schema(min_length = 10, max_length = 1024))]
     pub password: String,
 }
 
@@ -117,6 +122,7 @@ pub struct ChangeUser {
     /// Another role.
     pub role: Option<Role>,
     /// Another password.
+    #[cfg_attr(feature = "schema", schema(min_length = 10, max_length = 1024))]
     pub password: Option<String>,
 }
 
@@ -125,6 +131,7 @@ pub struct ChangeUser {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct NewToken {
     /// What it is for, for people.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 100))]
     pub name: String,
     /// For how many seconds it is good; none: until it is deleted.
     #[serde(default)]

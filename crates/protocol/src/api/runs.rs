@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StartRun {
     /// Chosen by the sender; the same id starts one run.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
     /// The machine, as it lies on disk.
     pub machine: MachineFile,
@@ -51,6 +52,7 @@ pub struct StartRun {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ResumeRun {
     /// Chosen by the sender; the same id is carried out once.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
     /// What becomes of interrupted scripts.
     #[serde(default)]

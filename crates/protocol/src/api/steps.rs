@@ -58,6 +58,7 @@ pub struct MachineStep {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct JumpMachine {
     /// Chosen by the sender; the same id is carried out once.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
     /// The revision.
     pub revision: u64,

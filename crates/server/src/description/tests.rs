@@ -42,6 +42,27 @@ fn every_word_that_is_named_is_described() {
 }
 
 #[test]
+fn the_limits_of_texts_are_described() {
+    let api = serde_json::to_value(described()).unwrap();
+    let limits = |schema: &str, member: &str| {
+        let member = &api["components"]["schemas"][schema]["properties"][member];
+        ["minLength", "maxLength", "pattern"].map(|limit| member[limit].clone())
+    };
+    for schema in ["Envelope", "StartRun", "ResumeRun", "EditMachine", "Undo", "ReloadMachine"] {
+        assert_eq!(limits(schema, "id"), [json!(1), json!(128), Value::Null], "{schema}");
+    }
+    let password = [json!(10), json!(1024), Value::Null];
+    for (schema, member) in
+        [("NewUser", "password"), ("ChangeUser", "password"), ("ChangePassword", "new_password")]
+    {
+        assert_eq!(limits(schema, member), password, "{schema}");
+    }
+    assert_eq!(limits("Login", "password")[1], 1024);
+    assert_eq!(limits("NewUser", "name")[2], "^[A-Za-z0-9._-]{1,64}$");
+    assert_eq!(limits("NewToken", "name"), [json!(1), json!(100), Value::Null]);
+}
+
+#[test]
 fn every_route_has_a_tag_a_summary_and_refusals_with_a_reason() {
     let mut api = described();
     for (path, item) in &mut api.paths.paths {
