@@ -75,23 +75,20 @@ async fn export(
     let filter = filter(&query)?;
     let turn = house.history.exports.turn()?;
     let folder = folder(&house, &run).await?;
-    let readers = &house.history.readers;
-    // What is wrong from the start is an answer.
-    readers.read(folder.clone(), |reader| Ok(reader.page(1, 1)?)).await?;
     let writing = Writing {
-        readers: Arc::clone(readers),
+        readers: Arc::clone(&house.history.readers),
         folder,
         format: query.format,
         filter,
         scratch: house.settings.state.clone(),
         tell: house.settings.tell,
     };
-    let (sending, body) = sending();
+    let (sending, written) = sending();
     tokio::task::spawn_blocking(move || {
         let _turn = turn;
         writing.write(sending);
     });
-    Ok(file(&run, query.format, body))
+    Ok(file(&run, query.format, written.body().await?))
 }
 
 fn filter(query: &ExportQuery) -> Result<Filter, Failure> {
@@ -140,14 +137,21 @@ impl Writing {
             // What is damaged is named where it lies; who only counts bytes is to notice it as well.
             .and_then(|()| Ok(reader.check()?)))
         });
-        let what = match written {
+        let failure = match written {
             Ok(Ok(())) => return,
             Ok(Err(error)) if is_gone(&error) => return,
-            Ok(Err(error)) => reason(&error),
-            Err(failure) => failure.to_string(),
+            Ok(Err(error)) => failure(error),
+            Err(failure) => failure,
         };
-        (self.tell)(&format!("an export of {} ended early: {what}", self.folder.display()));
-        sending.fail(what);
+        (self.tell)(&format!("an export of {} ended early: {failure}", self.folder.display()));
+        sending.fail(failure);
+    }
+}
+
+fn failure(error: ExportError) -> Failure {
+    match error {
+        ExportError::Journal(error) => error.into(),
+        error => Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_exported", reason(&error)),
     }
 }
 

@@ -3,8 +3,9 @@
 //!
 //! Knows bodies of answers. Must never know what is written.
 
+use crate::Failure;
 use axum::body::{Body, Bytes};
-use futures_util::stream;
+use futures_util::{StreamExt as _, stream};
 use std::io::{self, Write};
 use std::time::Duration;
 use tokio::runtime::Handle;
@@ -16,8 +17,8 @@ const PARTS: usize = 4;
 /// So long a client may take for one.
 const PATIENCE: Duration = Duration::from_mins(1);
 
-/// What is sent next; an error ends the answer in the middle.
-type Part = io::Result<Bytes>;
+/// What is sent next; a failure ends the answer in the middle.
+type Part = Result<Bytes, Failure>;
 
 /// The writing end.
 #[derive(Debug)]
@@ -27,19 +28,32 @@ pub(super) struct Sending {
     patience: Duration,
 }
 
+/// What is written, as it comes.
+#[derive(Debug)]
+pub(super) struct Written(mpsc::Receiver<Part>);
+
 /// Both ends. The writer needs a thread that may wait, of the runtime that this is called in.
-pub(super) fn sending() -> (Sending, Body) {
-    let (parts, mut received) = mpsc::channel::<Part>(PARTS);
-    // Whoever packs the answer asks again behind its end.
-    let body = Body::from_stream(stream::poll_fn(move |context| received.poll_recv(context)));
-    (Sending { parts, runtime: Handle::current(), patience: PATIENCE }, body)
+pub(super) fn sending() -> (Sending, Written) {
+    let (parts, received) = mpsc::channel(PARTS);
+    (Sending { parts, runtime: Handle::current(), patience: PATIENCE }, Written(received))
+}
+
+impl Written {
+    /// The body of the answer, once its first part is there: what fails before is a refusal, what fails later cuts it off.
+    pub(super) async fn body(mut self) -> Result<Body, Failure> {
+        let first = self.0.recv().await.transpose()?;
+        // Whoever packs the answer asks again behind its end.
+        let rest = stream::poll_fn(move |context| self.0.poll_recv(context));
+        let parts = stream::iter(first.map(Ok)).chain(rest);
+        Ok(Body::from_stream(parts.map(|part| part.map_err(|failure| failure.to_string()))))
+    }
 }
 
 impl Sending {
     /// The answer ends here, and not as it should.
-    pub(super) fn fail(&self, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) {
+    pub(super) fn fail(&self, failure: Failure) {
         // A client that is gone knows.
-        self.send(Err(io::Error::other(error))).unwrap_or_default();
+        self.send(Err(failure)).unwrap_or_default();
     }
 
     fn send(&self, part: Part) -> io::Result<()> {
@@ -66,6 +80,8 @@ impl Write for Sending {
 #[cfg(test)]
 mod tests {
     use super::{PARTS, Sending, sending};
+    use crate::Failure;
+    use axum::body::to_bytes;
     use std::io::{self, Write as _};
     use std::time::Duration;
     use tokio::task::spawn_blocking;
@@ -74,26 +90,44 @@ mod tests {
         spawn_blocking(work).await.unwrap()
     }
 
+    fn failure() -> Failure {
+        Failure::bad("no_disk", "the disk is gone")
+    }
+
     #[tokio::test]
     async fn what_is_written_is_sent_and_a_failure_ends_it() {
-        let (mut sending, body) = sending();
+        let (mut sending, written) = sending();
         let writer = spawn_blocking(move || {
             for _ in 0..100 {
                 sending.write_all(b"part ").unwrap();
             }
             drop(sending);
         });
-        let bytes = axum::body::to_bytes(body, usize::MAX).await.unwrap();
+        let bytes = to_bytes(written.body().await.unwrap(), usize::MAX).await.unwrap();
         assert_eq!(bytes.len(), 500);
         writer.await.unwrap();
-        let (sending, body) = super::sending();
-        on_a_thread(move || sending.fail("the disk is gone")).await;
-        assert!(axum::body::to_bytes(body, usize::MAX).await.is_err());
+        let (mut sending, written) = super::sending();
+        on_a_thread(move || {
+            sending.write_all(b"part ").unwrap();
+            sending.fail(failure());
+        })
+        .await;
+        assert!(to_bytes(written.body().await.unwrap(), usize::MAX).await.is_err());
+    }
+
+    #[tokio::test]
+    async fn what_fails_before_its_first_part_is_a_refusal() {
+        let (sending, written) = sending();
+        on_a_thread(move || sending.fail(failure())).await;
+        assert_eq!(written.body().await.unwrap_err().code(), "no_disk");
+        let (sending, written) = super::sending();
+        on_a_thread(move || drop(sending)).await;
+        assert_eq!(to_bytes(written.body().await.unwrap(), 1).await.unwrap().len(), 0);
     }
 
     #[tokio::test]
     async fn a_client_that_takes_nothing_or_goes_away_does_not_hold_a_thread() {
-        let (sending, body) = sending();
+        let (sending, written) = sending();
         let mut sending = Sending { patience: Duration::from_millis(20), ..sending };
         let refused = on_a_thread(move || {
             let results: Vec<_> = (0..=PARTS).map(|_| sending.write_all(b"part")).collect();
@@ -105,9 +139,9 @@ mod tests {
         let refused = refused.await;
         assert_eq!(refused[PARTS - 1], Ok(()));
         assert_eq!(refused[PARTS], Err(io::ErrorKind::TimedOut));
-        drop(body);
-        let (mut sending, body) = super::sending();
-        drop(body);
+        drop(written);
+        let (mut sending, written) = super::sending();
+        drop(written);
         let result = on_a_thread(move || sending.write_all(b"part")).await;
         assert_eq!(result.map_err(|error| error.kind()), Err(io::ErrorKind::BrokenPipe));
     }
