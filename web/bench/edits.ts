@@ -38,6 +38,31 @@ function one(sheet: Sheet, turn: number): Promise<number> {
   );
 }
 
+/** The ms from an undo, and from a redo, to the picture after it: with the way to the server, in the middle of many. */
+export async function undoAndRedo(sheet: Sheet): Promise<{ undo: number; redo: number }> {
+  const times = await sheet.evaluate(async (count) => {
+    const room = window.__rafcon.context().tab?.room;
+    const path = room?.machine.children(room.machine.root)[0];
+    if (!room || path === undefined) throw new Error("no machine is open");
+    const timed = async (act: () => Promise<unknown>) => {
+      const begun = performance.now();
+      await act();
+      await new Promise(requestAnimationFrame);
+      return performance.now() - begun;
+    };
+    for (let turn = 0; turn < count; turn++) {
+      const position: [number, number] = [50 + turn * 10, 60];
+      await room.edit("Move", { edit: "set_position", path, element: "state", position });
+    }
+    const undo: number[] = [];
+    const redo: number[] = [];
+    for (let turn = 0; turn < count; turn++) undo.push(await timed(() => room.undo()));
+    for (let turn = 0; turn < count; turn++) redo.push(await timed(() => room.redo()));
+    return { undo, redo };
+  }, EDITS);
+  return { undo: median(times.undo), redo: median(times.redo) };
+}
+
 /** By how much the page's memory is larger, in percent, after a thousand edits that were all undone. */
 export async function memoryGrowth(sheet: Sheet, session: CDPSession): Promise<number> {
   await session.send("Performance.enable");

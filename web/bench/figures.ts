@@ -8,6 +8,8 @@ export const BARS = {
   open_750_ms: 1_000,
   open_10000_ms: 2_000,
   edit_to_picture_ms: 16,
+  undo_10000_ms: 40,
+  redo_10000_ms: 40,
   presented_750_median_ms: 33,
   presented_10000_median_ms: 33,
   memory_growth_percent: 10,

@@ -1,7 +1,7 @@
 /** Measures the page: `cargo xtask bench-web`. Prints a table, or with `--json` one JSON object a line. */
 
 import type { CDPSession, Page as Sheet } from "playwright-core";
-import { editToPicture, memoryGrowth } from "./edits.ts";
+import { editToPicture, memoryGrowth, undoAndRedo } from "./edits.ts";
 import { asLines, asTable, type Figures } from "./figures.ts";
 import { lookAround } from "./gestures.ts";
 import { begin, end, forget, freshPage, type House, open, type Size } from "./house.ts";
@@ -32,6 +32,7 @@ async function measured(house: House): Promise<Figures> {
   const open_750_ms = await opening(house, "mission_750");
   const open_10000_ms = await opening(house, "large_10000");
   const edits = await edited(house);
+  const back = await takenBack(house);
   const shown = await live(house);
   return {
     frame_750_median_ms: median(small.scripting),
@@ -41,6 +42,8 @@ async function measured(house: House): Promise<Figures> {
     open_750_ms,
     open_10000_ms,
     edit_to_picture_ms: edits.picture_ms,
+    undo_10000_ms: back.undo,
+    redo_10000_ms: back.redo,
     presented_750_median_ms: median(small.presented),
     presented_10000_median_ms: median(large.presented),
     memory_growth_percent: edits.growth_percent,
@@ -118,6 +121,15 @@ async function edited(house: House) {
   const growth_percent = await memoryGrowth(sheet, session);
   await forget(sheet, house.server);
   return { picture_ms, growth_percent };
+}
+
+/** How long undo and redo take in a large machine. */
+async function takenBack(house: House): Promise<{ undo: number; redo: number }> {
+  const sheet = await freshPage(house);
+  await open(sheet, "large_10000");
+  const found = await undoAndRedo(sheet);
+  await forget(sheet, house.server);
+  return found;
 }
 
 await main(process.argv.includes("--json"));
