@@ -1,0 +1,43 @@
+// @vitest-environment happy-dom
+import { act } from "react";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import type { Event } from "../../model/generated/protocol.ts";
+import { runLine, watched } from "../../store/testing/watched.ts";
+import { unmount } from "../../ui/mounted.tsx";
+import { SLIP_MS } from "../../ui/twice.ts";
+import { shown } from "../shown.tsx";
+import { Events } from "./events.tsx";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => {
+  unmount();
+  vi.useRealTimers();
+});
+
+function warning(path: string): Event {
+  return { type: "log", path, level: "warning", stream: "logger", message: "slips" };
+}
+
+test("a line that counts up can be acknowledged all the while, and only another line makes it wait", () => {
+  const { watch, tell } = watched(runLine("finished"));
+  tell(warning("R/A"));
+  const place = shown(<Events watch={watch} />, { watch });
+  /** Each line with how often it was told and, while its button waits, a dash. */
+  const lines = () =>
+    [...place.querySelectorAll("li")].map((line) => {
+      const isOff = line.querySelector<HTMLButtonElement>(".button")?.disabled;
+      const count = line.querySelector(".mission-count")?.textContent ?? "×1";
+      return `${line.querySelector(".mission-event-where")?.textContent} ${count}${isOff ? " –" : ""}`;
+    });
+  const button = place.querySelector("li .button");
+  expect(lines()).toEqual(["A ×1"]);
+  act(() => tell(warning("R/A")));
+  expect(lines()).toEqual(["A ×2"]);
+  expect(place.querySelector("li .button")).toBe(button);
+  act(() => tell(warning("R/B")));
+  expect(lines()).toEqual(["B ×1 –", "A ×2 –"]);
+  act(() => vi.advanceTimersByTime(SLIP_MS));
+  expect(lines()).toEqual(["B ×1", "A ×2"]);
+  act(() => tell(warning("R/A")));
+  expect(lines()).toEqual(["B ×1", "A ×3"]);
+});

@@ -1,0 +1,39 @@
+/** A panel in a document, for tests: beside a machine in short text, a run of it, and the list of runs. */
+
+import { signal } from "@preact/signals-core";
+import type { ReactElement } from "react";
+import { allCommands } from "../commands/all.ts";
+import { stand } from "../commands/stand.ts";
+import type { RunSummary } from "../model/generated/protocol.ts";
+import type { OpenTab, Page } from "../store/page.ts";
+import type { Room } from "../store/room.ts";
+import type { Watch } from "../store/run.ts";
+import { mount } from "../ui/mounted.tsx";
+import { PanelHostProvider } from "./context.tsx";
+
+export interface Beside {
+  readonly machine?: string;
+  readonly room?: Partial<Room>;
+  readonly watch?: Watch | null;
+  readonly runs?: readonly RunSummary[];
+  /** How far the server's clock is ahead of this one. */
+  readonly ahead_ms?: number;
+}
+
+export function shown(panel: ReactElement, beside: Beside): HTMLElement {
+  const { page: plain, tab: alone, shell } = stand(beside.machine ?? "R hierarchy");
+  const room: Room = { ...alone.room, ...beside.room };
+  const tab: OpenTab = { ...alone, room, run: signal(beside.watch ?? null) };
+  const pulse = { heard_ms: 0, server_ms: 0, old_ms: 4_000, delay_ms: 3 };
+  const page = {
+    ...plain,
+    server: { ...plain.server, pulse: signal({ ...pulse, ahead_ms: beside.ahead_ms ?? 0 }) },
+    runs: { all: signal(beside.runs ?? []) },
+    comingRun: signal(null),
+    active: signal<OpenTab | null>(tab),
+  } as unknown as Page;
+  const context = () => ({ page, tab, canvas: null, shell });
+  return mount(
+    <PanelHostProvider value={{ commands: allCommands(), context }}>{panel}</PanelHostProvider>,
+  );
+}

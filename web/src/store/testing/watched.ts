@@ -1,0 +1,53 @@
+/** A run as the page watches it, without a server, for tests: a test says how it stands and what happens in it. */
+
+import { signal } from "@preact/signals-core";
+import type { Event, RunNow, RunSummary } from "../../model/generated/protocol.ts";
+import { Journal } from "../journal.ts";
+import type { Sent, Watch } from "../run.ts";
+
+export const STARTED_MS = 1_000_000;
+
+/** The line about a run of the machine that `commands/stand.ts` puts in front. */
+export function runLine(phase: "live" | "crashed" | "finished", id = "drill-1"): RunSummary {
+  const machine = { project: "p", path: "drill" };
+  const times = { started_ms: STARTED_MS, length_ms: 83, events: 4, bytes: 100 };
+  const line = { id, name: "Drill", machine, author: null, keeping: "full", waits: null, ...times };
+  const end = phase === "finished" ? { outcome: { id: 0, name: "success" }, states_run: 3 } : {};
+  return { ...line, ...end, phase } as RunSummary;
+}
+
+export interface Watched {
+  readonly watch: Watch;
+  /** These happen, one a millisecond. */
+  readonly tell: (...events: readonly Event[]) => void;
+}
+
+export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
+  const journal = new Journal();
+  const grown = signal(0);
+  const now = { run, link: "up", snapshot: null, snapshot_ms: null, ...more } as RunNow;
+  const watch = {
+    id: run.id,
+    now: signal<RunNow | null>(now),
+    proven_ms: signal(STARTED_MS),
+    isHeard: signal(true),
+    journal,
+    grown,
+    isCaughtUp: signal(true),
+    lack: signal<string | null>(null),
+    moment: signal<number | null>(null),
+    seen: signal(null),
+    sent: signal<readonly Sent[]>([]),
+  } as unknown as Watch;
+  const tell = (...events: readonly Event[]) => {
+    const from = journal.next;
+    const entries = events.map((event, at) => ({
+      sequence: from + at,
+      t_ns: (from + at) * 1e6,
+      event,
+    }));
+    journal.add(entries, from + events.length);
+    grown.value = journal.length;
+  };
+  return { watch, tell };
+}
