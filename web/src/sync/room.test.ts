@@ -152,6 +152,20 @@ describe("an open machine", () => {
     expect(asked()).toBe(before + 1);
   });
 
+  it("is checked once its problems were told, and not any more after an edit", async () => {
+    const { server, room, clock } = setUp();
+    const isChecked = async () => {
+      const before = room.isChecked.value;
+      clock.pass(1_000);
+      await settle();
+      return [before, room.isChecked.value];
+    };
+    expect(await isChecked()).toEqual([false, true]);
+    server.make("x", RENAME);
+    server.tell(1);
+    expect(await isChecked()).toEqual([false, true]);
+  });
+
   it("shows what the server has once nothing is on its way, whatever came in which order", async () => {
     const step = fc.record({
       what: fc.constantFrom("edit", "edit", "foreign", "take", "answer", "tell", "reset"),
