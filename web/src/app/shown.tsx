@@ -1,0 +1,50 @@
+/** A part of the page around the panels in a document, for tests: with a machine in front and a run of it. */
+
+import { signal } from "@preact/signals-core";
+import type { ReactElement } from "react";
+import { allCommands } from "../commands/all.ts";
+import { stand } from "../commands/stand.ts";
+import type { RunSummary } from "../model/generated/protocol.ts";
+import { PanelHostProvider } from "../panels/context.tsx";
+import type { OpenTab, Page } from "../store/page.ts";
+import type { Room } from "../store/room.ts";
+import type { Watch } from "../store/run.ts";
+import { mount } from "../ui/mounted.tsx";
+import { SessionProvider } from "./provided.tsx";
+import { type AppSession, newSession } from "./session.ts";
+
+/** Those of an engineer. */
+const RIGHTS = ["observe", "command", "start", "edit"] as const;
+
+export interface Beside {
+  readonly room?: Room;
+  readonly watch?: Watch | null;
+  readonly runs?: readonly RunSummary[];
+}
+
+export interface Shown {
+  readonly place: HTMLElement;
+  readonly session: AppSession;
+}
+
+export function shown(part: (tab: OpenTab) => ReactElement, beside: Beside = {}): Shown {
+  const { page: plain, tab: alone } = stand("R hierarchy", { rights: RIGHTS });
+  const room = beside.room ?? alone.room;
+  const tab: OpenTab = { ...alone, room, run: signal(beside.watch ?? null) };
+  const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, ahead_ms: 0 };
+  const page = {
+    ...plain,
+    server: { ...plain.server, pulse: signal({ ...pulse, delay_ms: 3 }) },
+    runs: { all: signal(beside.runs ?? []), get: () => new Promise(() => {}) },
+    tabs: signal([tab]),
+    active: signal<OpenTab | null>(tab),
+  } as unknown as Page;
+  const session = newSession(page, allCommands());
+  const host = { commands: session.commands, context: session.context };
+  const place = mount(
+    <SessionProvider value={session}>
+      <PanelHostProvider value={host}>{part(tab)}</PanelHostProvider>
+    </SessionProvider>,
+  );
+  return { place, session };
+}
