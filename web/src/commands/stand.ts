@@ -46,6 +46,7 @@ export function stand(text: string, options: StandOptions = {}): Stand {
     people: signal([]),
     pending: signal([]),
     named: (text: string) => text,
+    onChange: () => () => {},
     check: () => Promise.resolve(options.problems ?? []),
     edit: (name: string, edit: Edit) => {
       record.push(`edit ${name} (${edit.edit})`);

@@ -24,7 +24,7 @@ export function shown(panel: ReactElement, beside: Beside): HTMLElement {
   const { page: plain, tab: alone, shell } = stand(beside.machine ?? "R hierarchy");
   const room: Room = { ...alone.room, ...beside.room };
   const tab: OpenTab = { ...alone, room, run: signal(beside.watch ?? null) };
-  const pulse = { heard_ms: 0, server_ms: 0, old_ms: 4_000, delay_ms: 3 };
+  const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, delay_ms: 3 };
   const page = {
     ...plain,
     server: { ...plain.server, pulse: signal({ ...pulse, ahead_ms: beside.ahead_ms ?? 0 }) },

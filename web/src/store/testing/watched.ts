@@ -25,7 +25,9 @@ export interface Watched {
 export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
   const journal = new Journal();
   const grown = signal(0);
-  const now = { run, link: "up", snapshot: null, snapshot_ms: null, ...more } as RunNow;
+  const control = { holder: null, since_ms: 0, heard_ms: 0, silence_ms: 30_000, asking: [] };
+  const plain = { run, link: "up", control, snapshot: null, snapshot_ms: null };
+  const now = { ...plain, ...more } as unknown as RunNow;
   const watch = {
     id: run.id,
     now: signal<RunNow | null>(now),
@@ -38,6 +40,7 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
     moment: signal<number | null>(null),
     seen: signal(null),
     sent: signal<readonly Sent[]>([]),
+    whenClosed: () => {},
   } as unknown as Watch;
   const tell = (...events: readonly Event[]) => {
     const from = journal.next;

@@ -1,0 +1,29 @@
+// @vitest-environment happy-dom
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import type { RunNow } from "../../model/generated/protocol.ts";
+import { runLine, STARTED_MS, watched } from "../../store/testing/watched.ts";
+import { settled, unmount } from "../../ui/mounted.tsx";
+import { shown } from "../shown.tsx";
+import { LinkAge } from "./link_age.tsx";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => {
+  unmount();
+  vi.useRealTimers();
+});
+
+/** What mission control says about the link, a minute after the run was heard; an alarm is marked. */
+async function said(link: RunNow["link"]): Promise<string> {
+  vi.setSystemTime(STARTED_MS + 60_000);
+  const { watch } = watched(runLine("live"), { link, runner_heard_ms: STARTED_MS });
+  const place = shown(<LinkAge watch={watch} />, { watch });
+  await settled();
+  const isAlarm = place.querySelector(".mission-band-old[role=alert]") !== null;
+  return `${isAlarm ? "! " : ""}${place.textContent}`;
+}
+
+test("mission control gives the alarm when the robot is not heard, or the engine stands still", async () => {
+  expect(await said("up")).toBe("Live: server and robot are heard (3 ms)");
+  expect(await said("stuck")).toBe("! The engine of the run has not moved for 1:00.");
+  expect(await said("silent")).toBe("! The server does not hear the robot: this is 1:00 old.");
+});
