@@ -288,6 +288,17 @@ test("after a press in the overview keys are for the canvas", () => {
   expect(document.activeElement).toBe(root);
 });
 
+test("a press in the overview looks elsewhere, one of another button does not", () => {
+  const { place, view } = mounting();
+  const map = place.querySelector(".canvas-minimap canvas");
+  const press = (button: number) => {
+    const before = view.camera.value;
+    map?.dispatchEvent(new PointerEvent("pointerdown", { button, bubbles: true }));
+    return view.camera.value !== before;
+  };
+  expect([2, 1, 0].map(press)).toEqual([false, false, true]);
+});
+
 test("the overview steps aside while all of the machine is in view", () => {
   const frames: FrameRequestCallback[] = [];
   vi.stubGlobal("requestAnimationFrame", (call: FrameRequestCallback) => frames.push(call));
