@@ -105,6 +105,27 @@ test("a long run stays, and only its oldest other events are given up", () => {
   expect([journal.at(1), journal.at(2)?.sequence]).toEqual([undefined, 3]);
 });
 
+test("the machines that a run went by, its lives and what was dropped are kept, however long ago", () => {
+  const journal = new Journal();
+  const kept: readonly Event[] = [
+    { type: "root", hash: "b", change: "" },
+    { type: "resumed", life: 2, crash: { reason: "signal 9", active: [] }, policy: "abort" },
+    { type: "dropped", path: "R/A" },
+  ];
+  const log: Event = { type: "log", path: "R", level: "info", stream: "stdout", message: "a" };
+  const events = [...kept, ...Array.from({ length: 20_001 }, () => log)];
+  journal.add(
+    events.map((event, at) => ({ sequence: at + 1, t_ns: at, event })),
+    events.length + 1,
+  );
+  expect([0, 1, 2, 3].map((index) => journal.other(index)?.type)).toEqual([
+    "root",
+    "resumed",
+    "dropped",
+    undefined,
+  ]);
+});
+
 test("all other events are told in their order, those that are kept for good too", () => {
   const journal = new Journal();
   const log: Event = { type: "log", path: "R", level: "info", stream: "stdout", message: "a" };

@@ -59,10 +59,28 @@ function setUp(text: string, reloaded = RAN, hasBegun = true) {
     journal.add([{ sequence, t_ns: 1, event }], sequence + 1);
     grown.value = journal.length;
   };
+  /** So many lines of the log come. */
+  const chatter = (count: number) => {
+    const from = journal.next;
+    const event = {
+      type: "log",
+      path: "R",
+      level: "info",
+      stream: "stdout",
+      message: "a",
+    } as const;
+    const entries = Array.from({ length: count }, (_, at) => ({
+      sequence: from + at,
+      t_ns: 1,
+      event,
+    }));
+    journal.add(entries, from + count);
+    grown.value = journal.length;
+  };
   const grow = () => {
     grown.value += 1;
   };
-  return { differs, edit, reload, asked, refuse, grow, begin };
+  return { differs, edit, reload, chatter, asked, refuse, grow, begin };
 }
 
 async function settle(): Promise<void> {
@@ -119,5 +137,16 @@ test("the machine of a run is asked for when something was told of the run, and 
   begin();
   await settle();
   expect(asked).toEqual(["machine"]);
+  stop();
+});
+
+test("the edits that a run took long ago are still known to who begins to look", async () => {
+  const now = RAN.replace("outcome ok", "outcome well");
+  const { differs, reload, chatter, asked } = setUp(now, now);
+  reload();
+  chatter(20_001);
+  const stop = differs.subscribe(() => {});
+  await settle();
+  expect([differs.value, asked]).toEqual([false, ["machine?root=h"]]);
   stop();
 });

@@ -24,7 +24,7 @@ async function setUp() {
     server.tell(1);
     clock.pass(100);
   };
-  return { server, clock, watch, room, children, goBy };
+  return { server, clock, runs, watch, room, children, goBy };
 }
 
 async function settle(): Promise<void> {
@@ -49,6 +49,22 @@ describe("the machine of a run", () => {
     server.first().answer(LATER);
     await settle();
     expect(children()).toBe("R/A R/B");
+  });
+
+  it("is the one that the run went by last, however much it has told since", async () => {
+    const { server, clock, watch, room, runs } = await setUp();
+    room.close();
+    server.happen({ type: "root", hash: "h1", change: "" });
+    const message = { level: "info", stream: "stdout", message: "a" } as const;
+    for (let count = 0; count < 20_001; count += 1) {
+      server.happen({ type: "log", path: "R", ...message });
+    }
+    server.tell(30_000);
+    clock.pass(100);
+    const entered = RunRoom.enter(watch, runs, { server, clock });
+    server.first().answer(FIRST);
+    await entered;
+    expect(server.first().path).toBe("/runs/r/machine?root=h1");
   });
 
   it("is the one of the moment that is shown, and at the end the last again", async () => {
