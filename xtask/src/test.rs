@@ -1,10 +1,14 @@
 //! All tests: Rust, documentation, Python side with every interpreter found, the server's interface, the page without and with
 //! a browser, conformance with the reference.
 
+use std::io::{BufRead as _, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::thread;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
+use clap::ValueEnum as _;
 
 use crate::conformance;
 use crate::product::{Product, Profile};
@@ -28,6 +32,9 @@ pub(crate) struct Options {
     /// Run only this part.
     #[arg(long, value_enum)]
     only: Option<Part>,
+    /// Use what was built before.
+    #[arg(long)]
+    no_build: bool,
 }
 
 /// The parts, in the order in which they run.
@@ -47,30 +54,89 @@ enum Part {
     Conformance,
 }
 
+/// Those that run beside each other, the longest first: each waits a good deal for interpreters, browsers and disks.
+const SIDE_BY_SIDE: [Part; 5] = [Part::E2e, Part::Python, Part::Api, Part::Conformance, Part::Web];
+/// So many at a time.
+const AT_ONCE: usize = 2;
+
 /// Runs them all, or the part asked for, setting up what they need.
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let wanted = |part| options.only.is_none_or(|only| only == part);
-    let product = Product::build(Profile::Debug)?;
-    if wanted(Part::Rust) {
-        rust()?;
+    let build = if options.no_build { Product::built } else { Product::build };
+    let product = build(Profile::Debug)?;
+    if let Some(part) = options.only {
+        return run_part(part, &product);
     }
-    if wanted(Part::Python) {
-        python_side(&product)?;
+    rust()?;
+    // What several of them need is there before they begin.
+    Reference::installed()?;
+    web::install()?;
+    run_side_by_side()
+}
+
+fn run_part(part: Part, product: &Product) -> Result<()> {
+    match part {
+        Part::Rust => rust(),
+        Part::Python => python_side(product),
+        Part::Api => {
+            types::run(types::Options::CHECK)?;
+            interface(product)
+        }
+        Part::Web => web::test(),
+        Part::E2e => {
+            web::build()?;
+            browser(product)
+        }
+        Part::Conformance => conformance::run(&conformance::Options::without_build()),
     }
-    if wanted(Part::Api) {
-        types::run(types::Options::CHECK)?;
-        interface(&product)?;
-    }
-    if wanted(Part::Web) {
-        web::test()?;
-    }
-    if wanted(Part::E2e) {
-        browser(&product)?;
-    }
-    if wanted(Part::Conformance) {
-        conformance::run(&conformance::Options::default())?;
+}
+
+/// Each part in a process of its own, whose lines begin with its name. All run to their end, whatever fails.
+fn run_side_by_side() -> Result<()> {
+    let waiting = Mutex::new(SIDE_BY_SIDE.into_iter());
+    let failed = Mutex::new(Vec::new());
+    let next = || waiting.lock().ok().and_then(|mut waiting| waiting.next());
+    let work = || {
+        while let Some(part) = next() {
+            let result = run_beside(part);
+            if let (Err(error), Ok(mut failed)) = (result, failed.lock()) {
+                failed.push(format!("{error:#}"));
+            }
+        }
+    };
+    thread::scope(|scope| (0..AT_ONCE).for_each(|_| drop(scope.spawn(work))));
+    let failed = failed.into_inner().unwrap_or_default();
+    if !failed.is_empty() {
+        bail!("{}", failed.join("; "));
     }
     Ok(())
+}
+
+fn run_beside(part: Part) -> Result<()> {
+    let name = part.to_possible_value().context("a part without a name")?.get_name().to_owned();
+    let mut command = process::command(std::env::current_exe()?);
+    command.args(["test", "--no-build", "--only", &name]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let outputs: [Option<Box<dyn Read + Send>>; 2] = [
+        child.stdout.take().map(|output| Box::new(output) as _),
+        child.stderr.take().map(|output| Box::new(output) as _),
+    ];
+    thread::scope(|scope| {
+        for output in outputs.into_iter().flatten() {
+            scope.spawn(|| show_lines(&name, output));
+        }
+    });
+    let status = child.wait()?;
+    println!("{name} | ended: {status}");
+    if !status.success() {
+        bail!("`cargo xtask test --only {name}` failed: {status}");
+    }
+    Ok(())
+}
+
+fn show_lines(name: &str, output: impl Read) {
+    for line in BufReader::new(output).split(b'\n').map_while(Result::ok) {
+        println!("{name} | {}", String::from_utf8_lossy(&line));
+    }
 }
 
 fn rust() -> Result<()> {
@@ -125,7 +191,6 @@ fn interface(product: &Product) -> Result<()> {
 
 /// `web/e2e`: a browser, the page as it is built, the real server and the reference's core. And a run that is watched for a while.
 fn browser(product: &Product) -> Result<()> {
-    web::build()?;
     let reference = Reference::installed()?;
     let mut journeys = web::program("vitest")?;
     journeys.args(["run", "--config", "e2e/vitest.config.ts"]);

@@ -46,7 +46,7 @@ pub(crate) fn program(name: &str) -> Result<Command> {
 }
 
 /// Installs the packages that the lock file names, unless they are there already.
-fn install() -> Result<()> {
+pub(crate) fn install() -> Result<()> {
     let lock = workspace::read("web/package-lock.json")?;
     let stamp = folder().join("node_modules/.rafcon-lock.json");
     if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == lock) {

@@ -37,6 +37,13 @@ pub(crate) struct Options {
     no_build: bool,
 }
 
+impl Options {
+    /// All machines, with what was built before.
+    pub(crate) fn without_build() -> Self {
+        Self { no_build: true, ..Self::default() }
+    }
+}
+
 /// Runs the machines and prints the table; fails on a difference that nothing explains.
 pub(crate) fn run(options: &Options) -> Result<()> {
     let reference = Reference::installed()?;
