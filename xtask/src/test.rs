@@ -113,8 +113,9 @@ fn run_side_by_side() -> Result<()> {
 
 fn run_beside(part: Part) -> Result<()> {
     let name = part.to_possible_value().context("a part without a name")?.get_name().to_owned();
-    let mut command = process::command(std::env::current_exe()?);
-    command.args(["test", "--no-build", "--only", &name]);
+    // Not this very program: the tests of all crates may have built another one in its place.
+    let mut command = process::cargo();
+    command.args(["xtask", "test", "--no-build", "--only", &name]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let outputs: [Option<Box<dyn Read + Send>>; 2] = [
         child.stdout.take().map(|output| Box::new(output) as _),
