@@ -23,7 +23,7 @@ impl fmt::Display for Kind {
 
 /// A lock that a thread holds.
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct HeldLock {
     kind: Kind,
     address: usize,
     taken: At,
@@ -39,7 +39,7 @@ struct Orders(BTreeMap<Kind, BTreeMap<Kind, Seen>>);
 static ORDERS: parking_lot::Mutex<Orders> = parking_lot::Mutex::new(Orders(BTreeMap::new()));
 
 thread_local! {
-    static HELD: RefCell<Vec<Held>> = const { RefCell::new(Vec::new()) };
+    static HELD: RefCell<Vec<HeldLock>> = const { RefCell::new(Vec::new()) };
     /// Pairs that this thread need not look up again.
     static KNOWN: RefCell<BTreeSet<(Kind, Kind)>> = const { RefCell::new(BTreeSet::new()) };
 }
@@ -95,8 +95,8 @@ pub(crate) fn before(kind: Kind, address: usize, at: At) {
     }
 }
 
-fn inside(held: &Held, kind: Kind, address: usize, at: At) -> Result<(), String> {
-    let Held { kind: outer, address: other, taken } = *held;
+fn inside(held: &HeldLock, kind: Kind, address: usize, at: At) -> Result<(), String> {
+    let HeldLock { kind: outer, address: other, taken } = *held;
     if other == address {
         return Err(format!("{kind} is taken at {at} by a thread that holds it since {taken}"));
     }
@@ -121,13 +121,13 @@ fn fail(why: &str) -> ! {
 
 /// This thread has got a lock.
 pub(crate) fn taken(kind: Kind, address: usize, at: At) {
-    let held = Held { kind, address, taken: at };
+    let held = HeldLock { kind, address, taken: at };
     HELD.try_with(|all| all.borrow_mut().push(held)).unwrap_or_default();
 }
 
 /// This thread lets a lock go.
 pub(crate) fn left(address: usize) {
-    let forget = |held: &RefCell<Vec<Held>>| {
+    let forget = |held: &RefCell<Vec<HeldLock>>| {
         let mut held = held.borrow_mut();
         if let Some(index) = held.iter().rposition(|held| held.address == address) {
             held.remove(index);

@@ -11,15 +11,15 @@ use std::sync::Arc;
 pub struct DataFlows {
     by_id: Sorted<DataFlowId, DataFlow>,
     /// Only when there are many.
-    index: Option<Arc<Index>>,
+    index: Option<Arc<DataFlowIndex>>,
 }
 
-type End = (StateId, PortId);
+type DataFlowEnd = (StateId, PortId);
 
 #[derive(Debug, Clone, Default)]
-struct Index {
-    by_link: OrdSet<(End, End, DataFlowId)>,
-    by_target: OrdSet<(End, DataFlowId)>,
+struct DataFlowIndex {
+    by_link: OrdSet<(DataFlowEnd, DataFlowEnd, DataFlowId)>,
+    by_target: OrdSet<(DataFlowEnd, DataFlowId)>,
 }
 
 impl PartialEq for DataFlows {
@@ -79,7 +79,7 @@ impl DataFlows {
     }
 
     /// Those that lead from one port to another: one at most in a valid container.
-    pub fn between(&self, from: End, to: End) -> impl Iterator<Item = &DataFlow> {
+    pub fn between(&self, from: DataFlowEnd, to: DataFlowEnd) -> impl Iterator<Item = &DataFlow> {
         let wanted = (from.clone(), to.clone());
         let few = self.few().filter(move |f| (source_of(f), target_of(f)) == wanted);
         few.chain(self.links_between(from, to))
@@ -112,13 +112,13 @@ impl DataFlows {
         all.into_iter().flatten()
     }
 
-    fn by_target(&self, low: End, high: End) -> impl Iterator<Item = &DataFlow> {
+    fn by_target(&self, low: DataFlowEnd, high: DataFlowEnd) -> impl Iterator<Item = &DataFlow> {
         let range = (low, DataFlowId(i64::MIN))..=(high, DataFlowId(i64::MAX));
         let keys = self.index.as_deref().map(|index| index.by_target.range(range));
         keys.into_iter().flatten().filter_map(|(_, id)| self.by_id.get(id))
     }
 
-    fn links_between(&self, from: End, to: End) -> impl Iterator<Item = &DataFlow> {
+    fn links_between(&self, from: DataFlowEnd, to: DataFlowEnd) -> impl Iterator<Item = &DataFlow> {
         let low = (from.clone(), to.clone(), DataFlowId(i64::MIN));
         let high = (from, to, DataFlowId(i64::MAX));
         let keys = self.index.as_deref().map(|index| index.by_link.range(low..=high));
@@ -128,8 +128,8 @@ impl DataFlows {
     /// Those from `low` on, as long as their source is wanted.
     fn links_from(
         &self,
-        low: End,
-        wanted: impl Fn(&End) -> bool,
+        low: DataFlowEnd,
+        wanted: impl Fn(&DataFlowEnd) -> bool,
     ) -> impl Iterator<Item = &DataFlow> {
         let low = (low, lowest(&StateId::new("")), DataFlowId(i64::MIN));
         let keys = self.index.as_deref().map(|index| index.by_link.range(low..));
@@ -149,7 +149,7 @@ impl DataFlows {
             index.by_target.insert((ends.1.clone(), id));
             index.by_link.insert((ends.0, ends.1, id));
         } else if self.by_id.len() >= MANY {
-            self.index = Some(Arc::new(Index::of(self.by_id.values())));
+            self.index = Some(Arc::new(DataFlowIndex::of(self.by_id.values())));
         }
         earlier
     }
@@ -177,7 +177,7 @@ impl DataFlows {
     }
 }
 
-impl Index {
+impl DataFlowIndex {
     fn of<'f>(flows: impl Iterator<Item = &'f DataFlow> + Clone) -> Self {
         Self {
             by_link: flows.clone().map(|f| (source_of(f), target_of(f), f.id)).collect(),
@@ -191,19 +191,19 @@ impl Index {
     }
 }
 
-fn source_of(flow: &DataFlow) -> End {
+fn source_of(flow: &DataFlow) -> DataFlowEnd {
     (flow.from_state.clone(), flow.from_port)
 }
 
-fn target_of(flow: &DataFlow) -> End {
+fn target_of(flow: &DataFlow) -> DataFlowEnd {
     (flow.to_state.clone(), flow.to_port)
 }
 
-fn lowest(state: &StateId) -> End {
+fn lowest(state: &StateId) -> DataFlowEnd {
     (state.clone(), PortId(i64::MIN))
 }
 
-fn highest(state: &StateId) -> End {
+fn highest(state: &StateId) -> DataFlowEnd {
     (state.clone(), PortId(i64::MAX))
 }
 

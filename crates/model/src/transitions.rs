@@ -11,15 +11,15 @@ use std::sync::Arc;
 pub struct Transitions {
     by_id: Sorted<TransitionId, Transition>,
     /// Only when there are many.
-    index: Option<Arc<Index>>,
+    index: Option<Arc<TransitionIndex>>,
 }
 
-type End = (Option<StateId>, Option<OutcomeId>);
+type TransitionEnd = (Option<StateId>, Option<OutcomeId>);
 
 #[derive(Debug, Clone, Default)]
-struct Index {
-    by_origin: OrdSet<(End, TransitionId)>,
-    by_target: OrdSet<(End, TransitionId)>,
+struct TransitionIndex {
+    by_origin: OrdSet<(TransitionEnd, TransitionId)>,
+    by_target: OrdSet<(TransitionEnd, TransitionId)>,
 }
 
 impl PartialEq for Transitions {
@@ -108,9 +108,9 @@ impl Transitions {
     /// Those between two keys of an index, while there is one.
     fn many<'s>(
         &'s self,
-        pick: fn(&'s Index) -> &'s OrdSet<(End, TransitionId)>,
-        low: End,
-        high: End,
+        pick: fn(&'s TransitionIndex) -> &'s OrdSet<(TransitionEnd, TransitionId)>,
+        low: TransitionEnd,
+        high: TransitionEnd,
     ) -> impl Iterator<Item = &'s Transition> {
         let range = (low, TransitionId(i64::MIN))..=(high, TransitionId(i64::MAX));
         let keys = self.index.as_deref().map(|index| pick(index).range(range));
@@ -129,7 +129,7 @@ impl Transitions {
             index.by_origin.insert((keys.0, id));
             index.by_target.insert((keys.1, id));
         } else if self.by_id.len() >= MANY {
-            self.index = Some(Arc::new(Index::of(self.by_id.values())));
+            self.index = Some(Arc::new(TransitionIndex::of(self.by_id.values())));
         }
         earlier
     }
@@ -157,7 +157,7 @@ impl Transitions {
     }
 }
 
-impl Index {
+impl TransitionIndex {
     fn of<'t>(transitions: impl Iterator<Item = &'t Transition> + Clone) -> Self {
         Self {
             by_origin: transitions.clone().map(|t| (origin_of(t), t.id)).collect(),
@@ -171,19 +171,19 @@ impl Index {
     }
 }
 
-fn origin_of(transition: &Transition) -> End {
+fn origin_of(transition: &Transition) -> TransitionEnd {
     (transition.from_state.clone(), transition.from_outcome)
 }
 
-fn target_of(transition: &Transition) -> End {
+fn target_of(transition: &Transition) -> TransitionEnd {
     (transition.to_state.clone(), transition.to_outcome)
 }
 
-fn lowest(state: &StateId) -> End {
+fn lowest(state: &StateId) -> TransitionEnd {
     (Some(state.clone()), None)
 }
 
-fn highest(state: &StateId) -> End {
+fn highest(state: &StateId) -> TransitionEnd {
     (Some(state.clone()), Some(OutcomeId(i64::MAX)))
 }
 

@@ -4,7 +4,7 @@ use crate::{current, thread};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rafcon_protocol::{Answer, Breakpoint, Command, Envelope, Event, Scope, Unattended, When};
-use rafcon_runner::Past;
+use rafcon_runner::PastEvent;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Carries a command out; an error with the reason if it cannot be done now. `path` and `number` (of an event, or the id of a
@@ -90,7 +90,7 @@ pub(crate) fn past(py: Python<'_>) -> PyResult<Vec<Told>> {
 }
 
 #[expect(clippy::cast_precision_loss, reason = "Python's times are floats")]
-fn told(past: Past) -> Option<Told> {
+fn told(past: PastEvent) -> Option<Told> {
     let time = past.epoch_ms as f64 / 1000.0;
     let json = |values| serde_json::Value::Object(values).to_string();
     match past.event {

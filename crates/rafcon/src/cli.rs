@@ -5,7 +5,7 @@ mod remote;
 mod serve;
 
 pub(crate) use kept::{
-    Compare, Export, ExportFormat, History, KeptRun, Level as LogLevel, ListRuns, Log, Replay,
+    Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
 pub(crate) use remote::{Access, Control, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};

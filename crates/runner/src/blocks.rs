@@ -44,7 +44,7 @@ pub(crate) struct Encoded<'b> {
 /// The bounded list of blocks.
 #[derive(Debug)]
 pub(crate) struct Blocks {
-    list: VecDeque<Block>,
+    list: VecDeque<RecordBlock>,
     bytes: usize,
     limit: usize,
     /// The number of the next record.
@@ -52,7 +52,7 @@ pub(crate) struct Blocks {
 }
 
 #[derive(Debug, Default)]
-struct Block {
+struct RecordBlock {
     bytes: Vec<u8>,
     marks: Vec<Mark>,
     rare: Vec<Piece>,
@@ -87,8 +87,8 @@ impl Blocks {
     }
 
     /// An empty block: the oldest one, if there are enough.
-    fn room(&mut self) -> Block {
-        let mut room = Block::default();
+    fn room(&mut self) -> RecordBlock {
+        let mut room = RecordBlock::default();
         while self.bytes >= self.limit {
             let Some(oldest) = self.list.pop_front() else { break };
             self.bytes -= oldest.bytes.len();
@@ -111,11 +111,11 @@ impl Blocks {
         } else {
             into.push(&block.bytes, block.all_from(from));
         }
-        self.list.get(after).map_or(self.next, Block::first).min(end)
+        self.list.get(after).map_or(self.next, RecordBlock::first).min(end)
     }
 }
 
-impl Block {
+impl RecordBlock {
     fn first(&self) -> u64 {
         self.marks.first().map_or(u64::MAX, |mark| mark.sequence)
     }

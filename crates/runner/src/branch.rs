@@ -14,26 +14,26 @@ const STACK_BYTES: usize = 8 << 20;
 
 /// One piece of work for a branch, and where.
 #[derive(Debug)]
-pub(crate) struct Turn<D> {
-    pub(crate) work: Work<D>,
+pub(crate) struct BranchTask<D> {
+    pub(crate) work: BranchWork<D>,
     pub(crate) place: Arc<Place>,
 }
 
 /// What a branch's thread can be asked to do.
 #[derive(Debug)]
-pub(crate) enum Work<D> {
+pub(crate) enum BranchWork<D> {
     /// Run a script.
     Script(Job<D>),
     /// Evaluate a condition.
     Condition(Check<D>),
 }
 
-impl<D> Turn<D> {
+impl<D> BranchTask<D> {
     /// The branch whose turn it is.
     pub(crate) fn branch(&self) -> BranchId {
         match &self.work {
-            Work::Script(job) => job.branch,
-            Work::Condition(check) => check.branch,
+            BranchWork::Script(job) => job.branch,
+            BranchWork::Condition(check) => check.branch,
         }
     }
 }
@@ -42,7 +42,7 @@ impl<D> Turn<D> {
 #[derive(Debug)]
 pub(crate) enum Mail<D> {
     /// Run this script of your branch, and what follows it.
-    Run(Turn<D>),
+    Run(BranchTask<D>),
     /// Branches without a thread may be waiting.
     Seek,
     /// There is nothing more to do, ever.
@@ -85,7 +85,7 @@ fn live<S: Scripts>(driver: &Arc<Driver<S>>, worker: &Arc<Worker<S::Value>>) {
 }
 
 /// Does a piece of work and all that follows it: no hand-off on the way.
-fn follow<S: Scripts>(driver: &Arc<Driver<S>>, mut next: Option<Turn<S::Value>>) {
+fn follow<S: Scripts>(driver: &Arc<Driver<S>>, mut next: Option<BranchTask<S::Value>>) {
     while let Some(turn) = next {
         let branch = turn.branch();
         driver.wait_for_safety();
@@ -94,17 +94,17 @@ fn follow<S: Scripts>(driver: &Arc<Driver<S>>, mut next: Option<Turn<S::Value>>)
 }
 
 /// Does a piece of work; a defect of ours becomes its error.
-fn answer<S: Scripts>(scripts: &S, turn: Turn<S::Value>) -> Input<S::Value> {
-    let Turn { work, place } = turn;
+fn answer<S: Scripts>(scripts: &S, turn: BranchTask<S::Value>) -> Input<S::Value> {
+    let BranchTask { work, place } = turn;
     match work {
-        Work::Script(job) => {
+        BranchWork::Script(job) => {
             let frame = job.frame;
             let result = catch_unwind(AssertUnwindSafe(|| scripts.run(job, &place)));
             let result = result
                 .unwrap_or_else(|_panic| scripts.failure(&defect("running the script", &place)));
             Input::Finished { frame, result }
         }
-        Work::Condition(check) => {
+        BranchWork::Condition(check) => {
             let result = catch_unwind(AssertUnwindSafe(|| scripts.check(&check, &place)));
             let result = result
                 .unwrap_or_else(|_panic| Err(defect("evaluating a condition", &place).into()));

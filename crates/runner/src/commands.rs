@@ -19,13 +19,13 @@ pub(crate) type Answers = VecDeque<(String, Answer)>;
 pub(crate) struct Desk<S: Scripts> {
     driver: Arc<Driver<S>>,
     /// The latest commands.
-    known: Mutex<VecDeque<Known>>,
+    known: Mutex<VecDeque<KnownCommand>>,
     answered: Condvar,
 }
 
 /// A command that came.
 #[derive(Debug)]
-struct Known {
+struct KnownCommand {
     id: String,
     /// What it asks for, as far as it tells it from others; not known of those that runners before have answered.
     asks: Option<u64>,
@@ -36,7 +36,7 @@ struct Known {
 impl<S: Scripts> Desk<S> {
     /// A desk at which these commands were answered: by the runners before, if there were any.
     pub(crate) fn new(driver: Arc<Driver<S>>, answers: Answers) -> Self {
-        let known = |(id, answer)| Known { id, asks: None, answer: Some(answer) };
+        let known = |(id, answer)| KnownCommand { id, asks: None, answer: Some(answer) };
         let known = Mutex::new(answers.into_iter().map(known).collect());
         Self { driver, known, answered: Condvar::new() }
     }
@@ -116,7 +116,7 @@ impl<S: Scripts> Desk<S> {
         {
             known.remove(oldest);
         }
-        known.push_back(Known { id: id.to_owned(), asks, answer: None });
+        known.push_back(KnownCommand { id: id.to_owned(), asks, answer: None });
         None
     }
 }

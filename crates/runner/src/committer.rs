@@ -4,7 +4,7 @@
 use crate::driver::Driver;
 use crate::prepare::reason;
 use crate::recorder::Recorder;
-use crate::safety::{Turn, Work};
+use crate::safety::{CommitterWork, RunAction};
 use crate::{Scripts, roots, tell};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{Event, LogLevel};
@@ -45,7 +45,7 @@ fn serve(recorder: &Recorder) {
             }
             Err(problem) => safety.failed(&problem),
         }
-        if work == Work::Last {
+        if work == CommitterWork::Last {
             break;
         }
     }
@@ -73,15 +73,17 @@ pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
     let mut was = false;
     while let Some(turn) = driver.recorder().safety().next_turn(was) {
         match turn {
-            Turn::Fails(problem) => {
+            RunAction::Fails(problem) => {
                 was = true;
                 attendant.fails(&problem);
             }
-            Turn::Works => {
+            RunAction::Works => {
                 was = false;
                 attendant.works_again();
             }
-            Turn::Thinned(before) => driver.tell_in_time(tell::told(Event::Thinned { before })),
+            RunAction::Thinned(before) => {
+                driver.tell_in_time(tell::told(Event::Thinned { before }));
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What only the holder of the engine touches: the engine, its places, and who runs what.
 
 use crate::active::Active;
-use crate::branch::{Turn, Work, Worker};
+use crate::branch::{BranchTask, BranchWork, Worker};
 use crate::crew::Crew;
 use crate::last::Last;
 use crate::level;
@@ -21,7 +21,7 @@ pub(crate) struct Core<D> {
     pub(crate) outbox: Outbox<D>,
     /// Answers for work that could not be done.
     pub(crate) pending: VecDeque<Input<D>>,
-    pub(crate) known: Vec<Option<Known<D>>>,
+    pub(crate) known: Vec<Option<KnownPlace<D>>>,
     pub(crate) numbering: Numbering,
     /// How often the program changed, counted from 1.
     pub(crate) generation: u32,
@@ -37,7 +37,7 @@ pub(crate) struct Core<D> {
 
 /// A place that the run has met.
 #[derive(Debug)]
-pub(crate) struct Known<D> {
+pub(crate) struct KnownPlace<D> {
     pub(crate) place: Arc<Place>,
     /// The generation of its latest definition in the record; 0 if it has none.
     pub(crate) defined: u32,
@@ -46,7 +46,7 @@ pub(crate) struct Known<D> {
 }
 
 /// What one input came to, for the thread that gave it.
-pub(crate) type Next<D> = Option<Turn<D>>;
+pub(crate) type Next<D> = Option<BranchTask<D>>;
 
 /// What an input comes to, for the thread that gives it.
 pub(crate) struct Turning<D> {
@@ -88,7 +88,7 @@ impl<D: Datum> Core<D> {
     }
 
     /// The same with what the record knows of it.
-    pub(crate) fn known(&mut self, path: PathId, node: NodeId) -> &mut Known<D> {
+    pub(crate) fn known(&mut self, path: PathId, node: NodeId) -> &mut KnownPlace<D> {
         let index = path.index();
         if self.known.len() <= index {
             self.known.resize_with(index + 1, || None);
@@ -103,21 +103,21 @@ impl<D: Datum> Core<D> {
             let place = Arc::new(place.recorded(number, level(engine, path)));
             place.signals.set(flags, true);
             places.insert(Arc::clone(&place));
-            Known { place, defined: 0, last: None }
+            KnownPlace { place, defined: 0, last: None }
         })
     }
 
     /// Makes ready what the script's thread needs.
-    pub(crate) fn begin(&mut self, job: Job<D>) -> Turn<D> {
+    pub(crate) fn begin(&mut self, job: Job<D>) -> BranchTask<D> {
         let place = Arc::clone(self.place_of(job.path, job.node));
         place.signals.begin(job.preempted);
-        Turn { work: Work::Script(job), place }
+        BranchTask { work: BranchWork::Script(job), place }
     }
 
     /// The same for a condition.
-    pub(crate) fn begin_check(&mut self, check: Check<D>) -> Turn<D> {
+    pub(crate) fn begin_check(&mut self, check: Check<D>) -> BranchTask<D> {
         let place = Arc::clone(self.place_of(check.path, check.node));
-        Turn { work: Work::Condition(check), place }
+        BranchTask { work: BranchWork::Condition(check), place }
     }
 
     /// How many threads there were.
@@ -140,7 +140,7 @@ impl<D: Datum> Core<D> {
 
     pub(crate) fn set_flags(&mut self, flags: u8) {
         self.flags = flags;
-        for Known { place, .. } in self.known.iter().flatten() {
+        for KnownPlace { place, .. } in self.known.iter().flatten() {
             place.signals.set((PAUSED | STARTED) & !flags, false);
             place.signals.set(flags, true);
         }
@@ -152,7 +152,7 @@ impl<D: Datum> Core<D> {
         }
     }
 
-    pub(crate) fn dispatch(&mut self, begun: Turn<D>, turn: &mut Turning<D>) {
+    pub(crate) fn dispatch(&mut self, begun: BranchTask<D>, turn: &mut Turning<D>) {
         if turn.own == Some(begun.branch()) {
             self.crew.go_on(&begun);
             turn.next = Some(begun);

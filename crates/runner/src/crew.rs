@@ -5,7 +5,7 @@
 //! many short ones cost one thread and no hand-off.
 
 use crate::active::Active;
-use crate::branch::{Mail, Turn, Worker};
+use crate::branch::{BranchTask, Mail, Worker};
 use rafcon_engine::BranchId;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub(crate) struct Crew<D> {
     owners: BTreeMap<BranchId, Arc<Worker<D>>>,
     idle: Vec<Arc<Worker<D>>>,
     /// First scripts of branches without a thread.
-    ready: VecDeque<Turn<D>>,
+    ready: VecDeque<BranchTask<D>>,
     /// Threads on their way to `ready`.
     seekers: usize,
     active: Active,
@@ -38,7 +38,7 @@ impl<D> Crew<D> {
     }
 
     /// Work for another thread than the one that says so.
-    pub(crate) fn post(&mut self, turn: Turn<D>) {
+    pub(crate) fn post(&mut self, turn: BranchTask<D>) {
         match self.owners.get(&turn.branch()) {
             Some(owner) => {
                 self.active.begin(owner.slot, &turn.place);
@@ -49,7 +49,7 @@ impl<D> Crew<D> {
     }
 
     /// The thread of this branch goes on with this script of its own.
-    pub(crate) fn go_on(&mut self, turn: &Turn<D>) {
+    pub(crate) fn go_on(&mut self, turn: &BranchTask<D>) {
         if let Some(owner) = self.owners.get(&turn.branch()) {
             self.active.begin(owner.slot, &turn.place);
         }
@@ -70,7 +70,7 @@ impl<D> Crew<D> {
     }
 
     /// A thread has no branch any more and asks for the next one; without one it is idle from now on.
-    pub(crate) fn take(&mut self, worker: Arc<Worker<D>>) -> Option<Turn<D>> {
+    pub(crate) fn take(&mut self, worker: Arc<Worker<D>>) -> Option<BranchTask<D>> {
         let Some(turn) = self.ready.pop_front() else {
             self.retire(worker);
             return None;
@@ -115,7 +115,7 @@ impl<D> Crew<D> {
     }
 
     /// No thread could be made: the work that was waiting for it.
-    pub(crate) fn give_up(&mut self) -> Option<Turn<D>> {
+    pub(crate) fn give_up(&mut self) -> Option<BranchTask<D>> {
         self.ready.pop_front()
     }
 

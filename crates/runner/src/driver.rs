@@ -2,7 +2,7 @@
 //! script goes on inline on the thread that finished the last one.
 
 use crate::active::Active;
-use crate::branch::{self, Work, Worker};
+use crate::branch::{self, BranchWork, Worker};
 use crate::core::{Core, Next, Turning};
 use crate::document::Document;
 use crate::points::Points;
@@ -26,7 +26,7 @@ use std::time::Instant;
 
 /// How a run of a process ends.
 #[derive(Debug)]
-pub(crate) enum End<D> {
+pub(crate) enum RunEnd<D> {
     /// The run is over.
     Finished(Finish<D>),
     /// A script does not end: the process has to.
@@ -70,7 +70,7 @@ pub struct Driver<S: Scripts> {
     roots: Roots,
     /// Whether the run's last event was told. Held by whoever tells something that may come later.
     over: Mutex<bool>,
-    end: Mutex<Option<End<S::Value>>>,
+    end: Mutex<Option<RunEnd<S::Value>>>,
     ended: Condvar,
 }
 
@@ -209,7 +209,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// Waits for the end of the run.
-    pub(crate) fn wait(&self) -> Option<End<S::Value>> {
+    pub(crate) fn wait(&self) -> Option<RunEnd<S::Value>> {
         let mut found = None;
         self.scripts.park(&mut || {
             let mut end = self.end.lock();
@@ -293,7 +293,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// There are stand-ins for lost values from now on, if that is so.
-    pub(crate) fn has_lost(&self, any: bool) {
+    pub(crate) fn note_lost_values(&self, any: bool) {
         self.any_lost.fetch_or(any, Ordering::Relaxed);
     }
 
@@ -334,7 +334,7 @@ impl<S: Scripts> Driver<S> {
         core.is_broken = true;
         let what = "the engine failed; the process of this run ends, and it can be taken up";
         self.recorder.push(self.clock.now_ns(), [tell::defect(what)]);
-        self.end_with(End::Broken);
+        self.end_with(RunEnd::Broken);
         Refusal::Broken
     }
 
@@ -470,10 +470,10 @@ impl<S: Scripts> Driver<S> {
             "the system gave no thread for this branch ({error}); let fewer states run side by side"
         );
         core.pending.push_back(match turn.work {
-            Work::Script(job) => {
+            BranchWork::Script(job) => {
                 Input::Finished { frame: job.frame, result: self.scripts.failure(&reason) }
             }
-            Work::Condition(check) => {
+            BranchWork::Condition(check) => {
                 Input::Checked { check: check.check, result: Err(reason.into()) }
             }
         });
@@ -493,11 +493,11 @@ impl<S: Scripts> Driver<S> {
     pub(crate) fn finish(&self, finish: Finish<S::Value>) {
         self.questions.end();
         self.timers.close();
-        self.end_with(End::Finished(finish));
+        self.end_with(RunEnd::Finished(finish));
     }
 
     /// This is the end, unless there is one already.
-    pub(crate) fn end_with(&self, end: End<S::Value>) {
+    pub(crate) fn end_with(&self, end: RunEnd<S::Value>) {
         self.end.lock().get_or_insert(end);
         self.ended.notify_all();
     }

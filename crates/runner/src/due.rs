@@ -2,7 +2,7 @@
 //! period ends with the process. Knows the consequences; must never know when they are due.
 
 use crate::core::Core;
-use crate::driver::End;
+use crate::driver::RunEnd;
 use crate::timers::{Due, What};
 use crate::{Driver, Scripts, tell};
 use rafcon_engine::{Input, Refusal};
@@ -54,6 +54,6 @@ impl<S: Scripts> Driver<S> {
         }
         let path = due.place.text.to_string();
         self.tell(Event::CutOff { path, grace_ms: due.ms });
-        self.end_with(End::CutOff);
+        self.end_with(RunEnd::CutOff);
     }
 }

@@ -5,11 +5,11 @@ use crate::commands::Answers;
 use crate::company::Company;
 use crate::connection::{self, Line, Socket, TalkError};
 use crate::document::Document;
-use crate::driver::{Driver, End};
+use crate::driver::{Driver, RunEnd};
 use crate::join::{Closer, Door};
 use crate::prepare::{Prepared, prepare, reason};
 use crate::recorder::Recorder;
-use crate::resume::{Past, Resumed};
+use crate::resume::{Resumed, ResumedPast};
 use crate::{Clock, Host, Scripts, committer, due, journal, stop, tell};
 use rafcon_engine::{Finish, Input, Program, Start};
 use rafcon_model::Machine;
@@ -96,7 +96,7 @@ fn begin<H: Host>(
     H::opened(&driver);
     driver.keep_first_root(files, is_kept);
     let (door, closer) = open_door(launch)?.unzip();
-    let answers = past.as_ref().map(Past::answers).unwrap_or_default();
+    let answers = past.as_ref().map(ResumedPast::answers).unwrap_or_default();
     let begun = Begun { driver, loaded, from, answers, signals: stop::take_over()?, door, closer };
     let is_new = past.is_none();
     match set_out(&begun.driver, launch, start, past) {
@@ -127,7 +127,7 @@ fn record(
     machine: &Machine,
     clock: Clock,
     resumed: Option<Resumed>,
-) -> Result<(Recorder, Option<Past>), ServeError> {
+) -> Result<(Recorder, Option<ResumedPast>), ServeError> {
     if let Some(resumed) = resumed {
         let (recorder, past) = resumed.recorder();
         return Ok((recorder, Some(past)));
@@ -225,7 +225,7 @@ fn set_out<S: Scripts>(
     driver: &Arc<Driver<S>>,
     launch: &Launch,
     start: Start<S::Value>,
-    past: Option<Past>,
+    past: Option<ResumedPast>,
 ) -> Result<(), String> {
     if let Some(past) = past {
         past.go_on(driver, start, launch.hold)?;
@@ -243,7 +243,7 @@ fn set_out<S: Scripts>(
 fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
     let end = driver.wait();
     let flow = match end {
-        Some(End::Finished(finish)) => {
+        Some(RunEnd::Finished(finish)) => {
             driver.close();
             driver.scripts().ended(&finish);
             driver.scripts().finished();
@@ -254,8 +254,8 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
             driver.tell(event);
             ControlFlow::Continue(())
         }
-        Some(End::Broken) => ControlFlow::Break(BROKEN),
-        Some(End::CutOff) | None => ControlFlow::Break(due::CUT_OFF),
+        Some(RunEnd::Broken) => ControlFlow::Break(BROKEN),
+        Some(RunEnd::CutOff) | None => ControlFlow::Break(due::CUT_OFF),
     };
     driver.recorder().close();
     flow

@@ -64,7 +64,7 @@ pub use files::StateFiles;
 pub use host::{ServeError, serve};
 pub use keep::{Keep, KeptValue};
 pub use last::Last;
-pub use past::Past;
+pub use past::PastEvent;
 pub use place::{Place, Places};
 pub use prepare::{faults, reason};
 pub use questions::{Asked, Closed};

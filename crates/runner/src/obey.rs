@@ -51,7 +51,7 @@ fn commanded(envelope: &Envelope, answer: Answer) -> Record {
 }
 
 /// Whether a command that was carried out is written down already.
-enum Done {
+enum Executed {
     /// In one group with what follows from it: a crash leaves both or none.
     Noted,
     /// Not yet.
@@ -62,8 +62,8 @@ impl<S: Scripts> Driver<S> {
     /// Carries a command out and notes it down with its answer. Called on any thread, outside the interpreter.
     pub fn obey(self: &Arc<Self>, envelope: &Envelope) -> Answer {
         let answer = match self.carry_out_command(envelope) {
-            Ok(Done::Noted) => return Answer::Applied,
-            Ok(Done::Unnoted) => Answer::Applied,
+            Ok(Executed::Noted) => return Answer::Applied,
+            Ok(Executed::Unnoted) => Answer::Applied,
             Err(NotTaken::Late) => Answer::Expired,
             Err(NotTaken::Refused(reason)) => Answer::Refused { reason },
         };
@@ -71,7 +71,7 @@ impl<S: Scripts> Driver<S> {
         answer
     }
 
-    fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<Done, NotTaken> {
+    fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<Executed, NotTaken> {
         let order = Order::of(envelope);
         if order.is_late() {
             return Err(NotTaken::Late);
@@ -88,11 +88,11 @@ impl<S: Scripts> Driver<S> {
             // Noted down like every command: the journal says who commanded when.
             Command::Control { .. } => {}
             Command::StartFromHistory { sequence } => {
-                return self.start_from_history(*sequence, &order).map(|()| Done::Noted);
+                return self.start_from_history(*sequence, &order).map(|()| Executed::Noted);
             }
-            command => return self.carry_out_input(command, &order).map(|()| Done::Noted),
+            command => return self.carry_out_input(command, &order).map(|()| Executed::Noted),
         }
-        Ok(Done::Unnoted)
+        Ok(Executed::Unnoted)
     }
 
     /// Carries out a command that the engine takes. A command about the pace of the run also decides that its journal does not

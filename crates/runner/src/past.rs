@@ -12,7 +12,7 @@ const EVENTS_MAX: u64 = 20_000;
 
 /// One event that a script is told of.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Past {
+pub struct PastEvent {
     /// Its number.
     pub sequence: u64,
     /// When it happened, in ms since 1970 UTC.
@@ -23,7 +23,7 @@ pub struct Past {
 
 impl<S: Scripts> Driver<S> {
     /// The states that were entered and left, oldest first. Called on any thread, outside the interpreter.
-    pub fn past(&self) -> Vec<Past> {
+    pub fn past(&self) -> Vec<PastEvent> {
         let (recorder, mut chunk, mut archive) =
             (self.recorder(), Chunk::default(), Archive::default());
         let wording = Wording::new(recorder, &mut archive, true);
@@ -34,7 +34,7 @@ impl<S: Scripts> Driver<S> {
                 let event = wording.event(sequence, record);
                 let wanted =
                     |event: &Event| matches!(event, Event::Entered { .. } | Event::Left { .. });
-                found.extend(event.filter(wanted).map(|event| Past {
+                found.extend(event.filter(wanted).map(|event| PastEvent {
                     sequence,
                     epoch_ms: began + t_ns / 1_000_000,
                     event,

@@ -25,7 +25,7 @@ pub(crate) struct Pen {
 
 /// How a state ended, but for its values.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct End {
+pub(crate) struct StateEnd {
     pub(crate) place: PlaceNumber,
     pub(crate) outcome: i64,
     pub(crate) undoes: Option<NonZeroU64>,
@@ -111,8 +111,8 @@ impl Pen {
     }
 
     /// A state ended with the values named before.
-    pub(crate) fn left(&mut self, t_ns: u64, end: End, error: Option<&Kept>) {
-        let End { place, outcome, undoes } = end;
+    pub(crate) fn left(&mut self, t_ns: u64, end: StateEnd, error: Option<&Kept>) {
+        let StateEnd { place, outcome, undoes } = end;
         let left = Left { place, outcome, outputs: self.values.drain(..), error, undoes };
         self.batch.left(t_ns, left);
     }

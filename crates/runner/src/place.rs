@@ -139,13 +139,13 @@ const FIRST_BLOCK: usize = 1024;
 const BLOCKS: usize = 23;
 
 /// One block of places.
-type Block = Box<[OnceLock<Arc<Place>>]>;
+type PlaceBlock = Box<[OnceLock<Arc<Place>>]>;
 
 /// All places met so far, by number. Written by the holder of the engine, read by all. A place is never replaced and never moves,
 /// so that readers take no lock: neither a writer nor a fork can hold them up.
 #[derive(Debug, Default)]
 pub struct Places {
-    blocks: [OnceLock<Block>; BLOCKS],
+    blocks: [OnceLock<PlaceBlock>; BLOCKS],
 }
 
 impl Places {

@@ -57,11 +57,11 @@ struct Open {
     question: Question,
     place: Arc<Place>,
     /// Filled once, by whoever comes first.
-    end: Option<End>,
+    end: Option<QuestionEnd>,
 }
 
 #[derive(Debug)]
-struct End {
+struct QuestionEnd {
     closed: Closed,
     author: String,
 }
@@ -81,7 +81,7 @@ impl<S: Scripts> Driver<S> {
         let mut end = None;
         let deadline = timeout.and_then(Clock::moment);
         self.scripts().park(&mut || end = Some(self.questions().wait(id, deadline)));
-        let End { closed, author } = end.unwrap_or_else(withdrawn);
+        let QuestionEnd { closed, author } = end.unwrap_or_else(withdrawn);
         let (how, answer) = (closed.how, closed.answer.clone());
         self.tell(Event::Closed { id, how, answer, author });
         Ok(closed)
@@ -107,7 +107,7 @@ impl Questions {
         };
         open.question.form.takes(answer)?;
         let closed = Closed { how: Closing::Answered, answer: Some(answer.clone()) };
-        open.end = Some(End { closed, author: author.to_owned() });
+        open.end = Some(QuestionEnd { closed, author: author.to_owned() });
         self.closed.notify_all();
         Ok(())
     }
@@ -159,7 +159,7 @@ impl Questions {
         question
     }
 
-    fn wait(&self, id: u64, deadline: Option<Instant>) -> End {
+    fn wait(&self, id: u64, deadline: Option<Instant>) -> QuestionEnd {
         let mut list = self.list.lock();
         while list.open.get(&id).is_some_and(|open| open.end.is_none()) {
             let Some(deadline) = deadline else {
@@ -172,7 +172,7 @@ impl Questions {
         }
         self.count.fetch_sub(1, Ordering::Relaxed);
         list.open.remove(&id).map_or_else(withdrawn, |open| {
-            open.end.unwrap_or_else(|| End {
+            open.end.unwrap_or_else(|| QuestionEnd {
                 closed: Closed { how: Closing::TimedOut, answer: open.question.default },
                 author: String::new(),
             })
@@ -180,6 +180,6 @@ impl Questions {
     }
 }
 
-fn withdrawn() -> End {
-    End { closed: Closed { how: Closing::Withdrawn, answer: None }, author: String::new() }
+fn withdrawn() -> QuestionEnd {
+    QuestionEnd { closed: Closed { how: Closing::Withdrawn, answer: None }, author: String::new() }
 }

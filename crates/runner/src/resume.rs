@@ -103,11 +103,11 @@ impl Resumed {
     }
 
     /// The run's life goes on with this record.
-    pub(crate) fn recorder(self) -> (Recorder, Past) {
+    pub(crate) fn recorder(self) -> (Recorder, ResumedPast) {
         let Self { taken_up, journal, reader, last, from, crash, policy } = self;
         let About { keeping, strict, .. } = taken_up.about;
         let recorder = Recorder::with_journal(journal, Some(&taken_up), (keeping, strict));
-        (recorder, Past { reader, last, from, crash, policy, taken_up })
+        (recorder, ResumedPast { reader, last, from, crash, policy, taken_up })
     }
 }
 
@@ -135,7 +135,7 @@ fn not_from(error: &JournalError) -> String {
 }
 
 /// What a run that is taken up has behind it.
-pub(crate) struct Past {
+pub(crate) struct ResumedPast {
     reader: Reader,
     last: Moment,
     from: Option<From>,
@@ -144,7 +144,7 @@ pub(crate) struct Past {
     pub(crate) taken_up: TakenUp,
 }
 
-impl Past {
+impl ResumedPast {
     /// The latest commands, with their answers: none of them is carried out again.
     pub(crate) fn answers(&self) -> Answers {
         self.last.whole().answers.clone()
@@ -342,7 +342,7 @@ impl<S: Scripts> Driver<S> {
         let mut reviver = Reviver::new(self.scripts(), reader, &machine);
         let root = from.root.as_ref();
         let inputs = root.map(|(place, inputs)| reviver.named(place, &place.inputs, inputs));
-        self.has_lost(reviver.has_lost());
+        self.note_lost_values(reviver.note_lost_values());
         Input::Start(Start { inputs: inputs.unwrap_or_default(), hold: true, ..Start::default() })
     }
 
@@ -356,7 +356,7 @@ impl<S: Scripts> Driver<S> {
         let mut reviver = Reviver::new(self.scripts(), reader, &machine);
         let root = reviver.root(moment);
         let around = reviver.surroundings(moment);
-        self.has_lost(reviver.has_lost());
+        self.note_lost_values(reviver.note_lost_values());
         (root, around)
     }
 

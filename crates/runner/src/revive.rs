@@ -40,7 +40,7 @@ impl<'r, S: Scripts> Reviver<'r, S> {
     }
 
     /// Whether a value could not be made again so far.
-    pub(crate) fn has_lost(&self) -> bool {
+    pub(crate) fn note_lost_values(&self) -> bool {
         self.lost
     }
 

@@ -87,7 +87,7 @@ impl<S: Scripts> Driver<S> {
 pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
     let roots = driver.roots();
     // Also if it ends by a panic: somebody waits for that.
-    let _done = Done(&roots.done);
+    let _done = RootsClosed(&roots.done);
     while let Wanted::Keep(machine, change) = roots.wanted.wait() {
         let (journal, files) = (driver.recorder().journal(), roots.files.get());
         if let (Some(journal), Some(files)) = (journal, files)
@@ -99,9 +99,9 @@ pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
 }
 
 /// Says that no more machines are kept.
-struct Done<'r>(&'r Mailbox<()>);
+struct RootsClosed<'r>(&'r Mailbox<()>);
 
-impl Drop for Done<'_> {
+impl Drop for RootsClosed<'_> {
     fn drop(&mut self) {
         self.0.post(());
     }

@@ -78,7 +78,7 @@ impl State {
 
 /// What concerns the run.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Turn {
+pub(crate) enum RunAction {
     /// Nothing becomes safe now, and why.
     Fails(Arc<str>),
     /// It does again.
@@ -89,7 +89,7 @@ pub(crate) enum Turn {
 
 /// What the committer is to do.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Work {
+pub(crate) enum CommitterWork {
     /// Make safe what was written.
     Commit,
     /// The same for the last time.
@@ -191,14 +191,14 @@ impl Safety {
     }
 
     /// Waits until there is something to do; called by the committer alone.
-    pub(crate) fn next_work(&self) -> Work {
+    pub(crate) fn next_work(&self) -> CommitterWork {
         let mut state = self.state.lock();
         if state.problem.is_some() && state.stage == Stage::Open {
             self.work.wait_for(&mut state, RETRY);
         } else {
             self.wait_for_records(&mut state);
         }
-        if state.stage > Stage::Open { Work::Last } else { Work::Commit }
+        if state.stage > Stage::Open { CommitterWork::Last } else { CommitterWork::Commit }
     }
 
     fn wait_for_records(&self, state: &mut MutexGuard<'_, State>) {
@@ -269,15 +269,15 @@ impl Safety {
     }
 
     /// Waits for what concerns the run; `was` says whether there was a problem before. None if nothing can come any more.
-    pub(crate) fn next_turn(&self, was: bool) -> Option<Turn> {
+    pub(crate) fn next_turn(&self, was: bool) -> Option<RunAction> {
         let mut state = self.state.lock();
         loop {
             if let Some(before) = state.thinned.take() {
-                return Some(Turn::Thinned(before));
+                return Some(RunAction::Thinned(before));
             }
             match state.problem() {
-                Some(problem) if !was => return Some(Turn::Fails(Arc::clone(problem))),
-                None if was => return Some(Turn::Works),
+                Some(problem) if !was => return Some(RunAction::Fails(Arc::clone(problem))),
+                None if was => return Some(RunAction::Works),
                 _ if state.stage == Stage::Closed => return None,
                 _ => self.turned.wait(&mut state),
             }

@@ -5,7 +5,7 @@ use crate::core::Core;
 use crate::keep::Keep;
 use crate::last::Last;
 use crate::names::{self, port_number};
-use crate::pen::End;
+use crate::pen::StateEnd;
 use crate::recorder::{Recorder, Writing};
 use crate::{Scripts, tell};
 use rafcon_engine::{Event, NodeId, PathId};
@@ -80,7 +80,7 @@ impl<S: Scripts> Page<'_, S> {
                 if keeps {
                     self.outputs(outputs, absent.as_deref().unwrap_or_default());
                 }
-                let end = End { place, outcome: outcome.0, undoes: *undoes };
+                let end = StateEnd { place, outcome: outcome.0, undoes: *undoes };
                 self.pen.left(self.now, end, error.as_ref());
             }
             Event::Scoped { path, port, value } => {

@@ -12,7 +12,7 @@ const ERROR_BYTES: u64 = 4096;
 
 /// How much a program may do.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
+pub(crate) struct ChildLimits {
     /// How long it may take.
     pub(crate) patience: Duration,
     /// How many bytes it may say.
@@ -49,7 +49,7 @@ pub(crate) enum ChildError {
 pub(crate) async fn ask(
     mut command: Command,
     input: Vec<u8>,
-    bounds: Bounds,
+    bounds: ChildLimits,
 ) -> Result<Said, ChildError> {
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).kill_on_drop(true);
     let mut child = command.spawn().map_err(ChildError::NotStarted)?;
@@ -85,7 +85,7 @@ async fn heard(from: Option<impl AsyncRead + Unpin>, most: u64) -> io::Result<Ve
 
 #[cfg(test)]
 mod tests {
-    use super::{Bounds, ask};
+    use super::{ChildLimits, ask};
     use expect_test::{Expect, expect};
     use std::time::Duration;
     use tokio::process::Command;
@@ -93,7 +93,7 @@ mod tests {
     async fn check(patience_ms: u64, script: &str, input: &str, expect: Expect) {
         let mut shell = Command::new("sh");
         shell.args(["-c", script]);
-        let bounds = Bounds { patience: Duration::from_millis(patience_ms), output: 10 };
+        let bounds = ChildLimits { patience: Duration::from_millis(patience_ms), output: 10 };
         let said = match ask(shell, input.as_bytes().to_vec(), bounds).await {
             Ok(said) => {
                 let output = String::from_utf8_lossy(&said.output).into_owned();

@@ -30,7 +30,7 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
         Refusal, ToServer, ToClient, Edit, Change, NodeKind, LibraryNodeKind, Element, Goal, OutcomeOf, PortList, PortOf,
     )),
     tags(
-        (name = "house", description = "The server itself"),
+        (name = "server", description = "The server itself"),
         (name = "people", description = "Who asks, and who may"),
         (name = "files", description = "Projects and libraries as they lie on disk"),
         (name = "machines", description = "Open machines, which several people edit at once"),

@@ -1,7 +1,7 @@
 //! What requests bring, taken apart: bodies, queries and parts of paths. What does not fit is answered as a [`Failure`], never
 //! in the words of a library. Knows axum's extractors; must never know what the parts mean.
 
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::extract::{DefaultBodyLimit, FromRequest, FromRequestParts, Request};
@@ -38,15 +38,18 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Small<T>(pub(crate) T);
 
-impl<T: DeserializeOwned> FromRequest<Arc<House>> for Small<T> {
+impl<T: DeserializeOwned> FromRequest<Arc<ServerState>> for Small<T> {
     type Rejection = Failure;
 
-    async fn from_request(mut request: Request, house: &Arc<House>) -> Result<Self, Failure> {
+    async fn from_request(
+        mut request: Request,
+        server: &Arc<ServerState>,
+    ) -> Result<Self, Failure> {
         DefaultBodyLimit::max(SMALL_MAX).apply(&mut request);
-        let patience = house.settings().listen.body_patience;
+        let patience = server.settings().listen.body_patience;
         let value = timeout(patience, async {
             let request = not_too_large(request, SMALL_MAX).await?;
-            let value = Json::<T>::from_request(request, house).await;
+            let value = Json::<T>::from_request(request, server).await;
             value.map_err(|rejection| bad_body(rejection, SMALL_MAX))
         });
         let value = value.await.map_err(|_elapsed| too_slow(patience.as_secs()))?;
@@ -128,7 +131,7 @@ impl<S: Send + Sync, T: DeserializeOwned + Send> FromRequestParts<S> for Path<T>
 #[cfg(test)]
 mod tests {
     use super::Small;
-    use crate::{House, Settings};
+    use crate::{ServerState, Settings};
     use axum::body::{Body, Bytes};
     use axum::extract::{FromRequest as _, Request};
     use futures_util::stream;
@@ -142,7 +145,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let settings = Settings::new(place.path().join("state"), place.path().join("runs"));
         std::fs::create_dir(&settings.state).unwrap();
-        let house = House::new(settings).unwrap();
+        let server = ServerState::new(settings).unwrap();
         let pieces = stream::unfold((), move |()| async move {
             sleep(Duration::from_secs(1)).await;
             Some((Ok::<_, Infallible>(Bytes::from_static(piece)), ()))
@@ -150,7 +153,7 @@ mod tests {
         let request = Request::builder().header("content-type", "application/json");
         let request = request.body(Body::from_stream(pieces)).unwrap();
         let begin = Instant::now();
-        let failure = Small::<Value>::from_request(request, &house).await.unwrap_err();
+        let failure = Small::<Value>::from_request(request, &server).await.unwrap_err();
         (failure.status().as_u16(), begin.elapsed().as_secs())
     }
 

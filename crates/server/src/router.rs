@@ -1,7 +1,7 @@
 //! All routes as one, and their description.
 
 use crate::access::{self, guarded};
-use crate::{Failure, House, description, history, page, projects, runs, socket};
+use crate::{Failure, ServerState, description, history, page, projects, runs, socket};
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
@@ -13,7 +13,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// Every route; each part of the server brings its own.
-fn all() -> OpenApiRouter<Arc<House>> {
+fn all() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::with_openapi(description::head())
         .routes(routes!(health))
         .routes(routes!(openapi_json))
@@ -29,9 +29,9 @@ fn all() -> OpenApiRouter<Arc<House>> {
 }
 
 /// What answers requests.
-pub fn router(house: Arc<House>) -> Router {
+pub fn router(server: Arc<ServerState>) -> Router {
     let (router, _description) = all().split_for_parts();
-    guarded(router.fallback(nowhere), &house).with_state(house)
+    guarded(router.fallback(nowhere), &server).with_state(server)
 }
 
 /// The description of every route, as it is served under `/api/v1/openapi.json`.
@@ -40,7 +40,7 @@ pub fn openapi() -> OpenApi {
 }
 
 /// Whether the server is there.
-#[utoipa::path(get, path = "/api/v1/health", tag = "house", responses(
+#[utoipa::path(get, path = "/api/v1/health", tag = "server", responses(
     (status = 200, description = "It is", body = Health)
 ))]
 async fn health() -> Json<Health> {
@@ -48,7 +48,7 @@ async fn health() -> Json<Health> {
 }
 
 /// This description.
-#[utoipa::path(get, path = "/api/v1/openapi.json", tag = "house", responses(
+#[utoipa::path(get, path = "/api/v1/openapi.json", tag = "server", responses(
     (status = 200, description = "An OpenAPI document", body = Object)
 ))]
 async fn openapi_json() -> impl IntoResponse {
@@ -57,11 +57,11 @@ async fn openapi_json() -> impl IntoResponse {
 }
 
 /// How everything stands that the server looks after.
-#[utoipa::path(get, path = "/api/v1/status", tag = "house", responses(
+#[utoipa::path(get, path = "/api/v1/status", tag = "server", responses(
     (status = 200, description = "The latest truth", body = HouseStatus)
 ))]
-async fn status(State(house): State<Arc<House>>) -> Json<HouseStatus> {
-    Json(house.status().await)
+async fn status(State(server): State<Arc<ServerState>>) -> Json<HouseStatus> {
+    Json(server.status().await)
 }
 
 async fn nowhere() -> Failure {

@@ -18,7 +18,7 @@ mod testing;
 
 pub use config::{Config, Environment, Naming};
 pub use libraries::{Libraries, Root, roots};
-pub use place::{Place, Saved};
+pub use place::{Saved, StateFolder};
 pub use problem::{Fault, LoadProblem, Wrong};
 pub use read::{LoadError, Loaded, fill_library, load, load_packed, state_from_core_data};
 pub use write::core_data;

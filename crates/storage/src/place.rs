@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// The folder of a state and of the states in it. Cloning is cheap.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct StateFolder {
     /// The folder's name in the parent's folder; empty for the root of the current layout.
     pub(crate) folder: Arc<OsStr>,
     pub(crate) extra: Option<Box<Oddities>>,
@@ -26,7 +26,7 @@ pub(crate) struct Oddities {
     pub(crate) stale: bool,
 }
 
-impl Place {
+impl StateFolder {
     /// A place with children in any order.
     pub(crate) fn new(folder: OsString, mut children: Vec<(StateId, Self)>) -> Self {
         children.sort_by(|a, b| a.0.cmp(&b.0));
@@ -76,7 +76,7 @@ pub struct Saved {
     pub(crate) dir: PathBuf,
     pub(crate) header: Header,
     pub(crate) root: Arc<State>,
-    pub(crate) place: Place,
+    pub(crate) place: StateFolder,
     /// The files are of an older layout, or their header could not be read: a save writes all of them anew.
     pub(crate) outdated: bool,
     /// Some state differs from its file because its id was repaired.

@@ -1,8 +1,8 @@
 //! From the path of a state to its folder, also inside libraries. Knows what was loaded, reads nothing.
 
 use crate::Libraries;
-use crate::libraries::Parsed;
-use crate::place::{Place, Saved};
+use crate::libraries::ReadLibrary;
+use crate::place::{Saved, StateFolder};
 use rafcon_model::{Kind, State, StateId, StatePath};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ impl Saved {
 /// A state and its folder.
 struct Here {
     dir: PathBuf,
-    place: Place,
+    place: StateFolder,
     state: Arc<State>,
 }
 
@@ -34,7 +34,7 @@ impl Here {
 
     fn step(self, id: &StateId, libraries: &Libraries) -> Option<Self> {
         if let Kind::Library(library) = &self.state.kind {
-            let parsed: Arc<Parsed> = libraries.known(&library.path, &library.name)?;
+            let parsed: Arc<ReadLibrary> = libraries.known(&library.path, &library.name)?;
             return (parsed.root.id == *id).then(|| Self::root(&parsed.saved));
         }
         let state = Arc::clone(self.state.container()?.states.get(id)?);

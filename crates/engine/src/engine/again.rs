@@ -1,6 +1,6 @@
 //! Beginning again while nothing moves: what is active is dropped, without an end.
 
-use super::holds::Hold;
+use super::holds::SuspendedBranch;
 use super::phase::Phase;
 use super::step::Step;
 use super::{Command, Refusal};
@@ -10,7 +10,7 @@ impl<D: Datum> Step<'_, D> {
     /// Refuses a command that would take the ground from under a script.
     pub(super) fn nothing_runs(&self, command: Command) -> Result<(), Refusal> {
         self.legal(command)?;
-        if let Some(check) = self.run.control.holds.iter().find_map(Hold::check) {
+        if let Some(check) = self.run.control.holds.iter().find_map(SuspendedBranch::check) {
             return Err(Refusal::StillChecks { command, check });
         }
         let runs = |&slot: &u32| self.run.frames.get(slot).phase == Phase::Script;
@@ -22,7 +22,7 @@ impl<D: Datum> Step<'_, D> {
     /// Drops all active states, parents before children, and ends their branches.
     pub(super) fn drop_all(&mut self) {
         let frames = self.active();
-        for Hold { spot, branch, .. } in std::mem::take(&mut self.run.control.holds) {
+        for SuspendedBranch { spot, branch, .. } in std::mem::take(&mut self.run.control.holds) {
             if self.is_branch(spot) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });

@@ -3,7 +3,7 @@
 use super::backward::Back;
 use super::branch::all_but_decider;
 use super::frames::{NONE, Seed, Slot};
-use super::holds::{Hold, Spot};
+use super::holds::{StopPoint, SuspendedBranch};
 use super::phase::Phase;
 use super::step::{Step, Work};
 use super::trail::{Inner, Kept, Past};
@@ -158,7 +158,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
         for child in never {
             let branch = self.fork_stepping();
-            self.hold(Spot::before(slot, child), branch, HeldBy::Start);
+            self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
         }
         self.branches_back(slot, &ran);
     }
@@ -185,7 +185,7 @@ impl<'s, D: Datum> Step<'s, D> {
             frame.order.retain(|&other| other != child);
             match frame.pasts.get_mut(child as usize).and_then(Option::take) {
                 Some(past) if past.entry > 0 => self.enter_back((slot, child), past, branch),
-                Some(_) | None => self.hold(Spot::before(slot, child), branch, HeldBy::Start),
+                Some(_) | None => self.hold(StopPoint::before(slot, child), branch, HeldBy::Start),
             }
         }
         self.rebase(slot, *kind, inside);
@@ -195,9 +195,14 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// Takes away what holds these children after their ends, and what holds the decider.
-    fn take_holds_after(&mut self, slot: u32, children: &[u32], kind: Concurrency) -> Vec<Hold<D>> {
+    fn take_holds_after(
+        &mut self,
+        slot: u32,
+        children: &[u32],
+        kind: Concurrency,
+    ) -> Vec<SuspendedBranch<D>> {
         let holds = &mut self.run.control.holds;
-        let ends = |hold: &mut Hold<D>| {
+        let ends = |hold: &mut SuspendedBranch<D>| {
             let child = hold.spot.child;
             let ended = hold.spot.when == When::After && children.contains(&child);
             hold.spot.parent == slot && (ended || kind.decider() == Some(child))
@@ -258,10 +263,10 @@ impl<'s, D: Datum> Step<'s, D> {
         let child = self.upcoming(slot).unwrap_or(NONE);
         match at_start {
             true if self.is_outermost(slot) => {
-                self.hold(Spot::before(slot, child), branch, HeldBy::Start);
+                self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
             }
             true => self.leave_back_later(slot),
-            false => self.hold(Spot::before(slot, child), branch, HeldBy::Step),
+            false => self.hold(StopPoint::before(slot, child), branch, HeldBy::Step),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::Status;
 use super::frames::NONE;
-use super::holds::{Hold, Spot};
+use super::holds::{StopPoint, SuspendedBranch};
 use super::phase::{Cause, Phase};
 use super::step::Step;
 use super::trail::Replaced;
@@ -46,9 +46,9 @@ impl<D: Datum> Step<'_, D> {
         match self.body(slot) {
             Body::Hierarchy(_) => {
                 let child = self.upcoming(slot).unwrap_or(NONE);
-                self.hold(Spot::before(slot, child), branch, HeldBy::Start);
+                self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
             }
-            Body::Library(_) => self.hold(Spot::before(slot, 0), branch, HeldBy::Start),
+            Body::Library(_) => self.hold(StopPoint::before(slot, 0), branch, HeldBy::Start),
             Body::Concurrency(kind, _) => self.stand_without_branches(slot, *kind),
             Body::Script => {}
         }
@@ -61,7 +61,7 @@ impl<D: Datum> Step<'_, D> {
             _ if frame.open > 0 => {}
             Concurrency::Preemptive => self.wait(slot, WaitReason::NoChildren),
             Concurrency::Barrier(decider) => {
-                let spot = Spot::before(slot, decider.unwrap_or(NONE));
+                let spot = StopPoint::before(slot, decider.unwrap_or(NONE));
                 self.hold(spot, frame.branch, HeldBy::Start);
             }
         }
@@ -69,7 +69,7 @@ impl<D: Datum> Step<'_, D> {
 
     /// Whatever is held in a state that is left, its branches end.
     fn end_held_branches(&mut self, slot: u32) {
-        for Hold { spot, branch, .. } in self.run.control.take_in(slot) {
+        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
             if self.is_branch(spot) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });
@@ -153,7 +153,7 @@ impl<D: Datum> Step<'_, D> {
         if self.goes_on(slot) {
             return self.branch_never_begins(slot, branch);
         }
-        self.hold(Spot::before(slot, child), branch, HeldBy::Start);
+        self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
         if self.all_at_start(slot) && !self.is_outermost(slot) {
             self.leave_back_later(slot);
         }

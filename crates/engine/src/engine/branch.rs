@@ -1,7 +1,7 @@
 //! The children of a concurrency state as branches: how each begins and ends.
 
 use super::frames::{Ended, NONE};
-use super::holds::Spot;
+use super::holds::StopPoint;
 use super::phase::Cause;
 use super::step::Step;
 use super::trail::Past;
@@ -37,7 +37,7 @@ impl<'s, D: Datum> Step<'s, D> {
         if let Some(place) = frame.pasts.get_mut(child as usize) {
             *place = past;
         }
-        if self.passes(Spot::after(slot, child), branch) {
+        if self.passes(StopPoint::after(slot, child), branch) {
             self.branch_done(slot, child, branch);
         }
     }

@@ -4,7 +4,7 @@ use crate::{Breakpoint, When};
 use rafcon_model::StatePath;
 
 #[derive(Debug)]
-struct Entry {
+struct BreakpointEntry {
     breakpoint: Breakpoint,
     hits: u32,
 }
@@ -12,7 +12,7 @@ struct Entry {
 /// All breakpoints by rising id.
 #[derive(Debug, Default)]
 pub(super) struct Breakpoints {
-    all: Vec<Entry>,
+    all: Vec<BreakpointEntry>,
 }
 
 impl Breakpoints {
@@ -36,7 +36,7 @@ impl Breakpoints {
     /// One with the same id is replaced, and its hits are forgotten.
     pub(super) fn set(&mut self, breakpoint: Breakpoint) {
         let place = self.place(breakpoint.id);
-        let entry = Entry { breakpoint, hits: 0 };
+        let entry = BreakpointEntry { breakpoint, hits: 0 };
         match place {
             Ok(place) => self.all[place] = entry,
             Err(place) => self.all.insert(place, entry),

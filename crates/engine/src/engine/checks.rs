@@ -1,6 +1,6 @@
 //! What the condition of a breakpoint is evaluated with: the data of a state that is about to be entered, or was left.
 
-use super::holds::{Inquiry, Spot};
+use super::holds::{Inquiry, StopPoint};
 use super::step::Step;
 use crate::program::Body;
 use crate::{Check, Datum, Effect, NodeId, PathId, Program};
@@ -31,7 +31,7 @@ impl<D: Datum> Step<'_, D> {
         }));
     }
 
-    fn spot_node(&self, spot: Spot) -> NodeId {
+    fn spot_node(&self, spot: StopPoint) -> NodeId {
         if spot.is_root() {
             return Program::<D>::ROOT;
         }
@@ -40,7 +40,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// The inputs that a state would get now. What there is to say about them is said when it gets them.
-    fn inputs_to_come(&mut self, spot: Spot, path: PathId, id: NodeId) -> Arc<[D]> {
+    fn inputs_to_come(&mut self, spot: StopPoint, path: PathId, id: NodeId) -> Arc<[D]> {
         let said = self.out.events.len();
         let node = self.program.node(id);
         let inputs = if spot.is_root() {

@@ -1,6 +1,6 @@
 //! Commands, and in which status each is legal.
 
-use super::holds::Spot;
+use super::holds::StopPoint;
 use super::step::Step;
 use super::{Command, Refusal, Status};
 use crate::{Datum, Effect, Event, Input, Stride, When};
@@ -80,7 +80,7 @@ impl<D: Datum> Step<'_, D> {
         self.out.events.push(Event::Stopping);
         let active = self.active();
         self.preempt(&active);
-        if !self.run.control.take_in(Spot::root(When::Before).parent).is_empty() {
+        if !self.run.control.take_in(StopPoint::root(When::Before).parent).is_empty() {
             self.finish();
         }
     }

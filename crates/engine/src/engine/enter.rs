@@ -2,7 +2,7 @@
 
 use super::branch::all_but_decider;
 use super::frames::{NONE, Seed};
-use super::holds::Spot;
+use super::holds::StopPoint;
 use super::phase::Phase;
 use super::step::{Step, Work};
 use crate::program::{Body, Concurrency, Inside, PREEMPTED};
@@ -55,7 +55,7 @@ impl<'s, D: Datum> Step<'s, D> {
             Body::Script => {}
             Body::Library(content) => {
                 let branch = self.run.frames.get(parent).branch;
-                if self.passes(Spot::before(parent, child), branch) {
+                if self.passes(StopPoint::before(parent, child), branch) {
                     self.enter_library_root(parent, content);
                 }
             }
@@ -69,7 +69,7 @@ impl<'s, D: Datum> Step<'s, D> {
             }
             Body::Concurrency(..) => {
                 let branch = self.fork(parent);
-                if self.passes(Spot::before(parent, child), branch) {
+                if self.passes(StopPoint::before(parent, child), branch) {
                     self.begin_branch(parent, child, branch);
                 }
             }

@@ -7,7 +7,7 @@ use rafcon_model::{StateId, StatePath};
 use smol_str::{SmolStr, format_smolstr};
 
 /// A state to look at, and where it stands.
-struct Entry<'r, D> {
+struct FittedState<'r, D> {
     restored: &'r Restored<D>,
     node: NodeId,
     around: Option<usize>,
@@ -15,12 +15,12 @@ struct Entry<'r, D> {
 
 /// Every active state, its inputs, and what says how it goes on must exist.
 pub(super) fn fits<D>(program: &Program<D>, root: &Restored<D>) -> Result<(), Refusal> {
-    let mut entries = vec![Entry { restored: root, node: Program::<D>::ROOT, around: None }];
+    let mut entries = vec![FittedState { restored: root, node: Program::<D>::ROOT, around: None }];
     if program.node(Program::<D>::ROOT).id() != &root.state {
         return Err(refusal(&entries, 0, "is not the root of the machine".into()));
     }
     let mut next = 0;
-    while let Some(Entry { restored, node, .. }) = entries.get(next) {
+    while let Some(FittedState { restored, node, .. }) = entries.get(next) {
         let (restored, node) = (*restored, program.node(*node));
         if let Some(problem) = problem(program, node, restored) {
             return Err(refusal(&entries, next, problem));
@@ -28,7 +28,7 @@ pub(super) fn fits<D>(program: &Program<D>, root: &Restored<D>) -> Result<(), Re
         for child in &restored.children {
             let found = program.child_of(node, &child.state).map(|(_, node)| node);
             let node = found.unwrap_or(Program::<D>::ROOT);
-            entries.push(Entry { restored: child, node, around: Some(next) });
+            entries.push(FittedState { restored: child, node, around: Some(next) });
             if found.is_none() {
                 let problem = "does not exist in the machine as it is now";
                 return Err(refusal(&entries, entries.len() - 1, problem.into()));
@@ -39,7 +39,7 @@ pub(super) fn fits<D>(program: &Program<D>, root: &Restored<D>) -> Result<(), Re
     Ok(())
 }
 
-fn refusal<D>(entries: &[Entry<'_, D>], entry: usize, problem: SmolStr) -> Refusal {
+fn refusal<D>(entries: &[FittedState<'_, D>], entry: usize, problem: SmolStr) -> Refusal {
     let mut ids = Vec::new();
     let mut next = Some(entry);
     while let Some(entry) = next.and_then(|entry| entries.get(entry)) {

@@ -2,7 +2,7 @@
 
 use super::Refusal;
 use super::frames::{Ended, NONE};
-use super::holds::{Hold, Spot, Why};
+use super::holds::{StopPoint, SuspendedBranch, Why};
 use super::phase::{Cause, Phase};
 use super::step::Step;
 use super::trail::Past;
@@ -37,7 +37,7 @@ impl<'s, D: Datum> Step<'s, D> {
     ) -> Result<(), &'static str> {
         self.stands_still(slot)?;
         self.out.events.push(Event::Forced { path, outcome });
-        for Hold { spot, branch, .. } in self.run.control.take_in(slot) {
+        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
             if self.is_branch(spot) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });
@@ -64,7 +64,7 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Why a state goes on by itself, if it does.
     fn stands_still(&self, slot: u32) -> Result<(), &'static str> {
         let frame = self.run.frames.get(slot);
-        let checks = |hold: &Hold<D>| hold.spot.parent == slot && hold.check().is_some();
+        let checks = |hold: &SuspendedBranch<D>| hold.spot.parent == slot && hold.check().is_some();
         match frame.phase {
             Phase::Script => Err("its script runs; preempt it instead"),
             Phase::Checking => Err("the condition of a breakpoint is being evaluated; wait for it"),
@@ -80,8 +80,8 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// Takes away what is held before the state at this place.
-    fn take_hold_before(&mut self, place: PathId) -> Option<Hold<D>> {
-        let before = |hold: &&Hold<D>| match hold.why {
+    fn take_hold_before(&mut self, place: PathId) -> Option<SuspendedBranch<D>> {
+        let before = |hold: &&SuspendedBranch<D>| match hold.why {
             Why::Held { .. } if hold.spot.when == When::Before => {
                 self.place_at(hold.spot) == Some(place)
             }
@@ -91,7 +91,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.control.take(id)
     }
 
-    fn place_at(&self, spot: Spot) -> Option<PathId> {
+    fn place_at(&self, spot: StopPoint) -> Option<PathId> {
         if spot.is_root() {
             return Some(PathId(0));
         }
@@ -100,8 +100,8 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// Goes past a state as if it had ended so, without outputs.
-    fn skip(&mut self, hold: &Hold<D>, outcome: u32) {
-        let Spot { parent, child, .. } = hold.spot;
+    fn skip(&mut self, hold: &SuspendedBranch<D>, outcome: u32) {
+        let StopPoint { parent, child, .. } = hold.spot;
         if hold.spot.is_root() {
             self.run.finish = Some(Box::new(self.unbegun(outcome)));
             return self.finish();
@@ -131,11 +131,11 @@ impl<'s, D: Datum> Step<'s, D> {
 
     fn skip_branch(
         &mut self,
-        hold: &Hold<D>,
+        hold: &SuspendedBranch<D>,
         (kind, inside): (Concurrency, &'s Inside<D>),
         outcome: u32,
     ) {
-        let Spot { parent, child, .. } = hold.spot;
+        let StopPoint { parent, child, .. } = hold.spot;
         let ended = without_outputs(self.program.node(inside.child(child)), outcome);
         let frame = self.run.frames.get_mut(parent);
         frame.ended[child as usize] = Some(ended);

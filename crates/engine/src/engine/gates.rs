@@ -3,7 +3,7 @@
 
 use super::Status;
 use super::frames::NONE;
-use super::holds::{Inquiry, Spot, Why};
+use super::holds::{Inquiry, StopPoint, Why};
 use super::phase::Phase;
 use super::step::Step;
 use crate::program::{Body, Concurrency};
@@ -15,16 +15,16 @@ use smol_str::SmolStr;
 
 impl<D: Datum> Step<'_, D> {
     /// Whether the run may go past this spot now. Otherwise it is held there, or a condition is being evaluated.
-    pub(super) fn passes(&mut self, spot: Spot, branch: BranchId) -> bool {
+    pub(super) fn passes(&mut self, spot: StopPoint, branch: BranchId) -> bool {
         self.run.is_free() || self.passes_gates(spot, branch, true)
     }
 
     /// The same where only breakpoints count, because the run was held a moment ago.
-    pub(super) fn passes_breakpoints(&mut self, spot: Spot, branch: BranchId) -> bool {
+    pub(super) fn passes_breakpoints(&mut self, spot: StopPoint, branch: BranchId) -> bool {
         self.run.is_free() || self.passes_gates(spot, branch, false)
     }
 
-    fn passes_gates(&mut self, spot: Spot, branch: BranchId, modes: bool) -> bool {
+    fn passes_gates(&mut self, spot: StopPoint, branch: BranchId, modes: bool) -> bool {
         if self.run.status == Status::Stopping || self.ends_anyway(spot) {
             return true;
         }
@@ -35,7 +35,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// What was asked to end is held nowhere, except before a handler.
-    fn ends_anyway(&self, spot: Spot) -> bool {
+    fn ends_anyway(&self, spot: StopPoint) -> bool {
         if spot.is_root() {
             return false;
         }
@@ -48,7 +48,7 @@ impl<D: Datum> Step<'_, D> {
         matches!(self.body(slot), Body::Hierarchy(_))
     }
 
-    fn breakpoints_at(&mut self, spot: Spot) -> Vec<u64> {
+    fn breakpoints_at(&mut self, spot: StopPoint) -> Vec<u64> {
         if self.run.control.breakpoints.is_empty() {
             return Vec::new();
         }
@@ -60,7 +60,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// The place of the child of a spot.
-    pub(super) fn spot_path(&mut self, spot: Spot) -> PathId {
+    pub(super) fn spot_path(&mut self, spot: StopPoint) -> PathId {
         if spot.is_root() { PathId(0) } else { self.child_path(spot.parent, spot.child) }
     }
 
@@ -108,7 +108,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// A breakpoint holds its branch, or all.
-    fn hold_more(&mut self, spot: Spot, branch: BranchId, scope: Scope, id: u64) {
+    fn hold_more(&mut self, spot: StopPoint, branch: BranchId, scope: Scope, id: u64) {
         match scope {
             Scope::Branch => self.step_from(spot.parent, branch),
             Scope::Run if self.run.status == Status::Running => {
@@ -136,7 +136,7 @@ impl<D: Datum> Step<'_, D> {
         if spot.when == When::After {
             return None;
         }
-        if self.is_run_to(spot) {
+        if self.reaches_run_to(spot) {
             self.run.control.run_to = None;
             self.step_all(true);
             return Some(HeldBy::RunTo);
@@ -160,7 +160,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    fn is_run_to(&mut self, spot: Spot) -> bool {
+    fn reaches_run_to(&mut self, spot: StopPoint) -> bool {
         if self.run.control.run_to.is_none() {
             return false;
         }
@@ -171,7 +171,7 @@ impl<D: Datum> Step<'_, D> {
 
     /// Whether a run that is begun held is held here: not on the way to where it begins, nor before what has something in
     /// it, where that is.
-    fn begins_at(&self, spot: Spot) -> bool {
+    fn begins_at(&self, spot: StopPoint) -> bool {
         if spot.is_root() {
             return self.program.node(Program::<D>::ROOT).is_script();
         }
@@ -180,17 +180,17 @@ impl<D: Datum> Step<'_, D> {
         !leads_on && (is_target || !self.is_library_spot(spot) || self.is_script_spot(spot))
     }
 
-    fn is_script_spot(&self, spot: Spot) -> bool {
+    fn is_script_spot(&self, spot: StopPoint) -> bool {
         let node = self.program.node(self.run.frames.get(spot.parent).node);
         let child = node.child(spot.child as usize);
         child.is_some_and(|child| self.program.node(child).is_script())
     }
 
-    fn is_library_spot(&self, spot: Spot) -> bool {
+    fn is_library_spot(&self, spot: StopPoint) -> bool {
         !spot.is_root() && matches!(self.body(spot.parent), Body::Library(_))
     }
 
-    pub(super) fn is_decider(&self, spot: Spot) -> bool {
+    pub(super) fn is_decider(&self, spot: StopPoint) -> bool {
         let Body::Concurrency(Concurrency::Barrier(decider), _) = self.body(spot.parent) else {
             return false;
         };
@@ -198,20 +198,20 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// Whether the child of this spot has a branch of its own.
-    pub(super) fn is_branch(&self, spot: Spot) -> bool {
+    pub(super) fn is_branch(&self, spot: StopPoint) -> bool {
         let in_concurrency =
             !spot.is_root() && matches!(self.body(spot.parent), Body::Concurrency(..));
         in_concurrency && !self.is_decider(spot)
     }
 
     /// A branch that goes step by step is held in its hierarchies, where no step over or out of something is under way.
-    fn steps_at(&self, spot: Spot, branch: BranchId) -> bool {
+    fn steps_at(&self, spot: StopPoint, branch: BranchId) -> bool {
         let in_hierarchy = !spot.is_root() && self.is_hierarchy(spot.parent);
         in_hierarchy && self.run.branches.steps(branch) && !self.is_passed_over(spot.parent)
     }
 
     /// Holds the run at a spot, and says so.
-    pub(super) fn hold(&mut self, spot: Spot, branch: BranchId, by: HeldBy) {
+    pub(super) fn hold(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) {
         let next = self.stand(spot, branch, by);
         let around = (!spot.is_root()).then(|| self.run.frames.get(spot.parent).path);
         let path = around.unwrap_or(PathId(0));
@@ -219,14 +219,14 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// Holds the run at a spot. The state that comes after it, if it is known.
-    fn stand(&mut self, spot: Spot, branch: BranchId, by: HeldBy) -> Option<PathId> {
+    fn stand(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) -> Option<PathId> {
         let next = self.next_at(spot);
         self.run.control.put(spot, branch, Why::Held { by, next });
         self.set_phase(spot, Phase::Held);
         next
     }
 
-    fn set_phase(&mut self, spot: Spot, phase: Phase) {
+    fn set_phase(&mut self, spot: StopPoint, phase: Phase) {
         if !spot.is_root() && !self.is_branch(spot) {
             let frame = self.run.frames.get_mut(spot.parent);
             frame.phase = phase;
@@ -234,8 +234,8 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    fn next_at(&mut self, spot: Spot) -> Option<PathId> {
-        let Spot { parent, child, when } = spot;
+    fn next_at(&mut self, spot: StopPoint) -> Option<PathId> {
+        let StopPoint { parent, child, when } = spot;
         match when {
             When::Before if child == NONE => None,
             When::Before => Some(self.spot_path(spot)),
@@ -275,7 +275,7 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    fn bad_condition(&mut self, spot: Spot, breakpoint: u64, reason: SmolStr) -> bool {
+    fn bad_condition(&mut self, spot: StopPoint, breakpoint: u64, reason: SmolStr) -> bool {
         let path = self.spot_path(spot);
         self.note(path, Level::Warning, Note::BadCondition { breakpoint, reason });
         true

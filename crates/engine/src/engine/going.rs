@@ -1,7 +1,7 @@
 //! Letting go what is held: resume, steps forward, and where a step ends.
 
 use super::frames::{Marker, NONE};
-use super::holds::{Hold, Spot, Why};
+use super::holds::{StopPoint, SuspendedBranch, Why};
 use super::phase::Cause;
 use super::step::{Step, Work};
 use super::{Refusal, Status};
@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 
 impl<D: Datum> Step<'_, D> {
     /// Goes past a spot: after it was held there, or because no condition was true.
-    pub(super) fn go_past(&mut self, spot: Spot, branch: BranchId, was_held: bool) {
-        let Spot { parent, child, when } = spot;
+    pub(super) fn go_past(&mut self, spot: StopPoint, branch: BranchId, was_held: bool) {
+        let StopPoint { parent, child, when } = spot;
         match when {
             When::Before if spot.is_root() => self.enter_root(),
             When::After if spot.is_root() => self.finish(),
@@ -37,22 +37,23 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    fn pass_later(&mut self, holds: &[Hold<D>]) {
+    fn pass_later(&mut self, holds: &[SuspendedBranch<D>]) {
         self.run.work.extend(holds.iter().rev().map(|hold| Work::Pass(hold.id)));
     }
 
     /// What is held, or what is held at and below a place: in the order of the machine.
-    pub(super) fn held(&self, within: Option<PathId>) -> Vec<Hold<D>> {
+    pub(super) fn held(&self, within: Option<PathId>) -> Vec<SuspendedBranch<D>> {
         let active = self.active();
         let order: BTreeMap<u32, usize> = active.iter().copied().zip(1..).collect();
         let holds = self.run.control.holds.iter().filter(|hold| hold.by().is_some());
-        let here = |hold: &&Hold<D>| within.is_none_or(|top| self.is_within(hold.spot, top));
+        let here =
+            |hold: &&SuspendedBranch<D>| within.is_none_or(|top| self.is_within(hold.spot, top));
         let mut held: Vec<_> = holds.filter(here).cloned().collect();
         held.sort_by_key(|hold| (order.get(&hold.spot.parent).copied(), hold.spot.child));
         held
     }
 
-    fn is_within(&self, spot: Spot, top: PathId) -> bool {
+    fn is_within(&self, spot: StopPoint, top: PathId) -> bool {
         if spot.is_root() {
             return false;
         }
@@ -73,7 +74,7 @@ impl<D: Datum> Step<'_, D> {
         let (child, above) = steps.split_last().ok_or_else(refusal)?;
         let place = self.run.place(self.program, above).ok_or_else(refusal)?;
         let slot = self.frame_at(place).ok_or_else(refusal)?;
-        if !self.is_branch(Spot::before(slot, *child)) {
+        if !self.is_branch(StopPoint::before(slot, *child)) {
             return Err(refusal());
         }
         Ok(self.run.places.child(place, *child as usize, self.program))
@@ -163,7 +164,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// Where the step of this hold ends: marked in the frame that it does not leave, or below which it holds nowhere.
-    fn mark(&mut self, hold: &Hold<D>, stride: Stride) {
+    fn mark(&mut self, hold: &SuspendedBranch<D>, stride: Stride) {
         let spot = hold.spot;
         let runs_through = match stride {
             Stride::Into | Stride::Back => false,
@@ -182,14 +183,14 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// Whether behind the end of this container there is nothing that could hold the branch.
-    fn leads_out_of_all(&self, spot: Spot) -> bool {
+    fn leads_out_of_all(&self, spot: StopPoint) -> bool {
         if spot.is_root() || self.is_branch(spot) {
             return true;
         }
         let parent = self.run.frames.get(spot.parent).parent;
         parent == NONE
             || matches!(self.body(parent), Body::Library(_))
-                && self.leads_out_of_all(Spot::before(parent, 0))
+                && self.leads_out_of_all(StopPoint::before(parent, 0))
     }
 
     /// Whether a step over or out of something is under way, that holds nowhere before a child of this frame.
@@ -217,7 +218,7 @@ impl<D: Datum> Step<'_, D> {
     /// Lets go what is held between the children of a frame that is asked to end: those that have not begun never do, those
     /// that were left have ended.
     pub(super) fn release(&mut self, slot: u32) {
-        for Hold { spot, branch, .. } in self.run.control.take_in(slot) {
+        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
             match spot.when {
                 _ if !self.is_branch(spot) => {}
                 When::Before => self.branch_never_begins(slot, branch),
@@ -235,7 +236,7 @@ impl<D: Datum> Step<'_, D> {
             return;
         }
         let alone = |id| self.run.control.breakpoints.get(id).map(|found| found.unattended);
-        let of = |hold: &Hold<D>| match hold.why {
+        let of = |hold: &SuspendedBranch<D>| match hold.why {
             Why::Held { by: crate::HeldBy::Breakpoint(id), .. } => alone(id),
             Why::Held { .. } | Why::Checking { .. } => None,
         };

@@ -2,7 +2,7 @@
 
 use super::frames;
 use super::frames::Ended;
-use super::holds::Spot;
+use super::holds::StopPoint;
 use super::phase::{Cause, Phase};
 use super::step::Step;
 use super::trail::Past;
@@ -49,7 +49,7 @@ impl<'s, D: Datum> Step<'s, D> {
         if !std::mem::take(&mut frame.after) {
             return true;
         }
-        last.is_none_or(|(child, _)| self.passes(Spot::after(slot, child), branch))
+        last.is_none_or(|(child, _)| self.passes(StopPoint::after(slot, child), branch))
     }
 
     pub(super) fn exit(&self, inside: &Inside<D>, child: u32, outcome: u32) -> Exit {
@@ -73,7 +73,7 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Whether nothing holds a frame before this child. Where it was let go, nothing does again.
     pub(super) fn passes_to(&mut self, slot: u32, child: u32, pass: Option<u32>) -> bool {
         let branch = self.run.frames.get(slot).branch;
-        let spot = Spot::before(slot, child);
+        let spot = StopPoint::before(slot, child);
         match pass {
             None => self.passes(spot, branch),
             Some(passed) => passed == child || self.passes_breakpoints(spot, branch),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// A moment between two states: before or after a child of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Spot {
+pub(super) struct StopPoint {
     /// The frame around the child; [`NONE`] for the root.
     pub(super) parent: u32,
     /// The index of the child; [`NONE`] at the end of a hierarchy, where no child is next.
@@ -17,7 +17,7 @@ pub(super) struct Spot {
     pub(super) when: When,
 }
 
-impl Spot {
+impl StopPoint {
     pub(super) fn before(parent: u32, child: u32) -> Self {
         Self { parent, child, when: When::Before }
     }
@@ -46,7 +46,7 @@ pub(super) struct Was<D> {
 /// The breakpoints of a spot, on the way through them.
 #[derive(Debug, Clone)]
 pub(super) struct Inquiry<D> {
-    pub(super) spot: Spot,
+    pub(super) spot: StopPoint,
     pub(super) branch: BranchId,
     /// Whether a pause and steps hold here too.
     pub(super) modes: bool,
@@ -75,14 +75,14 @@ pub(super) enum Why<D> {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Hold<D> {
+pub(super) struct SuspendedBranch<D> {
     pub(super) id: u64,
-    pub(super) spot: Spot,
+    pub(super) spot: StopPoint,
     pub(super) branch: BranchId,
     pub(super) why: Why<D>,
 }
 
-impl<D> Hold<D> {
+impl<D> SuspendedBranch<D> {
     pub(super) fn by(&self) -> Option<HeldBy> {
         match self.why {
             Why::Held { by, .. } => Some(by),
@@ -113,7 +113,7 @@ pub(super) struct Control<D> {
     pub(super) stop_next: bool,
     /// The breakpoint by which the run was paused.
     pub(super) paused_by: Option<u64>,
-    pub(super) holds: Vec<Hold<D>>,
+    pub(super) holds: Vec<SuspendedBranch<D>>,
     /// What was left last, while there are breakpoints.
     pub(super) was: Option<Was<D>>,
     next_hold: u64,
@@ -154,9 +154,9 @@ impl<D: Datum> Control<D> {
         self.was = None;
     }
 
-    pub(super) fn put(&mut self, spot: Spot, branch: BranchId, why: Why<D>) {
+    pub(super) fn put(&mut self, spot: StopPoint, branch: BranchId, why: Why<D>) {
         self.next_hold += 1;
-        self.holds.push(Hold { id: self.next_hold, spot, branch, why });
+        self.holds.push(SuspendedBranch { id: self.next_hold, spot, branch, why });
     }
 
     pub(super) fn next_check(&mut self) -> u64 {
@@ -164,19 +164,19 @@ impl<D: Datum> Control<D> {
         self.next_check
     }
 
-    pub(super) fn take(&mut self, id: u64) -> Option<Hold<D>> {
+    pub(super) fn take(&mut self, id: u64) -> Option<SuspendedBranch<D>> {
         let place = self.holds.iter().position(|hold| hold.id == id)?;
         Some(self.holds.remove(place))
     }
 
     /// The hold whose condition is being evaluated under this number.
-    pub(super) fn take_check(&mut self, check: u64) -> Option<Hold<D>> {
+    pub(super) fn take_check(&mut self, check: u64) -> Option<SuspendedBranch<D>> {
         let place = self.holds.iter().position(|hold| hold.check() == Some(check))?;
         Some(self.holds.remove(place))
     }
 
     /// Takes away all holds in a frame, in the order of children.
-    pub(super) fn take_in(&mut self, parent: u32) -> Vec<Hold<D>> {
+    pub(super) fn take_in(&mut self, parent: u32) -> Vec<SuspendedBranch<D>> {
         let mut taken = Vec::new();
         if self.holds.iter().any(|hold| hold.spot.parent == parent) {
             taken = self.holds.extract_if(.., |hold| hold.spot.parent == parent).collect();

@@ -2,7 +2,7 @@
 //! how it came about. Tests and the simulation ask after every input.
 
 use super::frames::{Frame, NONE};
-use super::holds::Hold;
+use super::holds::SuspendedBranch;
 use super::phase::Phase;
 use super::{Engine, Status};
 use crate::program::{Body, Concurrency, Inside};
@@ -143,7 +143,7 @@ impl<D: Datum> Engine<D> {
         inside.filter(|hold| !self.is_branch_hold(hold)).count()
     }
 
-    fn is_branch_hold(&self, hold: &Hold<D>) -> bool {
+    fn is_branch_hold(&self, hold: &SuspendedBranch<D>) -> bool {
         let parent = hold.spot.parent;
         parent != NONE
             && match &self.program.node(self.run.frames.get(parent).node).body {

@@ -1,7 +1,7 @@
 //! Leaving a state: how it ended, and who is told.
 
 use super::frames::{Ended, NONE};
-use super::holds::{Spot, Was};
+use super::holds::{StopPoint, Was};
 use super::phase::{Cause, Reaction, react};
 use super::step::{Step, Work};
 use super::{Refusal, Status};
@@ -154,7 +154,7 @@ impl<'s, D: Datum> Step<'s, D> {
             scoped_variables,
             states_run: self.run.entered,
         }));
-        if self.passes(Spot::root(When::After), BranchId(0)) {
+        if self.passes(StopPoint::root(When::After), BranchId(0)) {
             self.finish();
         }
     }

@@ -1,7 +1,7 @@
 //! Library states: a frame for the state and one for the root of its content, which share data and fate.
 
 use super::frames::{Ended, Seed};
-use super::holds::Spot;
+use super::holds::StopPoint;
 use super::phase::{Cause, Phase};
 use super::step::{Step, Work};
 use super::trail::Past;
@@ -136,7 +136,7 @@ impl<'s, D: Datum> Step<'s, D> {
             return self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
         }
         frame.ended.push(Some(ended));
-        if self.passes(Spot::after(slot, 0), branch) {
+        if self.passes(StopPoint::after(slot, 0), branch) {
             self.run.frames.get_mut(slot).phase = Phase::Held;
             self.wake(&[slot], Cause::LetGo);
         }

@@ -1,7 +1,7 @@
 //! Carrying active states over to another program: what was an index becomes a name, and an index again.
 
 use super::frames::{NONE, Slot};
-use super::holds::{Spot, Why};
+use super::holds::{StopPoint, Why};
 use super::phase::Phase;
 use super::step::Step;
 use crate::program::{Body, Exit, Inside, Node};
@@ -59,7 +59,7 @@ impl<'s, D: Datum> Step<'s, D> {
     fn migrate_holds(&mut self, before: &Program<D>) -> Vec<u32> {
         let mut loose = Vec::new();
         for mut hold in std::mem::take(&mut self.run.control.holds) {
-            let Spot { parent, child, .. } = hold.spot;
+            let StopPoint { parent, child, .. } = hold.spot;
             hold.spot.child = self.same_child(before, hold.spot);
             let is_gone = parent != NONE && child != NONE && hold.spot.child == NONE;
             if let Why::Checking { inquiry, .. } = &mut hold.why {
@@ -75,8 +75,8 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// The index that a child has now; none, if it is gone.
-    fn same_child(&self, before: &Program<D>, spot: Spot) -> u32 {
-        let Spot { parent, child, .. } = spot;
+    fn same_child(&self, before: &Program<D>, spot: StopPoint) -> u32 {
+        let StopPoint { parent, child, .. } = spot;
         if parent == NONE {
             return child;
         }
@@ -92,7 +92,7 @@ impl<'s, D: Datum> Step<'s, D> {
     fn renew_holds(&mut self) {
         let mut holds = std::mem::take(&mut self.run.control.holds);
         for hold in &mut holds {
-            let Spot { parent, .. } = hold.spot;
+            let StopPoint { parent, .. } = hold.spot;
             let Why::Held { by, next } = &mut hold.why else { continue };
             if parent == NONE || !self.is_hierarchy(parent) {
                 continue;
@@ -115,7 +115,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get(slot);
         let was = before.node(frame.node);
         let is = self.node_at(frame.parent, was);
-        let pass = frame.pass.map(|child| self.same_child(before, Spot::before(slot, child)));
+        let pass = frame.pass.map(|child| self.same_child(before, StopPoint::before(slot, child)));
         let steps = self.run.start_from.len();
         let frame = self.run.frames.get_mut(slot);
         frame.node = is;

@@ -2,7 +2,7 @@
 
 use super::Refusal;
 use super::frames::NONE;
-use super::holds::Spot;
+use super::holds::StopPoint;
 use super::phase::Phase;
 use super::step::{Step, Work};
 use crate::program::{ABORTED, Body, PREEMPTED};
@@ -53,7 +53,7 @@ impl<D: Datum> Step<'_, D> {
             }
             Interrupted::Again if hold => {
                 let branch = self.run.frames.get(slot).branch;
-                self.hold(Spot::before(slot, NONE), branch, HeldBy::Start);
+                self.hold(StopPoint::before(slot, NONE), branch, HeldBy::Start);
             }
             Interrupted::Again => self.run_again(slot),
         }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Where a frame is made again.
 #[derive(Debug, Clone, Copy)]
-struct Spot {
+struct RestoredPoint {
     parent: u32,
     child: u32,
     /// The order of the last request to end that was made to all that is active there.
@@ -56,7 +56,7 @@ impl<'s, D: Datum> Step<'s, D> {
     /// All frames of a moment, parents before children.
     fn rebuild(&mut self, root: Restored<D>, stop: u64) -> Vec<u32> {
         let mut made = Vec::new();
-        let mut stack = vec![(Spot { parent: NONE, child: 0, request: stop }, root)];
+        let mut stack = vec![(RestoredPoint { parent: NONE, child: 0, request: stop }, root)];
         while let Some((spot, restored)) = stack.pop() {
             let slot = self.rebuild_frame(spot, &restored);
             made.push(slot);
@@ -64,7 +64,7 @@ impl<'s, D: Datum> Step<'s, D> {
             let request = spot.request.max(self.decided_at(slot, &restored));
             let numbered = restored.children.into_iter().filter_map(|restored| {
                 let child = self.program.child_of(node, &restored.state)?.0;
-                Some((Spot { parent: slot, child, request }, restored))
+                Some((RestoredPoint { parent: slot, child, request }, restored))
             });
             let first = stack.len();
             stack.extend(numbered);
@@ -83,8 +83,8 @@ impl<'s, D: Datum> Step<'s, D> {
         end.map_or(0, |end| end.order)
     }
 
-    fn rebuild_frame(&mut self, spot: Spot, restored: &Restored<D>) -> u32 {
-        let Spot { parent, child, .. } = spot;
+    fn rebuild_frame(&mut self, spot: RestoredPoint, restored: &Restored<D>) -> u32 {
+        let RestoredPoint { parent, child, .. } = spot;
         let seed = self.restored_seed(spot, restored);
         let (path, id) = (seed.path, seed.node);
         let entered =
@@ -115,8 +115,8 @@ impl<'s, D: Datum> Step<'s, D> {
         slot
     }
 
-    fn restored_seed(&mut self, spot: Spot, restored: &Restored<D>) -> Seed<D> {
-        let Spot { parent, child, .. } = spot;
+    fn restored_seed(&mut self, spot: RestoredPoint, restored: &Restored<D>) -> Seed<D> {
+        let RestoredPoint { parent, child, .. } = spot;
         let id = self.node_of_child(parent, child);
         let node = self.program.node(id);
         let path = if parent == NONE { PathId(0) } else { self.child_path(parent, child) };
@@ -159,7 +159,7 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// A request reaches what was entered before it, and what begins in a state that was asked to end; but not what a
     /// hierarchy enters after it, for that is a handler.
-    fn was_asked_to_end(&self, spot: Spot, restored: &Restored<D>) -> bool {
+    fn was_asked_to_end(&self, spot: RestoredPoint, restored: &Restored<D>) -> bool {
         let asked = restored.preempted.unwrap_or(restored.order < spot.request);
         if asked || spot.parent == NONE || self.is_hierarchy(spot.parent) {
             return asked;

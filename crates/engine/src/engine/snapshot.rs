@@ -72,7 +72,7 @@ impl<D: Datum> Engine<D> {
     /// What holds the run before its root begins, or after it ended.
     pub fn held_outside(&self) -> Option<HeldBy> {
         let outside = self.run.control.holds.iter().find(|hold| hold.spot.is_root());
-        outside.and_then(super::holds::Hold::by)
+        outside.and_then(super::holds::SuspendedBranch::by)
     }
 
     fn top(&self, slot: u32) -> Option<PathId> {
@@ -90,7 +90,7 @@ impl<D: Datum> Engine<D> {
 
     fn holds(&self, slot: u32) -> Vec<Hold> {
         let holds = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
-        let hold = |hold: &super::holds::Hold<D>| match hold.why {
+        let hold = |hold: &super::holds::SuspendedBranch<D>| match hold.why {
             Why::Held { by, next } => Some(Hold { by, next }),
             Why::Checking { .. } => None,
         };

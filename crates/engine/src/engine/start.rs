@@ -1,7 +1,7 @@
 //! Beginning a run: where, with which values, held or not, and what happens behind the state that it was begun at.
 
 use super::frames::Seed;
-use super::holds::Spot;
+use super::holds::StopPoint;
 use super::step::Step;
 use super::{Command, Refusal, Run, Status};
 use crate::program::{Body, Inside};
@@ -44,7 +44,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.start_from = steps;
         self.run.inputs = start.inputs;
         self.run.given = given;
-        if self.passes(Spot::root(When::Before), BranchId(0)) {
+        if self.passes(StopPoint::root(When::Before), BranchId(0)) {
             self.enter_root();
         }
         Ok(())

@@ -35,7 +35,7 @@ pub(super) fn plan(
     grouping.finish()
 }
 
-type End = (StateId, PortId);
+type GroupEnd = (StateId, PortId);
 
 struct Grouping<'m> {
     path: &'m StatePath,
@@ -49,8 +49,8 @@ struct Grouping<'m> {
     entry: Option<(StateId, TransitionId)>,
     /// What stands behind each outcome of the group.
     exits: Vec<(Target, OutcomeId)>,
-    inputs: BTreeMap<End, PortId>,
-    outputs: BTreeMap<End, PortId>,
+    inputs: BTreeMap<GroupEnd, PortId>,
+    outputs: BTreeMap<GroupEnd, PortId>,
     /// What leaves the container.
     leaving: Vec<Step>,
     /// What is connected anew around the group.
@@ -211,12 +211,12 @@ impl<'m> Grouping<'m> {
         touching.into_values().try_for_each(|flow| self.flow(flow))
     }
 
-    fn is_inside(&self, (state, port): &End) -> bool {
+    fn is_inside(&self, (state, port): &GroupEnd) -> bool {
         self.members.contains(state) || (*state == self.state.id && self.variables.contains(port))
     }
 
     /// The same end as the group sees it.
-    fn inner_end(&self, (state, port): &End) -> End {
+    fn inner_end(&self, (state, port): &GroupEnd) -> GroupEnd {
         let own = *state == self.state.id;
         (if own { self.group.id.clone() } else { state.clone() }, *port)
     }
@@ -251,7 +251,7 @@ impl<'m> Grouping<'m> {
     fn border_port(
         &mut self,
         flow: &DataFlow,
-        end: &End,
+        end: &GroupEnd,
         kind: PortKind,
     ) -> Result<PortId, EditError> {
         let known = if kind == PortKind::Input { &self.inputs } else { &self.outputs };
@@ -279,7 +279,7 @@ impl<'m> Grouping<'m> {
         Ok(id)
     }
 
-    fn port_at(&self, (state, port): &End, kind: PortKind) -> Option<&Port> {
+    fn port_at(&self, (state, port): &GroupEnd, kind: PortKind) -> Option<&Port> {
         if *state == self.state.id {
             return self.inner.scoped_variables.get(*port);
         }

@@ -48,7 +48,7 @@ pub(super) fn plan(
     Ok(ungrouping.steps)
 }
 
-type End = (StateId, PortId);
+type UngroupEnd = (StateId, PortId);
 
 struct Ungrouping<'m> {
     path: &'m StatePath,
@@ -61,7 +61,7 @@ struct Ungrouping<'m> {
     /// The same for scoped variables.
     variables: BTreeMap<PortId, PortId>,
     /// The data flows that have been made.
-    links: BTreeSet<(End, End)>,
+    links: BTreeSet<(UngroupEnd, UngroupEnd)>,
     transition_ids: Box<dyn Iterator<Item = TransitionId> + 'm>,
     flow_ids: Box<dyn Iterator<Item = DataFlowId> + 'm>,
     steps: Vec<Step>,
@@ -170,7 +170,7 @@ impl Ungrouping<'_> {
             let from = (flow.from_state.clone(), flow.from_port);
             let to = (flow.to_state.clone(), flow.to_port);
             let is_border =
-                |end: &End| end.0 == self.group.id && !self.variables.contains_key(&end.1);
+                |end: &UngroupEnd| end.0 == self.group.id && !self.variables.contains_key(&end.1);
             if is_border(&from) && is_border(&to) {
                 continue;
             }
@@ -183,7 +183,7 @@ impl Ungrouping<'_> {
         }
     }
 
-    fn outside(&self, end: &End) -> Option<End> {
+    fn outside(&self, end: &UngroupEnd) -> Option<UngroupEnd> {
         if end.0 == self.group.id {
             return self.variables.get(&end.1).map(|id| (self.state.id.clone(), *id));
         }
@@ -191,7 +191,7 @@ impl Ungrouping<'_> {
     }
 
     /// Where a value inside comes from, seen from outside.
-    fn sources(&self, end: &End) -> Vec<End> {
+    fn sources(&self, end: &UngroupEnd) -> Vec<UngroupEnd> {
         if end.0 != self.group.id || self.variables.contains_key(&end.1) {
             return self.outside(end).into_iter().collect();
         }
@@ -200,7 +200,7 @@ impl Ungrouping<'_> {
     }
 
     /// An end outside; for an output of the group that leads back to the group, where its values come from inside.
-    fn before(&self, end: End) -> Vec<End> {
+    fn before(&self, end: UngroupEnd) -> Vec<UngroupEnd> {
         if end.0 != self.group.id {
             return vec![end];
         }
@@ -209,7 +209,7 @@ impl Ungrouping<'_> {
     }
 
     /// Where a value inside goes to, seen from outside.
-    fn targets(&self, end: &End) -> Vec<End> {
+    fn targets(&self, end: &UngroupEnd) -> Vec<UngroupEnd> {
         if end.0 != self.group.id || self.variables.contains_key(&end.1) {
             return self.outside(end).into_iter().collect();
         }
@@ -218,12 +218,12 @@ impl Ungrouping<'_> {
         outside.map(|flow| (flow.to_state.clone(), flow.to_port)).collect()
     }
 
-    fn is_variable(&self, (state, port): &End) -> bool {
+    fn is_variable(&self, (state, port): &UngroupEnd) -> bool {
         let new = self.variables.values().any(|id| id == port);
         *state == self.state.id && (new || self.container.scoped_variables.get(*port).is_some())
     }
 
-    fn flow(&mut self, from: &End, to: &End) {
+    fn flow(&mut self, from: &UngroupEnd, to: &UngroupEnd) {
         let both_variables = self.is_variable(from) && self.is_variable(to);
         if both_variables || !self.links.insert((from.clone(), to.clone())) {
             return;

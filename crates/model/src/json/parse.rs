@@ -20,7 +20,7 @@ pub struct ParseError {
 
 /// Reads one JSON document; white space around it is allowed, anything else is an error.
 pub fn parse(text: &str) -> Result<Json, ParseError> {
-    let mut parser = Parser { text, at: 0 };
+    let mut parser = JsonParser { text, at: 0 };
     let value = parser.value(0)?;
     parser.skip_space();
     if parser.at < text.len() {
@@ -31,17 +31,17 @@ pub fn parse(text: &str) -> Result<Json, ParseError> {
 
 /// Reads the document that `text` begins with; gives it and how many bytes it takes.
 pub(crate) fn parse_prefix(text: &str) -> Result<(Json, usize), ParseError> {
-    let mut parser = Parser { text, at: 0 };
+    let mut parser = JsonParser { text, at: 0 };
     let value = parser.value(0)?;
     Ok((value, parser.at))
 }
 
-struct Parser<'t> {
+struct JsonParser<'t> {
     text: &'t str,
     at: usize,
 }
 
-impl Parser<'_> {
+impl JsonParser<'_> {
     fn error(&self, reason: &'static str) -> ParseError {
         let before = &self.text.as_bytes()[..self.at.min(self.text.len())];
         let line = 1 + before.split(|b| *b == b'\n').count().saturating_sub(1);

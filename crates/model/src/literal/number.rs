@@ -1,7 +1,7 @@
 //! Numbers as Python writes and reads them.
 
 use super::LiteralError;
-use super::parse::Parser;
+use super::parse::LiteralParser;
 use crate::Value;
 use smol_str::SmolStr;
 
@@ -34,7 +34,7 @@ fn is_space(c: char) -> bool {
 }
 
 /// A number at the parser's place, with its signs.
-pub(super) fn number(parser: &mut Parser<'_>) -> Result<Value, LiteralError> {
+pub(super) fn number(parser: &mut LiteralParser<'_>) -> Result<Value, LiteralError> {
     let mut negative = false;
     while let Some(sign @ (b'+' | b'-')) = parser.peek() {
         negative ^= sign == b'-';

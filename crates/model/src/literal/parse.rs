@@ -24,7 +24,7 @@ pub enum LiteralError {
 
 /// Reads one Python literal; white space around it is allowed.
 pub fn parse(text: &str) -> Result<Value, LiteralError> {
-    let mut parser = Parser::new(text);
+    let mut parser = LiteralParser::new(text);
     let value = parser.open_value()?;
     parser.skip_space();
     if parser.at < text.len() {
@@ -35,17 +35,17 @@ pub fn parse(text: &str) -> Result<Value, LiteralError> {
 
 /// Reads the literal that `text` begins with; gives it and how many bytes it takes.
 pub(crate) fn parse_prefix(text: &str) -> Result<(Value, usize), LiteralError> {
-    let mut parser = Parser::new(text);
+    let mut parser = LiteralParser::new(text);
     let value = parser.value(0)?;
     Ok((value, parser.at))
 }
 
-pub(super) struct Parser<'t> {
+pub(super) struct LiteralParser<'t> {
     pub(super) text: &'t str,
     pub(super) at: usize,
 }
 
-impl<'t> Parser<'t> {
+impl<'t> LiteralParser<'t> {
     pub(super) fn new(text: &'t str) -> Self {
         Self { text, at: 0 }
     }

@@ -1,11 +1,11 @@
 //! Python strings: quotes, prefixes, escapes, neighbours that join.
 
 use super::LiteralError;
-use super::parse::Parser;
+use super::parse::LiteralParser;
 use crate::Value;
 
 /// A string at the parser's place, and those that follow it directly.
-pub(super) fn string(parser: &mut Parser<'_>) -> Result<Value, LiteralError> {
+pub(super) fn string(parser: &mut LiteralParser<'_>) -> Result<Value, LiteralError> {
     let mut text = String::new();
     one(parser, &mut text, false)?;
     join(parser, text)
@@ -13,7 +13,7 @@ pub(super) fn string(parser: &mut Parser<'_>) -> Result<Value, LiteralError> {
 
 /// The one string in quotes that `text` begins with; gives it and how many bytes it takes.
 pub(crate) fn string_prefix(text: &str) -> Result<(String, usize), LiteralError> {
-    let mut parser = Parser::new(text);
+    let mut parser = LiteralParser::new(text);
     let mut out = String::new();
     one(&mut parser, &mut out, false)?;
     Ok((out, parser.at))
@@ -21,7 +21,7 @@ pub(crate) fn string_prefix(text: &str) -> Result<(String, usize), LiteralError>
 
 /// A string after the prefix `prefix`.
 pub(super) fn prefixed_string(
-    parser: &mut Parser<'_>,
+    parser: &mut LiteralParser<'_>,
     prefix: &str,
 ) -> Result<Value, LiteralError> {
     let mut text = String::new();
@@ -29,7 +29,11 @@ pub(super) fn prefixed_string(
     join(parser, text)
 }
 
-fn prefixed(parser: &mut Parser<'_>, prefix: &str, text: &mut String) -> Result<(), LiteralError> {
+fn prefixed(
+    parser: &mut LiteralParser<'_>,
+    prefix: &str,
+    text: &mut String,
+) -> Result<(), LiteralError> {
     let raw = match prefix.to_ascii_lowercase().as_str() {
         "r" => true,
         "u" => false,
@@ -40,7 +44,7 @@ fn prefixed(parser: &mut Parser<'_>, prefix: &str, text: &mut String) -> Result<
     one(parser, text, raw)
 }
 
-fn join(parser: &mut Parser<'_>, mut text: String) -> Result<Value, LiteralError> {
+fn join(parser: &mut LiteralParser<'_>, mut text: String) -> Result<Value, LiteralError> {
     loop {
         let end = parser.at;
         parser.skip_space();
@@ -58,7 +62,7 @@ fn join(parser: &mut Parser<'_>, mut text: String) -> Result<Value, LiteralError
     }
 }
 
-fn one(parser: &mut Parser<'_>, text: &mut String, raw: bool) -> Result<(), LiteralError> {
+fn one(parser: &mut LiteralParser<'_>, text: &mut String, raw: bool) -> Result<(), LiteralError> {
     let quote = parser.rest().get(..1).unwrap_or("\"");
     let triple = quote.repeat(3);
     let long = parser.rest().starts_with(&triple);
@@ -86,13 +90,13 @@ fn one(parser: &mut Parser<'_>, text: &mut String, raw: bool) -> Result<(), Lite
 }
 
 /// In a raw string a backslash keeps the next character, even a quote, and stays.
-fn raw_escape(parser: &mut Parser<'_>, text: &mut String) {
+fn raw_escape(parser: &mut LiteralParser<'_>, text: &mut String) {
     let pair: String = parser.rest().chars().take(2).collect();
     parser.at += pair.len();
     text.push_str(&pair);
 }
 
-fn escape(parser: &mut Parser<'_>, text: &mut String) -> Result<(), LiteralError> {
+fn escape(parser: &mut LiteralParser<'_>, text: &mut String) -> Result<(), LiteralError> {
     parser.at += 1;
     let Some(c) = parser.rest().chars().next() else {
         return Err(parser.error("a string without end"));
@@ -122,7 +126,7 @@ fn escape(parser: &mut Parser<'_>, text: &mut String) -> Result<(), LiteralError
     Ok(())
 }
 
-fn by_number(parser: &mut Parser<'_>, digits: usize) -> Result<char, LiteralError> {
+fn by_number(parser: &mut LiteralParser<'_>, digits: usize) -> Result<char, LiteralError> {
     let code = parser.rest().get(..digits).filter(|s| s.bytes().all(|b| b.is_ascii_hexdigit()));
     let Some(code) = code.and_then(|digits| u32::from_str_radix(digits, 16).ok()) else {
         return Err(parser.error("an escape that is too short"));
@@ -132,7 +136,7 @@ fn by_number(parser: &mut Parser<'_>, digits: usize) -> Result<char, LiteralErro
 }
 
 /// Up to three octal digits; the first has been passed already.
-fn octal(parser: &mut Parser<'_>) -> char {
+fn octal(parser: &mut LiteralParser<'_>) -> char {
     parser.at -= 1;
     let count = parser.rest().bytes().take(3).take_while(|b| matches!(b, b'0'..=b'7')).count();
     let code = parser.rest().bytes().take(count).fold(0, |n, b| n * 8 + u32::from(b - b'0'));

@@ -15,20 +15,20 @@ use std::fmt;
 pub(super) struct Connection<'t> {
     line: Line<'t>,
     is_flow: bool,
-    from: End,
-    to: End,
+    from: ConnectionEnd,
+    to: ConnectionEnd,
     id: Option<i64>,
     extra: Extra,
 }
 
 #[derive(Debug)]
-struct End {
-    place: Place,
-    part: Option<Part>,
+struct ConnectionEnd {
+    place: ConnectionPlace,
+    part: Option<ConnectionPart>,
 }
 
 #[derive(Debug)]
-enum Place {
+enum ConnectionPlace {
     /// `start` or `nowhere`
     None,
     /// `.part`
@@ -37,12 +37,12 @@ enum Place {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Part {
+pub(super) enum ConnectionPart {
     Id(i64),
     Name(SmolStr),
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for ConnectionPart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Id(id) => write!(f, "{id}"),
@@ -75,24 +75,24 @@ pub(super) fn read<'t>(
     }
 }
 
-fn end(line: &mut Line<'_>) -> Result<End, NotationError> {
+fn end(line: &mut Line<'_>) -> Result<ConnectionEnd, NotationError> {
     if line.eat(".") {
-        return Ok(End { place: Place::Own, part: Some(part(line)?) });
+        return Ok(ConnectionEnd { place: ConnectionPlace::Own, part: Some(part(line)?) });
     }
     let place = if line.eat_word("start") || line.eat_word("nowhere") {
-        Place::None
+        ConnectionPlace::None
     } else {
-        Place::State(StateId(line.name()?))
+        ConnectionPlace::State(StateId(line.name()?))
     };
     let part = if line.eat_joined(".") { Some(part(line)?) } else { None };
-    Ok(End { place, part })
+    Ok(ConnectionEnd { place, part })
 }
 
 /// The part after the point: a number or a name.
-pub(super) fn part(line: &mut Line<'_>) -> Result<Part, NotationError> {
+pub(super) fn part(line: &mut Line<'_>) -> Result<ConnectionPart, NotationError> {
     match line.number() {
-        Some(id) => Ok(Part::Id(id)),
-        None => line.name().map(Part::Name),
+        Some(id) => Ok(ConnectionPart::Id(id)),
+        None => line.name().map(ConnectionPart::Name),
     }
 }
 
@@ -133,11 +133,15 @@ impl Connection<'_> {
         }
     }
 
-    fn outcome(&self, state: &State, end: &End) -> Result<Option<OutcomeId>, NotationError> {
+    fn outcome(
+        &self,
+        state: &State,
+        end: &ConnectionEnd,
+    ) -> Result<Option<OutcomeId>, NotationError> {
         let name = match &end.part {
             None => return Ok(None),
-            Some(Part::Id(id)) => return Ok(Some(OutcomeId(*id))),
-            Some(Part::Name(name)) => name,
+            Some(ConnectionPart::Id(id)) => return Ok(Some(OutcomeId(*id))),
+            Some(ConnectionPart::Name(name)) => name,
         };
         let owner = end.owner(state);
         let found = owner.and_then(|owner| outcome_by_name(owner, name));
@@ -147,7 +151,7 @@ impl Connection<'_> {
     fn port(
         &self,
         state: &State,
-        end: &End,
+        end: &ConnectionEnd,
         side: Side,
     ) -> Result<(StateId, PortId), NotationError> {
         let Some(id) = end.state(state) else {
@@ -155,8 +159,8 @@ impl Connection<'_> {
         };
         let name = match &end.part {
             None => return Err(self.line.error("a data flow has a port at both ends")),
-            Some(Part::Id(port)) => return Ok((id, PortId(*port))),
-            Some(Part::Name(name)) => name,
+            Some(ConnectionPart::Id(port)) => return Ok((id, PortId(*port))),
+            Some(ConnectionPart::Name(name)) => name,
         };
         let owner = end.owner(state);
         let found = owner.and_then(|owner| port_by_name(owner, owner.id == state.id, side, name));
@@ -171,12 +175,12 @@ impl Connection<'_> {
     }
 }
 
-impl End {
+impl ConnectionEnd {
     fn state(&self, container: &State) -> Option<StateId> {
         match &self.place {
-            Place::None => None,
-            Place::Own => Some(container.id.clone()),
-            Place::State(id) => Some(id.clone()),
+            ConnectionPlace::None => None,
+            ConnectionPlace::Own => Some(container.id.clone()),
+            ConnectionPlace::State(id) => Some(id.clone()),
         }
     }
 

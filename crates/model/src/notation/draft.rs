@@ -1,6 +1,6 @@
 //! A state while its lines are read.
 
-use super::connect::{Connection, Part, part};
+use super::connect::{Connection, ConnectionPart, part};
 use super::parse::NotationError;
 use super::scan::Line;
 use crate::ids::smallest_free;
@@ -26,7 +26,7 @@ pub(super) struct Draft<'t> {
 struct Setting<'t> {
     line: Line<'t>,
     is_input: bool,
-    port: Part,
+    port: ConnectionPart,
     value: RuntimeValue,
 }
 
@@ -60,9 +60,9 @@ impl<'t> Draft<'t> {
         match word {
             "outcome" => self.outcome(line)?,
             "without" => self.without(line)?,
-            "in" => self.port(line, PortKind::Input)?,
-            "out" => self.port(line, PortKind::Output)?,
-            "var" => self.port(line, PortKind::Variable)?,
+            "in" => self.port(line, DraftPortKind::Input)?,
+            "out" => self.port(line, DraftPortKind::Output)?,
+            "var" => self.port(line, DraftPortKind::Variable)?,
             "interface" => self.own_interface = true,
             "set" => self.setting(line)?,
             "missing" => self.missing(line)?,
@@ -170,7 +170,7 @@ impl<'t> Draft<'t> {
         Ok(())
     }
 
-    fn port(&mut self, line: &mut Line<'t>, kind: PortKind) -> Result<(), NotationError> {
+    fn port(&mut self, line: &mut Line<'t>, kind: DraftPortKind) -> Result<(), NotationError> {
         self.own_interface = true;
         let id = line.number().map_or_else(|| self.state.free_port_id(), PortId);
         let name = line.name()?;
@@ -179,9 +179,9 @@ impl<'t> Draft<'t> {
         let default = if line.eat("=") { line.value()? } else { Value::None };
         let port = Port { extra: line.extra()?, ..Port::new(id, name, data_type, default) };
         let ports = match kind {
-            PortKind::Input => &mut self.state.inputs,
-            PortKind::Output => &mut self.state.outputs,
-            PortKind::Variable => match self.state.container_mut() {
+            DraftPortKind::Input => &mut self.state.inputs,
+            DraftPortKind::Output => &mut self.state.outputs,
+            DraftPortKind::Variable => match self.state.container_mut() {
                 Some(container) => &mut container.scoped_variables,
                 None => return Err(line.error("only containers have scoped variables")),
             },
@@ -218,7 +218,7 @@ impl<'t> Draft<'t> {
 }
 
 #[derive(Clone, Copy)]
-enum PortKind {
+enum DraftPortKind {
     Input,
     Output,
     Variable,
@@ -228,8 +228,8 @@ impl Setting<'_> {
     fn add_to(self, state: &mut State) -> Result<(), NotationError> {
         let ports = if self.is_input { &state.inputs } else { &state.outputs };
         let id = match &self.port {
-            Part::Id(id) => PortId(*id),
-            Part::Name(name) => match ports.by_name(name) {
+            ConnectionPart::Id(id) => PortId(*id),
+            ConnectionPart::Name(name) => match ports.by_name(name) {
                 Some(port) => port.id,
                 None => return Err(self.line.error(format!("there is no port {}", self.port))),
             },

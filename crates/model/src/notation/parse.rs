@@ -22,7 +22,7 @@ pub struct NotationError {
 
 /// Reads a machine. Faults of the machine (transitions to nowhere, double names) are no errors here.
 pub fn parse(text: &str) -> Result<Machine, NotationError> {
-    let mut parser = Parser {
+    let mut parser = NotationParser {
         lines: Lines::new(text),
         open: Vec::new(),
         header: Header::default(),
@@ -33,7 +33,7 @@ pub fn parse(text: &str) -> Result<Machine, NotationError> {
     while let Some((number, line)) = parser.lines.take() {
         last = number;
         let mut line = Line::new(number, line);
-        if !line.is_done() {
+        if !line.at_end() {
             parser.close(line.indent)?;
             parser.line(line)?;
         }
@@ -45,7 +45,7 @@ pub fn parse(text: &str) -> Result<Machine, NotationError> {
     }
 }
 
-struct Parser<'t> {
+struct NotationParser<'t> {
     lines: Lines<'t>,
     open: Vec<Block<'t>>,
     header: Header,
@@ -67,7 +67,7 @@ enum Open<'t> {
 
 const KINDS: [&str; 6] = ["execution", "decider", "hierarchy", "barrier", "preemptive", "library"];
 
-impl<'t> Parser<'t> {
+impl<'t> NotationParser<'t> {
     /// Closes the blocks that a line at `indent` is not inside of.
     fn close(&mut self, indent: usize) -> Result<(), NotationError> {
         while let Some(block) = self.open.pop_if(|block| block.line.indent >= indent) {
@@ -178,7 +178,7 @@ impl<'t> Parser<'t> {
 
     /// `content` with a state below it, or `content NAME` of something defined before.
     fn content(&mut self, begin: Line<'t>, mut line: Line<'t>) -> Result<(), NotationError> {
-        if line.is_done() {
+        if line.at_end() {
             self.open.push(Block { line: begin, open: Open::Content });
             return Ok(());
         }

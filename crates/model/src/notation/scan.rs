@@ -36,13 +36,13 @@ impl<'t> Line<'t> {
     }
 
     /// Whether nothing but a comment is left.
-    pub(super) fn is_done(&mut self) -> bool {
+    pub(super) fn at_end(&mut self) -> bool {
         let rest = self.rest();
         rest.is_empty() || rest.starts_with('#')
     }
 
     pub(super) fn end(&mut self) -> Result<(), NotationError> {
-        if self.is_done() { Ok(()) } else { Err(self.error("the line goes on after its end")) }
+        if self.at_end() { Ok(()) } else { Err(self.error("the line goes on after its end")) }
     }
 
     /// Passes `symbol` if it stands here.

@@ -12,7 +12,7 @@ pub(super) struct Shared<'m> {
     pub(super) order: Vec<&'m Arc<State>>,
 }
 
-enum Step<'m> {
+enum SharedStep<'m> {
     Look(&'m State),
     Leave(&'m Arc<State>),
 }
@@ -21,11 +21,11 @@ impl<'m> Shared<'m> {
     pub(super) fn of(root: &'m State) -> Self {
         let mut shared = Self { uses: BTreeMap::new(), names: BTreeMap::new(), order: Vec::new() };
         let mut left = Vec::new();
-        let mut steps = vec![Step::Look(root)];
+        let mut steps = vec![SharedStep::Look(root)];
         while let Some(step) = steps.pop() {
             match step {
-                Step::Look(state) => shared.look(state, &mut steps),
-                Step::Leave(content) => left.push(content),
+                SharedStep::Look(state) => shared.look(state, &mut steps),
+                SharedStep::Leave(content) => left.push(content),
             }
         }
         left.retain(|content| shared.uses.get(&Arc::as_ptr(content)).is_some_and(|n| *n > 1));
@@ -36,16 +36,16 @@ impl<'m> Shared<'m> {
         shared
     }
 
-    fn look(&mut self, state: &'m State, steps: &mut Vec<Step<'m>>) {
+    fn look(&mut self, state: &'m State, steps: &mut Vec<SharedStep<'m>>) {
         if let Some(container) = state.container() {
-            steps.extend(container.states.values().rev().map(|child| Step::Look(child)));
+            steps.extend(container.states.values().rev().map(|child| SharedStep::Look(child)));
         }
         let Some(content) = content(state) else { return };
         let uses = self.uses.entry(Arc::as_ptr(content)).or_default();
         *uses += 1;
         if *uses == 1 {
-            steps.push(Step::Leave(content));
-            steps.push(Step::Look(content));
+            steps.push(SharedStep::Leave(content));
+            steps.push(SharedStep::Look(content));
         }
     }
 

@@ -20,13 +20,13 @@ pub(super) fn faults(state: &State, id: DataFlowId, types: &dyn Types) -> Vec<Fa
 }
 
 /// A port at one end, as the data flow sees it.
-struct End<'s> {
+struct WiredPort<'s> {
     kind: PortKind,
     is_own: bool,
     port: &'s Port,
 }
 
-impl End<'_> {
+impl WiredPort<'_> {
     fn what(&self, verb: &str) -> String {
         let whose = if self.is_own { "the container" } else { "a child" };
         format!("it {verb} at the {} `{}` of {whose}", self.kind, self.port.name)
@@ -37,7 +37,7 @@ fn source<'s>(
     state: &'s State,
     container: &'s Container,
     flow: &DataFlow,
-) -> Result<End<'s>, Fault> {
+) -> Result<WiredPort<'s>, Fault> {
     let end = end(state, container, (&flow.from_state, flow.from_port), "begins")?;
     match (end.is_own, end.kind) {
         (true, PortKind::Input | PortKind::ScopedVariable) | (false, PortKind::Output) => Ok(end),
@@ -49,7 +49,7 @@ fn target<'s>(
     state: &'s State,
     container: &'s Container,
     flow: &DataFlow,
-) -> Result<End<'s>, Fault> {
+) -> Result<WiredPort<'s>, Fault> {
     let end = end(state, container, (&flow.to_state, flow.to_port), "ends")?;
     match (end.is_own, end.kind) {
         (true, PortKind::Output | PortKind::ScopedVariable) | (false, PortKind::Input) => Ok(end),
@@ -60,8 +60,8 @@ fn target<'s>(
 fn pair_fault(
     container: &Container,
     flow: &DataFlow,
-    from: &End<'_>,
-    to: &End<'_>,
+    from: &WiredPort<'_>,
+    to: &WiredPort<'_>,
     types: &dyn Types,
 ) -> Option<Fault> {
     if from.kind == PortKind::ScopedVariable && to.kind == PortKind::ScopedVariable {
@@ -75,7 +75,7 @@ fn end<'s>(
     container: &'s Container,
     (id, port): (&StateId, PortId),
     verb: &str,
-) -> Result<End<'s>, Fault> {
+) -> Result<WiredPort<'s>, Fault> {
     let is_own = *id == state.id;
     let owner = if is_own { Some(state) } else { container.states.get(id).map(|child| &**child) };
     let Some(owner) = owner else {
@@ -85,7 +85,7 @@ fn end<'s>(
     let found = |kind: PortKind| {
         // A child shows its ports but not its scoped variables.
         let ports = kind.of(owner).filter(|_| is_own || kind != PortKind::ScopedVariable);
-        ports.and_then(|ports| ports.get(port)).map(|port| End { kind, is_own, port })
+        ports.and_then(|ports| ports.get(port)).map(|port| WiredPort { kind, is_own, port })
     };
     PortKind::ALL.into_iter().find_map(found).ok_or_else(|| {
         Fault::new(

@@ -82,8 +82,8 @@ pub(crate) struct Log {
     #[command(flatten)]
     pub(crate) run: KeptRun,
     /// Lines that matter at least so much
-    #[arg(long, value_enum, default_value_t = Level::Verbose)]
-    pub(crate) level: Level,
+    #[arg(long, value_enum, default_value_t = LogLevel::Verbose)]
+    pub(crate) level: LogLevel,
     /// Lines of states with this in their path of names or ids; `*` and `?` stand for any text and any character
     #[arg(long, value_name = "STATE")]
     pub(crate) state: Option<String>,
@@ -97,7 +97,7 @@ pub(crate) struct Log {
 
 /// How much a line of the log matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Level {
+pub(crate) enum LogLevel {
     /// Below debug
     Verbose,
     /// For whoever looks for a fault

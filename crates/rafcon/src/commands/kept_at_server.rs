@@ -31,7 +31,7 @@ pub(super) struct Kept<'k> {
 
 /// An event as an export writes it.
 #[derive(Deserialize)]
-struct Line {
+struct ExportedLine {
     sequence: u64,
     t_ns: u64,
     names: String,
@@ -105,7 +105,7 @@ impl Kept<'_> {
                     );
                 }
             }
-            let Line { sequence, t_ns, names, next, lasted_ns, event } =
+            let ExportedLine { sequence, t_ns, names, next, lasted_ns, event } =
                 serde_json::from_str(&line).context("the server's answer makes no sense")?;
             if let Event::Damaged { what, .. } = &event {
                 damage = Some(what.clone());

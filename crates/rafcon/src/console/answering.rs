@@ -1,8 +1,8 @@
 //! Answering a question of a state by keys.
 
-use super::prompt::Step;
+use super::prompt::PromptStep;
 use super::{Key, Wish};
-use crate::view::{Line, Style, harmless};
+use crate::view::{Style, TextLine, harmless};
 use rafcon_protocol::{Command, Form, Question};
 use serde_json::{Value, json};
 
@@ -35,25 +35,25 @@ impl Answering {
         Self { question, text, checked, is_written: false, complaint: None }
     }
 
-    pub(super) fn key(&mut self, key: Key) -> Step {
+    pub(super) fn key(&mut self, key: Key) -> PromptStep {
         self.complaint = None;
         match key {
-            Key::Escape => Step::Left,
+            Key::Escape => PromptStep::Left,
             Key::Enter if self.buttons().len() == 1 => self.choose(0),
             Key::Enter => {
                 self.is_written = true;
-                Step::More
+                PromptStep::More
             }
             Key::Backspace if self.writes() => {
                 self.text.pop();
-                Step::More
+                PromptStep::More
             }
             Key::Char(c) if self.writes() => {
                 self.text.push(c);
-                Step::More
+                PromptStep::More
             }
             Key::Char(c) => self.digit(c),
-            Key::Backspace | Key::Up | Key::Down => Step::More,
+            Key::Backspace | Key::Up | Key::Down => PromptStep::More,
         }
     }
 
@@ -61,15 +61,15 @@ impl Answering {
         matches!(self.question.form, Form::Text { .. } | Form::Number { .. }) && !self.is_written
     }
 
-    fn digit(&mut self, c: char) -> Step {
+    fn digit(&mut self, c: char) -> PromptStep {
         let Some(index) = c.to_digit(10).and_then(|digit| (digit as usize).checked_sub(1)) else {
-            return Step::More;
+            return PromptStep::More;
         };
         if !self.is_written
             && let Some(tick) = self.checked.get_mut(index)
         {
             *tick = !*tick;
-            return Step::More;
+            return PromptStep::More;
         }
         self.choose(index)
     }
@@ -83,19 +83,19 @@ impl Answering {
         }
     }
 
-    fn choose(&mut self, button: usize) -> Step {
+    fn choose(&mut self, button: usize) -> PromptStep {
         if button >= self.buttons().len() {
-            return Step::More;
+            return PromptStep::More;
         }
         match self.value(button) {
             Ok(value) => {
                 let question = self.question.id;
-                Step::Given(Wish::Send(Command::AnswerQuestion { question, value }))
+                PromptStep::Given(Wish::Send(Command::AnswerQuestion { question, value }))
             }
             Err(complaint) => {
                 self.complaint = Some(complaint);
                 self.is_written = false;
-                Step::More
+                PromptStep::More
             }
         }
     }
@@ -113,25 +113,25 @@ impl Answering {
         })
     }
 
-    pub(super) fn lines(&self) -> Vec<Line> {
-        let mut lines: Vec<Line> =
-            self.complaint.iter().map(|text| Line::of(Style::Bad, text.clone())).collect();
-        lines.push(Line::of(Style::Strong, harmless(&self.question.message)));
+    pub(super) fn lines(&self) -> Vec<TextLine> {
+        let mut lines: Vec<TextLine> =
+            self.complaint.iter().map(|text| TextLine::of(Style::Bad, text.clone())).collect();
+        lines.push(TextLine::of(Style::Strong, harmless(&self.question.message)));
         if let Form::Checks { boxes, .. } = &self.question.form {
             lines.extend((1..).zip(boxes.iter().zip(&self.checked)).map(|(n, (label, tick))| {
                 let tick = if *tick { 'x' } else { ' ' };
-                Line::of(Style::Plain, format!("  {n} [{tick}] {}", harmless(label)))
+                TextLine::of(Style::Plain, format!("  {n} [{tick}] {}", harmless(label)))
             }));
         }
         if matches!(self.question.form, Form::Text { .. } | Form::Number { .. }) {
             let cursor = if self.writes() { "_" } else { "" };
-            lines.push(Line::of(Style::Plain, format!("  > {}{cursor}", harmless(&self.text))));
+            lines.push(TextLine::of(Style::Plain, format!("  > {}{cursor}", harmless(&self.text))));
         }
         lines.push(self.hint());
         lines
     }
 
-    fn hint(&self) -> Line {
+    fn hint(&self) -> TextLine {
         let buttons = self.buttons();
         let ready = self.is_written || matches!(self.question.form, Form::Buttons { .. });
         let text = match buttons {
@@ -142,6 +142,6 @@ impl Answering {
             }
             _ => "Enter goes on to the buttons".to_owned(),
         };
-        Line::of(Style::Good, text).and(Style::Dim, "   Escape leaves it open")
+        TextLine::of(Style::Good, text).and(Style::Dim, "   Escape leaves it open")
     }
 }

@@ -1,6 +1,6 @@
 //! What the keys mean, for people.
 
-use crate::view::{Line, Style};
+use crate::view::{Style, TextLine};
 
 const KEYS: [(&str, &str); 15] = [
     ("p", "pause"),
@@ -21,11 +21,11 @@ const KEYS: [(&str, &str); 15] = [
 ];
 
 /// The keys, one a line.
-pub(super) fn lines(may_leave: bool) -> Vec<Line> {
+pub(super) fn lines(may_leave: bool) -> Vec<TextLine> {
     let rest = [("e", "ask the selected state to end"), ("X", "stop the run")];
     let leave = may_leave.then_some(("q", "leave; the run goes on"));
     let line = |(key, meaning): (&str, &str)| {
-        Line::of(Style::Strong, format!("{key:>10}")).and(Style::Plain, format!("  {meaning}"))
+        TextLine::of(Style::Strong, format!("{key:>10}")).and(Style::Plain, format!("  {meaning}"))
     };
     KEYS.into_iter().chain(rest).chain(leave).map(line).collect()
 }

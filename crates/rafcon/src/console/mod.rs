@@ -10,11 +10,11 @@ mod prompt;
 #[cfg(test)]
 mod tests;
 
-use crate::view::{Line, Style};
+use crate::view::{Style, TextLine};
 use answering::Answering;
 pub(crate) use key::Key;
 pub(crate) use prompt::breakpoint;
-use prompt::{Prompt, Purpose, Step};
+use prompt::{Prompt, PromptStep, Purpose};
 use rafcon_protocol::{ActiveState, Command, OnCrash, Phase, RunStatus, Snapshot, StateData};
 
 /// What a key leads to.
@@ -102,11 +102,11 @@ impl Console {
     }
 
     /// What was written is complete, left, or goes on.
-    fn written(&mut self, step: Step) -> Option<Wish> {
+    fn written(&mut self, step: PromptStep) -> Option<Wish> {
         let wish = match step {
-            Step::More => return None,
-            Step::Given(wish) => Some(wish),
-            Step::Left => None,
+            PromptStep::More => return None,
+            PromptStep::Given(wish) => Some(wish),
+            PromptStep::Left => None,
         };
         self.mode = Mode::Watch;
         wish
@@ -212,7 +212,7 @@ impl Console {
     }
 
     /// The lines below the picture, the most important last.
-    pub(crate) fn lines(&self, snapshot: &Snapshot) -> Vec<Line> {
+    pub(crate) fn lines(&self, snapshot: &Snapshot) -> Vec<TextLine> {
         match &self.mode {
             Mode::Watch => self.watching(snapshot),
             Mode::Help => help::lines(self.may_leave),
@@ -222,19 +222,24 @@ impl Console {
         }
     }
 
-    fn watching(&self, snapshot: &Snapshot) -> Vec<Line> {
+    fn watching(&self, snapshot: &Snapshot) -> Vec<TextLine> {
         let mut lines = Vec::new();
         if let Some(problem) = &snapshot.journal_problem {
-            lines.push(Line::of(Style::Bad, format!("the journal cannot be written: {problem}")));
+            lines.push(TextLine::of(
+                Style::Bad,
+                format!("the journal cannot be written: {problem}"),
+            ));
         }
         for question in &snapshot.questions {
-            lines.push(Line::of(Style::Warning, "? ").and(Style::Strong, question.message.clone()));
+            lines.push(
+                TextLine::of(Style::Warning, "? ").and(Style::Strong, question.message.clone()),
+            );
         }
         lines.push(self.hint(snapshot));
         lines
     }
 
-    fn hint(&self, snapshot: &Snapshot) -> Line {
+    fn hint(&self, snapshot: &Snapshot) -> TextLine {
         let mut keys: Vec<&str> = Vec::new();
         if !snapshot.questions.is_empty() {
             keys.push("a answer");
@@ -253,6 +258,6 @@ impl Console {
         if self.may_leave {
             keys.push("q leave");
         }
-        Line::of(Style::Dim, keys.join("   "))
+        TextLine::of(Style::Dim, keys.join("   "))
     }
 }

@@ -1,7 +1,7 @@
 //! A line that the user writes, and what it is for.
 
 use super::{Key, Wish};
-use crate::view::{Line, Style, harmless};
+use crate::view::{Style, TextLine, harmless};
 use rafcon_protocol::{Breakpoint, Command, Scope, Unattended, When};
 
 /// What a line is for.
@@ -27,7 +27,7 @@ pub(super) struct Prompt {
 
 /// What a key came to.
 #[derive(Debug)]
-pub(super) enum Step {
+pub(super) enum PromptStep {
     More,
     Given(Wish),
     Left,
@@ -38,19 +38,19 @@ impl Prompt {
         Self { purpose, text, complaint: None }
     }
 
-    pub(super) fn key(&mut self, key: Key) -> Step {
+    pub(super) fn key(&mut self, key: Key) -> PromptStep {
         self.complaint = None;
         match key {
-            Key::Escape => return Step::Left,
+            Key::Escape => return PromptStep::Left,
             Key::Enter => match self.command() {
-                Ok(command) => return Step::Given(Wish::Send(command)),
+                Ok(command) => return PromptStep::Given(Wish::Send(command)),
                 Err(complaint) => self.complaint = Some(complaint),
             },
             Key::Backspace => drop(self.text.pop()),
             Key::Char(c) => self.text.push(c),
             Key::Up | Key::Down => {}
         }
-        Step::More
+        PromptStep::More
     }
 
     fn command(&self) -> Result<Command, String> {
@@ -68,15 +68,15 @@ impl Prompt {
         }
     }
 
-    pub(super) fn lines(&self) -> Vec<Line> {
-        let complaint = self.complaint.iter().map(|text| Line::of(Style::Bad, text.clone()));
+    pub(super) fn lines(&self) -> Vec<TextLine> {
+        let complaint = self.complaint.iter().map(|text| TextLine::of(Style::Bad, text.clone()));
         let question = match &self.purpose {
             Purpose::Break { .. } => "break at (STATE [after] [if CONDITION]): ".to_owned(),
             Purpose::Unbreak => "remove breakpoint: ".to_owned(),
             Purpose::RunTo => "run to: ".to_owned(),
             Purpose::Force { path } => format!("outcome of {}: ", harmless(path)),
         };
-        let line = Line::of(Style::Strong, question).and(Style::Plain, harmless(&self.text));
+        let line = TextLine::of(Style::Strong, question).and(Style::Plain, harmless(&self.text));
         complaint.chain([line.and(Style::Dim, "_   Enter takes it, Escape leaves")]).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! A run as plain lines: for pipes, files and terminals that can do nothing else.
 
-use super::text::{Line, Paint, Style, counted, harmless};
+use super::text::{Paint, Style, TextLine, counted, harmless};
 use super::{Names, View, notable, summary};
 use crate::supervisor::End;
 use rafcon_protocol::{Event, LogLevel, Snapshot};
@@ -108,15 +108,15 @@ impl<W: Write> View for Lines<W> {
 }
 
 /// A log line for a terminal: time and state faint, the text in the colour of its level.
-pub(crate) fn log_lines(time: Duration, name: &str, log: LogLevel, message: &str) -> Vec<Line> {
+pub(crate) fn log_lines(time: Duration, name: &str, log: LogLevel, message: &str) -> Vec<TextLine> {
     let style = match log {
         LogLevel::Verbose | LogLevel::Debug => Style::Dim,
         LogLevel::Info => Style::Plain,
         LogLevel::Warning => Style::Warning,
         LogLevel::Error => Style::Bad,
     };
-    let head = Line::of(Style::Dim, format!("{:8.3}  ", time.as_secs_f64()));
-    let below = Line::of(Style::Plain, " ".repeat(head.width()));
+    let head = TextLine::of(Style::Dim, format!("{:8.3}  ", time.as_secs_f64()));
+    let below = TextLine::of(Style::Plain, " ".repeat(head.width()));
     let gap = if name.is_empty() { "" } else { "  " };
     let head = head.and(Style::Strong, format!("{}{gap}", harmless(name)));
     let heads = std::iter::once(head).chain(std::iter::repeat(below));

@@ -16,7 +16,7 @@ pub(crate) use lines::{Lines, log_lines};
 pub(crate) use live::Live;
 pub(crate) use names::{Names, names_of};
 pub(crate) use summary::style as outcome_style;
-pub(crate) use text::{Line, Paint, Style, counted, harmless, time};
+pub(crate) use text::{Paint, Style, TextLine, counted, harmless, time};
 pub(crate) use value::shown;
 
 use crate::console::{Key, Wish};

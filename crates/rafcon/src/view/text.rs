@@ -44,11 +44,11 @@ pub(crate) struct Paint {
 
 /// One line.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Line {
+pub(crate) struct TextLine {
     pieces: Vec<(Style, String)>,
 }
 
-impl Line {
+impl TextLine {
     /// A line with one piece.
     pub(crate) fn of(style: Style, text: impl Into<String>) -> Self {
         Self::default().and(style, text)
@@ -179,13 +179,13 @@ fn grouped(number: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Line, Paint, Style, counted, harmless, time};
+    use super::{Paint, Style, TextLine, counted, harmless, time};
     use proptest::prelude::*;
     use std::time::Duration;
 
     const PLAIN: Paint = Paint { colour: false, unicode: true };
 
-    fn check(line: Line, width: usize, expected: &str) {
+    fn check(line: TextLine, width: usize, expected: &str) {
         let line = line.cut(width);
         assert!(line.width() <= width);
         assert_eq!(line.render(PLAIN), expected);
@@ -193,20 +193,20 @@ mod tests {
 
     #[test]
     fn a_line_is_cut_by_columns_and_not_by_bytes() {
-        check(Line::of(Style::Plain, "prüfen"), 6, "prüfen");
-        check(Line::of(Style::Plain, "prüfen"), 5, "prüf…");
-        check(Line::of(Style::Plain, "日本語"), 5, "日本…");
-        check(Line::of(Style::Plain, "日本語"), 4, "日…");
-        check(Line::of(Style::Dim, "ab").and(Style::Plain, "cdef"), 4, "abc…");
-        check(Line::of(Style::Plain, "ab"), 0, "");
+        check(TextLine::of(Style::Plain, "prüfen"), 6, "prüfen");
+        check(TextLine::of(Style::Plain, "prüfen"), 5, "prüf…");
+        check(TextLine::of(Style::Plain, "日本語"), 5, "日本…");
+        check(TextLine::of(Style::Plain, "日本語"), 4, "日…");
+        check(TextLine::of(Style::Dim, "ab").and(Style::Plain, "cdef"), 4, "abc…");
+        check(TextLine::of(Style::Plain, "ab"), 0, "");
     }
 
     proptest! {
         #[test]
         fn no_line_is_wider_than_its_place(parts: Vec<String>, width in 0_usize..50) {
-            let line = parts.iter().fold(Line::default(), |line, text| line.and(Style::Plain, harmless(text)));
+            let line = parts.iter().fold(TextLine::default(), |line, text| line.and(Style::Plain, harmless(text)));
             prop_assert!(line.clone().cut(width).width() <= width);
-            let right = Line::of(Style::Dim, "12.3 s");
+            let right = TextLine::of(Style::Dim, "12.3 s");
             prop_assert!(line.with_right(right, width).width() <= width);
         }
 
@@ -218,14 +218,14 @@ mod tests {
 
     #[test]
     fn the_right_part_stays_when_there_is_no_room() {
-        let line =
-            Line::of(Style::Plain, "a long name").with_right(Line::of(Style::Dim, "1 s"), 10);
+        let line = TextLine::of(Style::Plain, "a long name")
+            .with_right(TextLine::of(Style::Dim, "1 s"), 10);
         assert_eq!(line.render(PLAIN), "a lon… 1 s");
     }
 
     #[test]
     fn colour_is_only_where_it_is_wanted() {
-        let line = Line::of(Style::Bad, "no").and(Style::Plain, " way");
+        let line = TextLine::of(Style::Bad, "no").and(Style::Plain, " way");
         let paint = Paint { colour: true, unicode: true };
         assert_eq!(line.render(paint), "\x1b[31mno\x1b[0m way");
         assert_eq!(line.render(PLAIN), "no way");

@@ -4,7 +4,7 @@ use crate::active::Active;
 use crate::archive::Archive;
 use crate::blocks::Chunk;
 use crate::document::Document;
-use crate::driver::End;
+use crate::driver::RunEnd;
 use crate::recorder::Recorder;
 use crate::signals::PREEMPTED;
 use crate::words::Wording;
@@ -180,7 +180,7 @@ impl Run {
 
     /// Waits for the end.
     pub(super) fn end(self) -> Report {
-        let Some(End::Finished(finish)) = self.driver.wait() else { panic!("cut off") };
+        let Some(RunEnd::Finished(finish)) = self.driver.wait() else { panic!("cut off") };
         let threads = self.driver.with_core(|core| core.threads()).unwrap();
         self.driver.close();
         let mut report = Report { finish, steps: Vec::new(), threads };

@@ -1,7 +1,7 @@
 //! An engine that cannot be reached, and one that has failed: both are found, and neither keeps a run from its end.
 
 use super::players::Run;
-use crate::driver::End;
+use crate::driver::RunEnd;
 use crate::pulse::UNREACHED;
 use rafcon_engine::{Input, Refusal, Start, Status};
 use rafcon_protocol::{Breakpoint, Command, Envelope, Scope, Unattended, When};
@@ -86,7 +86,7 @@ fn an_engine_that_has_failed_takes_nothing_more_and_the_run_ends() {
                    execution A \"go\"\n    outcome ok\n    in x: object = \"$panic\"\n";
     let run = Run::new(machine, 1, 0);
     assert_eq!(run.driver.command(Input::Start(Start::default())), Err(Refusal::Broken));
-    assert!(matches!(run.driver.wait(), Some(End::Broken)));
+    assert!(matches!(run.driver.wait(), Some(RunEnd::Broken)));
     assert_eq!(run.driver.command(Input::Pause), Err(Refusal::Broken));
     run.wait_for(|text| text.contains("the engine failed"));
 }

@@ -1,11 +1,11 @@
 //! The door: every request passes it. Host, origin, who asks, and whether they may. Knows headers and rights; must never know
 //! what a route does.
 
-use super::people::Claim;
+use super::people::CredentialClaim;
 use super::rights::{self, ROUTES};
 use super::who::{Who, nobody};
-use crate::listen::{Peer, Place};
-use crate::{Failure, House};
+use crate::listen::{ConnectionSlot, Peer};
+use crate::{Failure, ServerState};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{self, HeaderMap};
 use axum::http::{Method, StatusCode, Uri};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const WITH_LINK: [&str; 2] = ["/", "/api/v1/socket"];
 
 /// What a request is about, as far as the door is concerned.
-struct Asked {
+struct RequestTarget {
     method: Method,
     path: String,
     right: Right,
@@ -26,14 +26,14 @@ struct Asked {
 
 /// Lets a request in, or answers why not.
 pub(crate) async fn door(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     mut request: Request,
     next: Next,
 ) -> Response {
-    match admit(&house, &request) {
+    match admit(&server, &request) {
         Ok(Some(who)) => {
-            house.heard(&who.user);
-            if let Some(place) = request.extensions().get::<Arc<Place>>() {
+            server.heard(&who.user);
+            if let Some(place) = request.extensions().get::<Arc<ConnectionSlot>>() {
                 place.log_in(&who.user);
             }
             request.extensions_mut().insert(who);
@@ -45,36 +45,41 @@ pub(crate) async fn door(
 }
 
 /// Who asks, if it matters; or why the request is refused.
-fn admit(house: &House, request: &Request) -> Result<Option<Who>, Failure> {
+fn admit(server: &ServerState, request: &Request) -> Result<Option<Who>, Failure> {
     let host = host(request)?.unwrap_or_default();
-    if !house.names().answers_to(host) {
+    if !server.names().answers_to(host) {
         return Err(elsewhere(host));
     }
     let Some(asked) = asked(request)? else { return Ok(None) };
-    let claim = claim(house, request, &asked);
-    is_own_page(house, request, host, claim.as_ref())?;
-    let who = claim.as_ref().map(|claim| house.people().known(claim, is_near(request)));
+    let claim = claim(server, request, &asked);
+    check_origin(server, request, host, claim.as_ref())?;
+    let who = claim.as_ref().map(|claim| server.people().known(claim, is_near(request)));
     match (who, asked.right) {
         (Some(None) | None, Right::Anyone) => Ok(None),
         (Some(Some(who)), Right::Anyone) => Ok(Some(who)),
-        (Some(Some(who)), right) => may(house, who, right, &asked).map(Some),
+        (Some(Some(who)), right) => may(server, who, right, &asked).map(Some),
         (Some(None), _) => Err(unknown()),
         (None, _) => Err(nobody()),
     }
 }
 
 /// Somebody who may; who may not is noted.
-fn may(house: &House, who: Who, right: Right, asked: &Asked) -> Result<Who, Failure> {
+fn may(
+    server: &ServerState,
+    who: Who,
+    right: Right,
+    asked: &RequestTarget,
+) -> Result<Who, Failure> {
     let may = who.must(right);
     if may.is_err() {
         let about = format!("{} {}", asked.method, asked.path);
-        house.audit().note_often(&who.user, &who.user, "refused", &about);
+        server.audit().note_often(&who.user, &who.user, "refused", &about);
     }
     may.map(|()| who)
 }
 
 /// The route of a request and its right; nothing where there is no route.
-fn asked(request: &Request) -> Result<Option<Asked>, Failure> {
+fn asked(request: &Request) -> Result<Option<RequestTarget>, Failure> {
     let Some(path) = request.extensions().get::<MatchedPath>() else { return Ok(None) };
     let path = path.as_str();
     let method = match *request.method() {
@@ -82,7 +87,7 @@ fn asked(request: &Request) -> Result<Option<Asked>, Failure> {
         ref other => other.clone(),
     };
     match rights::of_route(&method, path) {
-        Some(right) => Ok(Some(Asked { method, path: path.to_owned(), right })),
+        Some(right) => Ok(Some(RequestTarget { method, path: path.to_owned(), right })),
         None => Err(no_row(&method, path)),
     }
 }
@@ -119,10 +124,14 @@ fn elsewhere(host: &str) -> Failure {
 }
 
 /// What the client shows: a token in a header, in the address where that is possible, or a cookie.
-fn claim(house: &House, request: &Request, asked: &Asked) -> Option<Claim> {
+fn claim(
+    server: &ServerState,
+    request: &Request,
+    asked: &RequestTarget,
+) -> Option<CredentialClaim> {
     let link = WITH_LINK.contains(&asked.path.as_str()).then(|| in_link(request.uri())).flatten();
-    let token = bearer(request.headers()).or(link).map(Claim::Token);
-    token.or_else(|| cookie(request.headers(), &house.cookie()).map(Claim::Cookie))
+    let token = bearer(request.headers()).or(link).map(CredentialClaim::Token);
+    token.or_else(|| cookie(request.headers(), &server.cookie()).map(CredentialClaim::Cookie))
 }
 
 fn bearer(headers: &HeaderMap) -> Option<String> {
@@ -145,11 +154,11 @@ pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> Option<String> {
 }
 
 /// Refuses what pages of others make a browser send: requests that change something, and to open a WebSocket.
-fn is_own_page(
-    house: &House,
+fn check_origin(
+    server: &ServerState,
     request: &Request,
     host: &str,
-    claim: Option<&Claim>,
+    claim: Option<&CredentialClaim>,
 ) -> Result<(), Failure> {
     let headers = request.headers();
     let is_read = matches!(*request.method(), Method::GET | Method::HEAD);
@@ -158,8 +167,8 @@ fn is_own_page(
     }
     let origin = headers.get(header::ORIGIN).map(|origin| origin.to_str().unwrap_or_default());
     match origin {
-        Some(origin) if house.names().is_own(origin, host) => Ok(()),
-        None if !matches!(claim, Some(Claim::Cookie(_))) => Ok(()),
+        Some(origin) if server.names().is_own(origin, host) => Ok(()),
+        None if !matches!(claim, Some(CredentialClaim::Cookie(_))) => Ok(()),
         Some(_) | None => Err(strange_page()),
     }
 }

@@ -3,7 +3,7 @@
 
 use super::door::door;
 use crate::extract::BODY_MAX;
-use crate::{Failure, House, log};
+use crate::{Failure, ServerState, log};
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::StatusCode;
@@ -31,23 +31,30 @@ const HEADERS: [(HeaderName, HeaderValue); 4] = [
 ];
 
 /// The router behind the door.
-pub(crate) fn guarded(router: Router<Arc<House>>, house: &Arc<House>) -> Router<Arc<House>> {
-    let patience = house.settings().listen.body_patience;
+pub(crate) fn guarded(
+    router: Router<Arc<ServerState>>,
+    server: &Arc<ServerState>,
+) -> Router<Arc<ServerState>> {
+    let patience = server.settings().listen.body_patience;
     router
-        .layer(middleware::from_fn_with_state(Arc::clone(house), door))
+        .layer(middleware::from_fn_with_state(Arc::clone(server), door))
         .layer(DefaultBodyLimit::max(BODY_MAX))
         .layer(RequestBodyTimeoutLayer::new(patience))
         .layer(CompressionLayer::new().quality(CompressionLevel::Fastest))
         .layer(CatchPanicLayer::custom(|panic: Box<dyn Any + Send>| broken(&*panic)))
-        .layer(middleware::from_fn_with_state(Arc::clone(house), with_headers))
+        .layer(middleware::from_fn_with_state(Arc::clone(server), with_headers))
 }
 
 /// For 30 days a browser that trusts the server's certificate asks by TLS only.
 const ONLY_TLS: HeaderValue = HeaderValue::from_static("max-age=2592000");
 
-async fn with_headers(State(house): State<Arc<House>>, request: Request, next: Next) -> Response {
+async fn with_headers(
+    State(server): State<Arc<ServerState>>,
+    request: Request,
+    next: Next,
+) -> Response {
     let mut response = next.run(request).await;
-    if house.names().is_secure {
+    if server.names().is_secure {
         response.headers_mut().insert(header::STRICT_TRANSPORT_SECURITY, ONLY_TLS);
     }
     for (name, value) in HEADERS {

@@ -2,13 +2,13 @@
 //! who asks nothing. Knows the roster's file; must never know what stands in it.
 
 use super::register::FILE;
-use crate::{House, log};
+use crate::{ServerState, log};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher as _};
 use std::sync::{Arc, Weak};
 
 /// Looks at the roster's file until dropped. Without it a change counts from the next request on.
-pub(crate) fn notice(house: &Arc<House>) -> Option<RecommendedWatcher> {
-    let watched = watch(house);
+pub(crate) fn notice(server: &Arc<ServerState>) -> Option<RecommendedWatcher> {
+    let watched = watch(server);
     if let Err(error) = &watched {
         log::say(&format!(
             "changes of users by `rafcon user` are seen with the next request only: {error}"
@@ -17,18 +17,18 @@ pub(crate) fn notice(house: &Arc<House>) -> Option<RecommendedWatcher> {
     watched.ok()
 }
 
-fn watch(house: &Arc<House>) -> notify::Result<RecommendedWatcher> {
-    let weak = Arc::downgrade(house);
+fn watch(server: &Arc<ServerState>) -> notify::Result<RecommendedWatcher> {
+    let weak = Arc::downgrade(server);
     let mut watcher = notify::recommended_watcher(move |event| seen(&weak, event))?;
-    watcher.watch(&house.settings().state, RecursiveMode::NonRecursive)?;
+    watcher.watch(&server.settings().state, RecursiveMode::NonRecursive)?;
     Ok(watcher)
 }
 
-fn seen(house: &Weak<House>, event: notify::Result<Event>) {
+fn seen(server: &Weak<ServerState>, event: notify::Result<Event>) {
     let is_ours = event.is_ok_and(|event| {
         !event.kind.is_access() && event.paths.iter().any(|path| path.ends_with(FILE))
     });
-    if let Some(house) = house.upgrade().filter(|_house| is_ours) {
-        house.people().look();
+    if let Some(server) = server.upgrade().filter(|_house| is_ours) {
+        server.people().look();
     }
 }

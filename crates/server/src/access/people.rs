@@ -31,7 +31,7 @@ const FAMILIAR_MAX: usize = 1;
 
 /// What somebody shows to be let in.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Claim {
+pub(crate) enum CredentialClaim {
     /// A token: the owner's or a program's.
     Token(String),
     /// The cookie of a login.
@@ -82,11 +82,11 @@ impl People {
     }
 
     /// Who shows this. What is the owner's counts on this computer only.
-    pub(crate) fn known(&self, claim: &Claim, is_near: bool) -> Option<Who> {
+    pub(crate) fn known(&self, claim: &CredentialClaim, is_near: bool) -> Option<Who> {
         let now_ms = since_1970_ms();
         let roster = self.users.roster();
         let who = match claim {
-            Claim::Token(text) => {
+            CredentialClaim::Token(text) => {
                 let digest = Digest::of(text);
                 if digest == self.owner.digest() {
                     return is_near.then(owner);
@@ -94,7 +94,7 @@ impl People {
                 let (id, token) = roster.token_of(digest)?;
                 of_token(&roster, id, token, now_ms)
             }
-            Claim::Cookie(text) => {
+            CredentialClaim::Cookie(text) => {
                 let (digest, login) = self.sessions.used(text, now_ms)?;
                 of_login(&roster, &digest, &login)
             }
@@ -141,7 +141,7 @@ impl People {
         }
         let kept = self.users.roster().user(user).map(|entry| entry.password.clone());
         let gate = if tried.is_familiar { &self.familiar_ones } else { &self.strangers };
-        let is_right = self.is_right(user.to_owned(), password.to_owned(), kept);
+        let is_right = self.compare(user.to_owned(), password.to_owned(), kept);
         if !gate.work(is_right).await? {
             return Err(wrong());
         }
@@ -155,7 +155,7 @@ impl People {
     }
 
     /// The work of comparing; what was hashed at another cost is hashed again.
-    fn is_right(
+    fn compare(
         &self,
         user: String,
         password: String,

@@ -123,7 +123,7 @@ impl Roster {
 
     pub(super) fn set_role(&mut self, name: &str, role: Role) -> Result<(), RosterError> {
         if role != Role::Admin {
-            self.is_not_last(name)?;
+            self.check_not_last(name)?;
         }
         self.entry(name)?.role = role;
         Ok(())
@@ -152,7 +152,7 @@ impl Roster {
 
     /// The user goes, and all tokens.
     pub(super) fn remove(&mut self, name: &str) -> Result<(), RosterError> {
-        self.is_not_last(name)?;
+        self.check_not_last(name)?;
         self.users.remove(name).ok_or_else(|| RosterError::NoUser(name.to_owned()))?;
         self.tokens.retain(|_, token| token.user != name);
         Ok(())
@@ -184,7 +184,7 @@ impl Roster {
         self.users.get_mut(name).ok_or_else(|| RosterError::NoUser(name.to_owned()))
     }
 
-    fn is_not_last(&self, name: &str) -> Result<(), RosterError> {
+    fn check_not_last(&self, name: &str) -> Result<(), RosterError> {
         let is_admin = |entry: &Entry| entry.role == Role::Admin;
         let others = self.users.iter().any(|(other, entry)| other != name && is_admin(entry));
         if !others && self.users.get(name).is_some_and(is_admin) {

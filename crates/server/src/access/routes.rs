@@ -6,7 +6,7 @@ use super::who::{Credential, Who};
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Small};
 use crate::listen::Peer;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -20,7 +20,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// The routes of this part.
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .routes(routes!(log_in, session, log_out))
         .routes(routes!(change_password))
@@ -41,22 +41,22 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
     (status = 429, description = "Too many tries: wait as long as `Retry-After` says", body = Refusal),
 ))]
 async fn log_in(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     peer: Peer,
     Small(login): Small<Login>,
 ) -> Result<([(HeaderName, String); 1], Json<Session>), Failure> {
     let from = peer.ip;
-    let checked = house.people().check(&login.user, &login.password, from).await;
+    let checked = server.people().check(&login.user, &login.password, from).await;
     if let Err(failure) = checked {
         if failure.status() == StatusCode::UNAUTHORIZED {
             let (of, about) = (network(from).to_string(), format!("from {from}"));
-            house.audit().note_often(&of, &login.user, "wrong_login", &about);
+            server.audit().note_often(&of, &login.user, "wrong_login", &about);
         }
         return Err(failure);
     }
-    let (secret, who) = house.people().begin(&login.user)?;
-    house.audit().note_often(&who.user, &who.user, "login", &format!("from {from}"));
-    Ok(([(header::SET_COOKIE, house.set_cookie(secret.text()))], Json(about(who))))
+    let (secret, who) = server.people().begin(&login.user)?;
+    server.audit().note_often(&who.user, &who.user, "login", &format!("from {from}"));
+    Ok(([(header::SET_COOKIE, server.set_cookie(secret.text()))], Json(about(who))))
 }
 
 /// Who is logged in.
@@ -72,9 +72,9 @@ async fn session(who: Who) -> Json<Session> {
     (status = 204, description = "Logged out"),
     (status = 409, description = "Who asks is let in by a token", body = Refusal),
 ))]
-async fn log_out(State(house): State<Arc<House>>, who: Who) -> Result<StatusCode, Failure> {
-    house.people().end(&who)?;
-    house.audit().note_often(&who.user, &who.user, "logout", "");
+async fn log_out(State(server): State<Arc<ServerState>>, who: Who) -> Result<StatusCode, Failure> {
+    server.people().end(&who)?;
+    server.audit().note_often(&who.user, &who.user, "logout", "");
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -90,7 +90,7 @@ async fn log_out(State(house): State<Arc<House>>, who: Who) -> Result<StatusCode
     (status = 429, description = "Too many tries: wait as long as `Retry-After` says", body = Refusal),
 ))]
 async fn change_password(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     peer: Peer,
     who: Who,
     Small(change): Small<ChangePassword>,
@@ -99,11 +99,11 @@ async fn change_password(
         let message = "only who has logged in with a password can change it: log in first";
         return Err(Failure::conflict("not_a_login", message));
     }
-    house.people().check(&who.user, &change.password, peer.ip).await?;
-    let (users, user) = (Arc::clone(house.people().users()), who.user.clone());
+    server.people().check(&who.user, &change.password, peer.ip).await?;
+    let (users, user) = (Arc::clone(server.people().users()), who.user.clone());
     blocking(move || Ok(users.change(&user, None, Some(&change.new_password))?)).await?;
-    house.people().renew(&who)?;
-    house.audit().note(&who.user, "password", "own");
+    server.people().renew(&who)?;
+    server.audit().note(&who.user, "password", "own");
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -111,8 +111,8 @@ async fn change_password(
 #[utoipa::path(get, path = "/api/v1/tokens", tag = "people", responses(
     (status = 200, description = "Without their secrets", body = [TokenAbout]),
 ))]
-async fn tokens(State(house): State<Arc<House>>, who: Who) -> Json<Vec<TokenAbout>> {
-    Json(house.people().users().roster().tokens(of(&who)))
+async fn tokens(State(server): State<Arc<ServerState>>, who: Who) -> Json<Vec<TokenAbout>> {
+    Json(server.people().users().roster().tokens(of(&who)))
 }
 
 /// Makes a token for a program.
@@ -126,7 +126,7 @@ async fn tokens(State(house): State<Arc<House>>, who: Who) -> Json<Vec<TokenAbou
     (status = 413, description = "The body is too large", body = Refusal),
 ))]
 async fn make_token(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Body(wanted): Body<NewToken>,
 ) -> Result<(StatusCode, Json<TokenMade>), Failure> {
@@ -134,9 +134,9 @@ async fn make_token(
         let message = "a token cannot make tokens: log in first";
         return Err(Failure::conflict("not_a_login", message));
     }
-    let (users, user, role) = (Arc::clone(house.people().users()), who.user.clone(), who.role);
+    let (users, user, role) = (Arc::clone(server.people().users()), who.user.clone(), who.role);
     let made = blocking(move || Ok(users.make_token(&user, role, &wanted)?)).await?;
-    house.audit().note(&who.user, "token_made", &made.id);
+    server.audit().note(&who.user, "token_made", &made.id);
     Ok((StatusCode::CREATED, Json(made)))
 }
 
@@ -149,13 +149,13 @@ async fn make_token(
     )
 )]
 async fn delete_token(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(id): Path<String>,
 ) -> Result<StatusCode, Failure> {
-    let (users, asker, token) = (Arc::clone(house.people().users()), who.clone(), id.clone());
+    let (users, asker, token) = (Arc::clone(server.people().users()), who.clone(), id.clone());
     blocking(move || Ok(users.remove_token(&token, of(&asker))?)).await?;
-    house.audit().note(&who.user, "token_deleted", &id);
+    server.audit().note(&who.user, "token_deleted", &id);
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -163,8 +163,8 @@ async fn delete_token(
 #[utoipa::path(get, path = "/api/v1/users", tag = "people", responses(
     (status = 200, description = "By name", body = [User]),
 ))]
-async fn users(State(house): State<Arc<House>>) -> Json<Vec<User>> {
-    Json(house.people().users().roster().users())
+async fn users(State(server): State<Arc<ServerState>>) -> Json<Vec<User>> {
+    Json(server.people().users().roster().users())
 }
 
 /// Adds a user.
@@ -175,14 +175,14 @@ async fn users(State(house): State<Arc<House>>) -> Json<Vec<User>> {
     (status = 413, description = "The body is too large", body = Refusal),
 ))]
 async fn add_user(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Body(new): Body<NewUser>,
 ) -> Result<(StatusCode, Json<User>), Failure> {
-    let users = Arc::clone(house.people().users());
+    let users = Arc::clone(server.people().users());
     let user = User { name: new.name.clone(), role: new.role };
     blocking(move || Ok(users.add(&new.name, new.role, &new.password)?)).await?;
-    house.audit().note(&who.user, "user_added", &format!("{}: {:?}", user.name, user.role));
+    server.audit().note(&who.user, "user_added", &format!("{}: {:?}", user.name, user.role));
     Ok((StatusCode::CREATED, Json(user)))
 }
 
@@ -200,16 +200,16 @@ async fn add_user(
     )
 )]
 async fn change_user(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(user): Path<String>,
     Body(change): Body<ChangeUser>,
 ) -> Result<StatusCode, Failure> {
     let about = changed(&user, &change);
-    let users = Arc::clone(house.people().users());
+    let users = Arc::clone(server.people().users());
     let change = move || Ok(users.change(&user, change.role, change.password.as_deref())?);
     blocking(change).await?;
-    house.audit().note(&who.user, "user_changed", &about);
+    server.audit().note(&who.user, "user_changed", &about);
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -223,13 +223,13 @@ async fn change_user(
     )
 )]
 async fn remove_user(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(user): Path<String>,
 ) -> Result<StatusCode, Failure> {
-    let (users, name) = (Arc::clone(house.people().users()), user.clone());
+    let (users, name) = (Arc::clone(server.people().users()), user.clone());
     blocking(move || Ok(users.remove(&name)?)).await?;
-    house.audit().note(&who.user, "user_removed", &user);
+    server.audit().note(&who.user, "user_removed", &user);
     Ok(StatusCode::NO_CONTENT)
 }
 

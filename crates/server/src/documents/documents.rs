@@ -3,13 +3,13 @@
 
 use super::disk;
 use super::draft::What;
-use super::machine::{Deed, Request};
+use super::machine::{Deed, EditRequest};
 use super::recover::{read_edit, recover};
-use super::room::{Room, Spot, Tools, closed};
 use super::save::unless_in_a_machine;
+use super::session::{MachineSession, Spot, Tools, closed};
 use super::steps::Along;
 use crate::gate::Gate;
-use crate::{Failure, House, Settings, request_id};
+use crate::{Failure, ServerState, Settings, request_id};
 use axum::http::StatusCode;
 use rafcon_locks::{Condvar, Mutex};
 use rafcon_model::{Fresh, Machine, StatePath};
@@ -46,7 +46,7 @@ pub(crate) struct Documents {
     pub(super) looks: Gate,
     /// Before git is asked, which may take long: who opens a machine does not wait for that.
     pub(super) versions: Gate,
-    rooms: Mutex<BTreeMap<String, Arc<Room>>>,
+    sessions: Mutex<BTreeMap<String, Arc<MachineSession>>>,
     /// Folders that somebody opens, closes or moves to.
     claimed: Mutex<BTreeSet<PathBuf>>,
     released: Condvar,
@@ -54,7 +54,7 @@ pub(crate) struct Documents {
 
 /// A folder that nobody else opens or closes meanwhile.
 #[derive(Debug)]
-pub(super) struct Claim<'d> {
+pub(super) struct FolderClaim<'d> {
     documents: &'d Documents,
     folder: PathBuf,
 }
@@ -84,7 +84,7 @@ impl Documents {
             saves: Gate::default(),
             looks: Gate::default(),
             versions: Gate::of(GITS),
-            rooms: Mutex::default(),
+            sessions: Mutex::default(),
             claimed: Mutex::default(),
             released: Condvar::new(),
         }
@@ -92,95 +92,96 @@ impl Documents {
 
     /// Every open machine in one line.
     pub(crate) fn summaries(&self) -> Vec<MachineSummary> {
-        self.rooms.lock().values().filter_map(|room| room.summary().ok()).collect()
+        self.sessions.lock().values().filter_map(|session| session.summary().ok()).collect()
     }
 
     /// Every open machine.
-    pub(super) fn all(&self) -> Vec<Arc<Room>> {
-        self.rooms.lock().values().cloned().collect()
+    pub(super) fn all(&self) -> Vec<Arc<MachineSession>> {
+        self.sessions.lock().values().cloned().collect()
     }
 
     /// The folders of open machines.
     pub(crate) fn folders(&self) -> Vec<PathBuf> {
-        self.rooms.lock().values().map(|room| room.folder()).collect()
+        self.sessions.lock().values().map(|session| session.folder()).collect()
     }
 
     /// The open machine of this name.
-    pub(crate) fn room(&self, id: &str) -> Result<Arc<Room>, Failure> {
-        self.rooms.lock().get(id).cloned().ok_or_else(|| closed(id))
+    pub(crate) fn session(&self, id: &str) -> Result<Arc<MachineSession>, Failure> {
+        self.sessions.lock().get(id).cloned().ok_or_else(|| closed(id))
     }
 
     /// An open machine as it is now.
     pub(crate) fn machine_of(&self, id: &str) -> Result<Machine, Failure> {
-        Ok(self.room(id)?.machine().1)
+        Ok(self.session(id)?.machine().1)
     }
 
-    pub(super) fn room_of(&self, folder: &Path) -> Option<Arc<Room>> {
-        self.rooms.lock().values().find(|room| room.folder() == folder).cloned()
+    pub(super) fn room_of(&self, folder: &Path) -> Option<Arc<MachineSession>> {
+        self.sessions.lock().values().find(|session| session.folder() == folder).cloned()
     }
 
     /// Waits until nobody else opens or closes the folder.
-    pub(super) fn claim(&self, folder: &Path) -> Claim<'_> {
+    pub(super) fn claim(&self, folder: &Path) -> FolderClaim<'_> {
         let mut claimed = self.claimed.lock();
         while !claimed.insert(folder.to_owned()) {
             self.released.wait(&mut claimed);
         }
-        Claim { documents: self, folder: folder.to_owned() }
+        FolderClaim { documents: self, folder: folder.to_owned() }
     }
 
     /// The same, unless somebody does.
-    fn try_claim(&self, folder: &Path) -> Option<Claim<'_>> {
+    fn try_claim(&self, folder: &Path) -> Option<FolderClaim<'_>> {
         let is_free = self.claimed.lock().insert(folder.to_owned());
-        is_free.then(|| Claim { documents: self, folder: folder.to_owned() })
+        is_free.then(|| FolderClaim { documents: self, folder: folder.to_owned() })
     }
 
-    pub(super) fn spot(&self, house: &House, file: &MachineFile) -> Result<Spot, Failure> {
-        let folder = house.projects.resolve(file)?;
+    pub(super) fn spot(&self, server: &ServerState, file: &MachineFile) -> Result<Spot, Failure> {
+        let folder = server.projects.resolve(file)?;
         let draft = self.drafts.join(name_of(&folder));
         Ok(Spot { folder, file: file.clone(), draft })
     }
 
-    pub(super) fn tools(&self, house: &House) -> Tools {
-        Tools { libraries: house.projects.libraries(), naming: self.naming }
+    pub(super) fn tools(&self, server: &ServerState) -> Tools {
+        Tools { libraries: server.projects.libraries(), naming: self.naming }
     }
 
     /// Opens the machine in a folder, once for all who want it, with what a server that died had taken. That is set aside, if it
     /// does not fit any more, only for one who may edit.
     pub(crate) fn open(
         &self,
-        house: &House,
+        server: &ServerState,
         file: &MachineFile,
         may_edit: bool,
     ) -> Result<MachineSummary, Failure> {
-        let spot = self.spot(house, file)?;
+        let spot = self.spot(server, file)?;
         let _claim = self.claim(&spot.folder);
-        if let Some(room) = self.room_of(&spot.folder) {
-            return room.summary();
+        if let Some(session) = self.room_of(&spot.folder) {
+            return session.summary();
         }
         self.make_room()?;
-        let libraries = house.projects.libraries();
+        let libraries = server.projects.libraries();
         let on_disk = disk::read(&spot.folder, &libraries)?.ok_or_else(|| not_there(file))?;
         let recovered = recover(&spot, &on_disk, first_revision(), &libraries, may_edit)?;
-        let mut rooms = self.rooms.lock();
-        let id = free_name(&name_of(&spot.folder), |id| rooms.contains_key(id));
-        let room = Arc::new(Room::new(id.clone(), spot, on_disk, recovered, since_1970_ms()));
-        rooms.insert(id, Arc::clone(&room));
-        drop(rooms);
-        house.news.machines();
-        room.summary()
+        let mut sessions = self.sessions.lock();
+        let id = free_name(&name_of(&spot.folder), |id| sessions.contains_key(id));
+        let session =
+            Arc::new(MachineSession::new(id.clone(), spot, on_disk, recovered, since_1970_ms()));
+        sessions.insert(id, Arc::clone(&session));
+        drop(sessions);
+        server.news.machines();
+        session.summary()
     }
 
     /// If need be, closes the machine that has been open for the longest of those that nobody follows and that lie on disk.
     fn make_room(&self) -> Result<(), Failure> {
-        let mut rooms: Vec<_> = self.rooms.lock().values().cloned().collect();
-        if rooms.len() < OPEN_MAX {
+        let mut sessions: Vec<_> = self.sessions.lock().values().cloned().collect();
+        if sessions.len() < OPEN_MAX {
             return Ok(());
         }
-        rooms.sort_by_key(|room| room.opened());
-        for room in rooms {
-            let claim = self.try_claim(&room.folder());
-            if claim.is_some() && room.retire() {
-                self.rooms.lock().remove(room.id());
+        sessions.sort_by_key(|session| session.opened());
+        for session in sessions {
+            let claim = self.try_claim(&session.folder());
+            if claim.is_some() && session.retire() {
+                self.sessions.lock().remove(session.id());
                 return Ok(());
             }
         }
@@ -191,11 +192,15 @@ impl Documents {
     }
 
     /// Makes a machine in a folder that does not exist, and opens it.
-    pub(crate) fn make(&self, house: &House, new: &NewMachine) -> Result<MachineSummary, Failure> {
-        let spot = self.spot(house, &new.file)?;
+    pub(crate) fn make(
+        &self,
+        server: &ServerState,
+        new: &NewMachine,
+    ) -> Result<MachineSummary, Failure> {
+        let spot = self.spot(server, &new.file)?;
         {
             let _claim = self.claim(&spot.folder);
-            unless_in_a_machine(house, &spot)?;
+            unless_in_a_machine(server, &spot)?;
             if spot.folder.exists() {
                 let message = format!("{} exists: choose another folder", new.file.path);
                 return Err(Failure::conflict("folder_exists", message));
@@ -209,19 +214,19 @@ impl Documents {
             let machine = disk::empty(&new.name, id, &Date::since_1970(now / 1000).to_string());
             disk::write(&machine, &spot.folder, None, self.naming)?;
         }
-        house.news.files();
-        self.open(house, &new.file, true)
+        server.news.files();
+        self.open(server, &new.file, true)
     }
 
     /// Does what somebody wishes; the new revision.
     pub(crate) fn change(
         &self,
-        house: &House,
+        server: &ServerState,
         id: &str,
         author: &str,
         wish: Wish,
     ) -> Result<u64, Failure> {
-        let room = self.room(id)?;
+        let session = self.session(id)?;
         let (id, deed, what) = match wish {
             Wish::Undo(undo) => (undo.id, Deed::Along(Along::Back), What::Undo),
             Wish::Redo(redo) => (redo.id, Deed::Along(Along::Again), What::Redo),
@@ -231,58 +236,58 @@ impl Documents {
             Wish::Edit(wish) => {
                 let EditMachine { id, base: _, name, edit } = *wish;
                 check_name(&name)?;
-                let read = read_edit(&edit, &house.projects.libraries())?;
+                let read = read_edit(&edit, &server.projects.libraries())?;
                 let what = What::Edit { name: name.clone(), edit: Box::new(edit) };
                 (id, Deed::Edit(name, read), what)
             }
         };
         let request = request(author, id)?;
-        let revision = room.perform(request, deed, what, since_1970_ms())?;
-        house.news.machines();
+        let revision = session.perform(request, deed, what, since_1970_ms())?;
+        server.news.machines();
         Ok(revision)
     }
 
     /// Reads the files of an open machine again; the new revision.
     pub(crate) fn reload(
         &self,
-        house: &House,
+        server: &ServerState,
         id: &str,
         author: &str,
         id_of_request: String,
     ) -> Result<u64, Failure> {
         let request = request(author, id_of_request)?;
-        let revision = self.room(id)?.reload(request, &self.tools(house), since_1970_ms())?;
-        house.news.machines();
+        let revision = self.session(id)?.reload(request, &self.tools(server), since_1970_ms())?;
+        server.news.machines();
         Ok(revision)
     }
 
     /// Closes an open machine for everybody.
     pub(crate) fn close(
         &self,
-        house: &House,
+        server: &ServerState,
         id: &str,
         wish: &CloseMachine,
     ) -> Result<(), Failure> {
-        let room = self.room(id)?;
-        let _claim = self.claim(&room.folder());
-        room.close(wish.discard)?;
-        self.rooms.lock().remove(id);
-        house.news.machines();
+        let session = self.session(id)?;
+        let _claim = self.claim(&session.folder());
+        session.close(wish.discard)?;
+        self.sessions.lock().remove(id);
+        server.news.machines();
         Ok(())
     }
 
     /// Files in the folder of an open machine may have changed.
-    pub(crate) fn look(&self, house: &House, folder: &Path) {
-        let Some(room) = self.room_of(folder) else { return };
-        if let Err(failure) = room.look(&house.projects.libraries()) {
+    pub(crate) fn look(&self, server: &ServerState, folder: &Path) {
+        let Some(session) = self.room_of(folder) else { return };
+        if let Err(failure) = session.look(&server.projects.libraries()) {
             crate::log::say(&format!("{} cannot be looked at: {failure}", folder.display()));
         }
-        house.news.machines();
+        server.news.machines();
     }
 
     /// Copies states of an open machine, as they can be pasted.
     pub(crate) fn copy(&self, id: &str, wish: &CopyStates) -> Result<Selection, Failure> {
-        let (_, machine) = self.room(id)?.machine();
+        let (_, machine) = self.session(id)?.machine();
         let state = machine.state(&StatePath::parse(&wish.path));
         let state = state.filter(|state| state.container().is_some()).ok_or_else(|| {
             let message =
@@ -296,31 +301,36 @@ impl Documents {
     }
 
     /// Somebody looks at states of an open machine.
-    pub(crate) fn looks(&self, house: &House, id: &str, presence: Presence) -> Result<(), Failure> {
-        self.room(id)?.looks(presence);
-        house.news.machines();
+    pub(crate) fn looks(
+        &self,
+        server: &ServerState,
+        id: &str,
+        presence: Presence,
+    ) -> Result<(), Failure> {
+        self.session(id)?.looks(presence);
+        server.news.machines();
         Ok(())
     }
 
     /// A connection is gone, or looks elsewhere.
     pub(crate) fn leaves(&self, connection: u64) {
-        let rooms: Vec<_> = self.rooms.lock().values().cloned().collect();
-        for room in rooms {
-            room.leaves(connection);
+        let sessions: Vec<_> = self.sessions.lock().values().cloned().collect();
+        for session in sessions {
+            session.leaves(connection);
         }
     }
 }
 
-impl Drop for Claim<'_> {
+impl Drop for FolderClaim<'_> {
     fn drop(&mut self) {
         self.documents.claimed.lock().remove(&self.folder);
         self.documents.released.notify_all();
     }
 }
 
-fn request(author: &str, id: String) -> Result<Request, Failure> {
+fn request(author: &str, id: String) -> Result<EditRequest, Failure> {
     request_id::check(&id)?;
-    Ok(Request { author: author.to_owned(), id })
+    Ok(EditRequest { author: author.to_owned(), id })
 }
 
 fn check_name(name: &str) -> Result<(), Failure> {

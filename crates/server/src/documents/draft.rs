@@ -19,7 +19,7 @@ const FORMAT: u32 = 1;
 
 /// The first line of a draft.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Head {
+pub(super) struct DraftHeader {
     /// The form of the lines.
     format: u32,
     /// Where the machine lies.
@@ -30,12 +30,12 @@ pub(super) struct Head {
     pub(super) revision: u64,
     /// What was done before, the last of it last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) answered: Vec<Answered>,
+    pub(super) answered: Vec<RecordedAnswer>,
 }
 
 /// Something that was done and answered, of which no more is known.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Answered {
+pub(super) struct RecordedAnswer {
     pub(super) author: String,
     pub(super) id: String,
     /// The revision that it made.
@@ -45,7 +45,7 @@ pub(super) struct Answered {
 /// A later line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "line", rename_all = "snake_case")]
-pub(super) enum Line {
+pub(super) enum DraftLine {
     /// Something was done.
     Done(Box<Operation>),
     /// The machine lies on disk.
@@ -86,26 +86,26 @@ pub(super) enum What {
 #[derive(Debug)]
 pub(super) struct Draft {
     place: PathBuf,
-    head: Head,
+    head: DraftHeader,
     /// The file and its length.
     file: Option<(File, u64)>,
-    shelf: Shelf,
+    shelf: DraftFolder,
 }
 
 /// Where a document of a draft belongs for whoever writes it beside what goes on: nowhere, once the draft was given up.
 #[derive(Debug, Clone)]
-pub(super) struct Shelf(Arc<Mutex<Option<PathBuf>>>);
+pub(super) struct DraftFolder(Arc<Mutex<Option<PathBuf>>>);
 
 /// A draft that a server left behind.
 #[derive(Debug)]
-pub(super) struct Found {
-    pub(super) head: Head,
-    pub(super) lines: Vec<Line>,
+pub(super) struct FoundDraft {
+    pub(super) head: DraftHeader,
+    pub(super) lines: Vec<DraftLine>,
     /// How far they reach; what follows was never answered.
     length: u64,
 }
 
-impl Head {
+impl DraftHeader {
     pub(super) fn new(folder: &Path, base: &str, revision: u64) -> Self {
         let (folder, base) = (folder.to_owned(), base.to_owned());
         Self { format: FORMAT, folder, base, revision, answered: Vec::new() }
@@ -113,7 +113,7 @@ impl Head {
 }
 
 /// The draft that lies in `place`. One that cannot be read is not touched.
-pub(super) fn find(place: &Path) -> Result<Option<Found>, PrivateError> {
+pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
     let path = place.join(OPERATIONS);
     let Some(text) = private::read(&path)? else { return Ok(None) };
     let damaged = |error: serde_json::Error| PrivateError::new("read", &path, error.into());
@@ -123,39 +123,48 @@ pub(super) fn find(place: &Path) -> Result<Option<Found>, PrivateError> {
             length += line.len() as u64;
         });
     let Some(first) = whole.next() else { return Ok(None) };
-    let head: Head = serde_json::from_str(first).map_err(damaged)?;
+    let head: DraftHeader = serde_json::from_str(first).map_err(damaged)?;
     if head.format != FORMAT {
         let newer = io::Error::other("another version of this program wrote it: use that one");
         return Err(PrivateError::new("read", &path, newer));
     }
     let lines = whole.map(serde_json::from_str).collect::<Result<_, _>>().map_err(damaged)?;
-    Ok(Some(Found { head, lines, length }))
+    Ok(Some(FoundDraft { head, lines, length }))
 }
 
 impl Draft {
     /// A draft that has nothing to keep yet.
-    pub(super) fn new(place: PathBuf, head: Head) -> Self {
-        Self { shelf: Shelf::at(&place), place, head, file: None }
+    pub(super) fn new(place: PathBuf, head: DraftHeader) -> Self {
+        Self { shelf: DraftFolder::at(&place), place, head, file: None }
     }
 
     /// A draft in the place of one of which everything lies on disk, but what was answered is to stay known.
-    pub(super) fn anew(place: PathBuf, head: Head, document: &[u8]) -> Result<Self, PrivateError> {
+    pub(super) fn anew(
+        place: PathBuf,
+        head: DraftHeader,
+        document: &[u8],
+    ) -> Result<Self, PrivateError> {
         let path = place.join(OPERATIONS);
         let failed = |source| PrivateError::new("write", &path, source);
         keep(&place, &head.base, document)?;
         let text = as_line(&head).map_err(failed)?;
         private::write(&path, text.as_bytes())?;
         let file = private::open(&path)?;
-        Ok(Self { shelf: Shelf::at(&place), place, head, file: Some((file, text.len() as u64)) })
+        Ok(Self {
+            shelf: DraftFolder::at(&place),
+            place,
+            head,
+            file: Some((file, text.len() as u64)),
+        })
     }
 
     /// Goes on with what a server left behind.
-    pub(super) fn go_on(place: PathBuf, found: &Found) -> Result<Self, PrivateError> {
+    pub(super) fn go_on(place: PathBuf, found: &FoundDraft) -> Result<Self, PrivateError> {
         let path = place.join(OPERATIONS);
         let file = private::open(&path)?;
         let failed = |source| PrivateError::new("write", &path, source);
         file.set_len(found.length).map_err(failed)?;
-        let (shelf, head) = (Shelf::at(&place), found.head.clone());
+        let (shelf, head) = (DraftFolder::at(&place), found.head.clone());
         Ok(Self { place, head, file: Some((file, found.length)), shelf })
     }
 
@@ -175,12 +184,12 @@ impl Draft {
     }
 
     /// Where documents belong that are written later, wherever it lies then.
-    pub(super) fn shelf(&self) -> Shelf {
+    pub(super) fn shelf(&self) -> DraftFolder {
         self.shelf.clone()
     }
 
     /// Writes a line. If that fails, nothing of it stays.
-    pub(super) fn append(&mut self, line: &Line) -> Result<(), PrivateError> {
+    pub(super) fn append(&mut self, line: &DraftLine) -> Result<(), PrivateError> {
         let path = self.place.join(OPERATIONS);
         let failed = |source: io::Error| PrivateError::new("write", &path, source);
         let mut text = String::new();
@@ -229,7 +238,7 @@ impl Draft {
     }
 }
 
-impl Shelf {
+impl DraftFolder {
     fn at(place: &Path) -> Self {
         Self(Arc::new(Mutex::new(Some(place.to_owned()))))
     }
@@ -268,21 +277,23 @@ fn as_line<T: Serialize>(value: &T) -> io::Result<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Draft, Found, Head, Line, OPERATIONS, Operation, What, find, kept};
+    use super::{
+        Draft, DraftHeader, DraftLine, FoundDraft, OPERATIONS, Operation, What, find, kept,
+    };
     use std::fs;
     use std::io::Write as _;
     use std::path::Path;
 
     fn draft(place: &Path) -> Draft {
-        Draft::new(place.join("draft"), Head::new(Path::new("/m"), "abc", 5))
+        Draft::new(place.join("draft"), DraftHeader::new(Path::new("/m"), "abc", 5))
     }
 
-    fn undo(id: &str) -> Line {
+    fn undo(id: &str) -> DraftLine {
         let (author, id) = ("ann".to_owned(), id.to_owned());
-        Line::Done(Box::new(Operation { author, id, at_ms: 1, what: What::Undo }))
+        DraftLine::Done(Box::new(Operation { author, id, at_ms: 1, what: What::Undo }))
     }
 
-    fn found(place: &Path) -> Option<Found> {
+    fn found(place: &Path) -> Option<FoundDraft> {
         find(&place.join("draft")).expect("readable")
     }
 
@@ -292,7 +303,7 @@ mod tests {
         assert!(found(place.path()).is_none());
         let mut draft = draft(place.path());
         assert!(!draft.is_begun());
-        let saved = Line::Saved { revision: 6, hash: "def".into() };
+        let saved = DraftLine::Saved { revision: 6, hash: "def".into() };
         draft.append(&undo("1")).unwrap();
         draft.append(&saved).unwrap();
         let found = found(place.path()).unwrap();

@@ -11,7 +11,7 @@ const PAGE_BYTES: usize = 256 << 10;
 
 /// A revision as it is told.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Told {
+pub(crate) struct EncodedRevision {
     /// Its number.
     pub(crate) number: u64,
     /// A [`rafcon_protocol::api::Revision`] as JSON.
@@ -20,9 +20,9 @@ pub(crate) struct Told {
 
 /// What there is from a cursor on.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Page {
+pub(crate) enum RevisionsPage {
     /// These, without a gap; none if the reader has seen everything. There may be more behind them.
-    Revisions(Vec<Arc<Told>>),
+    Revisions(Vec<Arc<EncodedRevision>>),
     /// The first of them are gone, or never were: get the whole machine, which is at this revision now.
     Reset(u64),
 }
@@ -30,7 +30,7 @@ pub(crate) enum Page {
 /// Revisions, the last one last.
 #[derive(Debug)]
 pub(super) struct Log {
-    told: VecDeque<Arc<Told>>,
+    told: VecDeque<Arc<EncodedRevision>>,
     bytes: usize,
     /// The last one that there was, kept or not.
     last: u64,
@@ -43,7 +43,7 @@ impl Log {
     }
 
     /// Adds the next revision.
-    pub(super) fn push(&mut self, told: Arc<Told>) {
+    pub(super) fn push(&mut self, told: Arc<EncodedRevision>) {
         self.bytes += told.text.len();
         self.last = told.number;
         self.told.push_back(told);
@@ -54,39 +54,39 @@ impl Log {
     }
 
     /// What a reader has not seen whose next revision is `from`.
-    pub(super) fn since(&self, from: u64) -> Page {
+    pub(super) fn since(&self, from: u64) -> RevisionsPage {
         let first = self.told.front().map_or(self.last + 1, |told| told.number);
         if from < first || from > self.last + 1 {
-            return Page::Reset(self.last);
+            return RevisionsPage::Reset(self.last);
         }
-        let mut room = PAGE_BYTES;
+        let mut session = PAGE_BYTES;
         let seen = usize::try_from(from - first).unwrap_or(usize::MAX);
-        let fits = |told: &&Arc<Told>| {
-            let is_room = room > 0;
-            room = room.saturating_sub(told.text.len());
+        let fits = |told: &&Arc<EncodedRevision>| {
+            let is_room = session > 0;
+            session = session.saturating_sub(told.text.len());
             is_room
         };
-        Page::Revisions(self.told.iter().skip(seen).take_while(fits).cloned().collect())
+        RevisionsPage::Revisions(self.told.iter().skip(seen).take_while(fits).cloned().collect())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{BYTES_MAX, Log, PAGE_BYTES, Page, Told};
+    use super::{BYTES_MAX, EncodedRevision, Log, PAGE_BYTES, RevisionsPage};
     use std::sync::Arc;
 
     fn log(sizes: &[usize]) -> Log {
         let mut log = Log::after(10);
         for (number, size) in (11..).zip(sizes) {
-            log.push(Arc::new(Told { number, text: "x".repeat(*size) }));
+            log.push(Arc::new(EncodedRevision { number, text: "x".repeat(*size) }));
         }
         log
     }
 
     fn page(log: &Log, from: u64) -> String {
         match log.since(from) {
-            Page::Reset(now) => format!("reset to {now}"),
-            Page::Revisions(told) => {
+            RevisionsPage::Reset(now) => format!("reset to {now}"),
+            RevisionsPage::Revisions(told) => {
                 told.iter().map(|told| told.number.to_string()).collect::<Vec<_>>().join(" ")
             }
         }

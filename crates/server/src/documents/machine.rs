@@ -1,10 +1,10 @@
 //! An open machine as a value with a past: edits of several people in one order, each taken once, each taken back by its own
 //! author only. Pure: what is done is prepared first, so that it can be written down, and made then.
 
-use super::log::{Log, Page, Told};
+use super::log::{EncodedRevision, Log, RevisionsPage};
 use super::merge;
 use super::past::{self, Past};
-use super::places::{Place, places};
+use super::places::{MachinePlace, places};
 use super::steps::{Along, Step, Steps, Stuck, Way};
 use crate::Failure;
 use axum::http::StatusCode;
@@ -40,7 +40,7 @@ pub(super) enum Deed {
 
 /// Who does it, and under which id.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Request {
+pub(super) struct EditRequest {
     pub(super) author: String,
     pub(super) id: String,
 }
@@ -54,12 +54,12 @@ pub(super) struct Prepared {
     kind: RevisionKind,
     same_as: Option<u64>,
     /// Where it belongs in the past.
-    place: past::Mark,
-    mark: Mark,
+    place: past::Fingerprint,
+    mark: HistoryMove,
 }
 
 #[derive(Debug)]
-enum Mark {
+enum HistoryMove {
     New(Step),
     Moved(u64, Along, Step),
 }
@@ -72,16 +72,16 @@ pub(super) struct OpenMachine {
     steps: Steps,
     past: Past,
     /// Of the machine, in the past.
-    place: past::Mark,
-    answered: Answered,
+    place: past::Fingerprint,
+    answered: AnsweredRequests,
     log: Log,
 }
 
 /// What was done under which id.
 #[derive(Debug, Default)]
-struct Answered {
-    revisions: BTreeMap<Request, u64>,
-    order: VecDeque<Request>,
+struct AnsweredRequests {
+    revisions: BTreeMap<EditRequest, u64>,
+    order: VecDeque<EditRequest>,
 }
 
 impl OpenMachine {
@@ -89,17 +89,17 @@ impl OpenMachine {
     pub(super) fn new(machine: Machine, revision: u64) -> Self {
         Self {
             past: Past::of(machine.clone(), revision),
-            place: past::Mark::default(),
+            place: past::Fingerprint::default(),
             machine,
             revision,
             steps: Steps::default(),
-            answered: Answered::default(),
+            answered: AnsweredRequests::default(),
             log: Log::after(revision),
         }
     }
 
     /// Something was done before, and answered by this revision.
-    pub(super) fn knows(&mut self, request: Request, revision: u64) {
+    pub(super) fn knows(&mut self, request: EditRequest, revision: u64) {
         self.answered.push(request, revision);
     }
 
@@ -114,7 +114,7 @@ impl OpenMachine {
     }
 
     /// What a reader has not seen whose next revision is `from`.
-    pub(super) fn since(&self, from: u64) -> Page {
+    pub(super) fn since(&self, from: u64) -> RevisionsPage {
         self.log.since(from)
     }
 
@@ -124,7 +124,7 @@ impl OpenMachine {
     }
 
     /// The revision that this request has made already.
-    pub(super) fn answered(&self, request: &Request) -> Option<u64> {
+    pub(super) fn answered(&self, request: &EditRequest) -> Option<u64> {
         self.answered.revisions.get(request).copied()
     }
 
@@ -148,7 +148,7 @@ impl OpenMachine {
         let mut machine = self.machine.clone();
         let back = apply(&mut machine, edit, &BuiltinTypes).map_err(|error| refused(&error))?;
         let step = step(author, &name, Way::Edit(back), &machine, &self.machine);
-        Ok(self.prepared(machine, name, RevisionKind::Edit, Mark::New(step)))
+        Ok(self.prepared(machine, name, RevisionKind::Edit, HistoryMove::New(step)))
     }
 
     fn along(&self, author: &str, along: Along) -> Result<Prepared, Failure> {
@@ -171,7 +171,7 @@ impl OpenMachine {
             Along::Back => RevisionKind::Undo,
             Along::Again => RevisionKind::Redo,
         };
-        Ok(self.prepared(machine, name, kind, Mark::Moved(number, along, step)))
+        Ok(self.prepared(machine, name, kind, HistoryMove::Moved(number, along, step)))
     }
 
     fn replace(
@@ -183,7 +183,7 @@ impl OpenMachine {
     ) -> Prepared {
         let way = Way::Whole(self.machine.clone());
         let step = step(author, &name, way, &machine, &self.machine);
-        self.prepared(machine, name, kind, Mark::New(step))
+        self.prepared(machine, name, kind, HistoryMove::New(step))
     }
 
     fn may_jump(&self, author: &str, to: u64, over_others: bool) -> Result<(), Failure> {
@@ -205,7 +205,13 @@ impl OpenMachine {
         Ok(self.replace(author, name, RevisionKind::Jump, machine.clone()))
     }
 
-    fn prepared(&self, machine: Machine, name: String, kind: RevisionKind, mark: Mark) -> Prepared {
+    fn prepared(
+        &self,
+        machine: Machine,
+        name: String,
+        kind: RevisionKind,
+        mark: HistoryMove,
+    ) -> Prepared {
         let changes = changes(&self.machine, &machine);
         let place = self.place.after(&self.machine, &machine, &changes);
         let same_as = self.past.same_as(&machine, place);
@@ -213,29 +219,29 @@ impl OpenMachine {
     }
 
     /// Does what was prepared, and nothing since.
-    pub(super) fn commit(&mut self, prepared: Prepared, request: Request, at_ms: u64) -> u64 {
+    pub(super) fn commit(&mut self, prepared: Prepared, request: EditRequest, at_ms: u64) -> u64 {
         let Prepared { machine, changes, name, kind, same_as, place, mark } = prepared;
         self.revision += 1;
         (self.machine, self.place) = (machine, place);
         match mark {
-            Mark::New(step) => self.steps.done(step, self.revision),
-            Mark::Moved(number, along, step) => {
+            HistoryMove::New(step) => self.steps.done(step, self.revision),
+            HistoryMove::Moved(number, along, step) => {
                 self.steps.moved(number, along, step, self.revision);
             }
         }
-        let (revision, Request { id, author }) = (self.revision, request.clone());
+        let (revision, EditRequest { id, author }) = (self.revision, request.clone());
         let revision = Revision { revision, id, author, name, at_ms, kind, same_as, changes };
         self.past.push(alone(&revision), &self.machine, place);
         // Everything in it came from JSON or from text, so that it is JSON.
         let text = serde_json::to_string(&revision).unwrap_or_default();
-        self.log.push(Arc::new(Told { number: self.revision, text }));
+        self.log.push(Arc::new(EncodedRevision { number: self.revision, text }));
         self.answered.push(request, self.revision);
         self.revision
     }
 }
 
-impl Answered {
-    fn push(&mut self, request: Request, revision: u64) {
+impl AnsweredRequests {
+    fn push(&mut self, request: EditRequest, revision: u64) {
         self.order.push_back(request.clone());
         self.revisions.insert(request, revision);
         if self.order.len() > ANSWERED_MAX
@@ -267,7 +273,7 @@ fn step(author: &str, name: &str, way: Way, machine: &Machine, before: &Machine)
         Way::Edit(back) => (places(back), merge::layouts(back, machine)),
         Way::Whole(_) => {
             let roots = [&before.root.id, &machine.root.id];
-            let places = roots.into_iter().flat_map(Place::everything).collect();
+            let places = roots.into_iter().flat_map(MachinePlace::everything).collect();
             (places, merge::Layouts::new())
         }
     };

@@ -3,6 +3,7 @@
 //!
 //! Knows machines, their folders and who edits them. Must never know how people log in, nor what runs.
 
+mod broadcast;
 mod disk;
 #[expect(
     clippy::module_inception,
@@ -10,7 +11,6 @@ mod disk;
 )]
 mod documents;
 mod draft;
-mod kept;
 mod log;
 mod machine;
 mod merge;
@@ -18,17 +18,17 @@ mod past;
 mod places;
 mod problems;
 mod recover;
-mod room;
+mod revision_cache;
 mod routes;
 mod save;
+mod session;
 mod steps;
 #[cfg(test)]
 mod tests;
 mod usages;
 mod versions;
-mod wires;
 
 pub(crate) use documents::{Documents, Wish};
-pub(crate) use log::Page;
-pub(crate) use room::Room;
+pub(crate) use log::RevisionsPage;
 pub(crate) use routes::{change, routes};
+pub(crate) use session::MachineSession;

@@ -19,21 +19,21 @@ pub(super) struct Past {
     start: u64,
     steps: VecDeque<MachineStep>,
     /// By node.
-    machines: BTreeMap<u64, Kept>,
-    nodes: BTreeMap<Mark, u64>,
+    machines: BTreeMap<u64, RecordedMachine>,
+    nodes: BTreeMap<Fingerprint, u64>,
 }
 
 #[derive(Debug)]
-struct Kept {
+struct RecordedMachine {
     machine: Machine,
-    mark: Mark,
+    mark: Fingerprint,
 }
 
 /// Tells machines of one past apart without looking at all of them: the sum of what is different from the start, part by part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(super) struct Mark(u128);
+pub(super) struct Fingerprint(u128);
 
-impl Mark {
+impl Fingerprint {
     /// That of `new`, if this is that of `old`, and these changes lead from there to `new`.
     pub(super) fn after(self, old: &Machine, new: &Machine, forth: &[Change]) -> Self {
         Self(self.0.wrapping_add(weight(forth)).wrapping_sub(weight(&changes(new, old))))
@@ -66,18 +66,18 @@ impl Past {
             machines: BTreeMap::new(),
             nodes: BTreeMap::new(),
         };
-        past.keep(start, machine, Mark::default());
+        past.keep(start, machine, Fingerprint::default());
         past
     }
 
     /// The earliest revision that is known at which the machine was this one.
-    pub(super) fn same_as(&self, machine: &Machine, mark: Mark) -> Option<u64> {
+    pub(super) fn same_as(&self, machine: &Machine, mark: Fingerprint) -> Option<u64> {
         let node = *self.nodes.get(&mark)?;
         (self.machines.get(&node)?.machine == *machine).then_some(node)
     }
 
     /// The next step, and the machine that it led to.
-    pub(super) fn push(&mut self, step: MachineStep, machine: &Machine, mark: Mark) {
+    pub(super) fn push(&mut self, step: MachineStep, machine: &Machine, mark: Fingerprint) {
         if step.same_as.is_none() {
             self.keep(step.revision, machine.clone(), mark);
         }
@@ -90,9 +90,9 @@ impl Past {
     }
 
     /// The start is kept for as long as the machine is open.
-    fn keep(&mut self, node: u64, machine: Machine, mark: Mark) {
+    fn keep(&mut self, node: u64, machine: Machine, mark: Fingerprint) {
         self.nodes.insert(mark, node);
-        self.machines.insert(node, Kept { machine, mark });
+        self.machines.insert(node, RecordedMachine { machine, mark });
         if self.machines.len() > MACHINES_MAX + 1
             && let Some(oldest) = self.machines.keys().nth(1).copied()
         {
@@ -165,7 +165,7 @@ fn node(step: &MachineStep) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{MACHINES_MAX, Mark, Past, STEPS_MAX};
+    use super::{Fingerprint, MACHINES_MAX, Past, STEPS_MAX};
     use proptest::prelude::*;
     use rafcon_model::edit::any::{Dice, edit};
     use rafcon_model::edit::apply;
@@ -177,7 +177,7 @@ mod tests {
         notation::parse(&format!("execution ROOT \"{name}\"")).expect("a machine")
     }
 
-    fn step(past: &mut Past, revision: u64, author: &str, machine: &Machine, mark: Mark) {
+    fn step(past: &mut Past, revision: u64, author: &str, machine: &Machine, mark: Fingerprint) {
         let same_as = past.same_as(machine, mark);
         let (id, name) = (String::new(), revision.to_string());
         let author = author.to_owned();
@@ -192,7 +192,7 @@ mod tests {
         let mut past = Past::of(machine(0), 5);
         let last = STEPS_MAX + 2;
         for number in 1..=last {
-            let mark = Mark(number as u128);
+            let mark = Fingerprint(number as u128);
             step(&mut past, 5 + number as u64, "ann", &machine(number), mark);
         }
         let told = past.steps();
@@ -213,16 +213,16 @@ mod tests {
         fn marks_tell_machines_apart(numbers in proptest::collection::vec(any::<u16>(), 0..600)) {
             let start = notation::parse("hierarchy ROOT\n  barrier BBBBBB\n    decider unique_decider_state_id").unwrap();
             let (mut dice, mut now) = (Dice::new(numbers), start.clone());
-            let mut mark = Mark::default();
+            let mut mark = Fingerprint::default();
             while !dice.is_empty() {
                 let mut next = now.clone();
                 if apply(&mut next, edit(&now, &mut dice), &BuiltinTypes).is_ok() {
                     mark = mark.after(&now, &next, &changes(&now, &next));
                     now = next;
                 }
-                let direct = Mark::default().after(&start, &now, &changes(&start, &now));
+                let direct = Fingerprint::default().after(&start, &now, &changes(&start, &now));
                 prop_assert_eq!(mark, direct);
-                prop_assert_eq!(mark == Mark::default(), now == start);
+                prop_assert_eq!(mark == Fingerprint::default(), now == start);
             }
         }
     }

@@ -7,14 +7,14 @@ use std::fmt;
 
 /// One place in a machine.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Place {
+pub(super) struct MachinePlace {
     path: StatePath,
-    part: Part,
+    part: StatePart,
 }
 
 /// Which part of the state at the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Part {
+enum StatePart {
     /// The state with everything inside it.
     Whole,
     /// What its kind makes of it: children, script, connections inside.
@@ -35,61 +35,64 @@ enum Part {
     Header,
 }
 
-impl Place {
+impl MachinePlace {
     /// Everything there is.
     pub(super) fn everything(root: &StateId) -> [Self; 2] {
         let path = StatePath::root(root.clone());
-        [Self { path: path.clone(), part: Part::Whole }, Self { path, part: Part::Header }]
+        [
+            Self { path: path.clone(), part: StatePart::Whole },
+            Self { path, part: StatePart::Header },
+        ]
     }
 
     fn of(step: &Step) -> Self {
         let here = |part| Self { path: step.at.clone(), part };
         here(match &step.set {
             Set::Child(id, _) => {
-                return Self { path: step.at.child(id.clone()), part: Part::Whole };
+                return Self { path: step.at.child(id.clone()), part: StatePart::Whole };
             }
-            Set::Id(_) => Part::Id,
-            Set::Kind(_) => Part::Inside,
-            Set::Field(Field::Name(_)) => Part::Name,
-            Set::Field(Field::Description(_)) => Part::Description,
-            Set::Field(Field::SemanticData(_)) => Part::SemanticData,
-            Set::Field(Field::Script(_)) => Part::Script,
-            Set::Field(Field::Layout(_)) => Part::Layout,
-            Set::Field(Field::Extra(_)) => Part::Extra,
-            Set::Outcome(id, _) => Part::Outcome(*id),
-            Set::Port(kind, id, _) => Part::Port(*kind, *id),
-            Set::Transition(id, _) => Part::Transition(*id),
-            Set::DataFlow(id, _) => Part::DataFlow(*id),
-            Set::RuntimeValue(kind, id, _) => Part::RuntimeValue(*kind, *id),
-            Set::Header(_) => Part::Header,
+            Set::Id(_) => StatePart::Id,
+            Set::Kind(_) => StatePart::Inside,
+            Set::Field(Field::Name(_)) => StatePart::Name,
+            Set::Field(Field::Description(_)) => StatePart::Description,
+            Set::Field(Field::SemanticData(_)) => StatePart::SemanticData,
+            Set::Field(Field::Script(_)) => StatePart::Script,
+            Set::Field(Field::Layout(_)) => StatePart::Layout,
+            Set::Field(Field::Extra(_)) => StatePart::Extra,
+            Set::Outcome(id, _) => StatePart::Outcome(*id),
+            Set::Port(kind, id, _) => StatePart::Port(*kind, *id),
+            Set::Transition(id, _) => StatePart::Transition(*id),
+            Set::DataFlow(id, _) => StatePart::DataFlow(*id),
+            Set::RuntimeValue(kind, id, _) => StatePart::RuntimeValue(*kind, *id),
+            Set::Header(_) => StatePart::Header,
         })
     }
 
     /// Whether both are the layout of one state.
     pub(super) fn is_layout(&self, other: &Self) -> bool {
-        self.part == Part::Layout && self == other
+        self.part == StatePart::Layout && self == other
     }
 
     /// Whether taking this place back would undo what a later step did at `later`. What moved along with a state that got
     /// another id moves back with it.
     pub(super) fn is_built_upon(&self, later: &Self) -> bool {
-        if self.part == Part::Header || later.part == Part::Header {
+        if self.part == StatePart::Header || later.part == StatePart::Header {
             return self.part == later.part;
         }
         let same = self.path == later.path;
         let (is_around, is_below) =
             (self.path.0.starts_with(&later.path.0), later.path.0.starts_with(&self.path.0));
         match (self.part, later.part) {
-            (_, Part::Whole | Part::Id) if is_around => true,
-            (Part::Whole, _) if is_below => true,
-            (mine, Part::Inside) if is_around => !same || mine.is_inside(),
-            (Part::Inside, other) if is_below => !same || other.is_inside(),
+            (_, StatePart::Whole | StatePart::Id) if is_around => true,
+            (StatePart::Whole, _) if is_below => true,
+            (mine, StatePart::Inside) if is_around => !same || mine.is_inside(),
+            (StatePart::Inside, other) if is_below => !same || other.is_inside(),
             (mine, other) => same && mine == other,
         }
     }
 }
 
-impl Part {
+impl StatePart {
     /// Whether it goes when a state becomes one of another kind.
     fn is_inside(self) -> bool {
         match self {
@@ -113,33 +116,33 @@ impl Part {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for MachinePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { path, part } = self;
         match part {
-            Part::Whole => write!(f, "{path}"),
-            Part::Inside => write!(f, "the kind of {path}"),
-            Part::Id => write!(f, "the id of {path}"),
-            Part::Name => write!(f, "the name of {path}"),
-            Part::Description => write!(f, "the description of {path}"),
-            Part::SemanticData => write!(f, "the semantic data of {path}"),
-            Part::Script => write!(f, "the script of {path}"),
-            Part::Layout => write!(f, "the layout of {path}"),
-            Part::Extra => write!(f, "the unknown keys of {path}"),
-            Part::Outcome(id) => write!(f, "outcome {id} of {path}"),
-            Part::Port(kind, id) => write!(f, "{kind} {id} of {path}"),
-            Part::Transition(id) => write!(f, "transition {id} in {path}"),
-            Part::DataFlow(id) => write!(f, "data flow {id} in {path}"),
-            Part::RuntimeValue(kind, id) => write!(f, "the value for {kind} {id} of {path}"),
-            Part::Header => write!(f, "the machine's header"),
+            StatePart::Whole => write!(f, "{path}"),
+            StatePart::Inside => write!(f, "the kind of {path}"),
+            StatePart::Id => write!(f, "the id of {path}"),
+            StatePart::Name => write!(f, "the name of {path}"),
+            StatePart::Description => write!(f, "the description of {path}"),
+            StatePart::SemanticData => write!(f, "the semantic data of {path}"),
+            StatePart::Script => write!(f, "the script of {path}"),
+            StatePart::Layout => write!(f, "the layout of {path}"),
+            StatePart::Extra => write!(f, "the unknown keys of {path}"),
+            StatePart::Outcome(id) => write!(f, "outcome {id} of {path}"),
+            StatePart::Port(kind, id) => write!(f, "{kind} {id} of {path}"),
+            StatePart::Transition(id) => write!(f, "transition {id} in {path}"),
+            StatePart::DataFlow(id) => write!(f, "data flow {id} in {path}"),
+            StatePart::RuntimeValue(kind, id) => write!(f, "the value for {kind} {id} of {path}"),
+            StatePart::Header => write!(f, "the machine's header"),
         }
     }
 }
 
 /// The places that an edit changed, by what takes it back.
-pub(super) fn places(back: &Edit) -> Vec<Place> {
+pub(super) fn places(back: &Edit) -> Vec<MachinePlace> {
     let Edit::Restore(restore) = back else { return Vec::new() };
-    let mut places: Vec<Place> = restore.steps.iter().map(Place::of).collect();
+    let mut places: Vec<MachinePlace> = restore.steps.iter().map(MachinePlace::of).collect();
     places.sort();
     places.dedup();
     places
@@ -180,7 +183,7 @@ mod tests {
         let mut changed =
             |edit| places(&apply(&mut machine, edit, &BuiltinTypes).expect("applied"));
         let (first, second) = (changed(first), changed(second));
-        let line = |place: &super::Place| {
+        let line = |place: &super::MachinePlace| {
             let upon = second.iter().filter(|later| place.is_built_upon(later));
             let upon: Vec<_> = upon.map(ToString::to_string).collect();
             format!("{place} <- {}\n", upon.join(", "))

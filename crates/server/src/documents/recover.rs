@@ -2,9 +2,11 @@
 //! operation is done; must never know who asks.
 
 use super::disk::OnDisk;
-use super::draft::{Answered, Draft, Found, Head, Line, Operation, What, discard, find, kept};
-use super::machine::{Deed, OpenMachine, Request};
-use super::room::Spot;
+use super::draft::{
+    Draft, DraftHeader, DraftLine, FoundDraft, Operation, RecordedAnswer, What, discard, find, kept,
+};
+use super::machine::{Deed, EditRequest, OpenMachine};
+use super::session::Spot;
 use super::steps::Along;
 use crate::Failure;
 use crate::access::PrivateError;
@@ -71,7 +73,7 @@ pub(super) fn recover(
 fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Recovered {
     Recovered {
         machine: OpenMachine::new(on_disk.machine.clone(), revision),
-        draft: Draft::new(place, Head::new(folder, &on_disk.hash, revision)),
+        draft: Draft::new(place, DraftHeader::new(folder, &on_disk.hash, revision)),
         saved_revision: revision,
         has_edits: false,
         hash: on_disk.hash.clone(),
@@ -84,9 +86,9 @@ fn known(
     place: PathBuf,
     on_disk: &OnDisk,
     revision: u64,
-    found: &Found,
+    found: &FoundDraft,
 ) -> Result<Recovered, Failure> {
-    let mut head = Head::new(folder, &on_disk.hash, revision);
+    let mut head = DraftHeader::new(folder, &on_disk.hash, revision);
     head.answered = answered(found);
     let mut recovered = fresh(folder, place.clone(), on_disk, revision);
     know(&mut recovered.machine, &head.answered);
@@ -96,45 +98,45 @@ fn known(
 }
 
 /// What the draft says was done.
-fn answered(found: &Found) -> Vec<Answered> {
+fn answered(found: &FoundDraft) -> Vec<RecordedAnswer> {
     let done = found.lines.iter().filter_map(|line| match line {
-        Line::Done(operation) => Some(operation),
-        Line::Saved { .. } => None,
+        DraftLine::Done(operation) => Some(operation),
+        DraftLine::Saved { .. } => None,
     });
     let done = done.zip(found.head.revision + 1..).map(|(operation, revision)| {
         let Operation { author, id, .. } = &**operation;
-        Answered { author: author.clone(), id: id.clone(), revision }
+        RecordedAnswer { author: author.clone(), id: id.clone(), revision }
     });
     let mut answered: Vec<_> = found.head.answered.iter().cloned().chain(done).collect();
     answered.drain(..answered.len().saturating_sub(ANSWERED_MAX));
     answered
 }
 
-fn know(machine: &mut OpenMachine, answered: &[Answered]) {
-    for Answered { author, id, revision } in answered {
-        machine.knows(Request { author: author.clone(), id: id.clone() }, *revision);
+fn know(machine: &mut OpenMachine, answered: &[RecordedAnswer]) {
+    for RecordedAnswer { author, id, revision } in answered {
+        machine.knows(EditRequest { author: author.clone(), id: id.clone() }, *revision);
     }
 }
 
 /// The revision that was saved last, and the content of its files.
-fn saved(found: &Found) -> (u64, String) {
-    let saved = |line: &Line| match line {
-        Line::Saved { revision, hash } => Some((*revision, hash.clone())),
-        Line::Done(_) => None,
+fn saved(found: &FoundDraft) -> (u64, String) {
+    let saved = |line: &DraftLine| match line {
+        DraftLine::Saved { revision, hash } => Some((*revision, hash.clone())),
+        DraftLine::Done(_) => None,
     };
     let last = found.lines.iter().rev().find_map(saved);
     last.unwrap_or_else(|| (found.head.revision, found.head.base.clone()))
 }
 
 /// How many operations do not lie on disk.
-fn unsaved(found: &Found) -> u64 {
-    let done = found.lines.iter().filter(|line| matches!(line, Line::Done(_))).count() as u64;
+fn unsaved(found: &FoundDraft) -> u64 {
+    let done = found.lines.iter().filter(|line| matches!(line, DraftLine::Done(_))).count() as u64;
     (found.head.revision + done).saturating_sub(saved(found).0)
 }
 
 /// The machine that was read when the draft was begun.
 fn base(
-    found: &Found,
+    found: &FoundDraft,
     place: &Path,
     on_disk: &OnDisk,
     libraries: &Libraries,
@@ -161,7 +163,7 @@ fn document(place: &Path, hash: &str, libraries: &Libraries) -> Result<Machine, 
 
 /// What was read, with everything that was done to it.
 fn replayed(
-    found: &Found,
+    found: &FoundDraft,
     place: &Path,
     on_disk: &OnDisk,
     libraries: &Libraries,
@@ -170,10 +172,10 @@ fn replayed(
     let mut machine = OpenMachine::new(base, found.head.revision);
     know(&mut machine, &found.head.answered);
     for line in &found.lines {
-        let Line::Done(operation) = line else { continue };
+        let DraftLine::Done(operation) = line else { continue };
         let Operation { author, id, at_ms, what } = &**operation;
         let prepared = machine.prepare(author, deed(what, place, libraries)?)?;
-        let request = Request { author: author.clone(), id: id.clone() };
+        let request = EditRequest { author: author.clone(), id: id.clone() };
         machine.commit(prepared, request, *at_ms);
     }
     Ok(machine)

@@ -1,11 +1,11 @@
 //! What is asked about open machines. Knows requests and answers; the work is done next door, off the threads that talk.
 
 use super::documents::Wish;
-use super::log::Page;
+use super::log::RevisionsPage;
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
@@ -22,7 +22,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// The routes of this part.
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .merge(super::versions::routes())
         .routes(routes!(machines, make))
@@ -47,8 +47,8 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 #[utoipa::path(get, path = "/api/v1/machines", tag = "machines", responses(
     (status = 200, description = "Each in one line", body = [MachineSummary])
 ))]
-async fn machines(State(house): State<Arc<House>>) -> Json<Vec<MachineSummary>> {
-    Json(house.documents.summaries())
+async fn machines(State(server): State<Arc<ServerState>>) -> Json<Vec<MachineSummary>> {
+    Json(server.documents.summaries())
 }
 
 /// Makes a new machine and opens it.
@@ -63,11 +63,11 @@ async fn machines(State(house): State<Arc<House>>) -> Json<Vec<MachineSummary>> 
     (status = 503, description = "It cannot be written", body = Refusal),
 ))]
 async fn make(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Body(new): Body<NewMachine>,
 ) -> Result<Json<MachineSummary>, Failure> {
-    let at = Arc::clone(&house);
-    at.documents.saves.work(move || house.documents.make(&house, &new).map(Json)).await
+    let at = Arc::clone(&server);
+    at.documents.saves.work(move || server.documents.make(&server, &new).map(Json)).await
 }
 
 /// Opens the machine in a folder; one that is open already stays as it is.
@@ -80,12 +80,12 @@ async fn make(
     (status = 429, description = "Too many machines are open, or too many are being opened", body = Refusal),
 ))]
 async fn open(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Body(MachineAt { file }): Body<MachineAt>,
 ) -> Result<Json<MachineSummary>, Failure> {
-    let (at, may_edit) = (Arc::clone(&house), who.role.grants(Right::Edit));
-    at.documents.loads.work(move || house.documents.open(&house, &file, may_edit).map(Json)).await
+    let (at, may_edit) = (Arc::clone(&server), who.role.grants(Right::Edit));
+    at.documents.loads.work(move || server.documents.open(&server, &file, may_edit).map(Json)).await
 }
 
 /// How an open machine stands.
@@ -97,10 +97,10 @@ async fn open(
     )
 )]
 async fn machine(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
 ) -> Result<Json<MachineStatus>, Failure> {
-    let status = house.documents.room(&machine)?.status()?;
+    let status = server.documents.session(&machine)?.status()?;
     let status = status.borrow().clone();
     Ok(Json(status))
 }
@@ -115,11 +115,11 @@ async fn machine(
     )
 )]
 async fn document(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
 ) -> Result<Response, Failure> {
-    let room = house.documents.room(&machine)?;
-    Ok(json(house.documents.looks.work(move || room.document()).await?))
+    let session = server.documents.session(&machine)?;
+    Ok(json(server.documents.looks.work(move || session.document()).await?))
 }
 
 /// What was done to an open machine, from a revision on; a page at a time.
@@ -132,14 +132,14 @@ async fn document(
     )
 )]
 async fn revisions(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
     Query(RevisionsFrom { from }): Query<RevisionsFrom>,
 ) -> Result<Response, Failure> {
-    let room = house.documents.room(&machine)?;
-    let (is_reset, next, texts) = match room.since(from) {
-        Page::Reset(now) => (true, now + 1, String::new()),
-        Page::Revisions(told) => {
+    let session = server.documents.session(&machine)?;
+    let (is_reset, next, texts) = match session.since(from) {
+        RevisionsPage::Reset(now) => (true, now + 1, String::new()),
+        RevisionsPage::Revisions(told) => {
             let next = told.last().map_or(from, |told| told.number + 1);
             let texts: Vec<&str> = told.iter().map(|told| told.text.as_str()).collect();
             (false, next, texts.join(","))
@@ -159,12 +159,12 @@ async fn revisions(
     )
 )]
 async fn machine_problems(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
 ) -> Result<Json<Vec<MachineProblem>>, Failure> {
-    let room = house.documents.room(&machine)?;
-    let at = Arc::clone(&house);
-    at.documents.looks.work(move || room.problems(&house).map(Json)).await
+    let session = server.documents.session(&machine)?;
+    let at = Arc::clone(&server);
+    at.documents.looks.work(move || session.problems(&server).map(Json)).await
 }
 
 /// Copies states of an open machine, as an edit `paste` takes them.
@@ -178,12 +178,12 @@ async fn machine_problems(
     )
 )]
 async fn copy(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
     Body(wish): Body<CopyStates>,
 ) -> Result<Json<Selection>, Failure> {
-    let at = Arc::clone(&house);
-    at.documents.looks.work(move || house.documents.copy(&machine, &wish).map(Json)).await
+    let at = Arc::clone(&server);
+    at.documents.looks.work(move || server.documents.copy(&machine, &wish).map(Json)).await
 }
 
 /// Edits an open machine.
@@ -200,12 +200,12 @@ async fn copy(
     )
 )]
 async fn edit(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(machine): Path<String>,
     Body(edit): Body<EditMachine>,
 ) -> Result<Json<Done>, Failure> {
-    change(house, who, machine, Wish::Edit(Box::new(edit))).await
+    change(server, who, machine, Wish::Edit(Box::new(edit))).await
 }
 
 /// Takes one's own last step back.
@@ -220,12 +220,12 @@ async fn edit(
     )
 )]
 async fn undo(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(machine): Path<String>,
     Body(undo): Body<Undo>,
 ) -> Result<Json<Done>, Failure> {
-    change(house, who, machine, Wish::Undo(undo)).await
+    change(server, who, machine, Wish::Undo(undo)).await
 }
 
 /// Makes one's own step again that was taken back last.
@@ -240,12 +240,12 @@ async fn undo(
     )
 )]
 async fn redo(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(machine): Path<String>,
     Body(redo): Body<Undo>,
 ) -> Result<Json<Done>, Failure> {
-    change(house, who, machine, Wish::Redo(redo)).await
+    change(server, who, machine, Wish::Redo(redo)).await
 }
 
 /// What was done to an open machine since it was read, without what it changed: a tree.
@@ -258,11 +258,11 @@ async fn redo(
     )
 )]
 async fn steps(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
 ) -> Result<Json<MachineSteps>, Failure> {
-    let room = house.documents.room(&machine)?;
-    house.documents.looks.work(move || Ok(Json(room.steps()))).await
+    let session = server.documents.session(&machine)?;
+    server.documents.looks.work(move || Ok(Json(session.steps()))).await
 }
 
 /// Makes an open machine what it was at another revision: a new step, which its author can take back.
@@ -277,12 +277,12 @@ async fn steps(
     )
 )]
 async fn jump(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(machine): Path<String>,
     Body(jump): Body<JumpMachine>,
 ) -> Result<Json<Done>, Failure> {
-    change(house, who, machine, Wish::Jump(jump)).await
+    change(server, who, machine, Wish::Jump(jump)).await
 }
 
 /// Saves an open machine.
@@ -300,12 +300,12 @@ async fn jump(
     )
 )]
 async fn save(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
     Body(wish): Body<SaveMachine>,
 ) -> Result<Json<Done>, Failure> {
-    let at = Arc::clone(&house);
-    at.documents.saves.work(move || house.documents.save(&house, &machine, &wish).map(done)).await
+    let at = Arc::clone(&server);
+    at.documents.saves.work(move || server.documents.save(&server, &machine, &wish).map(done)).await
 }
 
 /// Saves a state of an open machine as a machine of its own: a library, if it lies below a library root.
@@ -323,12 +323,12 @@ async fn save(
     )
 )]
 async fn save_state(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
     Body(wish): Body<SaveState>,
 ) -> Result<Json<SavedState>, Failure> {
-    let at = Arc::clone(&house);
-    let save = move || house.documents.save_state(&house, &machine, &wish).map(Json);
+    let at = Arc::clone(&server);
+    let save = move || server.documents.save_state(&server, &machine, &wish).map(Json);
     at.documents.saves.work(save).await
 }
 
@@ -346,13 +346,13 @@ async fn save_state(
     )
 )]
 async fn reload(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(machine): Path<String>,
     Body(wish): Body<ReloadMachine>,
 ) -> Result<Json<Done>, Failure> {
-    let at = Arc::clone(&house);
-    let read = move || house.documents.reload(&house, &machine, &who.user, wish.id).map(done);
+    let at = Arc::clone(&server);
+    let read = move || server.documents.reload(&server, &machine, &who.user, wish.id).map(done);
     at.documents.saves.work(read).await
 }
 
@@ -369,22 +369,22 @@ async fn reload(
     )
 )]
 async fn close(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
     Body(wish): Body<CloseMachine>,
 ) -> Result<(), Failure> {
-    let at = Arc::clone(&house);
-    at.documents.saves.work(move || house.documents.close(&house, &machine, &wish)).await
+    let at = Arc::clone(&server);
+    at.documents.saves.work(move || server.documents.close(&server, &machine, &wish)).await
 }
 
 /// Changes an open machine; for requests and for the socket.
 pub(crate) async fn change(
-    house: Arc<House>,
+    server: Arc<ServerState>,
     who: Who,
     machine: String,
     wish: Wish,
 ) -> Result<Json<Done>, Failure> {
-    blocking(move || house.documents.change(&house, &machine, &who.user, wish).map(done)).await
+    blocking(move || server.documents.change(&server, &machine, &who.user, wish).map(done)).await
 }
 
 fn done(revision: u64) -> Json<Done> {

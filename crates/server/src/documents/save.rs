@@ -2,9 +2,9 @@
 
 use super::disk;
 use super::documents::Documents;
-use super::room::{Saving, Spot};
+use super::session::{Saving, Spot};
 use crate::projects::is_machine;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::http::StatusCode;
 use rafcon_model::{Header, Kind, Machine, State, StatePath};
 use rafcon_protocol::api::{LibraryName, SaveMachine, SaveState, SavedState};
@@ -15,46 +15,51 @@ use std::sync::Arc;
 
 impl Documents {
     /// Saves an open machine; the revision that lies on disk now.
-    pub(crate) fn save(&self, house: &House, id: &str, wish: &SaveMachine) -> Result<u64, Failure> {
-        let room = self.room(id)?;
-        let to = wish.file.as_ref().map(|file| self.spot(house, file)).transpose()?;
-        let to = to.filter(|spot| spot.folder != room.folder());
+    pub(crate) fn save(
+        &self,
+        server: &ServerState,
+        id: &str,
+        wish: &SaveMachine,
+    ) -> Result<u64, Failure> {
+        let session = self.session(id)?;
+        let to = wish.file.as_ref().map(|file| self.spot(server, file)).transpose()?;
+        let to = to.filter(|spot| spot.folder != session.folder());
         if wish.copy && to.is_none() {
             let message = "a copy needs a folder of its own: name one in `file`";
             return Err(Failure::bad("no_place_for_a_copy", message));
         }
         let _claim = to.as_ref().map(|spot| self.claim(&spot.folder));
         if let Some(spot) = &to {
-            self.must_be_free(house, spot, wish.overwrite)?;
+            self.must_be_free(server, spot, wish.overwrite)?;
         }
-        let tools = self.tools(house);
+        let tools = self.tools(server);
         let revision = match to {
-            Some(spot) if wish.copy => room.copy(&spot, &tools)?,
-            to => room.save(&Saving { to, overwrite: wish.overwrite }, &tools)?,
+            Some(spot) if wish.copy => session.copy(&spot, &tools)?,
+            to => session.save(&Saving { to, overwrite: wish.overwrite }, &tools)?,
         };
-        house.news.machines();
+        server.news.machines();
         Ok(revision)
     }
 
     /// Saves a state of an open machine as a machine of its own.
     pub(crate) fn save_state(
         &self,
-        house: &House,
+        server: &ServerState,
         id: &str,
         wish: &SaveState,
     ) -> Result<SavedState, Failure> {
-        let (_, machine) = self.room(id)?.machine();
+        let (_, machine) = self.session(id)?.machine();
         let state = machine.state(&StatePath::parse(&wish.path)).ok_or_else(|| {
             let message = format!("there is no state {}: it may have changed", wish.path);
             Failure::not_found("no_such_state", message)
         })?;
         let machine = of_state(state)?;
-        let spot = self.spot(house, &wish.file)?;
+        let spot = self.spot(server, &wish.file)?;
         let _claim = self.claim(&spot.folder);
-        self.must_be_free(house, &spot, wish.overwrite)?;
-        let tools = self.tools(house);
+        self.must_be_free(server, &spot, wish.overwrite)?;
+        let tools = self.tools(server);
         disk::write(&machine, &spot.folder, None, tools.naming)?;
-        house.news.files();
+        server.news.files();
         let library = tools.libraries.reference(&spot.folder);
         let library =
             library.map(|(path, name)| LibraryName { path: path.into(), name: name.into() });
@@ -62,9 +67,14 @@ impl Documents {
     }
 
     /// Refuses a place for a machine where something is that would be lost, or would lose something.
-    fn must_be_free(&self, house: &House, spot: &Spot, overwrite: bool) -> Result<(), Failure> {
+    fn must_be_free(
+        &self,
+        server: &ServerState,
+        spot: &Spot,
+        overwrite: bool,
+    ) -> Result<(), Failure> {
         let path = &spot.file.path;
-        unless_in_a_machine(house, spot)?;
+        unless_in_a_machine(server, spot)?;
         if self.room_of(&spot.folder).is_some() {
             let message = format!("{path} is open: close it first");
             return Err(Failure::conflict("is_open", message));
@@ -92,8 +102,8 @@ impl Documents {
 }
 
 /// Refuses a folder inside another machine, which would take it for one of its states.
-pub(super) fn unless_in_a_machine(house: &House, spot: &Spot) -> Result<(), Failure> {
-    let home = &house.projects.named(&spot.file.project)?.folder;
+pub(super) fn unless_in_a_machine(server: &ServerState, spot: &Spot) -> Result<(), Failure> {
+    let home = &server.projects.named(&spot.file.project)?.folder;
     let mut around = spot.folder.ancestors().skip(1).take_while(|folder| folder.starts_with(home));
     let Some(machine) = around.find(|folder| is_machine(folder)) else { return Ok(()) };
     let message = format!(
@@ -128,9 +138,9 @@ fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use crate::documents::room::Saving;
-    use crate::documents::{Room, Wish};
-    use crate::{House, Settings};
+    use crate::documents::session::Saving;
+    use crate::documents::{MachineSession, Wish};
+    use crate::{ServerState, Settings};
     use rafcon_protocol::api::{CloseMachine, EditMachine, MachineFile, NewMachine};
     use std::fs;
     use std::sync::Arc;
@@ -144,20 +154,21 @@ mod tests {
             fs::create_dir(path(folder)).unwrap();
         }
         let settings = Settings::new(path("state"), path("runs"));
-        let house = House::new(Settings { projects: vec![path("project")], ..settings }).unwrap();
-        let documents = &house.documents;
+        let server =
+            ServerState::new(Settings { projects: vec![path("project")], ..settings }).unwrap();
+        let documents = &server.documents;
         let file = MachineFile { project: "project".to_owned(), path: "one".to_owned() };
         let new = NewMachine { file, name: "Mission".to_owned() };
-        let id = documents.make(&house, &new).unwrap().id;
-        let room: Arc<Room> = documents.room(&id).unwrap();
-        let root = room.machine().1.root.id.clone();
+        let id = documents.make(&server, &new).unwrap().id;
+        let session: Arc<MachineSession> = documents.session(&id).unwrap();
+        let root = session.machine().1.root.id.clone();
         let edit = format!(r#"{{"edit":"set_name","path":"{root}","name":"Given up"}}"#);
         let edit = format!(r#"{{"id":"1","name":"Rename","edit":{edit}}}"#);
         let edit: EditMachine = serde_json::from_str(&edit).unwrap();
-        documents.change(&house, &id, "ann", Wish::Edit(Box::new(edit))).unwrap();
-        documents.close(&house, &id, &CloseMachine { discard: true }).unwrap();
+        documents.change(&server, &id, "ann", Wish::Edit(Box::new(edit))).unwrap();
+        documents.close(&server, &id, &CloseMachine { discard: true }).unwrap();
         let saving = Saving { to: None, overwrite: false };
-        let failure = room.save(&saving, &documents.tools(&house)).unwrap_err();
+        let failure = session.save(&saving, &documents.tools(&server)).unwrap_err();
         assert_eq!(failure.code(), "no_such_machine");
         let core = fs::read_to_string(path("project/one/core_data.json")).unwrap();
         assert!(core.contains("Mission"), "{core}");

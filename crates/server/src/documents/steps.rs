@@ -2,7 +2,7 @@
 //! authors, nothing of the machine.
 
 use super::merge::Layouts;
-use super::places::Place;
+use super::places::MachinePlace;
 use rafcon_model::Machine;
 use rafcon_model::edit::Edit;
 use std::collections::{BTreeMap, VecDeque};
@@ -26,7 +26,7 @@ pub(super) struct Step {
     /// For people: "Rename state".
     pub(super) name: String,
     /// What it changed.
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<MachinePlace>,
     /// The layouts that it left behind.
     pub(super) layouts: Layouts,
     /// Takes it back if it is done, makes it again if not.
@@ -35,7 +35,7 @@ pub(super) struct Step {
 
 /// A step and when it was done and undone, in revisions.
 #[derive(Debug)]
-struct Kept {
+struct RecordedStep {
     step: Step,
     done_at: u64,
     undone_at: Option<u64>,
@@ -51,7 +51,7 @@ struct Own {
 /// The steps of a machine since it was opened.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
-    kept: VecDeque<Kept>,
+    kept: VecDeque<RecordedStep>,
     /// The number of the first kept step.
     first: u64,
     authors: BTreeMap<String, Own>,
@@ -90,7 +90,7 @@ impl Steps {
         let own = self.authors.entry(step.author.clone()).or_default();
         own.undone.clear();
         own.done.push(self.first + self.kept.len() as u64);
-        self.kept.push_back(Kept { step, done_at: revision, undone_at: None });
+        self.kept.push_back(RecordedStep { step, done_at: revision, undone_at: None });
         if self.kept.len() > STEPS_MAX {
             self.kept.pop_front();
             self.first += 1;
@@ -128,11 +128,11 @@ impl Steps {
         }
     }
 
-    fn kept(&self, number: u64) -> Option<&Kept> {
+    fn kept(&self, number: u64) -> Option<&RecordedStep> {
         self.kept.get(usize::try_from(number.checked_sub(self.first)?).ok()?)
     }
 
-    fn unless_built_upon(&self, mine: &Kept) -> Result<(), Stuck> {
+    fn unless_built_upon(&self, mine: &RecordedStep) -> Result<(), Stuck> {
         let since = mine.undone_at.unwrap_or(mine.done_at);
         let others = self.kept.iter().rev();
         let mut others =
@@ -150,7 +150,7 @@ impl Steps {
     }
 }
 
-impl Kept {
+impl RecordedStep {
     /// Whether it makes a difference to how things stood at a revision: done and undone since then is nothing.
     fn is_new(&self, since: u64) -> bool {
         match self.undone_at {
@@ -162,8 +162,8 @@ impl Kept {
 
 impl Step {
     /// The place of this step that a later one builds upon. Layouts are told apart more finely where they are merged.
-    fn place_under(&self, later: &Self) -> Option<&Place> {
-        let is_upon = |place: &&Place| {
+    fn place_under(&self, later: &Self) -> Option<&MachinePlace> {
+        let is_upon = |place: &&MachinePlace| {
             later.places.iter().any(|later| place.is_built_upon(later) && !place.is_layout(later))
         };
         self.places.iter().find(is_upon)

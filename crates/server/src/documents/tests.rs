@@ -1,7 +1,7 @@
 //! Several people edit one machine: nobody's work is lost, and each takes back what is his own.
 
-use super::log::Page;
-use super::machine::{Deed, OpenMachine, Request};
+use super::log::RevisionsPage;
+use super::machine::{Deed, EditRequest, OpenMachine};
 use super::steps::Along;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
@@ -44,7 +44,7 @@ fn done(open: &mut OpenMachine, author: &str, deed: Deed) -> String {
         Err(failure) => format!("{}: {failure}", failure.refusal().code),
         Ok(prepared) => {
             let id = open.revision().to_string();
-            let request = Request { author: author.to_owned(), id };
+            let request = EditRequest { author: author.to_owned(), id };
             open.commit(prepared, request, 0).to_string()
         }
     }
@@ -337,12 +337,12 @@ fn a_jump_takes_steps_of_others_away_only_if_that_is_said() {
 #[test]
 fn the_same_request_is_answered_by_what_it_did() {
     let mut open = OpenMachine::new(machine(START), 7);
-    let request = Request { author: "ann".into(), id: "one".into() };
+    let request = EditRequest { author: "ann".into(), id: "one".into() };
     assert_eq!(open.answered(&request), None);
     let prepared = open.prepare("ann", Deed::Replace(Box::new(machine("execution X"))));
     assert_eq!(open.commit(prepared.expect("prepared"), request.clone(), 0), 8);
     assert_eq!(open.answered(&request), Some(8));
-    assert_eq!(open.answered(&Request { author: "bob".into(), ..request }), None);
+    assert_eq!(open.answered(&EditRequest { author: "bob".into(), ..request }), None);
 }
 
 /// Makes random edits and steps back of two people; both follow by what they are told.
@@ -368,7 +368,7 @@ fn two_people(numbers: Vec<u16>) {
             assert_eq!(*open.machine(), before);
             continue;
         }
-        let Page::Revisions(told) = open.since(from) else { panic!("a gap") };
+        let RevisionsPage::Revisions(told) = open.since(from) else { panic!("a gap") };
         for told in told {
             let revision: Revision = serde_json::from_str(&told.text).expect("a revision");
             assert_eq!((revision.revision, revision.author.as_str()), (told.number, author));

@@ -1,7 +1,7 @@
 //! Where a library is used: in open machines as they are now, and in the files of all others. Knows which machines are open.
 
 use super::documents::Documents;
-use crate::House;
+use crate::ServerState;
 use crate::projects::Search;
 use rafcon_model::{Kind, Machine, State, StatePath};
 use rafcon_protocol::api::{LibraryName, LibraryUsage, LibraryUsages, UsagesOf};
@@ -13,30 +13,30 @@ const USAGES_MAX: usize = 1000;
 
 impl Documents {
     /// Where a library is used.
-    pub(crate) fn usages(&self, house: &House, of: &UsagesOf) -> LibraryUsages {
-        let libraries = house.projects.libraries();
+    pub(crate) fn usages(&self, server: &ServerState, of: &UsagesOf) -> LibraryUsages {
+        let libraries = server.projects.libraries();
         let name = |folder: &Path| {
             let (path, name) = libraries.reference(folder)?;
             Some(LibraryName { path: path.into(), name: name.into() })
         };
         let mut hidden =
-            BTreeSet::from([house.settings.runs.clone(), house.settings.state.clone()]);
+            BTreeSet::from([server.settings.runs.clone(), server.settings.state.clone()]);
         let mut usages = Vec::new();
-        for room in self.all() {
-            let (folder, (_, machine)) = (room.folder(), room.machine());
-            let (file, library) = (house.projects.file_of(&folder), name(&folder));
+        for session in self.all() {
+            let (folder, (_, machine)) = (session.folder(), session.machine());
+            let (file, library) = (server.projects.file_of(&folder), name(&folder));
             for states in used(&machine, of) {
-                let id = Some(room.id().to_owned());
+                let id = Some(session.id().to_owned());
                 usages.push(usage(states, (id, file.clone(), library.clone())));
             }
             hidden.insert(folder);
         }
         let most = USAGES_MAX.saturating_sub(usages.len());
         let mut search = Search::new(&of.path, &of.name, &hidden, most);
-        house.projects.folders().iter().for_each(|folder| search.look(folder));
+        server.projects.folders().iter().for_each(|folder| search.look(folder));
         let is_cut = search.is_full();
         usages.extend(search.found.into_iter().map(|used| {
-            usage(used.states, (None, house.projects.file_of(&used.machine), name(&used.machine)))
+            usage(used.states, (None, server.projects.file_of(&used.machine), name(&used.machine)))
         }));
         usages.truncate(USAGES_MAX);
         LibraryUsages { usages, is_cut }

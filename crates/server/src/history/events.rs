@@ -2,7 +2,7 @@
 
 use super::{Json, read};
 use crate::extract::{Path, Query};
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{EventDetail, EventPage, EventQuery, HistoryEntry, NamedValue, Refusal};
 use rafcon_storage::journal::{
@@ -23,7 +23,7 @@ const LOOK_FOR_TEXT: u64 = 20_000;
 const BYTES_MAX: usize = 4 << 20;
 
 /// The routes of this file.
-pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(events)).routes(routes!(event))
 }
 
@@ -42,12 +42,12 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn events(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
     Query(query): Query<EventQuery>,
 ) -> Result<Json, Failure> {
     let (filter, count) = (filter(&query)?, count(query.count)?);
-    read(&house, &run, move |reader| Json::of(&page(reader, &query, &filter, count)?)).await
+    read(&server, &run, move |reader| Json::of(&page(reader, &query, &filter, count)?)).await
 }
 
 /// One event of a run, with all that is kept of its values.
@@ -65,10 +65,10 @@ async fn events(
     )
 )]
 async fn event(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path((run, sequence)): Path<(String, u64)>,
 ) -> Result<Json, Failure> {
-    read(&house, &run, move |reader| Json::of(&detail(reader, sequence)?)).await
+    read(&server, &run, move |reader| Json::of(&detail(reader, sequence)?)).await
 }
 
 /// How many are wanted.

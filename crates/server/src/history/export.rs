@@ -7,7 +7,7 @@ use super::sending::{Sending, sending};
 use super::{Readers, folder};
 use crate::extract::{Path, Query};
 use crate::failure::reason;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -50,7 +50,7 @@ impl Exports {
 }
 
 /// The routes of this file.
-pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(export))
 }
 
@@ -68,20 +68,20 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn export(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
     Query(query): Query<ExportQuery>,
 ) -> Result<Response, Failure> {
     let filter = filter(&query)?;
-    let turn = house.history.exports.turn()?;
-    let folder = folder(&house, &run).await?;
+    let turn = server.history.exports.turn()?;
+    let folder = folder(&server, &run).await?;
     let writing = Writing {
-        readers: Arc::clone(&house.history.readers),
+        readers: Arc::clone(&server.history.readers),
         folder,
         format: query.format,
         filter,
-        scratch: house.settings.state.clone(),
-        tell: house.settings.tell,
+        scratch: server.settings.state.clone(),
+        tell: server.settings.tell,
     };
     let (sending, written) = sending();
     tokio::task::spawn_blocking(move || {

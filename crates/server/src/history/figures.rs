@@ -4,7 +4,7 @@
 
 use super::{History, Json, folder};
 use crate::extract::Path;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::extract::State;
 use axum::http::StatusCode;
 use rafcon_locks::Mutex;
@@ -38,7 +38,7 @@ impl Default for Figures {
 }
 
 /// The routes of this file.
-pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(statistics)).routes(routes!(comparison))
 }
 
@@ -54,11 +54,11 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn statistics(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
 ) -> Result<Json, Failure> {
-    let folder = folder(&house, &run).await?;
-    let History { readers, figures, .. } = &house.history;
+    let folder = folder(&server, &run).await?;
+    let History { readers, figures, .. } = &server.history;
     let figures = Arc::clone(figures);
     readers.read_slowly(folder, move |reader| Json::of(&figures.counted(reader)?)).await
 }
@@ -78,11 +78,11 @@ async fn statistics(
     )
 )]
 async fn comparison(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path((run, other)): Path<(String, String)>,
 ) -> Result<Json, Failure> {
-    let (one, other) = (folder(&house, &run).await?, folder(&house, &other).await?);
-    let History { readers, figures, .. } = &house.history;
+    let (one, other) = (folder(&server, &run).await?, folder(&server, &other).await?);
+    let History { readers, figures, .. } = &server.history;
     let alone = Arc::clone(&figures.comparing).acquire_owned().await.ok();
     let others = Arc::clone(readers);
     let compared = move |one: &mut Reader| {

@@ -45,19 +45,25 @@ impl HistoryReader {
         bytes: usize,
     ) -> Result<HistoryPage, Failure> {
         let values = self.values;
-        let read = move |reader: &mut Reader| page(reader, from, Room { count, bytes }, values);
+        let read =
+            move |reader: &mut Reader| page(reader, from, PageLimits { count, bytes }, values);
         self.readers.read(self.folder.clone(), read).await
     }
 }
 
 /// How much a page holds.
 #[derive(Debug, Clone, Copy)]
-struct Room {
+struct PageLimits {
     count: usize,
     bytes: usize,
 }
 
-fn page(reader: &mut Reader, from: u64, room: Room, values: bool) -> Result<HistoryPage, Failure> {
+fn page(
+    reader: &mut Reader,
+    from: u64,
+    room: PageLimits,
+    values: bool,
+) -> Result<HistoryPage, Failure> {
     let mut page = HistoryPage { entries: Vec::new(), next: from };
     let (mut bytes, mut failure) = (0, None);
     let end = from.saturating_add(LOOK);
@@ -93,7 +99,7 @@ fn text(reader: &Reader, entry: &Entry, values: bool) -> Result<Option<String>, 
 
 #[cfg(test)]
 mod tests {
-    use super::{Room, page};
+    use super::{PageLimits, page};
     use proptest::prelude::*;
     use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
     use std::path::Path;
@@ -138,7 +144,7 @@ mod tests {
             let mut reader = run(folder.path(), rounds);
             let (mut found, mut from) = (Vec::new(), 0);
             for (count, bytes) in sizes.iter().cycle() {
-                let room = Room { count: *count, bytes: *bytes };
+                let room = PageLimits { count: *count, bytes: *bytes };
                 let page = page(&mut reader, from, room, values).unwrap();
                 prop_assert!(page.entries.len() <= *count);
                 if page.next == from {

@@ -3,7 +3,7 @@
 use super::events::{LOOK, count, cursor};
 use super::{Json, read};
 use crate::extract::{Path, Query};
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{LogLine, LogPage, LogQuery, Refusal};
 use rafcon_protocol::{Event, LogLevel, Stream};
@@ -17,7 +17,7 @@ use utoipa_axum::routes;
 const BYTES_MAX: usize = 4 << 20;
 
 /// The routes of this file.
-pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(log))
 }
 
@@ -36,12 +36,12 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn log(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
     Query(query): Query<LogQuery>,
 ) -> Result<Json, Failure> {
     let count = count(query.count)?;
-    read(&house, &run, move |reader| Json::of(&page(reader, &query, count)?)).await
+    read(&server, &run, move |reader| Json::of(&page(reader, &query, count)?)).await
 }
 
 fn page(reader: &mut Reader, query: &LogQuery, count: usize) -> Result<LogPage, Failure> {

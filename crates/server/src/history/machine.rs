@@ -7,7 +7,7 @@ use super::{History, Json, folder};
 use crate::document_text::document_text;
 use crate::extract::{Path, Query};
 use crate::failure::reason;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -40,11 +40,11 @@ pub(super) struct Machines {
     /// Held while one is read: whoever asks for the same meanwhile finds it.
     reading: Mutex<()>,
     /// The one that was asked for last is at the back.
-    kept: Mutex<VecDeque<Kept>>,
+    kept: Mutex<VecDeque<CachedDocument>>,
 }
 
 #[derive(Debug)]
-struct Kept {
+struct CachedDocument {
     which: Which,
     document: Bytes,
 }
@@ -58,7 +58,7 @@ struct Which {
 }
 
 /// The routes of this file.
-pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(machine))
 }
 
@@ -74,17 +74,17 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn machine(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
     Query(query): Query<KeptMachineQuery>,
 ) -> Result<Json, Failure> {
     let wanted = query.root.as_deref().map(parse).transpose()?;
-    let folder = folder(&house, &run).await?;
+    let folder = folder(&server, &run).await?;
     let hash = match wanted {
         Some(hash) => hash,
-        None => began_with(&house, &run, &folder).await?,
+        None => began_with(&server, &run, &folder).await?,
     };
-    let History { readers, machines, .. } = &house.history;
+    let History { readers, machines, .. } = &server.history;
     let machines = Arc::clone(machines);
     readers
         .read_slowly(folder, move |reader| {
@@ -95,14 +95,14 @@ async fn machine(
 }
 
 /// The machine that a run began with. Whoever asks for that of a run that has just begun waits until it is told.
-async fn began_with(house: &House, run: &str, folder: &FilePath) -> Result<Hash, Failure> {
-    let run = house.runs.get(run).await?;
+async fn began_with(server: &ServerState, run: &str, folder: &FilePath) -> Result<Hash, Failure> {
+    let run = server.runs.get(run).await?;
     let patience = Instant::now() + PATIENCE;
     loop {
         // Asked first: of a run that is over all is told.
         let is_kept = run.is_live() && run.summary().keeping != Keeping::Off;
         let may_come = is_kept && Instant::now() < patience;
-        let found = house.history.readers.read(folder.to_owned(), first).await?;
+        let found = server.history.readers.read(folder.to_owned(), first).await?;
         match found {
             Some(hash) => return Ok(hash),
             None if may_come => sleep(AGAIN).await,
@@ -153,7 +153,7 @@ impl Machines {
             return Ok(document);
         }
         let document = read(which)?;
-        self.keep(Kept { which: which.clone(), document: document.clone() });
+        self.keep(CachedDocument { which: which.clone(), document: document.clone() });
         Ok(document)
     }
 
@@ -166,10 +166,12 @@ impl Machines {
         Some(document)
     }
 
-    fn keep(&self, fresh: Kept) {
+    fn keep(&self, fresh: CachedDocument) {
         let mut kept = self.kept.lock();
         kept.push_back(fresh);
-        let bytes = |kept: &VecDeque<Kept>| kept.iter().map(|it| it.document.len()).sum::<usize>();
+        let bytes = |kept: &VecDeque<CachedDocument>| {
+            kept.iter().map(|it| it.document.len()).sum::<usize>()
+        };
         while kept.len() > COUNT_MAX || (kept.len() > 1 && bytes(&kept) > BYTES_MAX) {
             kept.pop_front();
         }

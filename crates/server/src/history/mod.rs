@@ -18,7 +18,7 @@ mod sending;
 pub(crate) use follow::HistoryReader;
 pub(crate) use readers::Readers;
 
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::body::Bytes;
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
@@ -45,7 +45,7 @@ pub(crate) struct History {
 }
 
 /// The routes of this part.
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .merge(events::routes())
         .merge(log::routes())
@@ -91,16 +91,16 @@ impl IntoResponse for Json {
 }
 
 /// The folder of a run that there is.
-async fn folder(house: &House, run: &str) -> Result<PathBuf, Failure> {
-    Ok(house.runs.get(run).await?.folder().to_owned())
+async fn folder(server: &ServerState, run: &str) -> Result<PathBuf, Failure> {
+    Ok(server.runs.get(run).await?.folder().to_owned())
 }
 
 /// What the journal of a run says.
 async fn read(
-    house: &House,
+    server: &ServerState,
     run: &str,
     work: impl FnOnce(&mut Reader) -> Result<Json, Failure> + Send + 'static,
 ) -> Result<Json, Failure> {
-    let folder = folder(house, run).await?;
-    house.history.readers.read(folder, work).await
+    let folder = folder(server, run).await?;
+    server.history.readers.read(folder, work).await
 }

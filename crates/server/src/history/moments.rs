@@ -3,7 +3,7 @@
 use super::events::{nanos, no_such_event};
 use super::{Json, read};
 use crate::extract::{Path, Query};
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{KeptAs, KeptValue, MomentQuery, Picture, Refusal};
 use rafcon_storage::journal::record::Content;
@@ -13,7 +13,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// The routes of this file.
-pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(moment)).routes(routes!(moment_at)).routes(routes!(kept))
 }
 
@@ -32,10 +32,10 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn moment(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path((run, sequence)): Path<(String, u64)>,
 ) -> Result<Json, Failure> {
-    read(&house, &run, move |reader| {
+    read(&server, &run, move |reader| {
         if sequence > reader.last_sequence()? {
             return Err(no_such_event(sequence));
         }
@@ -56,11 +56,11 @@ async fn moment(
     )
 )]
 async fn moment_at(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
     Query(query): Query<MomentQuery>,
 ) -> Result<Json, Failure> {
-    read(&house, &run, move |reader| {
+    read(&server, &run, move |reader| {
         let sequence = match query.t_ns.or(query.t_ms.map(nanos)) {
             Some(ns) => reader.first_at(ns.saturating_add(1))? - 1,
             None => reader.last_sequence()?,
@@ -90,10 +90,10 @@ fn picture(reader: &mut Reader, sequence: u64) -> Result<Json, Failure> {
     )
 )]
 async fn kept(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path((run, number)): Path<(String, u64)>,
 ) -> Result<Json, Failure> {
-    read(&house, &run, move |reader| {
+    read(&server, &run, move |reader| {
         let stored = reader.value(ValueNumber(number))?.ok_or_else(|| {
             let message = format!("the run keeps no value {number}, or does not any more");
             Failure::not_found("no_such_value", message)

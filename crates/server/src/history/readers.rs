@@ -29,25 +29,25 @@ pub(crate) struct Readers {
     turns: Arc<Semaphore>,
     slow_turns: Arc<Semaphore>,
     /// The one that was used last is at the back.
-    idle: Mutex<VecDeque<Open>>,
+    idle: Mutex<VecDeque<OpenReader>>,
 }
 
 #[derive(Debug)]
-struct Open {
+struct OpenReader {
     folder: PathBuf,
-    mark: Mark,
+    mark: JournalVersion,
     reader: Reader,
 }
 
 /// By what it is known that what was read of a journal still holds: its writer is the same, or it has the same leftovers.
 #[derive(Debug, PartialEq, Eq)]
-struct Mark {
+struct JournalVersion {
     writer: Option<u32>,
     database: Option<u64>,
     leftovers: Option<(u64, SystemTime)>,
 }
 
-impl Mark {
+impl JournalVersion {
     fn of(folder: &Path) -> Result<Self, JournalError> {
         let writer = writer_of(folder)?;
         let database = fs::metadata(folder.join(DATABASE_FILE)).ok().map(|it| it.ino());
@@ -118,23 +118,23 @@ impl Readers {
         self.idle.lock().retain(|open| open.folder != folder);
     }
 
-    fn take(&self, folder: &Path) -> Result<Open, JournalError> {
+    fn take(&self, folder: &Path) -> Result<OpenReader, JournalError> {
         // Asked before the journal is opened: what changes in between is noticed next time.
-        let mark = Mark::of(folder)?;
+        let mark = JournalVersion::of(folder)?;
         let known = self.take_idle(folder).filter(|open| open.mark == mark);
         if let Some(open) = known {
             return Ok(open);
         }
-        Ok(Open { folder: folder.to_owned(), mark, reader: Reader::open(folder)? })
+        Ok(OpenReader { folder: folder.to_owned(), mark, reader: Reader::open(folder)? })
     }
 
-    fn take_idle(&self, folder: &Path) -> Option<Open> {
+    fn take_idle(&self, folder: &Path) -> Option<OpenReader> {
         let mut idle = self.idle.lock();
         let index = idle.iter().rposition(|open| open.folder == folder)?;
         idle.remove(index)
     }
 
-    fn put(&self, open: Open) {
+    fn put(&self, open: OpenReader) {
         let mut idle = self.idle.lock();
         idle.push_back(open);
         let oldest = if idle.len() > IDLE { idle.pop_front() } else { None };

@@ -3,7 +3,7 @@
 use super::folder;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path};
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
 use rafcon_protocol::api::{Pruned, Refusal, Retention};
@@ -18,7 +18,7 @@ use utoipa_axum::routes;
 const DAY: u64 = 86_400;
 
 /// The routes of this file.
-pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(delete)).routes(routes!(prune))
 }
 
@@ -34,18 +34,18 @@ pub(super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn delete(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
 ) -> Result<Json<Pruned>, Failure> {
-    if house.runs.get(&run).await?.is_live() {
+    if server.runs.get(&run).await?.is_live() {
         let message = format!("the run {run} goes on: stop it first");
         return Err(Failure::conflict("run_goes_on", message));
     }
-    let folder = folder(&house, &run).await?;
+    let folder = folder(&server, &run).await?;
     blocking(move || {
-        house.history.forget(&folder);
+        server.history.forget(&folder);
         let removed = journal::remove(&folder)?;
-        gone(&house, &folder);
+        gone(&server, &folder);
         let removed = removed.ok_or_else(|| {
             let message = format!("somebody else has deleted the run {run}");
             Failure::not_found("no_such_run", message)
@@ -67,16 +67,16 @@ async fn delete(
     )
 )]
 async fn prune(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Body(wanted): Body<Retention>,
 ) -> Result<Json<Vec<Pruned>>, Failure> {
     blocking(move || {
-        let all = &house.settings.runs;
+        let all = &server.settings.runs;
         let pruned = retention(wanted).prune(all, clock::since_1970_ms())?;
         let told = |it: journal::Pruned| {
             let folder = all.join(&it.id);
-            house.history.forget(&folder);
-            gone(&house, &folder);
+            server.history.forget(&folder);
+            gone(&server, &folder);
             Pruned { id: it.id, bytes: it.bytes }
         };
         Ok(Json(pruned.into_iter().map(told).collect()))
@@ -84,8 +84,8 @@ async fn prune(
     .await
 }
 
-fn gone(house: &House, folder: &FilePath) {
-    house.runs.is_gone(folder);
+fn gone(server: &ServerState, folder: &FilePath) {
+    server.runs.forget_folder(folder);
 }
 
 fn retention(wanted: Retention) -> journal::Retention {

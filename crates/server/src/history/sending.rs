@@ -18,19 +18,19 @@ const PARTS: usize = 4;
 const PATIENCE: Duration = Duration::from_mins(1);
 
 /// What is sent next; a failure ends the answer in the middle.
-type Part = Result<Bytes, Failure>;
+type SentPart = Result<Bytes, Failure>;
 
 /// The writing end.
 #[derive(Debug)]
 pub(super) struct Sending {
-    parts: mpsc::Sender<Part>,
+    parts: mpsc::Sender<SentPart>,
     runtime: Handle,
     patience: Duration,
 }
 
 /// What is written, as it comes.
 #[derive(Debug)]
-pub(super) struct Written(mpsc::Receiver<Part>);
+pub(super) struct Written(mpsc::Receiver<SentPart>);
 
 /// Both ends. The writer needs a thread that may wait, of the runtime that this is called in.
 pub(super) fn sending() -> (Sending, Written) {
@@ -56,7 +56,7 @@ impl Sending {
         self.send(Err(failure)).unwrap_or_default();
     }
 
-    fn send(&self, part: Part) -> io::Result<()> {
+    fn send(&self, part: SentPart) -> io::Result<()> {
         let sent = self.runtime.block_on(timeout(self.patience, self.parts.send(part)));
         match sent {
             Ok(Ok(())) => Ok(()),

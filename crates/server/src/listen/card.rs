@@ -1,6 +1,6 @@
 //! `server.json`: where programs of the same user find this server while it runs.
 
-use crate::House;
+use crate::ServerState;
 use crate::access::private::{self, PrivateError};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, TryLockError};
@@ -30,15 +30,15 @@ pub struct Card {
 impl Card {
     /// Tells where a server listens.
     pub(super) fn write(
-        house: &House,
+        server: &ServerState,
         address: SocketAddr,
         fingerprint: Option<String>,
     ) -> Result<Self, PrivateError> {
         let card = Self {
-            url: format!("{}://{}", house.names().scheme(), near(address)),
+            url: format!("{}://{}", server.names().scheme(), near(address)),
             pid: std::process::id(),
             fingerprint,
-            file: house.settings().state.join(FILE),
+            file: server.settings().state.join(FILE),
         };
         let text = serde_json::to_vec_pretty(&card).map_err(io::Error::from);
         let text = text.map_err(|source| PrivateError::new("write", &card.file, source))?;

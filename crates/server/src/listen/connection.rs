@@ -2,7 +2,7 @@
 //! what is asked over them.
 
 use super::paced::Paced;
-use super::places::{Place, Places};
+use super::places::{ConnectionSlot, ConnectionSlots};
 use crate::Failure;
 use crate::settings::Listen;
 use axum::Router;
@@ -55,7 +55,7 @@ impl<S: Sync> FromRequestParts<S> for Peer {
 
 /// All connections of a server.
 pub(super) struct Connections {
-    places: Places,
+    places: ConnectionSlots,
     guest: Guest,
 }
 
@@ -77,7 +77,7 @@ impl Connections {
     ) -> Self {
         let mut http = http1::Builder::new();
         http.timer(TokioTimer::new()).header_read_timeout(listen.head_patience);
-        let places = Places::new(listen.connections_max);
+        let places = ConnectionSlots::new(listen.connections_max);
         let (patience, write_limit) = (listen.head_patience, listen.write_limit);
         let guest = Guest { http, tls, patience, write_limit, closed };
         Self { places, guest }
@@ -104,14 +104,24 @@ impl Connections {
 
 impl Guest {
     /// Where there is TLS, a client has so long to speak it.
-    async fn welcome(self, io: Paced<TcpStream>, from: (Peer, Arc<Place>), router: Router) {
+    async fn welcome(
+        self,
+        io: Paced<TcpStream>,
+        from: (Peer, Arc<ConnectionSlot>),
+        router: Router,
+    ) {
         let Some(tls) = &self.tls else { return self.answer(io, from, router).await };
         if let Ok(Ok(io)) = timeout(self.patience, tls.accept(io)).await {
             self.answer(io, from, router).await;
         }
     }
 
-    async fn answer(&self, io: impl Stream, (peer, place): (Peer, Arc<Place>), router: Router) {
+    async fn answer(
+        &self,
+        io: impl Stream,
+        (peer, place): (Peer, Arc<ConnectionSlot>),
+        router: Router,
+    ) {
         let router = AddExtension::new(AddExtension::new(router, peer), place);
         let service = TowerToHyperService::new(router);
         let connection = self.http.serve_connection(TokioIo::new(io), service);

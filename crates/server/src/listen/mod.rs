@@ -11,13 +11,13 @@ mod tls;
 
 pub use card::Card;
 pub(crate) use connection::Peer;
-pub(crate) use places::Place;
+pub(crate) use places::ConnectionSlot;
 pub use tls::TlsError;
 
 use crate::access::notice;
 use crate::access::private::{self, PrivateError};
-use crate::house::HouseError;
-use crate::{House, Settings, router};
+use crate::state::ServerStateError;
+use crate::{ServerState, Settings, router};
 use axum::Router;
 use connection::Connections;
 use notify::RecommendedWatcher;
@@ -41,7 +41,7 @@ const BREATH: Duration = Duration::from_millis(100);
 /// A server that listens.
 #[derive(Debug)]
 pub struct Server {
-    house: Arc<House>,
+    state: Arc<ServerState>,
     listener: TcpListener,
     address: SocketAddr,
     card: Card,
@@ -60,7 +60,7 @@ pub enum ServeError {
     Private(#[from] PrivateError),
     /// One of its parts cannot begin.
     #[error(transparent)]
-    House(#[from] HouseError),
+    ServerState(#[from] ServerStateError),
     /// Another server has the folder.
     #[error("another server uses {}: name another folder with --state, or end it first", folder.display())]
     Taken {
@@ -118,20 +118,20 @@ impl Server {
     pub async fn bind(settings: Settings) -> Result<Self, ServeError> {
         private::folder(&settings.state)?;
         let lock = only_one(&settings.state).await?;
-        let house = House::new(settings)?;
-        let wanted = house.settings().listen.address;
-        if !wanted.ip().is_loopback() && house.people().users().roster().users().is_empty() {
+        let server = ServerState::new(settings)?;
+        let wanted = server.settings().listen.address;
+        if !wanted.ip().is_loopback() && server.people().users().roster().users().is_empty() {
             return Err(ServeError::Nobody { address: wanted });
         }
         let listener = listen(wanted).await?;
         let address = listener.local_addr().map_err(|source| cannot(wanted, source))?;
-        house.called(names::of(&house.settings().listen, address));
-        let identity = identity(&house, address)?;
+        server.called(names::of(&server.settings().listen, address));
+        let identity = identity(&server, address)?;
         let fingerprint = identity.as_ref().map(|identity| identity.fingerprint.clone());
-        let card = Card::write(&house, address, fingerprint)?;
-        house.begin();
-        let notice = notice(&house);
-        Ok(Self { house, listener, address, card, identity, _notice: notice, _lock: lock })
+        let card = Card::write(&server, address, fingerprint)?;
+        server.begin();
+        let notice = notice(&server);
+        Ok(Self { state: server, listener, address, card, identity, _notice: notice, _lock: lock })
     }
 
     /// Where it listens.
@@ -146,7 +146,7 @@ impl Server {
 
     /// The address that lets its owner in.
     pub fn link(&self) -> String {
-        format!("{}/?token={}", self.card.url, self.house.people().owner().text())
+        format!("{}/?token={}", self.card.url, self.state.people().owner().text())
     }
 
     /// SHA-256 of its certificate, in hexadecimal; none without TLS.
@@ -155,25 +155,25 @@ impl Server {
     }
 
     /// What it looks after.
-    pub fn house(&self) -> &Arc<House> {
-        &self.house
+    pub fn state(&self) -> &Arc<ServerState> {
+        &self.state
     }
 
     /// Answers requests until `stop`; then what is being answered is, and the card goes away.
     pub async fn run(self, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
         let (closing, closed) = watch::channel(false);
         let tls = self.identity.map(|identity| identity.acceptor);
-        let connections = Connections::new(&self.house.settings().listen, tls, closed);
-        let router = router(Arc::clone(&self.house));
+        let connections = Connections::new(&self.state.settings().listen, tls, closed);
+        let router = router(Arc::clone(&self.state));
         tokio::select! {
             () = accept(&self.listener, &connections, &router) => {}
             () = stop => {}
         }
         drop(self.listener);
-        self.house.close();
+        self.state.close();
         closing.send_replace(true);
         connections.gone(FAREWELL).await;
-        self.house.audit().settle();
+        self.state.audit().settle();
         Ok(self.card.remove()?)
     }
 }
@@ -189,9 +189,9 @@ async fn accept(listener: &TcpListener, connections: &Connections, router: &Rout
     }
 }
 
-fn identity(house: &House, address: SocketAddr) -> Result<Option<Identity>, TlsError> {
-    let is_needed = house.names().is_secure;
-    is_needed.then(|| tls::identity(house.settings(), address)).transpose()
+fn identity(server: &ServerState, address: SocketAddr) -> Result<Option<Identity>, TlsError> {
+    let is_needed = server.names().is_secure;
+    is_needed.then(|| tls::identity(server.settings(), address)).transpose()
 }
 
 async fn listen(address: SocketAddr) -> Result<TcpListener, ServeError> {

@@ -1,7 +1,7 @@
 //! A stream whose other side has to read: what waits to be written for too long ends it. Knows bytes and time; must never know
 //! what they mean.
 
-use super::places::{Lost, Place};
+use super::places::{ConnectionSlot, Lost};
 use std::io;
 use std::pin::Pin;
 use std::sync::Arc;
@@ -24,11 +24,11 @@ pub(super) struct Paced<T> {
     /// Written since the deadline was set.
     written: usize,
     lost: Lost,
-    _place: Arc<Place>,
+    _place: Arc<ConnectionSlot>,
 }
 
 impl<T> Paced<T> {
-    pub(super) fn new(io: T, limit: Duration, (place, lost): (Arc<Place>, Lost)) -> Self {
+    pub(super) fn new(io: T, limit: Duration, (place, lost): (Arc<ConnectionSlot>, Lost)) -> Self {
         Self { io, limit, deadline: None, written: 0, lost, _place: place }
     }
 
@@ -123,7 +123,7 @@ impl<T: AsyncWrite + Unpin> AsyncWrite for Paced<T> {
 #[cfg(test)]
 mod tests {
     use super::super::connection::Peer;
-    use super::super::places::Places;
+    use super::super::places::ConnectionSlots;
     use super::{BYTES_MIN, Paced};
     use std::net::{IpAddr, Ipv4Addr};
     use std::time::Duration;
@@ -134,7 +134,7 @@ mod tests {
 
     /// A stream whose reader takes so many bytes every 10 s; how long 1 MiB takes, or when it was given up.
     async fn written(bytes: usize) -> (bool, Duration) {
-        let places = Places::new(1);
+        let places = ConnectionSlots::new(1);
         let peer = Peer { ip: IpAddr::V4(Ipv4Addr::LOCALHOST), is_near: true };
         let (near, far) = duplex(4096);
         let mut paced = Paced::new(near, LIMIT, places.take(peer).unwrap());

@@ -18,7 +18,7 @@ const PART: usize = 4;
 
 /// All places of a server.
 #[derive(Debug, Clone)]
-pub(super) struct Places {
+pub(super) struct ConnectionSlots {
     max: usize,
     taken: Arc<Mutex<Taken>>,
     /// How many connections there are, with those that have lost their place and are about to end.
@@ -29,11 +29,11 @@ pub(super) struct Places {
 #[derive(Debug, Default)]
 struct Taken {
     next: u64,
-    places: BTreeMap<u64, Holder>,
+    places: BTreeMap<u64, SlotHolder>,
 }
 
 #[derive(Debug)]
-struct Holder {
+struct SlotHolder {
     network: IpAddr,
     user: Option<String>,
     /// Dropped when another connection takes the place.
@@ -45,18 +45,18 @@ pub(super) type Lost = oneshot::Receiver<()>;
 
 /// The place of one connection, until dropped.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct ConnectionSlot {
     number: u64,
-    places: Places,
+    places: ConnectionSlots,
 }
 
-impl Places {
+impl ConnectionSlots {
     pub(super) fn new(max: usize) -> Self {
         Self { max, taken: Arc::default(), count: watch::Sender::new(0) }
     }
 
     /// A place for a new connection: a free one, or that of the oldest on which nobody has logged in.
-    pub(super) fn take(&self, peer: Peer) -> Option<(Arc<Place>, Lost)> {
+    pub(super) fn take(&self, peer: Peer) -> Option<(Arc<ConnectionSlot>, Lost)> {
         let network = network(peer.ip);
         let most = if peer.is_near { self.max } else { (self.max / PART).max(1) };
         let mut taken = self.taken.lock();
@@ -69,9 +69,9 @@ impl Places {
         let number = taken.next;
         let (kept, lost) = oneshot::channel();
         taken.next += 1;
-        taken.places.insert(number, Holder { network, user: None, _kept: kept });
+        taken.places.insert(number, SlotHolder { network, user: None, _kept: kept });
         self.count.send_modify(|count| *count += 1);
-        Some((Arc::new(Place { number, places: self.clone() }), lost))
+        Some((Arc::new(ConnectionSlot { number, places: self.clone() }), lost))
     }
 
     /// Waits until no connection is left, but not for ever.
@@ -97,13 +97,13 @@ impl Taken {
 
     /// Ends the oldest connection of a network on which nobody has logged in; nothing if there is none.
     fn end_oldest(&mut self, network: IpAddr) -> Option<()> {
-        let is_anonymous = |holder: &Holder| holder.network == network && holder.user.is_none();
+        let is_anonymous = |holder: &SlotHolder| holder.network == network && holder.user.is_none();
         let (&number, _) = self.places.iter().find(|(_, holder)| is_anonymous(holder))?;
         self.places.remove(&number).map(drop)
     }
 }
 
-impl Place {
+impl ConnectionSlot {
     /// A request of this user came over the connection. One user gets a part of all places in this way.
     pub(crate) fn log_in(&self, user: &str) {
         let mut taken = self.places.taken.lock();
@@ -117,7 +117,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for ConnectionSlot {
     fn drop(&mut self) {
         self.places.taken.lock().places.remove(&self.number);
         self.places.count.send_modify(|count| *count -= 1);
@@ -126,15 +126,15 @@ impl Drop for Place {
 
 #[cfg(test)]
 mod tests {
-    use super::{Peer, Place, Places};
+    use super::{ConnectionSlot, ConnectionSlots, Peer};
     use expect_test::{Expect, expect};
     use std::fmt::Write as _;
     use std::sync::Arc;
 
     /// Lines of `name comes address` (with a `!` behind it, somebody logs in on it) or `name goes`: who is there then.
     fn check(max: usize, script: &str, expect: &Expect) {
-        let places = Places::new(max);
-        let mut there: Vec<(String, Arc<Place>)> = Vec::new();
+        let places = ConnectionSlots::new(max);
+        let mut there: Vec<(String, Arc<ConnectionSlot>)> = Vec::new();
         let mut seen = String::new();
         for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
             let words: Vec<&str> = line.split_whitespace().collect();

@@ -15,7 +15,7 @@ pub enum PageFiles {
 
 /// A file of the page.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct File {
+pub(super) struct PageFile {
     pub(super) bytes: Cow<'static, [u8]>,
     /// As `Content-Type` wants it.
     pub(super) kind: &'static str,
@@ -39,7 +39,7 @@ impl Default for PageFiles {
 
 impl PageFiles {
     /// The file of this name; nothing if there is none, or if no file of the page is called so.
-    pub(super) fn get(&self, name: &str) -> Option<File> {
+    pub(super) fn get(&self, name: &str) -> Option<PageFile> {
         let kind = kind(name)?;
         if !is_plain(name) {
             return None;
@@ -48,7 +48,7 @@ impl PageFiles {
             Self::Carried => Cow::Borrowed(CARRIED.iter().find(|file| file.0 == name)?.1),
             Self::Folder(folder) => Cow::Owned(std::fs::read(folder.join(name)).ok()?),
         };
-        Some(File { bytes, kind })
+        Some(PageFile { bytes, kind })
     }
 
     /// How the page comes here, as HTML for whoever finds none.

@@ -7,13 +7,13 @@ pub use files::PageFiles;
 
 use crate::access::{Credential, Who, in_link};
 use crate::extract::Path;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::extract::State;
 use axum::http::header::{self, HeaderName};
 use axum::http::{StatusCode, Uri};
 use axum::response::{Html, IntoResponse as _, Response};
 use axum::routing::get;
-use files::File;
+use files::PageFile;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 
@@ -27,7 +27,7 @@ const POLICY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-
 const FOREVER: &str = "public, max-age=31536000, immutable";
 
 /// The routes of this part. They are for browsers and stand in no description.
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .route("/", get(page))
         .route("/popout.html", get(popout))
@@ -36,22 +36,23 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 }
 
 async fn page(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     address: Uri,
     who: Option<Who>,
 ) -> Result<Response, Failure> {
     match (who, in_link(&address)) {
-        (Some(who), Some(_)) if who.by == Credential::Owner => enter(&house, &who, &address),
+        (Some(who), Some(_)) if who.by == Credential::Owner => enter(&server, &who, &address),
         (_, Some(_)) => Ok(without_token(&address)),
-        (_, None) => Ok(index(&house.settings().page)),
+        (_, None) => Ok(index(&server.settings().page)),
     }
 }
 
 /// Lets the owner's browser in, and takes the token out of its address.
-fn enter(house: &House, who: &Who, address: &Uri) -> Result<Response, Failure> {
-    let (secret, who) = house.people().begin(&who.user)?;
-    house.audit().note(&who.user, "login", "by the start link");
-    let cookie: [(HeaderName, String); 1] = [(header::SET_COOKIE, house.set_cookie(secret.text()))];
+fn enter(server: &ServerState, who: &Who, address: &Uri) -> Result<Response, Failure> {
+    let (secret, who) = server.people().begin(&who.user)?;
+    server.audit().note(&who.user, "login", "by the start link");
+    let cookie: [(HeaderName, String); 1] =
+        [(header::SET_COOKIE, server.set_cookie(secret.text()))];
     Ok((cookie, without_token(address)).into_response())
 }
 
@@ -73,25 +74,25 @@ fn index(files: &PageFiles) -> Response {
 }
 
 /// What a panel's own window begins with.
-async fn popout(State(house): State<Arc<House>>) -> Result<Response, Failure> {
-    house.settings().page.get("popout.html").map(document).ok_or_else(no_file)
+async fn popout(State(server): State<Arc<ServerState>>) -> Result<Response, Failure> {
+    server.settings().page.get("popout.html").map(document).ok_or_else(no_file)
 }
 
-async fn icon(State(house): State<Arc<House>>) -> Result<Response, Failure> {
-    house.settings().page.get("icon.svg").map(document).ok_or_else(no_file)
+async fn icon(State(server): State<Arc<ServerState>>) -> Result<Response, Failure> {
+    server.settings().page.get("icon.svg").map(document).ok_or_else(no_file)
 }
 
 async fn asset(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(file): Path<String>,
 ) -> Result<Response, Failure> {
-    let file = house.settings().page.get(&format!("assets/{file}")).ok_or_else(no_file)?;
+    let file = server.settings().page.get(&format!("assets/{file}")).ok_or_else(no_file)?;
     let mut answer = document(file);
     answer.headers_mut().insert(header::CACHE_CONTROL, header::HeaderValue::from_static(FOREVER));
     Ok(answer)
 }
 
-fn document(file: File) -> Response {
+fn document(file: PageFile) -> Response {
     let head = [(header::CONTENT_TYPE, file.kind), (header::CONTENT_SECURITY_POLICY, POLICY)];
     (head, file.bytes).into_response()
 }

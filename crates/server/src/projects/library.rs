@@ -33,13 +33,13 @@ pub(super) struct Content {
 
 /// The libraries of the server.
 #[derive(Debug, Default)]
-pub(crate) struct Shelf {
+pub(crate) struct LibraryCache {
     /// The folders of projects.
     projects: Vec<PathBuf>,
     stock: RwLock<Arc<Stock>>,
 }
 
-impl Shelf {
+impl LibraryCache {
     /// Those of these settings, for machines in these folders.
     pub(super) fn open(settings: &Settings, projects: Vec<PathBuf>) -> Self {
         let stock = Stock::new(super::library_roots::find(settings), &projects);

@@ -15,7 +15,7 @@ pub(crate) use usages::Search;
 
 use crate::gate::Gate;
 use crate::{Failure, Settings};
-use library::Shelf;
+use library::LibraryCache;
 use rafcon_protocol::api::{MachineFile, Project};
 use rafcon_storage::Libraries;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ const SEARCHES: usize = 2;
 #[derive(Debug, Default)]
 pub(crate) struct Projects {
     known: Vec<Project>,
-    shelf: Shelf,
+    shelf: LibraryCache,
     looks: Gate,
     searches: Gate,
 }
@@ -40,7 +40,7 @@ impl Projects {
         let known = names::named(folders.iter().cloned());
         Self {
             known,
-            shelf: Shelf::open(settings, folders),
+            shelf: LibraryCache::open(settings, folders),
             looks: Gate::default(),
             searches: Gate::of(SEARCHES),
         }
@@ -52,7 +52,7 @@ impl Projects {
     }
 
     /// The libraries as clients see them.
-    pub(crate) fn shelf(&self) -> &Shelf {
+    pub(crate) fn shelf(&self) -> &LibraryCache {
         &self.shelf
     }
 

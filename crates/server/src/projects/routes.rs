@@ -4,7 +4,7 @@
 use super::library::Content;
 use super::tree::{self, BOUNDS};
 use crate::extract::{Path, Query};
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
@@ -20,7 +20,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// The routes of this part.
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .routes(routes!(projects))
         .routes(routes!(project_tree))
@@ -33,8 +33,8 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 #[utoipa::path(get, path = "/api/v1/projects", tag = "files", responses(
     (status = 200, description = "In the order in which the server was given them", body = [Project])
 ))]
-async fn projects(State(house): State<Arc<House>>) -> Json<Vec<Project>> {
-    Json(house.projects.all().to_vec())
+async fn projects(State(server): State<Arc<ServerState>>) -> Json<Vec<Project>> {
+    Json(server.projects.all().to_vec())
 }
 
 /// Folders and machines of a project.
@@ -51,20 +51,20 @@ async fn projects(State(house): State<Arc<House>>) -> Json<Vec<Project>> {
     )
 )]
 async fn project_tree(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(project): Path<String>,
     Query(from): Query<TreeFrom>,
 ) -> Result<Json<FileNode>, Failure> {
     let file = MachineFile { project, path: from.path };
-    let at = Arc::clone(&house);
+    let at = Arc::clone(&server);
     let look = move || {
-        let folder = house.projects.resolve(&file)?;
+        let folder = server.projects.resolve(&file)?;
         if !folder.is_dir() {
             let message =
                 format!("there is no folder `{}` in the project {}", file.path, file.project);
             return Err(Failure::not_found("no_such_folder", message));
         }
-        let hidden: [&FilePath; 2] = [&house.settings.runs, &house.settings.state];
+        let hidden: [&FilePath; 2] = [&server.settings.runs, &server.settings.state];
         Ok(Json(tree::tree(&folder, &file.path, &hidden, BOUNDS)))
     };
     at.projects.looks().work(look).await
@@ -75,9 +75,11 @@ async fn project_tree(
     (status = 200, description = "In the order in which they count", body = [LibraryRoot]),
     (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
 ))]
-async fn libraries(State(house): State<Arc<House>>) -> Result<Json<Vec<LibraryRoot>>, Failure> {
-    let at = Arc::clone(&house);
-    at.projects.looks().work(move || Ok(Json(house.projects.shelf().roots()))).await
+async fn libraries(
+    State(server): State<Arc<ServerState>>,
+) -> Result<Json<Vec<LibraryRoot>>, Failure> {
+    let at = Arc::clone(&server);
+    at.projects.looks().work(move || Ok(Json(server.projects.shelf().roots()))).await
 }
 
 /// Where a library is used: in open machines, and in the files of all projects and library roots.
@@ -87,11 +89,11 @@ async fn libraries(State(house): State<Arc<House>>) -> Result<Json<Vec<LibraryRo
     (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
 ))]
 async fn library_usages(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Query(of): Query<UsagesOf>,
 ) -> Result<Json<LibraryUsages>, Failure> {
-    let at = Arc::clone(&house);
-    at.projects.searches().work(move || Ok(Json(house.documents.usages(&house, &of)))).await
+    let at = Arc::clone(&server);
+    at.projects.searches().work(move || Ok(Json(server.documents.usages(&server, &of)))).await
 }
 
 /// The machine of a library, as it lies on disk.
@@ -111,12 +113,12 @@ async fn library_usages(
     )
 )]
 async fn library(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path((root, path)): Path<(String, String)>,
     headers: HeaderMap,
 ) -> Result<Response, Failure> {
-    let at = Arc::clone(&house);
-    let read = move || house.projects.shelf().document(&root, &path);
+    let at = Arc::clone(&server);
+    let read = move || server.projects.shelf().document(&root, &path);
     let Content { document, tag } = at.projects.looks().work(read).await?;
     if headers.get(IF_NONE_MATCH).is_some_and(|known| names(known, &tag)) {
         return Ok((StatusCode::NOT_MODIFIED, [(ETAG, tag)]).into_response());

@@ -10,7 +10,7 @@ use std::{fs, io};
 
 /// How much of a tree is told at once.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds {
+pub(super) struct TreeLimits {
     /// Folders and machines.
     pub(super) nodes: usize,
     /// Levels.
@@ -18,13 +18,13 @@ pub(super) struct Bounds {
 }
 
 /// What is told to one request.
-pub(super) const BOUNDS: Bounds = Bounds { nodes: 10_000, depth: 32 };
+pub(super) const BOUNDS: TreeLimits = TreeLimits { nodes: 10_000, depth: 32 };
 
 /// Folders that are somebody else's.
 const FOREIGN: [&str; 3] = ["__pycache__", "node_modules", "target"];
 
 /// A folder on the way to being told.
-struct Found {
+struct ListedFolder {
     node: FileNode,
     folder: PathBuf,
     depth: usize,
@@ -42,7 +42,7 @@ pub(crate) fn is_machine(folder: &Path) -> bool {
 }
 
 /// The tree from `folder` on, which is `path` in its project, without the folders in `hidden`.
-pub(super) fn tree(folder: &Path, path: &str, hidden: &[&Path], bounds: Bounds) -> FileNode {
+pub(super) fn tree(folder: &Path, path: &str, hidden: &[&Path], bounds: TreeLimits) -> FileNode {
     let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut found = vec![found(name, path.to_owned(), folder.to_owned(), 0, 0)];
     let mut at = 0;
@@ -61,7 +61,7 @@ pub(super) fn tree(folder: &Path, path: &str, hidden: &[&Path], bounds: Bounds) 
 }
 
 /// The folders inside one, sorted by name; those that cannot be read are empty.
-fn children(of: &Found, parent: usize, hidden: &[&Path]) -> Vec<Found> {
+fn children(of: &ListedFolder, parent: usize, hidden: &[&Path]) -> Vec<ListedFolder> {
     if of.node.kind == NodeKind::Machine {
         return Vec::new();
     }
@@ -72,7 +72,7 @@ fn children(of: &Found, parent: usize, hidden: &[&Path]) -> Vec<Found> {
             if of.node.path.is_empty() { name.clone() } else { format!("{}/{name}", of.node.path) };
         found(name.clone(), path, of.folder.join(name), of.depth + 1, parent)
     };
-    let is_shown = |found: &Found| !hidden.contains(&found.folder.as_path());
+    let is_shown = |found: &ListedFolder| !hidden.contains(&found.folder.as_path());
     names.into_iter().map(child).filter(is_shown).collect()
 }
 
@@ -88,16 +88,16 @@ fn names(folder: &Path) -> io::Result<Vec<String>> {
     Ok(names)
 }
 
-fn found(name: String, path: String, folder: PathBuf, depth: usize, parent: usize) -> Found {
+fn found(name: String, path: String, folder: PathBuf, depth: usize, parent: usize) -> ListedFolder {
     let kind = if is_machine(&folder) { NodeKind::Machine } else { NodeKind::Folder };
     let node = FileNode { name, path, kind, children: Vec::new(), is_cut: false };
-    Found { node, folder, depth, parent }
+    ListedFolder { node, folder, depth, parent }
 }
 
 /// Puts every node into its parent, which stands before it; the first is the root.
-fn assembled(mut found: Vec<Found>) -> FileNode {
+fn assembled(mut found: Vec<ListedFolder>) -> FileNode {
     while found.len() > 1 {
-        let Some(Found { mut node, parent, .. }) = found.pop() else { break };
+        let Some(ListedFolder { mut node, parent, .. }) = found.pop() else { break };
         node.children.reverse();
         found[parent].node.children.push(node);
     }
@@ -126,7 +126,7 @@ mod tests {
         project
     }
 
-    fn check(project: &Path, hidden: &str, bounds: Bounds, expected: &Expect) {
+    fn check(project: &Path, hidden: &str, bounds: TreeLimits, expected: &Expect) {
         let mut text = String::new();
         let hidden = project.join(hidden);
         for child in tree(project, "", &[&hidden], bounds).children {
@@ -187,7 +187,7 @@ mod tests {
         check(
             project.path(),
             "",
-            Bounds { nodes: 6, depth: 9 },
+            TreeLimits { nodes: 6, depth: 9 },
             &expect![[r"
             a
              a/x …
@@ -199,7 +199,7 @@ mod tests {
         check(
             project.path(),
             "",
-            Bounds { nodes: 99, depth: 1 },
+            TreeLimits { nodes: 99, depth: 1 },
             &expect![[r"
             a …
             b …

@@ -42,7 +42,7 @@ pub(crate) struct Search<'s> {
 
 /// A folder that is looked at.
 #[derive(Debug)]
-struct Folder {
+struct SearchedFolder {
     path: PathBuf,
     depth: usize,
     /// The machine around it, and the folders of the states around it.
@@ -67,7 +67,7 @@ impl<'s> Search<'s> {
 
     /// Looks at everything below a folder that was not looked at yet.
     pub(crate) fn look(&mut self, folder: &Path) {
-        let mut waiting = vec![Folder { path: folder.to_owned(), depth: 0, machine: None }];
+        let mut waiting = vec![SearchedFolder { path: folder.to_owned(), depth: 0, machine: None }];
         while let Some(folder) = waiting.pop() {
             if self.is_full() {
                 return;
@@ -85,8 +85,8 @@ impl<'s> Search<'s> {
     }
 
     /// The folder as what it is: a machine, a state, or one on the way to them.
-    fn at(&mut self, folder: Folder) -> Folder {
-        let Folder { path, depth, machine } = folder;
+    fn at(&mut self, folder: SearchedFolder) -> SearchedFolder {
+        let SearchedFolder { path, depth, machine } = folder;
         let machine = if is_machine(&path) { Some((path.clone(), Vec::new())) } else { machine };
         let machine = machine.map(|(home, mut states)| {
             let core = path.join(Part::Core.file_name());
@@ -96,7 +96,7 @@ impl<'s> Search<'s> {
             }
             (home, states)
         });
-        Folder { path, depth, machine }
+        SearchedFolder { path, depth, machine }
     }
 
     /// Looks at the last of these states, which stand in each other.
@@ -118,7 +118,7 @@ impl<'s> Search<'s> {
     }
 }
 
-impl Folder {
+impl SearchedFolder {
     fn inner(&self, path: PathBuf) -> Self {
         Self { path, depth: self.depth + 1, machine: self.machine.clone() }
     }

@@ -2,7 +2,7 @@
 //! Knows the interpreter that runs would use; must never run a script.
 
 use super::interpreter;
-use crate::child::{Bounds, ask};
+use crate::child::{ChildLimits, ask};
 use crate::{Settings, log};
 use rafcon_check::{Facts, SCRIPT_READER, read_facts, request};
 use rafcon_locks::Mutex;
@@ -16,7 +16,7 @@ use tokio::runtime::Handle;
 const KEPT_MAX: usize = 100_000;
 /// So many bytes of scripts are read by one process.
 const PART_BYTES: usize = 1 << 20;
-const BOUNDS: Bounds = Bounds { patience: Duration::from_secs(20), output: 64 << 20 };
+const BOUNDS: ChildLimits = ChildLimits { patience: Duration::from_secs(20), output: 64 << 20 };
 
 /// The BLAKE3 of a script's text.
 type Hash = [u8; 32];

@@ -3,11 +3,11 @@
 
 mod facts;
 
-use crate::child::{Bounds, ask};
+use crate::child::{ChildLimits, ask};
 use crate::extract::Body;
 use crate::failure::reason;
 use crate::gate::Gate;
-use crate::{Failure, House, Settings};
+use crate::{Failure, ServerState, Settings};
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -28,7 +28,7 @@ const CHECK: &str = include_str!("check.py");
 const AT_ONCE: usize = 2;
 /// Longer scripts are not looked at.
 const BYTES_MAX: usize = 1 << 20;
-const BOUNDS: Bounds = Bounds { patience: Duration::from_secs(10), output: 1 << 20 };
+const BOUNDS: ChildLimits = ChildLimits { patience: Duration::from_secs(10), output: 1 << 20 };
 
 /// What looks at scripts.
 #[derive(Debug)]
@@ -56,7 +56,7 @@ fn interpreter(settings: &Settings) -> Result<Interpreter, String> {
 }
 
 /// The routes of this part.
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(check))
 }
 
@@ -69,7 +69,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
     (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
 ))]
 async fn check(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Body(CheckScript { script, state }): Body<CheckScript>,
 ) -> Result<Json<Vec<ScriptProblem>>, Failure> {
     if script.len() > BYTES_MAX {
@@ -77,13 +77,13 @@ async fn check(
             format!("a script of more than {BYTES_MAX} bytes is not looked at: divide it");
         return Err(Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message));
     }
-    let at = Arc::clone(&house);
+    let at = Arc::clone(&server);
     let look = move || {
-        let mut found = Handle::current().block_on(look(&house.settings, &script))?;
+        let mut found = Handle::current().block_on(look(&server.settings, &script))?;
         if let (Some(state), true) =
             (state, found.iter().all(|one| one.severity != Severity::Error))
         {
-            found.extend(fit(&house, &script, &state)?);
+            found.extend(fit(&server, &script, &state)?);
         }
         Ok(Json(found))
     };
@@ -91,9 +91,13 @@ async fn check(
 }
 
 /// How a script that parses fits a state.
-fn fit(house: &House, script: &str, state: &ScriptPlace) -> Result<Vec<ScriptProblem>, Failure> {
-    let machine = house.documents.machine_of(&state.machine)?;
-    let facts = house.python.facts(&house.settings, &[script]);
+fn fit(
+    server: &ServerState,
+    script: &str,
+    state: &ScriptPlace,
+) -> Result<Vec<ScriptProblem>, Failure> {
+    let machine = server.documents.machine_of(&state.machine)?;
+    let facts = server.python.facts(&server.settings, &[script]);
     let Some(facts) = facts.into_iter().flatten().next() else { return Ok(Vec::new()) };
     let found = rafcon_check::of_script(&machine, &StatePath::parse(&state.path), &facts);
     let problem = |finding: Finding| ScriptProblem {

@@ -25,7 +25,7 @@ impl Audience {
     }
 
     /// Waits until somebody looks on.
-    pub(super) async fn is_there(&self) {
+    pub(super) async fn wait_for_onlooker(&self) {
         let mut count = self.0.subscribe();
         // The sender lives as long as we do.
         drop(count.wait_for(|count| *count > 0).await);

@@ -8,7 +8,7 @@ use super::talk::{self, LinkError};
 use crate::access::{Who, of_command};
 use crate::blocking::blocking;
 use crate::failure::reason;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, Right, RunPhase};
 use rafcon_protocol::{Answer, Command, Envelope, StateData};
@@ -31,7 +31,7 @@ const AGAIN: Duration = Duration::from_millis(100);
 
 /// Gives a command to a run in the name of whoever asks.
 pub(crate) async fn command(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     who: &Who,
     run: &str,
     envelope: Envelope,
@@ -42,18 +42,18 @@ pub(crate) async fn command(
         let message = "control is requested, handed over and released at POST …/control";
         return Err(Failure::bad("use_control", message));
     }
-    let run = house.runs.get(run).await?;
+    let run = server.runs.get(run).await?;
     let id = envelope.id.clone();
     let known = key(&who.user, &id);
     if !is_commanded(&run) {
-        return answered_before(house, &run, id, known).await;
+        return answered_before(server, &run, id, known).await;
     }
     if !is_for_everybody(&envelope.command) {
-        take(house, &run, who)?;
+        take(server, &run, who)?;
     }
     let envelope = Envelope { id: known, author: who.user.clone(), ..envelope };
     let answer = if envelope.command == Command::Stop {
-        stop(house, who, &run, envelope).await?
+        stop(server, who, &run, envelope).await?
     } else {
         send(&run, envelope).await?
     };
@@ -72,42 +72,42 @@ fn is_for_everybody(command: &Command) -> bool {
 }
 
 /// The first who commands takes control; all but the holder are refused.
-pub(super) fn take(house: &House, run: &Arc<Run>, who: &Who) -> Result<(), Failure> {
+pub(super) fn take(server: &ServerState, run: &Arc<Run>, who: &Who) -> Result<(), Failure> {
     let now_ms = clock::since_1970_ms();
-    with_control(house, run, who, |holding| holding.command(&who.user, now_ms, run.silence()))
+    with_control(server, run, who, |holding| holding.command(&who.user, now_ms, run.silence()))
 }
 
 /// Moves control, as somebody wants.
 pub(crate) async fn control(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     who: &Who,
     run: &str,
     wanted: &ControlMove,
 ) -> Result<Control, Failure> {
-    let run = house.runs.get(run).await?;
+    let run = server.runs.get(run).await?;
     if !run.is_live() {
         let message = "nobody commands a run that does not go on: resume it, or start another";
         return Err(Failure::conflict("run_is_not_live", message));
     }
     match wanted {
-        ControlMove::HandOver { to } => may_command(house, to).await?,
+        ControlMove::HandOver { to } => may_command(server, to).await?,
         ControlMove::Override => who.must(Right::Administer)?,
         _ => {}
     }
     let now_ms = clock::since_1970_ms();
-    with_control(house, &run, who, |holding| {
+    with_control(server, &run, who, |holding| {
         holding.apply(&who.user, wanted, now_ms, run.silence())
     })?;
     if *wanted == ControlMove::Override {
-        house.audit().note(&who.user, "control_override", &format!("of {}", run.id()));
+        server.audit().note(&who.user, "control_override", &format!("of {}", run.id()));
     }
     let control = run.now().borrow().control.clone();
     Ok(control)
 }
 
 /// Nobody is given control who could not command.
-async fn may_command(house: &Arc<House>, user: &str) -> Result<(), Failure> {
-    let (here, name) = (Arc::clone(house), user.to_owned());
+async fn may_command(server: &Arc<ServerState>, user: &str) -> Result<(), Failure> {
+    let (here, name) = (Arc::clone(server), user.to_owned());
     if blocking(move || Ok(here.people().users().may(&name, Right::Command))).await? {
         return Ok(());
     }
@@ -119,7 +119,7 @@ async fn may_command(house: &Arc<House>, user: &str) -> Result<(), Failure> {
 
 /// Does something with who holds control. If another does then, it is kept, and told to the runner: it stands in the journal.
 fn with_control(
-    house: &House,
+    server: &ServerState,
     run: &Arc<Run>,
     who: &Who,
     act: impl FnOnce(&mut super::control::Holding) -> Result<(), super::control::Denied>,
@@ -135,7 +135,7 @@ fn with_control(
     }
     if before.holder() != after.holder() {
         let holder = after.holder().unwrap_or("nobody");
-        house.audit().note(&who.user, "control", &format!("of {} to {holder}", run.id()));
+        server.audit().note(&who.user, "control", &format!("of {} to {holder}", run.id()));
         note(run, who, after.holder());
     }
     Ok(())
@@ -164,7 +164,7 @@ fn note(run: &Run, who: &Who, holder: Option<&str>) {
 
 /// Stops a run, whatever its runner does: if that does not answer in time, its process is ended.
 async fn stop(
-    house: &House,
+    server: &ServerState,
     who: &Who,
     run: &Arc<Run>,
     envelope: Envelope,
@@ -188,7 +188,7 @@ async fn stop(
     if !tokio::task::spawn_blocking(end).await.unwrap_or_default() {
         return Err(late());
     }
-    house.audit().note(&who.user, "kill", &format!("of {}: it did not take a stop", run.id()));
+    server.audit().note(&who.user, "kill", &format!("of {}: it did not take a stop", run.id()));
     Ok(Answer::Applied)
 }
 
@@ -258,14 +258,14 @@ fn not_spoken_with(error: &LinkError) -> Failure {
 
 /// The answer that a command had while the run went on; without one it comes too late.
 async fn answered_before(
-    house: &House,
+    server: &ServerState,
     run: &Run,
     id: String,
     known: String,
 ) -> Result<CommandAnswer, Failure> {
     let folder = run.folder().to_path_buf();
     let phase = run.summary().phase;
-    let read = house
+    let read = server
         .history
         .readers()
         .read(folder, move |reader| Ok(reader.moment(u64::MAX)?.whole().answer(&known).cloned()));
@@ -285,11 +285,11 @@ pub(super) fn not_live(phase: &RunPhase) -> Failure {
 
 /// What an active state of a run holds.
 pub(crate) async fn inspect(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     run: &str,
     path: &str,
 ) -> Result<StateData, Failure> {
-    let run = house.runs.get(run).await?;
+    let run = server.runs.get(run).await?;
     if !run.is_live() {
         return Err(not_live(&run.summary().phase));
     }

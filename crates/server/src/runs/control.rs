@@ -11,7 +11,7 @@ const REQUESTS_MAX: usize = 64;
 /// Who holds control of a run, and who asks for it. Nobody asks while nobody holds it.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(super) struct Holding {
-    holder: Option<Holder>,
+    holder: Option<ControlHolder>,
     requests: Vec<String>,
     /// To whom the holder offers it.
     #[serde(default)]
@@ -19,7 +19,7 @@ pub(super) struct Holding {
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-struct Holder {
+struct ControlHolder {
     user: String,
     since_ms: u64,
     /// Not kept: whoever held a run when the server went away has all the time again.
@@ -243,12 +243,12 @@ impl Holding {
         self.offered_to = None;
         if self.holder() != Some(user) {
             self.holder =
-                Some(Holder { user: user.to_owned(), since_ms: now_ms, heard_ms: now_ms });
+                Some(ControlHolder { user: user.to_owned(), since_ms: now_ms, heard_ms: now_ms });
         }
     }
 }
 
-impl Holder {
+impl ControlHolder {
     fn denies(&self, silence: Duration) -> Denied {
         Denied::Held { holder: self.user.clone(), silence_s: silence.as_secs() }
     }

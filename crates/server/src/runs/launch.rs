@@ -88,7 +88,7 @@ fn last(said: &str) -> String {
 }
 
 /// What a runner said first.
-enum Heard {
+enum FirstMessage {
     Begun(Option<LoadedMachine>),
     Refused(String),
     Gone,
@@ -113,8 +113,8 @@ pub(super) fn launch(
     let exit = exit.inspect_err(|_| group.kill())?;
     let control = begin(control, launch).inspect_err(|_| group.kill())?;
     let heard = match hear(&control) {
-        Ok(Heard::Begun(loaded)) => return Ok(Launched { loaded, control, exit }),
-        Ok(Heard::Refused(reason)) => return Err(LaunchError::Load(reason)),
+        Ok(FirstMessage::Begun(loaded)) => return Ok(Launched { loaded, control, exit }),
+        Ok(FirstMessage::Refused(reason)) => return Err(LaunchError::Load(reason)),
         heard => heard,
     };
     group.kill();
@@ -153,18 +153,18 @@ fn reap(mut child: Child) -> io::Result<oneshot::Receiver<Exit>> {
     Ok(exit)
 }
 
-fn hear(control: &UnixStream) -> Result<Heard, LaunchError> {
+fn hear(control: &UnixStream) -> Result<FirstMessage, LaunchError> {
     control.set_read_timeout(Some(PATIENCE)).map_err(LaunchError::Silent)?;
     let mut lines = BufReader::new(control);
-    let Some(hello) = line(&mut lines)? else { return Ok(Heard::Gone) };
+    let Some(hello) = line(&mut lines)? else { return Ok(FirstMessage::Gone) };
     decode::<Hello>(&hello)?.check()?;
-    let Some(first) = line(&mut lines)? else { return Ok(Heard::Gone) };
+    let Some(first) = line(&mut lines)? else { return Ok(FirstMessage::Gone) };
     match decode::<ToViewer>(&first)? {
-        ToViewer::LoadFailed { reason } => Ok(Heard::Refused(reason)),
+        ToViewer::LoadFailed { reason } => Ok(FirstMessage::Refused(reason)),
         ToViewer::Loaded { states, problems, .. } => {
-            Ok(Heard::Begun(Some(LoadedMachine { states, problems })))
+            Ok(FirstMessage::Begun(Some(LoadedMachine { states, problems })))
         }
-        _other => Ok(Heard::Begun(None)),
+        _other => Ok(FirstMessage::Begun(None)),
     }
 }
 

@@ -6,11 +6,11 @@
 use super::fate;
 use super::launch::Launched;
 use super::link;
-use super::request::Request;
+use super::request::RunRequest;
 use super::run::Run;
 use super::summary::Looked;
 use super::take_up;
-use crate::House;
+use crate::ServerState;
 use crate::failure::reason;
 use rafcon_protocol::OnCrash;
 use rafcon_protocol::api::{RunPhase, RunSummary};
@@ -30,64 +30,64 @@ const LAST_BREATH: Duration = Duration::from_secs(1);
 
 /// Looks into a folder and lets everybody know what is there; nothing if there is no run. A run that somebody follows already is
 /// known better than it can be found.
-pub(super) async fn look(house: &Arc<House>, folder: PathBuf) -> Option<Arc<Run>> {
-    let (here, there) = (Arc::clone(house), folder.clone());
+pub(super) async fn look(server: &Arc<ServerState>, folder: PathBuf) -> Option<Arc<Run>> {
+    let (here, there) = (Arc::clone(server), folder.clone());
     let look = move || super::summary::look(&there, &here.projects);
     let looked = tokio::task::spawn_blocking(look).await.ok().flatten();
-    house.runs.found(house, &folder, looked)
+    server.runs.found(server, &folder, looked)
 }
 
 /// Looks after the runner of a run from now on, if nobody does yet.
-pub(super) fn follow(house: &Arc<House>, run: &Arc<Run>) {
-    if run.is_taken_in_hand() {
-        look_after(house, run);
+pub(super) fn follow(server: &Arc<ServerState>, run: &Arc<Run>) {
+    if run.try_claim() {
+        look_after(server, run);
     }
 }
 
 /// Looks after the runner of a run that is in our hand.
-fn look_after(house: &Arc<House>, run: &Arc<Run>) {
-    let (house, run) = (Arc::clone(house), Arc::clone(run));
-    let life = Life { house, run, lives: Lives::default(), control: None };
+fn look_after(server: &Arc<ServerState>, run: &Arc<Run>) {
+    let (server, run) = (Arc::clone(server), Arc::clone(run));
+    let life = Life { server, run, lives: Lives::default(), control: None };
     tokio::spawn(life.go_on());
 }
 
 /// Looks after a runner that was just started, and waits until it can be commanded: until then it knows that somebody looks on.
-pub(super) async fn follow_ours(house: &Arc<House>, run: &Arc<Run>, launched: Launched) {
-    let control = is_ours(run, launched);
-    follow(house, run);
+pub(super) async fn follow_ours(server: &Arc<ServerState>, run: &Arc<Run>, launched: Launched) {
+    let control = adopt(run, launched);
+    follow(server, run);
     run.linked().await;
     drop(control);
 }
 
 /// The same for a run that is in our hand.
-pub(super) async fn look_after_ours(house: &Arc<House>, run: &Arc<Run>, launched: Launched) {
-    let control = is_ours(run, launched);
-    look_after(house, run);
+pub(super) async fn look_after_ours(server: &Arc<ServerState>, run: &Arc<Run>, launched: Launched) {
+    let control = adopt(run, launched);
+    look_after(server, run);
     run.linked().await;
     drop(control);
 }
 
-fn is_ours(run: &Run, launched: Launched) -> UnixStream {
+fn adopt(run: &Run, launched: Launched) -> UnixStream {
     let Launched { loaded, control, exit } = launched;
     if let Some(loaded) = loaded {
-        run.is_loaded(loaded);
+        run.set_loaded(loaded);
     }
-    run.is_ours(exit);
+    run.set_exit(exit);
     control
 }
 
 /// What was known about a run may be true no more: looks, and follows it if it lives.
-pub(super) async fn look_again(house: &Arc<House>, run: &Run) {
-    if let Some(run) = Box::pin(look(house, run.folder().to_path_buf())).await
+pub(super) async fn look_again(server: &Arc<ServerState>, run: &Run) {
+    if let Some(run) = Box::pin(look(server, run.folder().to_path_buf())).await
         && run.summary().phase == RunPhase::Live
     {
-        follow(house, &run);
+        follow(server, &run);
     }
 }
 
 /// The runners of one run, one after the other.
 struct Life {
-    house: Arc<House>,
+    server: Arc<ServerState>,
     run: Arc<Run>,
     lives: Lives,
     /// Our first connection to a runner that we started: closed when the next one stands.
@@ -98,18 +98,18 @@ impl Life {
     async fn go_on(mut self) {
         loop {
             self.until_it_is_dead().await;
-            if !self.is_taken_up().await {
+            if !self.restart_if_due().await {
                 break;
             }
         }
         // Somebody else may have taken it up in between.
-        look_again(&self.house, &self.run).await;
+        look_again(&self.server, &self.run).await;
     }
 
     /// Nobody looks after the run from now on; only then it is told how it stands, so that whoever knows can take it up.
-    fn is_over(&self, summary: &RunSummary) -> bool {
-        self.run.is_let_go();
-        self.run.is_as_found(summary);
+    fn end(&self, summary: &RunSummary) -> bool {
+        self.run.release();
+        self.run.apply_summary(summary);
         false
     }
 
@@ -124,7 +124,7 @@ impl Life {
                 follow.await.is_ok()
             };
             pause = if linked { SHORTEST } else { (pause * 2).min(LONGEST) };
-            if !self.is_held().await {
+            if !self.look_for_writer().await {
                 return;
             }
             tokio::time::sleep(pause).await;
@@ -132,23 +132,23 @@ impl Life {
     }
 
     /// The runner is dead: whether another follows. If not, the run is let go.
-    async fn is_taken_up(&mut self) -> bool {
+    async fn restart_if_due(&mut self) -> bool {
         let exit = self.exit().await;
-        let (house, folder) = (Arc::clone(&self.house), self.run.folder().to_path_buf());
+        let (server, folder) = (Arc::clone(&self.server), self.run.folder().to_path_buf());
         let look = move || {
-            let looked = super::summary::look(&folder, &house.projects)?;
+            let looked = super::summary::look(&folder, &server.projects)?;
             let policy = policy_of(&folder);
             Some((looked, policy, fate::of(&folder, exit)))
         };
         let Ok(Some((looked, policy, fate))) = tokio::task::spawn_blocking(look).await else {
-            self.run.is_let_go();
+            self.run.release();
             return false;
         };
         let Looked { mut summary, request } = looked;
         let ours =
             request.filter(|request| summary.phase == RunPhase::Crashed && request.may_go_on());
         let Some(request) = ours else {
-            return self.is_over(&summary);
+            return self.end(&summary);
         };
         let next = if self.run.take_stop_by_force() {
             Next::Ask("it did not take a stop, so its process was ended")
@@ -159,25 +159,25 @@ impl Life {
             self.lives.next(now, &fate.death, policy)
         };
         match next {
-            Next::Ask(_) => self.is_left(&summary, request).await,
+            Next::Ask(_) => self.leave_for_decision(&summary, request).await,
             Next::Again(resume, crash) => {
                 summary.phase = RunPhase::Starting;
-                self.run.is_as_found(&summary);
-                match take_up::again(&self.house, &self.run, resume, crash).await {
+                self.run.apply_summary(&summary);
+                match take_up::again(&self.server, &self.run, resume, crash).await {
                     Ok(launched) => {
                         self.control = Some(launched.control);
-                        self.run.is_ours(launched.exit);
+                        self.run.set_exit(launched.exit);
                         true
                     }
                     // Somebody else has taken it up meanwhile: a server before this one, or the command line.
-                    Err(_late) if self.is_held().await => true,
+                    Err(_late) if self.look_for_writer().await => true,
                     // It died before it had taken the run up: one more death.
                     Err(error) if error.is_death() => true,
                     Err(error) => {
                         let (id, why) = (self.run.id(), reason(&error));
-                        (self.house.settings.tell)(&format!("run {id} is not taken up: {why}"));
+                        (self.server.settings.tell)(&format!("run {id} is not taken up: {why}"));
                         summary.phase = RunPhase::Crashed;
-                        self.is_left(&summary, request).await
+                        self.leave_for_decision(&summary, request).await
                     }
                 }
             }
@@ -185,13 +185,13 @@ impl Life {
     }
 
     /// Somebody has to decide what becomes of the run.
-    async fn is_left(&self, summary: &RunSummary, request: Request) -> bool {
-        take_up::leave_alone(&self.house, &self.run, request).await;
-        self.is_over(summary)
+    async fn leave_for_decision(&self, summary: &RunSummary, request: RunRequest) -> bool {
+        take_up::leave_alone(&self.server, &self.run, request).await;
+        self.end(summary)
     }
 
     /// Whether a process writes the run.
-    async fn is_held(&self) -> bool {
+    async fn look_for_writer(&self) -> bool {
         let folder = self.run.folder().to_path_buf();
         let writer = tokio::task::spawn_blocking(move || writer_of(&folder)).await;
         matches!(writer, Ok(Ok(Some(_))))
@@ -205,16 +205,16 @@ impl Life {
 
 /// Waits until a run begins, or is known not to, that a server before this one was starting when it ended; follows one that
 /// has begun. Nothing if its folder is gone.
-pub(super) async fn await_beginning(house: &Arc<House>, folder: &Path) -> Option<Arc<Run>> {
+pub(super) async fn await_beginning(server: &Arc<ServerState>, folder: &Path) -> Option<Arc<Run>> {
     let mut pause = SHORTEST;
     loop {
-        let run = look(house, folder.to_path_buf()).await?;
+        let run = look(server, folder.to_path_buf()).await?;
         match run.summary().phase {
             RunPhase::Starting => {}
             // A runner that has made its journal may die before anything happens.
             RunPhase::Live if run.link().is_none() && !begins(folder).await => {}
             RunPhase::Live => {
-                follow(house, &run);
+                follow(server, &run);
                 return Some(run);
             }
             _ => return Some(run),
@@ -233,7 +233,7 @@ async fn begins(folder: &Path) -> bool {
 /// Whether a run that is found when the server begins is to be looked after: it lives, or it would go on by itself.
 pub(super) fn needs_somebody(looked: &Looked, policy: OnCrash) -> bool {
     let Looked { summary, request } = looked;
-    let may_go_on = || request.as_ref().is_some_and(Request::may_go_on);
+    let may_go_on = || request.as_ref().is_some_and(RunRequest::may_go_on);
     let goes_on = summary.phase == RunPhase::Crashed && policy != OnCrash::Ask && may_go_on();
     summary.phase == RunPhase::Live || goes_on
 }

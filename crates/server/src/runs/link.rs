@@ -3,10 +3,10 @@
 //!
 //! Knows the protocol. Must never know who commands, who follows, or what becomes of a run whose runner is gone.
 
-use super::pulse::{self, Heard, Pulse};
+use super::encoded_event::EncodedEvent;
+use super::pulse::{self, Liveness, RunnerPulse};
 use super::run::Run;
-use super::talk::{Connection, LinkError, open};
-use super::told::Told;
+use super::talk::{LinkError, RunnerConnection, open};
 use rafcon_locks::Mutex;
 use rafcon_protocol::{Answer, Envelope, Join, ToRunner, ToViewer, decode, encode};
 use std::collections::BTreeMap;
@@ -45,21 +45,21 @@ pub(super) enum NotSent {
 /// Connects to the runner and follows it until the connection ends; `is_up` is called when it stands.
 pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkError> {
     let join = Join { from: run.ring().next(), every_event: true, values: true };
-    let Connection { loaded, lines, out } = open(run.folder().to_path_buf(), join).await?;
+    let RunnerConnection { loaded, lines, out } = open(run.folder().to_path_buf(), join).await?;
     if let Some(loaded) = loaded {
-        run.is_loaded(loaded);
+        run.set_loaded(loaded);
     }
     let (sender, outgoing) = mpsc::channel(COMMANDS_MAX);
     let link = Arc::new(Link { out: sender, waiting: Mutex::default() });
     let writer = tokio::spawn(write(out, outgoing));
-    run.link_is_up(&link);
+    run.set_link(&link);
     is_up();
-    let pulse = Pulse::new();
+    let pulse = RunnerPulse::new();
     let end = tokio::select! {
         end = read(lines, run, &link, &pulse) => end,
         never = pulse::keep_asking(run, &link, &pulse) => match never {},
     };
-    run.link_is_down(pulse.heard_ms());
+    run.clear_link(pulse.heard_ms());
     link.close();
     writer.abort();
     end
@@ -121,7 +121,7 @@ async fn read(
     mut lines: BufReader<OwnedReadHalf>,
     run: &Run,
     link: &Link,
-    pulse: &Pulse,
+    pulse: &RunnerPulse,
 ) -> Result<(), LinkError> {
     let (mut line, mut events) = (Vec::new(), Vec::new());
     loop {
@@ -130,11 +130,11 @@ async fn read(
             run.happened(events);
             return Ok(());
         }
-        if pulse.is_heard() == Heard::Again {
-            run.is_heard_again();
+        if pulse.note_heard() == Liveness::Again {
+            run.mark_heard();
         }
         let text = String::from_utf8_lossy(&line);
-        match Told::read(&text) {
+        match EncodedEvent::read(&text) {
             Some(told) => events.push(told),
             None => said(&text, run, link, &mut events),
         }
@@ -145,7 +145,7 @@ async fn read(
 }
 
 /// What a runner says beside events. Events that it told before come first.
-fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<Told>) {
+fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<EncodedEvent>) {
     match decode::<ToViewer>(text) {
         Ok(ToViewer::Snapshot(snapshot)) => {
             run.happened(std::mem::take(events));

@@ -6,6 +6,7 @@
 mod audience;
 mod commands;
 mod control;
+mod encoded_event;
 mod fate;
 mod holder_file;
 mod launch;
@@ -21,22 +22,21 @@ mod start;
 mod summary;
 mod take_up;
 mod talk;
-mod told;
 mod watch;
 
 pub(crate) use commands::command;
-pub(crate) use ring::Page;
+pub(crate) use encoded_event::EncodedEvent;
+pub(crate) use ring::EventsPage;
 pub(crate) use routes::routes;
 pub(crate) use run::Run;
-pub(crate) use told::Told;
 
 use crate::news::News;
-use crate::{Failure, House, Settings};
+use crate::{Failure, ServerState, Settings};
 use axum::http::StatusCode;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_supervisor::{MakeError, Runs as Folder, clock, policy_of};
-use request::Request;
+use request::RunRequest;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -55,11 +55,11 @@ const TURN_PATIENCE: Duration = Duration::from_secs(30);
 const DISK_PATIENCE: Duration = Duration::from_millis(300);
 
 /// What has become of a request; held while something does.
-type Slot = Arc<tokio::sync::Mutex<Option<Asked>>>;
+type Slot = Arc<tokio::sync::Mutex<Option<StartRequestState>>>;
 
 /// A request to start a run that was written down.
 #[derive(Debug)]
-enum Asked {
+enum StartRequestState {
     /// It has begun the run with this id.
     Begun(String),
     /// Its run has this folder and has not begun, as far as is known.
@@ -75,7 +75,7 @@ pub(crate) struct Runs {
     launches: Arc<Semaphore>,
     /// Whether the folder was looked through.
     known: tokio_watch::Sender<bool>,
-    watch: Mutex<Option<watch::Watch>>,
+    watch: Mutex<Option<watch::RunFolderWatch>>,
     news: tokio_watch::Sender<u64>,
 }
 
@@ -100,7 +100,7 @@ impl Runs {
 
     /// All runs in one line each, the newest first.
     pub(crate) async fn list(&self) -> Vec<RunSummary> {
-        self.are_known().await;
+        self.wait_until_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
         let plain = runs.iter().map(|run| run.summary()).collect();
         let measure = spawn_blocking(move || runs.iter().map(|run| run.measured()).collect());
@@ -110,7 +110,7 @@ impl Runs {
 
     /// Runs that go on, and those that changed since the server began; the newest first.
     pub(crate) async fn lively(&self) -> Vec<RunSummary> {
-        self.are_known().await;
+        self.wait_until_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
         runs.iter().filter(|run| run.is_lively()).map(|run| run.summary()).collect()
     }
@@ -120,7 +120,7 @@ impl Runs {
         if let Some(run) = self.known(id) {
             return Ok(run);
         }
-        self.are_known().await;
+        self.wait_until_known().await;
         self.known(id).ok_or_else(|| {
             let message = format!("there is no run `{id}`: GET /api/v1/runs lists them");
             Failure::not_found("no_such_run", message)
@@ -146,7 +146,7 @@ impl Runs {
     }
 
     /// Waits until the folder was looked through.
-    async fn are_known(&self) {
+    async fn wait_until_known(&self) {
         let mut known = self.known.subscribe();
         // The sender lives as long as we do.
         drop(known.wait_for(|known| *known).await);
@@ -177,41 +177,46 @@ impl Runs {
     }
 
     /// This is what was found in the folder of a run; nothing if it is none, or none any more.
-    fn found(&self, house: &House, folder: &Path, looked: Option<Looked>) -> Option<Arc<Run>> {
+    fn found(
+        &self,
+        server: &ServerState,
+        folder: &Path,
+        looked: Option<Looked>,
+    ) -> Option<Arc<Run>> {
         let Some(looked) = looked else {
-            self.is_gone(folder);
-            house.history.forget(folder);
+            self.forget_folder(folder);
+            server.history.forget(folder);
             return None;
         };
         let mut all = self.all.lock();
         if let Some(run) = all.get(&looked.summary.id) {
             let run = Arc::clone(run);
             drop(all);
-            if !run.is_in_hand() {
-                run.is_as_found(&looked.summary);
+            if !run.is_claimed() {
+                run.apply_summary(&looked.summary);
             }
             return Some(run);
         }
-        let run = Arc::new(Run::new(house, folder.to_path_buf(), &looked.summary));
+        let run = Arc::new(Run::new(server, folder.to_path_buf(), &looked.summary));
         if *self.known.borrow() {
-            run.has_come();
+            run.mark_changed();
         }
         all.insert(looked.summary.id.clone(), Arc::clone(&run));
         drop(all);
         // It may have been deleted since it was looked at.
         if !folder.is_dir() {
-            self.is_gone(folder);
+            self.forget_folder(folder);
             return None;
         }
         if let Some(key) = looked.request.and_then(|request| request.key()) {
             let is_open =
                 matches!(looked.summary.phase, RunPhase::Starting | RunPhase::NotStarted { .. });
-            self.was_asked(
+            self.note_request(
                 &key,
                 if is_open {
-                    Asked::Open(folder.to_path_buf())
+                    StartRequestState::Open(folder.to_path_buf())
                 } else {
-                    Asked::Begun(looked.summary.id.clone())
+                    StartRequestState::Begun(looked.summary.id.clone())
                 },
             );
         }
@@ -220,37 +225,37 @@ impl Runs {
     }
 
     /// This has become of a request. Whoever begins it just now notes it down by itself.
-    fn was_asked(&self, request: &str, asked: Asked) {
+    fn note_request(&self, request: &str, asked: StartRequestState) {
         if let Ok(mut known) = self.request(request).try_lock() {
             *known = Some(asked);
         }
     }
 
     /// The folder of a run is there no more.
-    pub(crate) fn is_gone(&self, folder: &Path) {
+    pub(crate) fn forget_folder(&self, folder: &Path) {
         let id = folder.file_name().unwrap_or_default().to_string_lossy();
         let gone = self.all.lock().remove(&*id);
         if let Some(run) = gone {
             // Whoever follows it still is told.
-            run.is_in(RunPhase::Unreadable { reason: "its folder is gone".to_owned() });
+            run.set_phase(RunPhase::Unreadable { reason: "its folder is gone".to_owned() });
         }
     }
 }
 
 /// Finds the runs that there are, and notices those that come. To be called once, within the runtime.
-pub(crate) fn begin(house: &Arc<House>) {
-    let house = Arc::clone(house);
+pub(crate) fn begin(server: &Arc<ServerState>) {
+    let server = Arc::clone(server);
     tokio::spawn(async move {
-        let noticed = watch::begin(&house);
-        look_through(&house).await;
-        house.runs.known.send_replace(true);
-        watch::serve(&house, noticed).await;
+        let noticed = watch::begin(&server);
+        look_through(&server).await;
+        server.runs.known.send_replace(true);
+        watch::serve(&server, noticed).await;
     });
 }
 
 /// Looks into every folder. The first look of a server decides what becomes of runs that died while nobody looked.
-async fn look_through(house: &Arc<House>) {
-    let here = Arc::clone(house);
+async fn look_through(server: &Arc<ServerState>) {
+    let here = Arc::clone(server);
     let all = spawn_blocking(move || {
         let folders = watch::folders(here.runs.folder.folder());
         let look = |folder: PathBuf| {
@@ -262,17 +267,17 @@ async fn look_through(house: &Arc<House>) {
     });
     for (folder, looked, policy) in all.await.unwrap_or_default() {
         let phase = looked.summary.phase.clone();
-        if matches!(phase, RunPhase::NotStarted { .. }) && Request::is_forgotten(&folder) {
-            watch::remove(house, folder).await;
+        if matches!(phase, RunPhase::NotStarted { .. }) && RunRequest::is_forgotten(&folder) {
+            watch::remove(server, folder).await;
             continue;
         }
         let is_to_follow = life::needs_somebody(&looked, policy);
-        let Some(run) = house.runs.found(house, &folder, Some(looked)) else { continue };
+        let Some(run) = server.runs.found(server, &folder, Some(looked)) else { continue };
         if is_to_follow {
-            life::follow(house, &run);
+            life::follow(server, &run);
         } else if phase == RunPhase::Starting {
-            let house = Arc::clone(house);
-            tokio::spawn(async move { life::await_beginning(&house, &folder).await });
+            let server = Arc::clone(server);
+            tokio::spawn(async move { life::await_beginning(&server, &folder).await });
         }
     }
 }

@@ -21,7 +21,7 @@ const ROUND: u32 = 10;
 
 /// What a runner has answered.
 #[derive(Debug)]
-pub(super) struct Pulse {
+pub(super) struct RunnerPulse {
     /// Questions since it was heard last.
     unanswered: AtomicU32,
     /// When that was.
@@ -30,7 +30,7 @@ pub(super) struct Pulse {
 
 /// What is to be done about a runner.
 #[derive(Debug, PartialEq, Eq)]
-enum Due {
+enum PulseAction {
     /// It is to be asked.
     Ask,
     /// It has fallen silent.
@@ -41,14 +41,14 @@ enum Due {
 
 /// What a word of a runner means.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Heard {
+pub(super) enum Liveness {
     /// It was there before.
     Still,
     /// It had fallen silent.
     Again,
 }
 
-impl Pulse {
+impl RunnerPulse {
     /// Of a runner that was heard just now.
     pub(super) fn new() -> Self {
         let heard_ms = AtomicU64::new(clock::since_1970_ms());
@@ -56,10 +56,10 @@ impl Pulse {
     }
 
     /// The runner says something.
-    pub(super) fn is_heard(&self) -> Heard {
+    pub(super) fn note_heard(&self) -> Liveness {
         self.heard_ms.store(clock::since_1970_ms(), Ordering::Relaxed);
         let unanswered = self.unanswered.swap(0, Ordering::Relaxed);
-        if unanswered > UNANSWERED_MAX { Heard::Again } else { Heard::Still }
+        if unanswered > UNANSWERED_MAX { Liveness::Again } else { Liveness::Still }
     }
 
     /// When it was heard last: ms since 1970, UTC.
@@ -68,16 +68,16 @@ impl Pulse {
     }
 
     /// It is time for the next question.
-    fn beat(&self) -> Due {
+    fn beat(&self) -> PulseAction {
         match self.unanswered.load(Ordering::Relaxed) {
             UNANSWERED_MAX => {
                 self.unanswered.store(UNANSWERED_MAX + 1, Ordering::Relaxed);
-                Due::Tell
+                PulseAction::Tell
             }
-            unanswered if unanswered > UNANSWERED_MAX => Due::Nothing,
+            unanswered if unanswered > UNANSWERED_MAX => PulseAction::Nothing,
             unanswered => {
                 self.unanswered.store(unanswered + 1, Ordering::Relaxed);
-                Due::Ask
+                PulseAction::Ask
             }
         }
     }
@@ -85,14 +85,14 @@ impl Pulse {
 
 /// Asks a runner whether it is there while somebody looks on, and tells the run when it does not answer.
 #[expect(clippy::infinite_loop, reason = "it is given up with the link")]
-pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &Pulse) -> Infallible {
+pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &RunnerPulse) -> Infallible {
     loop {
-        run.audience().is_there().await;
+        run.audience().wait_for_onlooker().await;
         for _ in 0..ROUND {
             match pulse.beat() {
-                Due::Ask => link.ask(),
-                Due::Tell => run.is_silent(pulse.heard_ms()),
-                Due::Nothing => {}
+                PulseAction::Ask => link.ask(),
+                PulseAction::Tell => run.mark_silent(pulse.heard_ms()),
+                PulseAction::Nothing => {}
             }
             sleep(ASK_EVERY).await;
         }
@@ -101,14 +101,14 @@ pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &Pulse) -> Infall
 
 #[cfg(test)]
 mod tests {
-    use super::Pulse;
+    use super::RunnerPulse;
 
     /// What comes of it: `?` is the time for a question, `!` a word of the runner.
     fn check(happens: &str, expected: &[&str]) {
-        let pulse = Pulse::new();
+        let pulse = RunnerPulse::new();
         let comes = happens.chars().map(|it| match it {
             '?' => format!("{:?}", pulse.beat()),
-            _ => format!("{:?}", pulse.is_heard()),
+            _ => format!("{:?}", pulse.note_heard()),
         });
         assert_eq!(comes.collect::<Vec<_>>(), expected);
     }

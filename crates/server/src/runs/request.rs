@@ -18,7 +18,7 @@ const BOOT_FILE: &str = "/proc/sys/kernel/random/boot_id";
 
 /// What a server was asked about one run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Request {
+pub(super) struct RunRequest {
     /// Who asked first.
     pub(super) author: String,
     /// When it was asked last, this computer had been started as this.
@@ -37,7 +37,7 @@ pub(super) struct Request {
     pub(super) is_left_alone: bool,
 }
 
-impl Request {
+impl RunRequest {
     /// That a run is started.
     pub(super) fn to_start(author: &str, start: StartRun) -> Self {
         Self { author: author.to_owned(), boot: boot(), start: Some(start), ..Self::default() }
@@ -124,30 +124,30 @@ fn boot() -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{REQUEST_FILE, Request};
+    use super::{REQUEST_FILE, RunRequest};
     use std::os::unix::fs::PermissionsExt as _;
 
     #[test]
     fn a_request_is_read_as_it_was_written_and_is_for_its_owner_only() {
         let folder = tempfile::tempdir().unwrap();
-        assert_eq!(Request::read(folder.path()), None);
+        assert_eq!(RunRequest::read(folder.path()), None);
         let start = serde_json::json!({"id": "7", "machine": {"project": "p", "path": "pick"}});
-        let request = Request::to_start("ana", serde_json::from_value(start).unwrap());
+        let request = RunRequest::to_start("ana", serde_json::from_value(start).unwrap());
         request.write(folder.path()).unwrap();
-        assert_eq!(Request::read(folder.path()), Some(request));
+        assert_eq!(RunRequest::read(folder.path()), Some(request));
         let file = folder.path().join(REQUEST_FILE);
         assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o600);
     }
 
     #[test]
     fn a_run_goes_on_by_itself_unless_the_computer_was_started_anew_or_it_is_left_alone() {
-        let request = Request::default().taking_up("ana", "1");
+        let request = RunRequest::default().taking_up("ana", "1");
         assert!(request.is_being_taken_up("ana", "1") && !request.was_taken_up("ana", "1"));
         let request = request.taken_up();
         assert!(request.was_taken_up("ana", "1") && !request.was_taken_up("bob", "1"));
         assert!(request.may_go_on());
-        assert!(!Request { boot: "another".to_owned(), ..request.clone() }.may_go_on());
-        assert!(!Request { is_left_alone: true, ..request.clone() }.may_go_on());
+        assert!(!RunRequest { boot: "another".to_owned(), ..request.clone() }.may_go_on());
+        assert!(!RunRequest { is_left_alone: true, ..request.clone() }.may_go_on());
         assert_eq!(request.author, "ana");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Knows numbers and sizes. Must never know who reads, nor wait for them.
 
-use super::told::Told;
+use super::encoded_event::EncodedEvent;
 use rafcon_locks::Mutex;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -14,14 +14,14 @@ const BYTES_MAX: usize = 4 << 20;
 /// The newest events of one run.
 #[derive(Debug)]
 pub(crate) struct Ring {
-    kept: Mutex<Kept>,
+    kept: Mutex<RingContent>,
     last: watch::Sender<u64>,
     bytes_max: usize,
 }
 
 #[derive(Debug)]
-struct Kept {
-    events: VecDeque<Arc<Told>>,
+struct RingContent {
+    events: VecDeque<Arc<EncodedEvent>>,
     bytes: usize,
     /// The number of the event that comes next.
     next: u64,
@@ -29,11 +29,11 @@ struct Kept {
 
 /// What there is from a cursor on.
 #[derive(Debug)]
-pub(crate) enum Page {
+pub(crate) enum EventsPage {
     /// These events are only in the journal.
     Behind,
     /// The events that follow; none: nothing happened since.
-    Events(Vec<Arc<Told>>),
+    Events(Vec<Arc<EncodedEvent>>),
 }
 
 impl Default for Ring {
@@ -44,17 +44,17 @@ impl Default for Ring {
 
 impl Ring {
     fn with_room(bytes_max: usize) -> Self {
-        let kept = Kept { events: VecDeque::new(), bytes: 0, next: 1 };
+        let kept = RingContent { events: VecDeque::new(), bytes: 0, next: 1 };
         Self { kept: Mutex::new(kept), last: watch::Sender::new(0), bytes_max }
     }
 
     /// At most `count` events from number `from` on.
-    pub(crate) fn read(&self, from: u64, count: usize) -> Page {
+    pub(crate) fn read(&self, from: u64, count: usize) -> EventsPage {
         let kept = self.kept.lock();
         let first = kept.next - kept.events.len() as u64;
-        let Some(skipped) = from.max(1).checked_sub(first) else { return Page::Behind };
+        let Some(skipped) = from.max(1).checked_sub(first) else { return EventsPage::Behind };
         let skipped = usize::try_from(skipped).unwrap_or(usize::MAX);
-        Page::Events(kept.events.iter().skip(skipped).take(count).cloned().collect())
+        EventsPage::Events(kept.events.iter().skip(skipped).take(count).cloned().collect())
     }
 
     /// The number of the last event; with `changed`, when there are more. All up to it can be read, here or in the journal.
@@ -68,7 +68,7 @@ impl Ring {
     }
 
     /// Takes events in, in their order. What is known already is left out; behind a gap, all before it is in the journal only.
-    pub(super) fn push(&self, events: impl IntoIterator<Item = Told>) {
+    pub(super) fn push(&self, events: impl IntoIterator<Item = EncodedEvent>) {
         let mut kept = self.kept.lock();
         for told in events {
             kept.push(told);
@@ -85,7 +85,7 @@ impl Ring {
     pub(super) fn settle(&self, last: u64) {
         let mut kept = self.kept.lock();
         let next = kept.next.max(last + 1);
-        *kept = Kept { events: VecDeque::new(), bytes: 0, next };
+        *kept = RingContent { events: VecDeque::new(), bytes: 0, next };
         drop(kept);
         self.tell(next - 1);
     }
@@ -99,8 +99,8 @@ impl Ring {
     }
 }
 
-impl Kept {
-    fn push(&mut self, told: Told) {
+impl RingContent {
+    fn push(&mut self, told: EncodedEvent) {
         if told.sequence < self.next {
             return;
         }
@@ -122,21 +122,21 @@ impl Kept {
 
 #[cfg(test)]
 mod tests {
-    use super::{Page, Ring};
-    use crate::runs::told::Told;
+    use super::{EventsPage, Ring};
+    use crate::runs::encoded_event::EncodedEvent;
     use proptest::prelude::*;
 
-    fn told(sequence: u64) -> Told {
+    fn told(sequence: u64) -> EncodedEvent {
         let event = r#"{"type":"stopping"}"#;
         let line =
             format!(r#"{{"message":"event","sequence":{sequence},"t_ns":0,"event":{event}}}"#);
-        Told::read(&line).unwrap()
+        EncodedEvent::read(&line).unwrap()
     }
 
     fn read(ring: &Ring, from: u64) -> Option<Vec<u64>> {
         match ring.read(from, 100) {
-            Page::Behind => None,
-            Page::Events(events) => Some(events.iter().map(|told| told.sequence).collect()),
+            EventsPage::Behind => None,
+            EventsPage::Events(events) => Some(events.iter().map(|told| told.sequence).collect()),
         }
     }
 

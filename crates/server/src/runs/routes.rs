@@ -4,7 +4,7 @@ use super::{Run, commands, output, start, take_up};
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
 use rafcon_protocol::api::{
@@ -18,7 +18,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// The routes of this part.
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .routes(routes!(list, begin))
         .routes(routes!(now))
@@ -36,8 +36,8 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 #[utoipa::path(get, path = "/api/v1/runs", tag = "runs", responses(
     (status = 200, description = "The newest first", body = [RunSummary])
 ))]
-async fn list(State(house): State<Arc<House>>) -> Json<Vec<RunSummary>> {
-    Json(house.runs.list().await)
+async fn list(State(server): State<Arc<ServerState>>) -> Json<Vec<RunSummary>> {
+    Json(server.runs.list().await)
 }
 
 /// Starts a run.
@@ -56,11 +56,11 @@ async fn list(State(house): State<Arc<House>>) -> Json<Vec<RunSummary>> {
     (status = 503, description = "There is no interpreter, extension or room", body = Refusal),
 ))]
 async fn begin(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Body(asked): Body<StartRun>,
 ) -> Result<Json<RunSummary>, Failure> {
-    start::start(&house, &who, asked).await.map(Json)
+    start::start(&server, &who, asked).await.map(Json)
 }
 
 /// How a run stands.
@@ -72,10 +72,10 @@ async fn begin(
     )
 )]
 async fn now(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
 ) -> Result<Json<RunNow>, Failure> {
-    let run = house.runs.get(&run).await?;
+    let run = server.runs.get(&run).await?;
     let now = RunNow::clone(&run.now().borrow());
     Ok(Json(RunNow { now_ms: clock::since_1970_ms(), ..now }))
 }
@@ -95,12 +95,12 @@ async fn now(
     )
 )]
 async fn resume(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(run): Path<String>,
     Body(asked): Body<ResumeRun>,
 ) -> Result<Json<RunSummary>, Failure> {
-    take_up::resume(&house, &who, &run, asked).await.map(Json)
+    take_up::resume(&server, &who, &run, asked).await.map(Json)
 }
 
 /// Gives a run a command.
@@ -121,12 +121,12 @@ async fn resume(
     )
 )]
 async fn command(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(run): Path<String>,
     Body(envelope): Body<Envelope>,
 ) -> Result<Json<CommandAnswer>, Failure> {
-    commands::command(&house, &who, &run, envelope).await.map(Json)
+    commands::command(&server, &who, &run, envelope).await.map(Json)
 }
 
 /// Who commands a run.
@@ -138,10 +138,10 @@ async fn command(
     )
 )]
 async fn control(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
 ) -> Result<Json<Control>, Failure> {
-    let run = house.runs.get(&run).await?;
+    let run = server.runs.get(&run).await?;
     let control = run.now().borrow().control.clone();
     Ok(Json(control))
 }
@@ -158,12 +158,12 @@ async fn control(
     )
 )]
 async fn move_control(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     Path(run): Path<String>,
     Body(wanted): Body<ControlMove>,
 ) -> Result<Json<Control>, Failure> {
-    commands::control(&house, &who, &run, &wanted).await.map(Json)
+    commands::control(&server, &who, &run, &wanted).await.map(Json)
 }
 
 /// What an active state holds.
@@ -179,11 +179,11 @@ async fn move_control(
     )
 )]
 async fn state(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
     Query(at): Query<StateAt>,
 ) -> Result<Json<StateData>, Failure> {
-    commands::inspect(&house, &run, &at.path).await.map(Json)
+    commands::inspect(&server, &run, &at.path).await.map(Json)
 }
 
 /// The breakpoints of a run.
@@ -197,14 +197,14 @@ async fn state(
     )
 )]
 async fn breakpoints(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
 ) -> Result<Json<Vec<Breakpoint>>, Failure> {
-    let run = house.runs.get(&run).await?;
+    let run = server.runs.get(&run).await?;
     let now = Arc::clone(&run.now().borrow());
     match now.snapshot.as_ref().filter(|_| run.is_live()) {
         Some(snapshot) => Ok(Json(snapshot.breakpoints.clone())),
-        None => Ok(Json(picture(&house, &run).await?.breakpoints)),
+        None => Ok(Json(picture(&server, &run).await?.breakpoints)),
     }
 }
 
@@ -217,10 +217,10 @@ async fn breakpoints(
     )
 )]
 async fn questions(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
 ) -> Result<Json<Vec<Question>>, Failure> {
-    let run = house.runs.get(&run).await?;
+    let run = server.runs.get(&run).await?;
     let now = Arc::clone(&run.now().borrow());
     let snapshot = now.snapshot.as_ref().filter(|_| run.is_live());
     Ok(Json(snapshot.map(|snapshot| snapshot.questions.clone()).unwrap_or_default()))
@@ -237,11 +237,11 @@ async fn questions(
     )
 )]
 async fn globals(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
 ) -> Result<Json<Values>, Failure> {
-    let run = house.runs.get(&run).await?;
-    Ok(Json(picture(&house, &run).await?.globals))
+    let run = server.runs.get(&run).await?;
+    Ok(Json(picture(&server, &run).await?.globals))
 }
 
 /// What the runner and its scripts wrote past the capture of script output: the end of it.
@@ -255,18 +255,18 @@ async fn globals(
     )
 )]
 async fn written(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
     Query(end): Query<OutputEnd>,
 ) -> Result<Json<RunOutput>, Failure> {
-    let run = house.runs.get(&run).await?;
+    let run = server.runs.get(&run).await?;
     let bytes = end.bytes.unwrap_or(output::USUAL_BYTES);
     blocking(move || output::tail(run.folder(), bytes).map(Json)).await
 }
 
 /// How a run stood after its last event.
-async fn picture(house: &House, run: &Run) -> Result<Picture, Failure> {
-    let read = house.history.readers().read(run.folder().to_path_buf(), |reader| {
+async fn picture(server: &ServerState, run: &Run) -> Result<Picture, Failure> {
+    let read = server.history.readers().read(run.folder().to_path_buf(), |reader| {
         let moment = reader.moment(u64::MAX)?;
         Ok(reader.picture(&moment)?)
     });

@@ -4,11 +4,11 @@
 
 use super::audience::Audience;
 use super::control::Holding;
+use super::encoded_event::EncodedEvent;
 use super::holder_file;
 use super::link::Link;
 use super::ring::Ring;
-use super::told::Told;
-use crate::house::House;
+use crate::state::ServerState;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
 use rafcon_protocol::{EnginePulse, Event, Snapshot};
@@ -59,8 +59,8 @@ pub(crate) struct Run {
 
 impl Run {
     /// The run in `folder`, as it was found.
-    pub(super) fn new(house: &House, folder: PathBuf, summary: &RunSummary) -> Self {
-        let (silence, now_ms) = (house.settings.control_silence, clock::since_1970_ms());
+    pub(super) fn new(server: &ServerState, folder: PathBuf, summary: &RunSummary) -> Self {
+        let (silence, now_ms) = (server.settings.control_silence, clock::since_1970_ms());
         let holding = holder_file::read(&folder).go_on(now_ms);
         let now = RunNow {
             run: summary.clone(),
@@ -83,8 +83,8 @@ impl Run {
             exit: Mutex::new(None),
             holding: Mutex::new(holding),
             silence,
-            tell: house.settings.tell,
-            news: house.news.counter_of_runs(),
+            tell: server.settings.tell,
+            news: server.news.counter_of_runs(),
             is_followed: AtomicBool::new(false),
             has_changed: AtomicBool::new(false),
             is_stopped_by_force: AtomicBool::new(false),
@@ -140,7 +140,7 @@ impl Run {
     }
 
     /// It was not there when the server began; it may be over already.
-    pub(super) fn has_come(&self) {
+    pub(super) fn mark_changed(&self) {
         self.has_changed.store(true, Ordering::Relaxed);
     }
 
@@ -172,7 +172,7 @@ impl Run {
     }
 
     /// Waits until somebody who looks after a runner that has come to its end knows what it left; not for long.
-    pub(super) async fn is_settled(&self) {
+    pub(super) async fn wait_settled(&self) {
         let mut now = self.now();
         let is_known = |now: &Arc<RunNow>| now.link == LinkState::Over || is_live(&now.run.phase);
         drop(timeout(LINK_PATIENCE, now.wait_for(is_known)).await);
@@ -184,7 +184,7 @@ impl Run {
     }
 
     /// Its process is one of ours, and ends like this.
-    pub(super) fn is_ours(&self, exit: oneshot::Receiver<Exit>) {
+    pub(super) fn set_exit(&self, exit: oneshot::Receiver<Exit>) {
         *self.exit.lock() = Some(exit);
     }
 
@@ -194,21 +194,21 @@ impl Run {
     }
 
     /// From now on somebody looks after its runner; false if somebody does already.
-    pub(super) fn is_taken_in_hand(&self) -> bool {
+    pub(super) fn try_claim(&self) -> bool {
         !self.is_followed.swap(true, Ordering::AcqRel)
     }
 
     /// Whether somebody looks after its runner, and knows better than can be found.
-    pub(super) fn is_in_hand(&self) -> bool {
+    pub(super) fn is_claimed(&self) -> bool {
         self.is_followed.load(Ordering::Acquire)
     }
 
     /// Nobody looks after its runner any more.
-    pub(super) fn is_let_go(&self) {
+    pub(super) fn release(&self) {
         self.is_followed.store(false, Ordering::Release);
     }
 
-    pub(super) fn link_is_up(&self, link: &Arc<Link>) {
+    pub(super) fn set_link(&self, link: &Arc<Link>) {
         *self.link.lock() = Some(Arc::clone(link));
         self.change(|now| {
             now.link = LinkState::Up;
@@ -218,18 +218,18 @@ impl Run {
     }
 
     /// The link is gone; the runner was heard last then.
-    pub(super) fn link_is_down(&self, heard_ms: u64) {
+    pub(super) fn clear_link(&self, heard_ms: u64) {
         *self.link.lock() = None;
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Down, Some(heard_ms)));
     }
 
     /// Its runner does not answer; it was heard last then.
-    pub(super) fn is_silent(&self, heard_ms: u64) {
+    pub(super) fn mark_silent(&self, heard_ms: u64) {
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Silent, Some(heard_ms)));
     }
 
     /// Its runner was silent, and is heard.
-    pub(super) fn is_heard_again(&self) {
+    pub(super) fn mark_heard(&self) {
         let heard_ms = clock::since_1970_ms();
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Up, Some(heard_ms)));
     }
@@ -261,7 +261,7 @@ impl Run {
     }
 
     /// The run was looked at: this is what is true. Nobody is linked to it.
-    pub(super) fn is_as_found(&self, summary: &RunSummary) {
+    pub(super) fn apply_summary(&self, summary: &RunSummary) {
         self.ring.settle(summary.events);
         self.change(|now| {
             now.run = summary.clone();
@@ -270,13 +270,13 @@ impl Run {
     }
 
     /// The run is in this phase.
-    pub(super) fn is_in(&self, phase: RunPhase) {
+    pub(super) fn set_phase(&self, phase: RunPhase) {
         self.change(|now| (now.run.phase, now.run.waits) = (phase, None));
     }
 
     /// Events happened, in this order.
-    pub(super) fn happened(&self, events: Vec<Told>) {
-        let end = events.last().and_then(Told::finish);
+    pub(super) fn happened(&self, events: Vec<EncodedEvent>) {
+        let end = events.last().and_then(EncodedEvent::finish);
         if !events.is_empty() {
             self.ring.push(events);
         }
@@ -291,7 +291,7 @@ impl Run {
     }
 
     /// This is what its runner goes by.
-    pub(super) fn is_loaded(&self, loaded: LoadedMachine) {
+    pub(super) fn set_loaded(&self, loaded: LoadedMachine) {
         self.change(|now| now.loaded = Some(loaded));
     }
 
@@ -309,7 +309,7 @@ impl Run {
             now.snapshot = Some(snapshot);
         });
         if is_news {
-            self.is_other();
+            self.announce();
         }
     }
 
@@ -366,12 +366,12 @@ impl Run {
             !is_same
         });
         if is_news {
-            self.is_other();
+            self.announce();
         }
     }
 
     /// Whoever lists runs is woken.
-    fn is_other(&self) {
+    fn announce(&self) {
         self.has_changed.store(true, Ordering::Relaxed);
         self.news.send_modify(|revision| *revision += 1);
     }

@@ -2,15 +2,15 @@
 //!
 //! Knows requests and folders of runs. Must never know what becomes of a run afterwards.
 
-use super::Asked;
+use super::StartRequestState;
 use super::launch::{LaunchError, Launched, launch};
 use super::life;
-use super::request::Request;
+use super::request::RunRequest;
 use super::run::Run;
 use crate::access::{Who, of_start};
 use crate::blocking::blocking;
 use crate::failure::reason;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{RunPhase, RunSummary, StartRun};
 use rafcon_protocol::{Keeping, Launch};
@@ -26,14 +26,14 @@ const PATIENCE: Duration = Duration::from_secs(40);
 
 /// Starts the run, or finds the one that was started by this id. It goes on also if whoever asks goes away meanwhile.
 pub(crate) async fn start(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     who: &Who,
     asked: StartRun,
 ) -> Result<RunSummary, Failure> {
     check(&asked)?;
     who.must(of_start(&asked))?;
-    let (house, author) = (Arc::clone(house), who.user.clone());
-    let started = tokio::spawn(async move { once(&house, &author, asked).await });
+    let (server, author) = (Arc::clone(server), who.user.clone());
+    let started = tokio::spawn(async move { once(&server, &author, asked).await });
     started.await.unwrap_or_else(|_stopped| Err(unfinished()))
 }
 
@@ -53,18 +53,22 @@ fn check(asked: &StartRun) -> Result<(), Failure> {
     Ok(())
 }
 
-async fn once(house: &Arc<House>, author: &str, asked: StartRun) -> Result<RunSummary, Failure> {
-    house.runs.are_known().await;
-    let id = Request::start_key(author, &asked.id);
-    let slot = house.runs.request(&id);
+async fn once(
+    server: &Arc<ServerState>,
+    author: &str,
+    asked: StartRun,
+) -> Result<RunSummary, Failure> {
+    server.runs.wait_until_known().await;
+    let id = RunRequest::start_key(author, &asked.id);
+    let slot = server.runs.request(&id);
     let mut known = slot.lock().await;
     let folder = match &*known {
         Some(asked) => {
-            let folder = asked.folder(house).await?;
-            match settled(house, &folder).await? {
+            let folder = asked.folder(server).await?;
+            match settled(server, &folder).await? {
                 Some(run) if is_open(&run) => Some(folder),
                 Some(run) => {
-                    *known = Some(Asked::Begun(run.id().to_owned()));
+                    *known = Some(StartRequestState::Begun(run.id().to_owned()));
                     return Ok(run.summary());
                 }
                 None => None,
@@ -72,28 +76,28 @@ async fn once(house: &Arc<House>, author: &str, asked: StartRun) -> Result<RunSu
         }
         None => None,
     };
-    match begin(house, author, asked, folder).await {
+    match begin(server, author, asked, folder).await {
         Ok(run) => {
-            *known = Some(Asked::Begun(run.id().to_owned()));
-            house.audit().note(author, "run_started", run.id());
+            *known = Some(StartRequestState::Begun(run.id().to_owned()));
+            server.audit().note(author, "run_started", run.id());
             Ok(run.summary())
         }
         Err(failure) => {
             *known = None;
             drop(known);
-            house.runs.forget_request(&id, &slot);
+            server.runs.forget_request(&id, &slot);
             Err(failure)
         }
     }
 }
 
-impl Asked {
+impl StartRequestState {
     /// The folder of its run.
-    async fn folder(&self, house: &House) -> Result<PathBuf, Failure> {
+    async fn folder(&self, server: &ServerState) -> Result<PathBuf, Failure> {
         match self {
             Self::Open(folder) => Ok(folder.clone()),
             Self::Begun(run) => {
-                let known = house.runs.get(run).await.map_err(|_gone| is_gone(run))?;
+                let known = server.runs.get(run).await.map_err(|_gone| run_deleted(run))?;
                 Ok(known.folder().to_path_buf())
             }
         }
@@ -101,8 +105,8 @@ impl Asked {
 }
 
 /// The run in this folder, which a server before this one was asked to start: once it has begun, or is known not to have.
-async fn settled(house: &Arc<House>, folder: &Path) -> Result<Option<Arc<Run>>, Failure> {
-    let run = timeout(PATIENCE, life::await_beginning(house, folder)).await.map_err(|_late| {
+async fn settled(server: &Arc<ServerState>, folder: &Path) -> Result<Option<Arc<Run>>, Failure> {
+    let run = timeout(PATIENCE, life::await_beginning(server, folder)).await.map_err(|_late| {
         let message = "the run of this request is still being started: ask again with the same id";
         Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message)
     })?;
@@ -116,7 +120,7 @@ fn is_open(run: &Run) -> bool {
     matches!(run.summary().phase, RunPhase::NotStarted { .. })
 }
 
-fn is_gone(run: &str) -> Failure {
+fn run_deleted(run: &str) -> Failure {
     let message =
         format!("this request has started the run {run}, which was deleted: choose another id");
     Failure::conflict("run_is_gone", message)
@@ -124,23 +128,23 @@ fn is_gone(run: &str) -> Failure {
 
 /// Begins the run, in the folder of an earlier attempt if there was one.
 async fn begin(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     author: &str,
     asked: StartRun,
     folder: Option<PathBuf>,
 ) -> Result<Arc<Run>, Failure> {
-    let request = Request::to_start(author, asked.clone());
-    let turn = house.runs.turn().await?;
-    let here = Arc::clone(house);
+    let request = RunRequest::to_start(author, asked.clone());
+    let turn = server.runs.turn().await?;
+    let here = Arc::clone(server);
     let made = move || {
         let _turn = turn;
         made(&here, &asked, &request, folder)
     };
     let (folder, launched) = blocking(made).await?;
-    let found = life::look(house, folder.clone()).await;
+    let found = life::look(server, folder.clone()).await;
     let run = found.ok_or_else(|| not_kept(&folder))?;
-    life::follow_ours(house, &run, launched).await;
-    let here = Arc::clone(house);
+    life::follow_ours(server, &run, launched).await;
+    let here = Arc::clone(server);
     // Old runs make room behind the back of whoever asks.
     drop(tokio::task::spawn_blocking(move || {
         if let Err(error) = here.runs.folder().give_up_old_ones() {
@@ -158,27 +162,27 @@ fn not_kept(folder: &Path) -> Failure {
 /// Makes the folder and starts the runner. Before that everything is written down by which another server can do the same. A
 /// run that does not begin leaves nothing.
 fn made(
-    house: &House,
+    server: &ServerState,
     asked: &StartRun,
-    request: &Request,
+    request: &RunRequest,
     folder: Option<PathBuf>,
 ) -> Result<(PathBuf, Launched), Failure> {
-    let machine = house.projects.resolve(&asked.machine)?;
+    let machine = server.projects.resolve(&asked.machine)?;
     let name = machine.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let folder = folder.map_or_else(|| house.runs.folder().make(&name), Ok);
+    let folder = folder.map_or_else(|| server.runs.folder().make(&name), Ok);
     let folder = folder.map_err(|error| no_room(&reason(&error)))?;
     let begun = request
         .write(&folder)
         .map_err(|error| no_room(&format!("cannot write into {}: {error}", folder.display())))
         .and_then(|()| {
-            launched(house, asked, &folder, &words(house, machine, asked, &folder))
+            launched(server, asked, &folder, &words(server, machine, asked, &folder))
                 .map_err(|error| not_launched(&error))
         });
     match begun {
         Ok(launched) => Ok((folder, launched)),
         Err(failure) => {
             if let Err(error) = fs::remove_dir_all(&folder) {
-                (house.settings.tell)(&format!("cannot remove {}: {error}", folder.display()));
+                (server.settings.tell)(&format!("cannot remove {}: {error}", folder.display()));
             }
             Err(failure)
         }
@@ -187,14 +191,14 @@ fn made(
 
 /// Starts the runner; one that dies before anything has happened is followed by another where the policy says so.
 fn launched(
-    house: &House,
+    server: &ServerState,
     asked: &StartRun,
     folder: &Path,
     words: &Launch,
 ) -> Result<Launched, LaunchError> {
     let mut lives = Lives::default();
     loop {
-        let error = match launch(&house.settings, folder, words.clone()) {
+        let error = match launch(&server.settings, folder, words.clone()) {
             Err(error) if error.is_death() => error,
             other => return other,
         };
@@ -212,15 +216,15 @@ fn no_room(why: &str) -> Failure {
 }
 
 /// What a runner is told.
-fn words(house: &House, machine: PathBuf, asked: &StartRun, folder: &Path) -> Launch {
+fn words(server: &ServerState, machine: PathBuf, asked: &StartRun, folder: &Path) -> Launch {
     Launch {
         machine,
         start_from: asked.start_from.clone(),
         afterwards: asked.afterwards,
         inputs: asked.inputs.clone().into_iter().collect(),
         globals: asked.globals.clone().into_iter().collect(),
-        libraries: house.settings.libraries.clone(),
-        config: house.settings.config.clone(),
+        libraries: server.settings.libraries.clone(),
+        config: server.settings.config.clone(),
         every_event: false,
         run_folder: Some(folder.to_path_buf()),
         keeping: asked.keeping,
@@ -232,7 +236,7 @@ fn words(house: &House, machine: PathBuf, asked: &StartRun, folder: &Path) -> La
         resume: None,
         crash: None,
         listen: true,
-        homes: Some(house.projects.folders()),
+        homes: Some(server.projects.folders()),
     }
 }
 

@@ -1,7 +1,7 @@
 //! What lies in the folder of a run, in one line. Knows folders, requests and journals; may take its time.
 
 use super::launch::OUTPUT_FILE;
-use super::request::Request;
+use super::request::RunRequest;
 use crate::projects::Projects;
 use rafcon_protocol::Keeping;
 use rafcon_protocol::api::{RunPhase, RunSummary};
@@ -19,12 +19,12 @@ pub(super) struct Looked {
     /// The run in one line.
     pub(super) summary: RunSummary,
     /// What a server was asked about it.
-    pub(super) request: Option<Request>,
+    pub(super) request: Option<RunRequest>,
 }
 
 /// Looks into the folder of a run; nothing if it is none.
 pub(super) fn look(folder: &Path, projects: &Projects) -> Option<Looked> {
-    let request = Request::read(folder);
+    let request = RunRequest::read(folder);
     if folder.join(ABOUT_FILE).is_file() {
         let summary = kept(folder, projects, request.as_ref());
         if !is_open(&summary, request.as_ref(), folder) {
@@ -37,13 +37,13 @@ pub(super) fn look(folder: &Path, projects: &Projects) -> Option<Looked> {
 }
 
 /// Whether a run that was asked for here lost its runner before anything had happened.
-fn is_open(summary: &RunSummary, request: Option<&Request>, folder: &Path) -> bool {
+fn is_open(summary: &RunSummary, request: Option<&RunRequest>, folder: &Path) -> bool {
     let is_asked_for = request.is_some_and(|request| request.start.is_some());
     is_asked_for && summary.phase == RunPhase::Crashed && !has_begun(folder)
 }
 
 /// A run that keeps what it is.
-fn kept(folder: &Path, projects: &Projects, request: Option<&Request>) -> RunSummary {
+fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> RunSummary {
     let Summary { id, name, started_ms, state, length_ms, events, bytes, folder: _ } =
         Summary::of(folder);
     let about = About::read(folder).unwrap_or_default();
@@ -64,7 +64,7 @@ fn kept(folder: &Path, projects: &Projects, request: Option<&Request>) -> RunSum
 }
 
 /// A run that was asked for and does not keep anything yet.
-fn asked_for(folder: &Path, request: &Request) -> RunSummary {
+fn asked_for(folder: &Path, request: &RunRequest) -> RunSummary {
     let phase = if is_alive(&folder.join(OUTPUT_FILE)) {
         RunPhase::Starting
     } else {

@@ -5,13 +5,13 @@
 use super::commands;
 use super::launch::{LaunchError, Launched, launch};
 use super::life;
-use super::request::Request;
+use super::request::RunRequest;
 use super::run::Run;
 use super::start::not_launched;
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::failure::reason;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
 use rafcon_protocol::{Crash, Launch, Resume};
@@ -21,15 +21,15 @@ use std::sync::Arc;
 
 /// Takes a run up, or finds that it was taken up by this id.
 pub(crate) async fn resume(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     who: &Who,
     run: &str,
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
     crate::request_id::check(&asked.id)?;
-    let run = house.runs.get(run).await?;
-    let (house, who) = (Arc::clone(house), who.clone());
-    let resumed = tokio::spawn(async move { once(&house, &who, &run, asked).await });
+    let run = server.runs.get(run).await?;
+    let (server, who) = (Arc::clone(server), who.clone());
+    let resumed = tokio::spawn(async move { once(&server, &who, &run, asked).await });
     resumed.await.unwrap_or_else(|_stopped| {
         let message = "the server could not finish this request: ask again with the same id";
         Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message))
@@ -37,17 +37,17 @@ pub(crate) async fn resume(
 }
 
 async fn once(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     who: &Who,
     run: &Arc<Run>,
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
     // One after the other: two who ask at once do not both start a runner.
-    let slot = house.runs.request(&format!("resume/{}", run.id()));
+    let slot = server.runs.request(&format!("resume/{}", run.id()));
     let _turn = slot.lock().await;
-    run.is_settled().await;
+    run.wait_settled().await;
     let folder = run.folder().to_path_buf();
-    let before = blocking(move || Ok(Request::read(&folder))).await?;
+    let before = blocking(move || Ok(RunRequest::read(&folder))).await?;
     let known = before.as_ref();
     let is_done = known.is_some_and(|request| {
         let is_begun = request.is_being_taken_up(&who.user, &asked.id) && run.is_live();
@@ -57,33 +57,33 @@ async fn once(
         return Ok(run.summary());
     }
     may_be_resumed(&run.summary(), &asked)?;
-    commands::take(house, run, who)?;
-    let turn = house.runs.turn().await?;
-    if !run.is_taken_in_hand() {
-        return Err(is_live());
+    commands::take(server, run, who)?;
+    let turn = server.runs.turn().await?;
+    if !run.try_claim() {
+        return Err(still_live());
     }
-    run.is_in(RunPhase::Starting);
-    let (here, there, author) = (Arc::clone(house), Arc::clone(run), who.user.clone());
+    run.set_phase(RunPhase::Starting);
+    let (here, there, author) = (Arc::clone(server), Arc::clone(run), who.user.clone());
     let begin = move || {
         let _turn = turn;
         begun(&here, &there, &author, &asked, before)
     };
     match blocking(begin).await {
         Ok(launched) => {
-            run.is_in(RunPhase::Live);
-            house.audit().note(&who.user, "run_resumed", run.id());
-            life::look_after_ours(house, run, launched).await;
+            run.set_phase(RunPhase::Live);
+            server.audit().note(&who.user, "run_resumed", run.id());
+            life::look_after_ours(server, run, launched).await;
             Ok(run.summary())
         }
         Err(failure) => {
-            run.is_let_go();
-            life::look_again(house, run).await;
+            run.release();
+            life::look_again(server, run).await;
             Err(failure)
         }
     }
 }
 
-fn is_live() -> Failure {
+fn still_live() -> Failure {
     Failure::conflict("run_is_live", "the run goes on: command it instead")
 }
 
@@ -96,7 +96,7 @@ fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
             "run_is_over",
             "the run has come to its end: start another, or name an entry of its history to begin from (`from`)",
         ),
-        RunPhase::Live | RunPhase::Starting => Err(is_live()),
+        RunPhase::Live | RunPhase::Starting => Err(still_live()),
         RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
             refused("run_is_unreadable", &format!("there is nothing to take up: {reason}"))
         }
@@ -105,11 +105,11 @@ fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
 
 /// Writes the request down and starts a runner; if none starts, nothing was asked.
 fn begun(
-    house: &House,
+    server: &ServerState,
     run: &Run,
     author: &str,
     asked: &ResumeRun,
-    before: Option<Request>,
+    before: Option<RunRequest>,
 ) -> Result<Launched, Failure> {
     let folder = run.folder();
     let unwritten = |error: io::Error| {
@@ -119,17 +119,17 @@ fn begun(
     let request = before.clone().unwrap_or_default().taking_up(author, &asked.id);
     request.write(folder).map_err(unwritten)?;
     let words = resume_launch(folder, asked.policy, asked.from);
-    match launch(&house.settings, folder, words) {
+    match launch(&server.settings, folder, words) {
         Ok(launched) => {
             if let Err(error) = request.taken_up().write(folder) {
-                (house.settings.tell)(&format!("run {} was taken up: {error}", run.id()));
+                (server.settings.tell)(&format!("run {} was taken up: {error}", run.id()));
             }
             Ok(launched)
         }
         Err(error) => {
-            let put_back = before.map_or_else(|| Request::remove(folder), |it| it.write(folder));
+            let put_back = before.map_or_else(|| RunRequest::remove(folder), |it| it.write(folder));
             if let Err(error) = put_back {
-                (house.settings.tell)(&format!("run {} was not taken up: {error}", run.id()));
+                (server.settings.tell)(&format!("run {} was not taken up: {error}", run.id()));
             }
             Err(not_launched(&error))
         }
@@ -138,29 +138,29 @@ fn begun(
 
 /// Another runner takes the run up, as its policy says.
 pub(super) async fn again(
-    house: &Arc<House>,
+    server: &Arc<ServerState>,
     run: &Arc<Run>,
     resume: Resume,
     crash: Crash,
 ) -> Result<Launched, LaunchError> {
-    let (house, run) = (Arc::clone(house), Arc::clone(run));
+    let (server, run) = (Arc::clone(server), Arc::clone(run));
     let begin = move || {
         let words = resume_launch(run.folder(), resume.policy, resume.from);
         let words = Launch { resume: Some(resume), crash: Some(crash), ..words };
-        launch(&house.settings, run.folder(), words)
+        launch(&server.settings, run.folder(), words)
     };
     let begun = tokio::task::spawn_blocking(begin).await;
     begun.unwrap_or_else(|stopped| Err(LaunchError::Thread(io::Error::other(stopped))))
 }
 
 /// Nobody takes this run up by itself any more, also after the server was started again.
-pub(super) async fn leave_alone(house: &Arc<House>, run: &Arc<Run>, request: Request) {
-    let (house, run) = (Arc::clone(house), Arc::clone(run));
-    let request = Request { is_left_alone: true, ..request };
+pub(super) async fn leave_alone(server: &Arc<ServerState>, run: &Arc<Run>, request: RunRequest) {
+    let (server, run) = (Arc::clone(server), Arc::clone(run));
+    let request = RunRequest { is_left_alone: true, ..request };
     let written = tokio::task::spawn_blocking(move || {
         if let Err(error) = request.write(run.folder()) {
             let (id, why) = (run.id(), reason(&error));
-            (house.settings.tell)(&format!("it cannot be noted that run {id} waits: {why}"));
+            (server.settings.tell)(&format!("it cannot be noted that run {id} waits: {why}"));
         }
     });
     written.await.unwrap_or_default();

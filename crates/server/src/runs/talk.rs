@@ -44,7 +44,7 @@ pub(super) enum LinkError {
 
 /// A run that was joined.
 #[derive(Debug)]
-pub(super) struct Connection {
+pub(super) struct RunnerConnection {
     /// What the runner goes by, if it said so.
     pub(super) loaded: Option<LoadedMachine>,
     pub(super) lines: BufReader<OwnedReadHalf>,
@@ -52,7 +52,7 @@ pub(super) struct Connection {
 }
 
 /// Joins the run in `folder`.
-pub(super) async fn open(folder: PathBuf, join: Join) -> Result<Connection, LinkError> {
+pub(super) async fn open(folder: PathBuf, join: Join) -> Result<RunnerConnection, LinkError> {
     let connect = move || socket::connect(&folder);
     let stream = tokio::task::spawn_blocking(connect).await.map_err(io::Error::other)??;
     stream.set_nonblocking(true)?;
@@ -66,9 +66,9 @@ pub(super) async fn open(folder: PathBuf, join: Join) -> Result<Connection, Link
         ToViewer::LoadFailed { reason } => Err(LinkError::Refused(reason)),
         ToViewer::Loaded { states, problems, .. } => {
             let loaded = Some(LoadedMachine { states, problems });
-            Ok(Connection { loaded, lines, out })
+            Ok(RunnerConnection { loaded, lines, out })
         }
-        _other => Ok(Connection { loaded: None, lines, out }),
+        _other => Ok(RunnerConnection { loaded: None, lines, out }),
     }
 }
 
@@ -97,7 +97,7 @@ async fn ask<T>(
     question: &ToRunner,
     answer: impl Fn(ToViewer) -> Option<T>,
 ) -> Result<T, LinkError> {
-    let Connection { mut lines, mut out, .. } = open(folder, Join::default()).await?;
+    let RunnerConnection { mut lines, mut out, .. } = open(folder, Join::default()).await?;
     out.write_all(&encode(question)?).await?;
     loop {
         if let Some(answer) = answer(message(&mut lines).await?) {

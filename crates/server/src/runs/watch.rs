@@ -2,7 +2,7 @@
 //! command line starts appear. Knows names of files; nothing is asked again and again.
 
 use super::life;
-use crate::House;
+use crate::ServerState;
 use crate::failure::reason;
 use notify::event::{EventKind, ModifyKind};
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
@@ -30,23 +30,23 @@ pub(super) enum Noticed {
 
 /// Keeps changes coming while it is there.
 #[derive(Debug)]
-pub(super) struct Watch {
+pub(super) struct RunFolderWatch {
     watcher: RecommendedWatcher,
     /// The folders of runs that are looked at.
     watched: BTreeSet<PathBuf>,
 }
 
 /// Begins to notice changes. Without, the server knows the runs that it started.
-pub(super) fn begin(house: &Arc<House>) -> mpsc::Receiver<Noticed> {
+pub(super) fn begin(server: &Arc<ServerState>) -> mpsc::Receiver<Noticed> {
     let (changes, noticed) = mpsc::channel(CHANGES);
-    let all = house.runs.folder.folder().to_path_buf();
+    let all = server.runs.folder.folder().to_path_buf();
     let tell = move |event: notify::Result<notify::Event>| {
         for change in noticed_of(&all, event) {
             // Nobody notices any more when the server ends.
             changes.blocking_send(change).unwrap_or_default();
         }
     };
-    let all = house.runs.folder.folder();
+    let all = server.runs.folder.folder();
     let watcher = notify::recommended_watcher(tell).and_then(|mut watcher| {
         fs::create_dir_all(all)?;
         watcher.watch(all, RecursiveMode::NonRecursive)?;
@@ -54,48 +54,48 @@ pub(super) fn begin(house: &Arc<House>) -> mpsc::Receiver<Noticed> {
     });
     match watcher {
         Ok(watcher) => {
-            *house.runs.watch.lock() = Some(Watch { watcher, watched: BTreeSet::new() });
+            *server.runs.watch.lock() = Some(RunFolderWatch { watcher, watched: BTreeSet::new() });
         }
         Err(error) => {
             let (all, why) = (all.display(), reason(&error));
-            (house.settings.tell)(&format!("runs that begin in {all} are not noticed: {why}"));
+            (server.settings.tell)(&format!("runs that begin in {all} are not noticed: {why}"));
         }
     }
     noticed
 }
 
 /// Looks at what changed, one after the other.
-pub(super) async fn serve(house: &Arc<House>, mut noticed: mpsc::Receiver<Noticed>) {
-    for folder in folders(house.runs.folder.folder()) {
-        keep_an_eye_on(house, &folder);
+pub(super) async fn serve(server: &Arc<ServerState>, mut noticed: mpsc::Receiver<Noticed>) {
+    for folder in folders(server.runs.folder.folder()) {
+        keep_an_eye_on(server, &folder);
     }
     while let Some(change) = noticed.recv().await {
         match change {
-            Noticed::In(folder) => look(house, folder).await,
+            Noticed::In(folder) => look(server, folder).await,
             Noticed::Anything => {
                 let mut all: BTreeSet<_> =
-                    folders(house.runs.folder.folder()).into_iter().collect();
-                all.extend(house.runs.folders());
+                    folders(server.runs.folder.folder()).into_iter().collect();
+                all.extend(server.runs.folders());
                 for folder in all {
-                    look(house, folder).await;
+                    look(server, folder).await;
                 }
             }
         }
     }
 }
 
-async fn look(house: &Arc<House>, folder: PathBuf) {
-    keep_an_eye_on(house, &folder);
-    if let Some(run) = life::look(house, folder).await
+async fn look(server: &Arc<ServerState>, folder: PathBuf) {
+    keep_an_eye_on(server, &folder);
+    if let Some(run) = life::look(server, folder).await
         && run.summary().phase == RunPhase::Live
     {
-        life::follow(house, &run);
+        life::follow(server, &run);
     }
 }
 
 /// Notices from now on what changes in the folder of a run; no more when it is gone.
-fn keep_an_eye_on(house: &House, folder: &Path) {
-    let mut watch = house.runs.watch.lock();
+fn keep_an_eye_on(server: &ServerState, folder: &Path) {
+    let mut watch = server.runs.watch.lock();
     let Some(watch) = watch.as_mut() else { return };
     if !folder.is_dir() {
         if watch.watched.remove(folder) {
@@ -107,7 +107,7 @@ fn keep_an_eye_on(house: &House, folder: &Path) {
         && folder.is_dir()
     {
         let (folder, why) = (folder.display(), reason(&error));
-        (house.settings.tell)(&format!("what changes in {folder} is not noticed: {why}"));
+        (server.settings.tell)(&format!("what changes in {folder} is not noticed: {why}"));
     }
 }
 
@@ -121,8 +121,8 @@ pub(super) fn folders(all: &Path) -> Vec<PathBuf> {
 }
 
 /// A folder in which nothing has begun and nothing will: nobody was told of it.
-pub(super) async fn remove(house: &House, folder: PathBuf) {
-    let tell = house.settings.tell;
+pub(super) async fn remove(server: &ServerState, folder: PathBuf) {
+    let tell = server.settings.tell;
     let removed = tokio::task::spawn_blocking(move || {
         if let Err(error) = fs::remove_dir_all(&folder) {
             tell(&format!("cannot remove {}: {error}", folder.display()));

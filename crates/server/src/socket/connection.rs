@@ -1,9 +1,9 @@
 //! One client's connection: every cause of work is one [`Cause`], taken one after the other. Knows frames and whom they are
 //! for; must never know what lies behind the desk, or how a frame reaches the other side.
 
-use super::desk::{Desk, now_ms};
 use super::outbox::{Lane, Outbox, length};
-use super::pulse::Pulse;
+use super::pulse::ClientPulse;
+use super::request_handler::{RequestHandler, now_ms};
 use super::session::{Act, Session, binary};
 use super::words;
 use crate::Failure;
@@ -24,34 +24,34 @@ const UNDER_WAY_MAX: usize = 32;
 const FAREWELL: Duration = Duration::from_secs(5);
 
 /// A message from the client, or why there is none.
-type Heard = Result<Message, axum::Error>;
+type Received = Result<Message, axum::Error>;
 
 /// Why there is something to do.
 enum Cause {
     /// The client said something, or went.
-    Heard(Option<Heard>),
+    Received(Option<Received>),
     /// A command or an edit has its answer.
     Answered(ToClient),
     /// A subscription has come to its end, or was given up.
-    Told(Result<u32, Aborted>),
+    NextMessage(Result<u32, Aborted>),
 }
 
 /// Serves a client until it goes, or is sent away.
-pub(super) async fn serve<S>(desk: Desk, socket: S)
+pub(super) async fn serve<S>(handler: RequestHandler, socket: S)
 where
-    S: Stream<Item = Heard> + Sink<Message, Error = axum::Error> + Send,
+    S: Stream<Item = Received> + Sink<Message, Error = axum::Error> + Send,
 {
     let (sink, stream) = socket.split();
-    let (outbox, pulse) = (Arc::new(Outbox::new()), Pulse::new());
+    let (outbox, pulse) = (Arc::new(Outbox::new()), ClientPulse::new());
     let mut writer = pin!(write(sink, &outbox, &pulse));
-    let connection = Connection::new(desk.clone(), Arc::clone(&outbox));
+    let connection = Connection::new(handler.clone(), Arc::clone(&outbox));
     let farewell = select! {
         () = &mut writer => None,
         () = pulse.end(&outbox) => None,
-        farewell = desk.unwelcome() => Some(farewell),
+        farewell = handler.unwelcome() => Some(farewell),
         farewell = connection.run(stream, &pulse) => farewell,
     };
-    desk.leave();
+    handler.leave();
     if let Some((failure, code)) = farewell {
         let reason = CloseFrame { code, reason: failure.refusal().code.into() };
         outbox.farewell(words::text(&words::refused(None, &failure)), reason);
@@ -64,7 +64,7 @@ where
 async fn write(
     mut sink: impl Sink<Message, Error = axum::Error> + Unpin,
     outbox: &Outbox,
-    pulse: &Pulse,
+    pulse: &ClientPulse,
 ) {
     loop {
         let (lane, frame) = outbox.next().await;
@@ -82,7 +82,7 @@ async fn write(
 }
 
 struct Connection {
-    desk: Desk,
+    handler: RequestHandler,
     session: Session,
     outbox: Arc<Outbox>,
     answers: FuturesOrdered<BoxFuture<'static, ToClient>>,
@@ -92,9 +92,9 @@ struct Connection {
 }
 
 impl Connection {
-    fn new(desk: Desk, outbox: Arc<Outbox>) -> Self {
+    fn new(handler: RequestHandler, outbox: Arc<Outbox>) -> Self {
         Self {
-            desk,
+            handler,
             session: Session::default(),
             outbox,
             answers: FuturesOrdered::new(),
@@ -106,42 +106,42 @@ impl Connection {
     /// Serves until the client goes (nothing) or is sent away (why).
     async fn run(
         mut self,
-        stream: impl Stream<Item = Heard> + Send,
-        pulse: &Pulse,
+        stream: impl Stream<Item = Received> + Send,
+        pulse: &ClientPulse,
     ) -> Option<(Failure, u16)> {
         let mut stream = pin!(stream);
-        self.tell(&self.desk.welcome());
+        self.tell(&self.handler.welcome());
         loop {
             let cause = self.wait(stream.as_mut()).await;
             match cause {
-                Cause::Heard(Some(Ok(message))) => {
+                Cause::Received(Some(Ok(message))) => {
                     pulse.beat();
-                    if let Err(failure) = self.desk.is_welcome() {
+                    if let Err(failure) = self.handler.current_user() {
                         return Some((failure, close_code::POLICY));
                     }
                     self.hear(message);
                 }
-                Cause::Heard(Some(Err(error))) => {
+                Cause::Received(Some(Err(error))) => {
                     return Some((unreadable(&error), close_code::POLICY));
                 }
-                Cause::Heard(None) => return None,
+                Cause::Received(None) => return None,
                 Cause::Answered(answer) => self.tell(&answer),
-                Cause::Told(ended) => self.forget(ended),
+                Cause::NextMessage(ended) => self.forget(ended),
             }
         }
     }
 
     /// The next cause. A client that does not take what it is told, or has too much under way, is not listened to.
-    async fn wait(&mut self, mut stream: impl Stream<Item = Heard> + Unpin) -> Cause {
+    async fn wait(&mut self, mut stream: impl Stream<Item = Received> + Unpin) -> Cause {
         let (outbox, is_free) = (&self.outbox, self.answers.len() < UNDER_WAY_MAX);
         let heard = async {
-            outbox.room().await;
+            outbox.session().await;
             stream.next().await
         };
         select! {
             Some(answer) = self.answers.next() => Cause::Answered(answer),
-            Some(ended) = self.feeds.next() => Cause::Told(ended),
-            heard = heard, if is_free => Cause::Heard(heard),
+            Some(ended) = self.feeds.next() => Cause::NextMessage(ended),
+            heard = heard, if is_free => Cause::Received(heard),
         }
     }
 
@@ -150,10 +150,10 @@ impl Connection {
     }
 
     fn hear(&mut self, message: Message) {
-        self.desk.heard();
+        self.handler.heard();
         match message {
             Message::Text(text) => {
-                let act = self.session.hear(&text, self.desk.who(), now_ms());
+                let act = self.session.hear(&text, self.handler.who(), now_ms());
                 self.act(act);
             }
             Message::Binary(_) => self.tell(&binary()),
@@ -167,13 +167,13 @@ impl Connection {
             Act::Begin(subscription, topic) => self.begin(subscription, topic),
             Act::GiveUp(subscription) => self.give_up(subscription),
             Act::Command { run, envelope } => {
-                self.answers.push_back(self.desk.command(run, *envelope).boxed());
+                self.answers.push_back(self.handler.command(run, *envelope).boxed());
             }
             Act::Change { machine, id, wish } => {
-                self.answers.push_back(self.desk.change(machine, id, wish).boxed());
+                self.answers.push_back(self.handler.change(machine, id, wish).boxed());
             }
             Act::Look { machine, selection } => {
-                if let Err(failure) = self.desk.look(&machine, selection) {
+                if let Err(failure) = self.handler.look(&machine, selection) {
                     self.tell(&words::refused(None, &failure));
                 }
             }
@@ -181,9 +181,9 @@ impl Connection {
     }
 
     fn begin(&mut self, subscription: u32, topic: Topic) {
-        let (desk, outbox) = (self.desk.clone(), Arc::clone(&self.outbox));
+        let (handler, outbox) = (self.handler.clone(), Arc::clone(&self.outbox));
         let told = async move {
-            if let Err(failure) = desk.tell(subscription, topic, &outbox).await {
+            if let Err(failure) = handler.tell(subscription, topic, &outbox).await {
                 let ended = words::text(&words::ended(subscription, Some(&failure)));
                 outbox.push(Lane::History, ended);
             }

@@ -7,7 +7,7 @@ use tokio::time::{Instant, sleep_until};
 
 /// What there is to tell of a subscription.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Told {
+pub(super) enum NextMessage {
     /// A frame; the next one may wait until it is due.
     Now(String),
     /// A frame, and more behind it.
@@ -29,7 +29,7 @@ pub(super) trait Feed: Send {
     fn ready(&mut self) -> impl Future<Output = ()> + Send;
 
     /// What there is to tell now. Asked when there is room: nothing is held while a client does not take it.
-    fn take(&mut self) -> impl Future<Output = Told> + Send;
+    fn take(&mut self) -> impl Future<Output = NextMessage> + Send;
 }
 
 /// Tells a subscription until nothing more will come.
@@ -56,13 +56,13 @@ impl<F: Feed> Telling<'_, F> {
         self.outbox.taken(self.last).await;
         let Ok(_turn) = self.outbox.turn(F::LANE).await else { return false };
         match self.feed.take().await {
-            Told::Now(frame) => {
+            NextMessage::Now(frame) => {
                 self.due = Instant::now() + F::EVERY;
                 self.last = self.outbox.push(F::LANE, frame);
             }
-            Told::Part(frame) => self.last = self.outbox.push(F::LANE, frame),
-            Told::Nothing => {}
-            Told::Last(frame) => {
+            NextMessage::Part(frame) => self.last = self.outbox.push(F::LANE, frame),
+            NextMessage::Nothing => {}
+            NextMessage::Last(frame) => {
                 self.outbox.push(F::LANE, frame);
                 return false;
             }

@@ -1,12 +1,12 @@
 //! A run's history for one client: each event once, from a cursor on, out of the journal as long as the ring has given up what
 //! comes next, then out of the ring. Knows cursors and texts; must never know what an event says.
 
-use super::feed::{Feed, Told};
+use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
 use super::words;
 use crate::history::HistoryReader;
-use crate::runs::{self, Page, Run};
-use crate::{Failure, House};
+use crate::runs::{self, EventsPage, Run};
+use crate::{Failure, ServerState};
 use rafcon_protocol::api::{RunNow, RunPhase};
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,7 +35,7 @@ pub(super) struct Cursor {
 
 /// What a reader is to be told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Due {
+enum NextEvents {
     Events,
     /// That it has caught up.
     CaughtUp,
@@ -51,12 +51,12 @@ impl Cursor {
     }
 
     /// What is due when event `last` is the last, and if the run is over nothing follows it.
-    fn due(&self, last: u64, is_over: bool) -> Due {
+    fn due(&self, last: u64, is_over: bool) -> NextEvents {
         match (self.next <= last, self.has_caught_up, is_over) {
-            (true, _, _) => Due::Events,
-            (false, false, _) => Due::CaughtUp,
-            (false, true, true) => Due::End,
-            (false, true, false) => Due::Nothing,
+            (true, _, _) => NextEvents::Events,
+            (false, false, _) => NextEvents::CaughtUp,
+            (false, true, true) => NextEvents::End,
+            (false, true, false) => NextEvents::Nothing,
         }
     }
 
@@ -71,8 +71,8 @@ impl Cursor {
         words::events(self.subscription, self.next, &[""; 0])
     }
 
-    fn end(&self, failure: Option<&Failure>) -> Told {
-        Told::Last(words::text(&words::ended(self.subscription, failure)))
+    fn end(&self, failure: Option<&Failure>) -> NextMessage {
+        NextMessage::Last(words::text(&words::ended(self.subscription, failure)))
     }
 }
 
@@ -89,13 +89,13 @@ pub(super) struct RunHistory {
 }
 
 impl RunHistory {
-    pub(super) fn new(house: &House, run: Arc<Run>, cursor: Cursor) -> Self {
+    pub(super) fn new(server: &ServerState, run: Arc<Run>, cursor: Cursor) -> Self {
         let (now, last) = (run.now(), run.ring().last());
-        let journal = HistoryReader::new(&house.history, run.folder(), cursor.values);
+        let journal = HistoryReader::new(&server.history, run.folder(), cursor.values);
         Self { run, now, last, journal, cursor, is_stalled: false }
     }
 
-    fn due(&self) -> Due {
+    fn due(&self) -> NextEvents {
         // Asked first: once a run is over, its last event is known.
         let is_over = self.is_over();
         self.cursor.due(*self.last.borrow(), is_over)
@@ -114,32 +114,33 @@ impl RunHistory {
         }
     }
 
-    async fn events(&mut self) -> Told {
+    async fn events(&mut self) -> NextMessage {
         match self.run.ring().read(self.cursor.next, PAGE_COUNT) {
-            Page::Events(events) => self.live(&events),
-            Page::Behind => self.kept().await,
+            EventsPage::Events(events) => self.live(&events),
+            EventsPage::Behind => self.kept().await,
         }
     }
 
     /// What only the journal has.
-    async fn kept(&mut self) -> Told {
+    async fn kept(&mut self) -> NextMessage {
         let (from, is_over) = (self.cursor.next, self.is_over());
         let page = self.journal.page(from, PAGE_COUNT, PAGE_BYTES).await;
         match page {
-            Ok(page) if page.next > from => {
-                self.cursor.tell(&page.entries, page.next).map_or(Told::Nothing, Told::Part)
-            }
+            Ok(page) if page.next > from => self
+                .cursor
+                .tell(&page.entries, page.next)
+                .map_or(NextMessage::Nothing, NextMessage::Part),
             Ok(_) if is_over => self.cursor.end(Some(&lacks(from))),
             Ok(_) => {
                 self.is_stalled = true;
-                Told::Nothing
+                NextMessage::Nothing
             }
             Err(failure) => self.cursor.end(Some(&failure)),
         }
     }
 
     /// What the ring has.
-    fn live(&mut self, events: &[Arc<runs::Told>]) -> Told {
+    fn live(&mut self, events: &[Arc<runs::EncodedEvent>]) -> NextMessage {
         let mut bytes = 0;
         let page = events.iter().take_while(|told| {
             let is_room = bytes < PAGE_BYTES;
@@ -147,12 +148,13 @@ impl RunHistory {
             is_room
         });
         let page: Vec<_> = page.collect();
-        let Some(last) = page.last() else { return Told::Nothing };
+        let Some(last) = page.last() else { return NextMessage::Nothing };
         let texts: Vec<&str> =
             page.iter().filter_map(|told| told.text(self.cursor.values)).collect();
         let frame = self.cursor.tell(&texts, last.sequence + 1);
         let is_all = page.len() == events.len() && events.len() < PAGE_COUNT;
-        frame.map_or(Told::Nothing, if is_all { Told::Now } else { Told::Part })
+        frame
+            .map_or(NextMessage::Nothing, if is_all { NextMessage::Now } else { NextMessage::Part })
     }
 }
 
@@ -164,17 +166,17 @@ impl Feed for RunHistory {
         if std::mem::take(&mut self.is_stalled) {
             drop(timeout(STALLED, self.change()).await);
         }
-        while self.due() == Due::Nothing {
+        while self.due() == NextEvents::Nothing {
             self.change().await;
         }
     }
 
-    async fn take(&mut self) -> Told {
+    async fn take(&mut self) -> NextMessage {
         match self.due() {
-            Due::Events => self.events().await,
-            Due::CaughtUp => Told::Part(self.cursor.catch_up()),
-            Due::End => self.cursor.end(lacking(&self.now.borrow().run.phase).as_ref()),
-            Due::Nothing => Told::Nothing,
+            NextEvents::Events => self.events().await,
+            NextEvents::CaughtUp => NextMessage::Part(self.cursor.catch_up()),
+            NextEvents::End => self.cursor.end(lacking(&self.now.borrow().run.phase).as_ref()),
+            NextEvents::Nothing => NextMessage::Nothing,
         }
     }
 }

@@ -1,11 +1,11 @@
 //! An open machine's history for one client: each revision once, from a cursor on. Knows cursors and texts; must never know
 //! what a revision says.
 
-use super::feed::{Feed, Told};
+use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
 use super::words;
 use crate::Failure;
-use crate::documents::{Page, Room};
+use crate::documents::{MachineSession, RevisionsPage};
 use rafcon_protocol::socket::ToClient;
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,7 +14,7 @@ use tokio::sync::watch;
 /// The history of an open machine, followed by one client.
 #[derive(Debug)]
 pub(super) struct MachineHistory {
-    room: Arc<Room>,
+    session: Arc<MachineSession>,
     last: watch::Receiver<u64>,
     subscription: u32,
     /// The first revision that the client was not told.
@@ -25,10 +25,14 @@ pub(super) struct MachineHistory {
 
 impl MachineHistory {
     /// A client that has seen everything before revision `from`.
-    pub(super) fn new(room: Arc<Room>, subscription: u32, from: u64) -> Result<Self, Failure> {
-        let mut last = room.revisions()?;
+    pub(super) fn new(
+        session: Arc<MachineSession>,
+        subscription: u32,
+        from: u64,
+    ) -> Result<Self, Failure> {
+        let mut last = session.revisions()?;
         last.mark_changed();
-        Ok(Self { room, last, subscription, next: from, is_over: false })
+        Ok(Self { session, last, subscription, next: from, is_over: false })
     }
 }
 
@@ -43,19 +47,19 @@ impl Feed for MachineHistory {
         }
     }
 
-    async fn take(&mut self) -> Told {
+    async fn take(&mut self) -> NextMessage {
         let subscription = self.subscription;
-        match self.room.since(self.next) {
-            Page::Reset(revision) if !self.is_over => {
-                Told::Last(words::text(&ToClient::Reset { subscription, revision }))
+        match self.session.since(self.next) {
+            RevisionsPage::Reset(revision) if !self.is_over => {
+                NextMessage::Last(words::text(&ToClient::Reset { subscription, revision }))
             }
-            Page::Revisions(told) if !told.is_empty() => {
+            RevisionsPage::Revisions(told) if !told.is_empty() => {
                 self.next += told.len() as u64;
                 let texts: Vec<&str> = told.iter().map(|told| told.text.as_str()).collect();
-                Told::Part(words::revisions(subscription, &texts))
+                NextMessage::Part(words::revisions(subscription, &texts))
             }
-            _ if self.is_over => Told::Last(words::text(&words::ended(subscription, None))),
-            _ => Told::Nothing,
+            _ if self.is_over => NextMessage::Last(words::text(&words::ended(subscription, None))),
+            _ => NextMessage::Nothing,
         }
     }
 }

@@ -4,25 +4,25 @@
 //! of its subscriptions.
 
 mod connection;
-mod desk;
 mod feed;
 mod history;
-mod house;
 mod machine;
 mod outbox;
 mod pulse;
+mod request_handler;
+mod server_status;
 mod session;
 mod status;
 mod words;
 
 use crate::access::Who;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::extract::State;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::response::Response;
-use desk::Desk;
 use rafcon_protocol::api::Refusal;
+use request_handler::RequestHandler;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use utoipa_axum::router::OpenApiRouter;
@@ -41,7 +41,7 @@ pub(crate) struct Sockets {
     count: AtomicU64,
 }
 
-pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(socket))
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
 #[utoipa::path(
     get,
     path = "/api/v1/socket",
-    tag = "house",
+    tag = "server",
     responses(
         (status = 101, description = "From now on frames are spoken"),
         (status = 400, description = "This is no request for a WebSocket", body = Refusal),
@@ -58,7 +58,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn socket(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     who: Who,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Failure> {
@@ -67,9 +67,9 @@ async fn socket(
             format!("a WebSocket begins here, and this is no request for one: {rejection}");
         Failure::bad("no_websocket", message)
     })?;
-    let connection = house.sockets.count.fetch_add(1, Ordering::Relaxed) + 1;
-    let desk = Desk::new(house, who, connection);
+    let connection = server.sockets.count.fetch_add(1, Ordering::Relaxed) + 1;
+    let handler = RequestHandler::new(server, who, connection);
     let upgrade = upgrade.max_message_size(FRAME_BYTES_MAX).max_frame_size(FRAME_BYTES_MAX);
     let upgrade = upgrade.read_buffer_size(READ_BYTES);
-    Ok(upgrade.on_upgrade(move |socket| connection::serve(desk, socket)))
+    Ok(upgrade.on_upgrade(move |socket| connection::serve(handler, socket)))
 }

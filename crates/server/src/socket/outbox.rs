@@ -144,7 +144,7 @@ impl Outbox {
     }
 
     /// Waits until the client has taken enough of what was put in.
-    pub(super) async fn room(&self) {
+    pub(super) async fn session(&self) {
         self.until(|flows| flows.bytes() < FULL).await;
     }
 
@@ -166,7 +166,7 @@ impl Outbox {
             Lane::History => self.history.acquire().await?,
             Lane::Status => self.status.acquire().await?,
         };
-        self.room().await;
+        self.session().await;
         Ok(turn)
     }
 

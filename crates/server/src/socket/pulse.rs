@@ -12,11 +12,11 @@ const GONE_AFTER: Duration = Duration::from_mins(1);
 
 /// Signs of life of a client.
 #[derive(Debug)]
-pub(super) struct Pulse {
+pub(super) struct ClientPulse {
     last: Mutex<Instant>,
 }
 
-impl Pulse {
+impl ClientPulse {
     pub(super) fn new() -> Self {
         Self { last: Mutex::new(Instant::now()) }
     }
@@ -48,7 +48,7 @@ impl Pulse {
 
 #[cfg(test)]
 mod tests {
-    use super::{Outbox, Pulse};
+    use super::{ClientPulse, Outbox};
     use expect_test::{Expect, expect};
     use std::fmt::Write as _;
     use std::time::Duration;
@@ -56,7 +56,7 @@ mod tests {
 
     /// When a client is asked, and when it is gone, that was heard at these seconds.
     async fn check(heard: &[u64], expect: &Expect) {
-        let (outbox, pulse, begin) = (Outbox::new(), Pulse::new(), Instant::now());
+        let (outbox, pulse, begin) = (Outbox::new(), ClientPulse::new(), Instant::now());
         let mut text = String::new();
         let beat = async {
             for at in heard {

@@ -1,7 +1,7 @@
 //! Subscriptions to the latest truth: the first change at once, then at most one frame in a tenth of a second, whatever
 //! happened in between. Knows watches; must never know what is watched.
 
-use super::feed::{Feed, Told};
+use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
 use super::words;
 use std::time::Duration;
@@ -33,10 +33,10 @@ impl<T: Send + Sync, F: FnMut(&T) -> String + Send> Feed for Status<T, F> {
         self.is_over = self.watch.changed().await.is_err();
     }
 
-    async fn take(&mut self) -> Told {
+    async fn take(&mut self) -> NextMessage {
         if self.is_over {
-            return Told::Last(words::text(&words::ended(self.subscription, None)));
+            return NextMessage::Last(words::text(&words::ended(self.subscription, None)));
         }
-        Told::Now((self.tell)(&self.watch.borrow_and_update()))
+        NextMessage::Now((self.tell)(&self.watch.borrow_and_update()))
     }
 }

@@ -7,7 +7,7 @@
 mod folders;
 mod inbox;
 
-use crate::{House, log};
+use crate::{ServerState, log};
 use folders::{Folders, Plan};
 use inbox::{Changes, Inbox};
 use std::path::PathBuf;
@@ -22,20 +22,20 @@ const OPENED: Duration = Duration::from_secs(1);
 
 /// What is followed, and for whom.
 struct Watch {
-    house: Arc<House>,
+    server: Arc<ServerState>,
     folders: Folders,
     /// The folders of open machines that are followed.
     open: Vec<PathBuf>,
 }
 
-/// Begins to follow the projects, libraries and open machines of a house, until it closes.
-pub(crate) fn begin(house: &Arc<House>) {
+/// Begins to follow the projects, libraries and open machines of a server, until it closes.
+pub(crate) fn begin(server: &Arc<ServerState>) {
     let inbox = Arc::new(Inbox::default());
     let told = Arc::clone(&inbox);
     match notify::recommended_watcher(move |event| told.put(event)) {
         Ok(watcher) => {
             let watch = Watch {
-                house: Arc::clone(house),
+                server: Arc::clone(server),
                 folders: Folders::new(watcher),
                 open: Vec::new(),
             };
@@ -49,7 +49,7 @@ pub(crate) fn begin(house: &Arc<House>) {
 
 impl Watch {
     async fn run(self, inbox: Arc<Inbox>) {
-        let (mut machines, mut closing) = (self.house.news.of_machines(), self.house.closing());
+        let (mut machines, mut closing) = (self.server.news.of_machines(), self.server.closing());
         // Until everything is followed for the first time, anything may have happened.
         let mut changes = Changes { is_lost: true, ..Changes::default() };
         let mut watch = self;
@@ -79,7 +79,7 @@ impl Watch {
             self.folders.forget_all();
         }
         self.folders.forget(&changes.gone);
-        let open = self.house.documents.folders();
+        let open = self.server.documents.folders();
         if open != self.open || changes.is_lost || self.is_new_folder(changes) {
             self.folders.follow(&self.plan(&open));
         }
@@ -92,10 +92,10 @@ impl Watch {
     }
 
     fn plan(&self, open: &[PathBuf]) -> Plan {
-        let projects = self.house.projects.all().iter();
-        let settings = &self.house.settings;
+        let projects = self.server.projects.all().iter();
+        let settings = &self.server.settings;
         Plan {
-            whole: open.iter().cloned().chain(self.house.projects.shelf().folders()).collect(),
+            whole: open.iter().cloned().chain(self.server.projects.shelf().folders()).collect(),
             outside: projects.map(|project| PathBuf::from(&project.folder)).collect(),
             hidden: vec![settings.runs.clone(), settings.state.clone()],
         }
@@ -103,16 +103,16 @@ impl Watch {
 
     /// A machine that is followed from now on may have changed since it was opened.
     fn tell(&self, changes: &Changes, open: &[PathBuf]) {
-        if self.house.projects.shelf().folders().iter().any(|folder| changes.concern(folder)) {
-            self.house.projects.shelf().refresh();
+        if self.server.projects.shelf().folders().iter().any(|folder| changes.concern(folder)) {
+            self.server.projects.shelf().refresh();
         }
         for folder in open {
             if changes.concern(folder) || !self.open.contains(folder) {
-                self.house.documents.look(&self.house, folder);
+                self.server.documents.look(&self.server, folder);
             }
         }
         if !changes.is_empty() {
-            self.house.news.files();
+            self.server.news.files();
         }
     }
 }

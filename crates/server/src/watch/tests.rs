@@ -11,10 +11,10 @@ use tokio::time::timeout;
 /// Far more than a change takes to be noticed.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A house with a project and a library root below a folder of its own.
+/// A server with a project and a library root below a folder of its own.
 struct Place {
     folder: tempfile::TempDir,
-    house: Arc<House>,
+    server: Arc<ServerState>,
     files: Receiver<u64>,
 }
 
@@ -31,10 +31,10 @@ impl Place {
             libraries: vec![("lib".to_owned(), path("libraries"))],
             ..Settings::new(path("project/state"), path("project/runs"))
         };
-        let house = House::new(settings).unwrap();
-        let files = house.news.of_files();
-        begin(&house);
-        let mut place = Self { folder, house, files };
+        let server = ServerState::new(settings).unwrap();
+        let files = server.news.of_files();
+        begin(&server);
+        let mut place = Self { folder, server, files };
         place.news().await;
         place
     }
@@ -71,27 +71,27 @@ async fn a_new_machine_deep_in_new_folders_is_noticed_and_so_is_what_happens_to_
 #[tokio::test]
 async fn a_changed_library_is_read_again() {
     let mut place = Place::new(&["libraries/one/STATE_A"]).await;
-    let before = place.house.projects.libraries();
+    let before = place.server.projects.libraries();
     fs::write(place.path("libraries/one/STATE_A/script.py"), "").unwrap();
     place.news().await;
-    assert!(!Arc::ptr_eq(&before, &place.house.projects.libraries()));
+    assert!(!Arc::ptr_eq(&before, &place.server.projects.libraries()));
 }
 
 /// A machine that was made by the server, and its id while it is open.
 fn made(place: &Place) -> String {
     let file = MachineFile { project: "project".to_owned(), path: "one".to_owned() };
     let new = NewMachine { file, name: "Mission".to_owned() };
-    place.house.documents.make(&place.house, &new).unwrap().id
+    place.server.documents.make(&place.server, &new).unwrap().id
 }
 
 #[tokio::test]
 async fn what_another_program_does_to_an_open_machine_is_told_and_what_the_server_does_is_not() {
     let mut place = Place::new(&[]).await;
     let id = made(&place);
-    place.house.documents.save(&place.house, &id, &SaveMachine::default()).unwrap();
+    place.server.documents.save(&place.server, &id, &SaveMachine::default()).unwrap();
     fs::write(place.path("project/one/notes.txt"), "").unwrap();
     place.news().await;
-    let mut status = place.house.documents.room(&id).unwrap().status().unwrap();
+    let mut status = place.server.documents.session(&id).unwrap().status().unwrap();
     assert_eq!(status.borrow_and_update().summary.disk, DiskState::Same);
 
     let core = place.path("project/one/core_data.json");

@@ -1,6 +1,6 @@
 //! What strangers try: other names, other pages, bodies without end, heads that never come, paths that lead out, guessing.
 
-use crate::harness::{House, PASSWORD, name};
+use crate::harness::{PASSWORD, TestServer, name};
 use crate::machines::{MACHINE, write};
 use crate::raw::{Raw, ask, log_in, login_from, status};
 use rafcon_protocol::api::Role;
@@ -10,39 +10,39 @@ use serde_json::json;
 use std::time::Duration;
 
 /// How a stranger's page makes a browser ask.
-fn asked_by(house: &House, line: &str, host: &str, origin: Option<&str>) -> u16 {
-    let bearer = format!("Bearer {}", house.token(Role::Admin));
+fn asked_by(server: &TestServer, line: &str, host: &str, origin: Option<&str>) -> u16 {
+    let bearer = format!("Bearer {}", server.token(Role::Admin));
     let mut head = vec![("Host", host), ("Authorization", &bearer)];
     head.extend(origin.map(|origin| ("Origin", origin)));
-    status(&ask(house, line, &head))
+    status(&ask(server, line, &head))
 }
 
 #[test]
 fn a_name_that_leads_here_by_a_trick_is_not_answered() {
-    let house = House::new();
-    let own = house.address().to_string();
+    let server = TestServer::new();
+    let own = server.address().to_string();
     for line in ["GET /api/v1/projects", "GET /", "GET /nothing", "GET /api/v1/health"] {
-        let foreign = format!("evil.example:{}", house.address().port());
-        assert_eq!(asked_by(&house, line, &foreign, None), 421, "{line}");
-        assert_eq!(asked_by(&house, line, "", None), 421, "{line}");
-        assert_ne!(asked_by(&house, line, &own, None), 421, "{line}");
+        let foreign = format!("evil.example:{}", server.address().port());
+        assert_eq!(asked_by(&server, line, &foreign, None), 421, "{line}");
+        assert_eq!(asked_by(&server, line, "", None), 421, "{line}");
+        assert_ne!(asked_by(&server, line, &own, None), 421, "{line}");
     }
-    assert_eq!(asked_by(&house, "GET /api/v1/health", "127.0.0.1", None), 421);
+    assert_eq!(asked_by(&server, "GET /api/v1/health", "127.0.0.1", None), 421);
 }
 
 #[test]
 fn a_page_of_somebody_else_changes_nothing_and_opens_no_socket() {
-    let house = House::new();
-    let own = house.address().to_string();
-    let post = |origin: Option<&str>| asked_by(&house, "POST /api/v1/runs/prune", &own, origin);
+    let server = TestServer::new();
+    let own = server.address().to_string();
+    let post = |origin: Option<&str>| asked_by(&server, "POST /api/v1/runs/prune", &own, origin);
     assert_eq!(post(Some("http://evil.example")), 403);
     assert_eq!(post(Some("null")), 403);
     assert_eq!(post(Some(&format!("https://{own}"))), 403);
     assert_eq!(post(Some(&format!("http://{own}"))), 400);
     assert_eq!(post(None), 400);
     let socket = |origin: &str| {
-        let token = house.token(Role::Viewer);
-        let mut raw = Raw::to(&house);
+        let token = server.token(Role::Viewer);
+        let mut raw = Raw::to(&server);
         raw.say(format!(
             "GET /api/v1/socket?token={token} HTTP/1.1\r\nHost: {own}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
              Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nOrigin: {origin}\r\n\r\n"
@@ -55,15 +55,15 @@ fn a_page_of_somebody_else_changes_nothing_and_opens_no_socket() {
 
 #[test]
 fn a_cookie_counts_on_pages_of_this_server_only() {
-    let house = House::new();
-    let own = house.address().to_string();
+    let server = TestServer::new();
+    let own = server.address().to_string();
     let login = json!({"user": "engineer", "password": PASSWORD});
-    let answer = house.call(None, "POST", "/api/v1/session", Some(&login));
+    let answer = server.call(None, "POST", "/api/v1/session", Some(&login));
     let cookie = answer.header("set-cookie").unwrap().split(';').next().unwrap().to_owned();
     let ask = |line: &str, origin: Option<&str>| {
         let mut head = vec![("Host", own.as_str()), ("Cookie", cookie.as_str())];
         head.extend(origin.map(|origin| ("Origin", origin)));
-        status(&ask(&house, line, &head))
+        status(&ask(&server, line, &head))
     };
     assert_eq!(ask("GET /api/v1/session", None), 200);
     assert_eq!(ask("DELETE /api/v1/session", None), 403);
@@ -74,10 +74,10 @@ fn a_cookie_counts_on_pages_of_this_server_only() {
 
 #[test]
 fn a_body_of_a_hundred_megabytes_is_refused() {
-    let house = House::new();
+    let server = TestServer::new();
     for (path, role) in [("/api/v1/session", None), ("/api/v1/users", Some(Role::Admin))] {
-        let mut raw = Raw::to(&house);
-        raw.say(head(&house, path, role, "Content-Length: 100000000"));
+        let mut raw = Raw::to(&server);
+        raw.say(head(&server, path, role, "Content-Length: 100000000"));
         let mega = vec![b' '; 1 << 20];
         let taken = (0..100).take_while(|_| raw.say(&mega)).count();
         let answer = raw.rest();
@@ -85,15 +85,15 @@ fn a_body_of_a_hundred_megabytes_is_refused() {
         assert!([0, 413].contains(&status(&answer)), "{answer}");
         assert!(taken < 100, "all of it was taken");
     }
-    assert_eq!(house.call(None, "GET", "/api/v1/health", None).status, 200);
+    assert_eq!(server.call(None, "GET", "/api/v1/health", None).status, 200);
 }
 
 #[test]
 fn a_body_that_is_just_too_large_is_told_so() {
-    let house = House::new();
+    let server = TestServer::new();
     let said = |path: &str, role, bytes: usize| {
         let body = json!({"user": "x".repeat(bytes), "password": ""});
-        house.call(role, "POST", path, Some(&body)).said()
+        server.call(role, "POST", path, Some(&body)).said()
     };
     assert_eq!(said("/api/v1/session", None, 17 << 10), "413 body_too_large");
     assert_eq!(said("/api/v1/users", Some(Role::Admin), 9 << 20), "413 body_too_large");
@@ -101,9 +101,9 @@ fn a_body_that_is_just_too_large_is_told_so() {
 
 #[test]
 fn a_body_without_end_is_refused() {
-    let house = House::new();
-    let mut raw = Raw::to(&house);
-    raw.say(head(&house, "/api/v1/session", None, "Transfer-Encoding: chunked"));
+    let server = TestServer::new();
+    let mut raw = Raw::to(&server);
+    raw.say(head(&server, "/api/v1/session", None, "Transfer-Encoding: chunked"));
     let chunk = [b"100000\r\n".as_slice(), &vec![b' '; 1 << 20], b"\r\n"].concat();
     let taken = (0..100).take_while(|_| raw.say(&chunk)).count();
     assert!(taken < 100, "all of it was taken");
@@ -111,18 +111,18 @@ fn a_body_without_end_is_refused() {
 }
 
 /// The head of a request with a body.
-fn head(house: &House, path: &str, role: Option<Role>, length: &str) -> String {
-    let bearer = role.map(|role| format!("Authorization: Bearer {}\r\n", house.token(role)));
+fn head(server: &TestServer, path: &str, role: Option<Role>, length: &str) -> String {
+    let bearer = role.map(|role| format!("Authorization: Bearer {}\r\n", server.token(role)));
     format!(
         "POST {path} HTTP/1.1\r\nHost: {}\r\n{}Content-Type: application/json\r\n{length}\r\n\r\n",
-        house.address(),
+        server.address(),
         bearer.unwrap_or_default()
     )
 }
 
 /// A server that waits for nobody.
-fn impatient() -> House {
-    House::with(|settings| {
+fn impatient() -> TestServer {
+    TestServer::with(|settings| {
         settings.listen.head_patience = Duration::from_secs(1);
         settings.listen.body_patience = Duration::from_secs(1);
     })
@@ -130,9 +130,9 @@ fn impatient() -> House {
 
 #[test]
 fn a_head_that_never_ends_is_hung_up_on() {
-    let house = impatient();
+    let server = impatient();
     for begun in ["", "GET /api/v1/health HTTP/1.1\r\nHost: 127", "G"] {
-        let mut raw = Raw::to(&house);
+        let mut raw = Raw::to(&server);
         raw.say(begun);
         assert!([0, 408].contains(&status(&raw.rest())), "{begun}");
     }
@@ -140,26 +140,26 @@ fn a_head_that_never_ends_is_hung_up_on() {
 
 #[test]
 fn a_connection_that_stays_for_nothing_is_hung_up_on() {
-    let house = impatient();
-    let mut raw = Raw::to(&house);
-    raw.say(format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n\r\n", house.address()));
+    let server = impatient();
+    let mut raw = Raw::to(&server);
+    raw.say(format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n\r\n", server.address()));
     assert_eq!(status(&raw.rest()), 200);
 }
 
 #[test]
 fn a_body_that_stops_coming_is_hung_up_on() {
-    let house = impatient();
-    let mut raw = Raw::to(&house);
-    raw.say(head(&house, "/api/v1/session", None, "Content-Length: 100"));
+    let server = impatient();
+    let mut raw = Raw::to(&server);
+    raw.say(head(&server, "/api/v1/session", None, "Content-Length: 100"));
     raw.say("{\"user\":");
     assert_eq!(status(&raw.rest()), 400);
 }
 
 #[test]
 fn a_head_without_bounds_is_refused() {
-    let house = House::new();
-    let mut raw = Raw::to(&house);
-    raw.say(format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n", house.address()));
+    let server = TestServer::new();
+    let mut raw = Raw::to(&server);
+    raw.say(format!("GET /api/v1/health HTTP/1.1\r\nHost: {}\r\n", server.address()));
     let line = format!("X-Long: {}\r\n", "x".repeat(10_000));
     let taken = (0..1000).take_while(|_| raw.say(&line)).count();
     assert!(taken < 1000, "all of it was taken");
@@ -168,58 +168,58 @@ fn a_head_without_bounds_is_refused() {
 
 #[test]
 fn where_all_places_are_taken_who_is_logged_in_keeps_theirs() {
-    let house = House::with(|settings| settings.listen.connections_max = 2);
-    let mut known = [Raw::to(&house), Raw::to(&house)];
+    let server = TestServer::with(|settings| settings.listen.connections_max = 2);
+    let mut known = [Raw::to(&server), Raw::to(&server)];
     for (connection, role) in known.iter_mut().zip([Role::Admin, Role::Operator]) {
-        connection.say(health(&house, Some(role)));
+        connection.say(health(&server, Some(role)));
         assert_eq!(status(&connection.head()), 200);
     }
-    let mut late = Raw::to(&house);
-    late.say(health(&house, None));
+    let mut late = Raw::to(&server);
+    late.say(health(&server, None));
     assert_eq!(status(&late.rest()), 0);
     drop(known);
 }
 
 #[test]
 fn connections_that_never_read_do_not_keep_out_who_has_to_stop_a_robot() {
-    let house = House::with(|settings| settings.listen.connections_max = 4);
-    let mut strangers: Vec<Raw> = (0..20).map(|_| Raw::to(&house)).collect();
+    let server = TestServer::with(|settings| settings.listen.connections_max = 4);
+    let mut strangers: Vec<Raw> = (0..20).map(|_| Raw::to(&server)).collect();
     for stranger in &mut strangers {
-        stranger.say(health(&house, None));
+        stranger.say(health(&server, None));
     }
-    let mut operator = Raw::to(&house);
-    operator.say(health(&house, Some(Role::Operator)));
+    let mut operator = Raw::to(&server);
+    operator.say(health(&server, Some(Role::Operator)));
     assert_eq!(status(&operator.head()), 200);
-    let more: Vec<Raw> = (0..20).map(|_| Raw::to(&house)).collect();
-    operator.say(health(&house, Some(Role::Operator)));
+    let more: Vec<Raw> = (0..20).map(|_| Raw::to(&server)).collect();
+    operator.say(health(&server, Some(Role::Operator)));
     assert_eq!(status(&operator.head()), 200);
     drop((strangers, more));
 }
 
-fn health(house: &House, role: Option<Role>) -> String {
-    let bearer = role.map(|role| format!("Authorization: Bearer {}\r\n", house.token(role)));
-    let (host, bearer) = (house.address(), bearer.unwrap_or_default());
+fn health(server: &TestServer, role: Option<Role>) -> String {
+    let bearer = role.map(|role| format!("Authorization: Bearer {}\r\n", server.token(role)));
+    let (host, bearer) = (server.address(), bearer.unwrap_or_default());
     format!("GET /api/v1/health HTTP/1.1\r\nHost: {host}\r\n{bearer}\r\n")
 }
 
 #[test]
 fn a_request_that_names_two_hosts_is_refused() {
-    let house = House::new();
-    let own = house.address().to_string();
+    let server = TestServer::new();
+    let own = server.address().to_string();
     for others in [["evil.example", &own], [&own, "evil.example"], [&own, &own]] {
         let head = others.map(|host| ("Host", host));
-        assert_eq!(status(&ask(&house, "GET /api/v1/health", &head)), 400, "{others:?}");
+        assert_eq!(status(&ask(&server, "GET /api/v1/health", &head)), 400, "{others:?}");
     }
 }
 
 #[test]
 fn no_path_leads_out_of_a_project() {
-    let house = House::new();
-    let outside = house.state().join("secret");
+    let server = TestServer::new();
+    let outside = server.state().join("secret");
     std::fs::create_dir_all(&outside).unwrap();
-    std::os::unix::fs::symlink(&outside, house.project().join("link")).unwrap();
-    let bearer = format!("Bearer {}", house.token(Role::Admin));
-    let host = house.address().to_string();
+    std::os::unix::fs::symlink(&outside, server.project().join("link")).unwrap();
+    let bearer = format!("Bearer {}", server.token(Role::Admin));
+    let host = server.address().to_string();
     let head = [("Host", host.as_str()), ("Authorization", bearer.as_str())];
     let ways = [
         "..",
@@ -241,13 +241,13 @@ fn no_path_leads_out_of_a_project() {
             format!("GET /api/v1/runs/{way}"),
         ];
         for line in addresses {
-            let answer = ask(&house, &line, &head);
+            let answer = ask(&server, &line, &head);
             assert!((400..500).contains(&status(&answer)), "{line}: {answer}");
             assert!(!answer.contains("secret"), "{line}: {answer}");
         }
         let file = json!({"file": {"project": "project", "path": way}, "name": "x"});
         for path in ["/api/v1/machines/open", "/api/v1/machines"] {
-            let answer = house.call(Some(Role::Admin), "POST", path, Some(&file));
+            let answer = server.call(Some(Role::Admin), "POST", path, Some(&file));
             let is_plain = way.starts_with('%') || way.starts_with("..%");
             assert!(is_plain || (400..500).contains(&answer.status), "{path} {way}: {answer:?}");
         }
@@ -257,36 +257,36 @@ fn no_path_leads_out_of_a_project() {
 
 #[test]
 fn no_link_in_a_machine_leads_out_of_the_project() {
-    let house = House::new();
-    let outside = house.state().join("secret.py");
+    let server = TestServer::new();
+    let outside = server.state().join("secret.py");
     std::fs::write(&outside, "secret = 1").unwrap();
-    write(&house, "one", MACHINE);
-    let script = std::fs::read_dir(house.project().join("one")).unwrap();
+    write(&server, "one", MACHINE);
+    let script = std::fs::read_dir(server.project().join("one")).unwrap();
     let script = script.map(|entry| entry.unwrap().path().join("script.py"));
     let script = script.into_iter().find(|script| script.exists()).unwrap();
     std::fs::remove_file(&script).unwrap();
     std::os::unix::fs::symlink(&outside, &script).unwrap();
     let file = json!({"file": {"project": "project", "path": "one"}});
-    let answer = house.call(Some(Role::Viewer), "POST", "/api/v1/machines/open", Some(&file));
+    let answer = server.call(Some(Role::Viewer), "POST", "/api/v1/machines/open", Some(&file));
     assert_eq!(answer.said(), "403 outside_project");
     assert!(answer.text.contains("script.py leads out"), "{answer:?}");
 }
 
 #[test]
 fn ten_thousand_wrong_logins_open_nothing_and_lock_nobody_out() {
-    let house = House::new();
+    let server = TestServer::new();
     let engineer = name(Role::Engineer);
     let right = json!({"user": engineer, "password": PASSWORD});
-    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
+    assert_eq!(login_from([127, 0, 0, 2], &server, &right), 200);
     let guess = json!({"user": engineer, "password": "wrong"}).to_string();
     let request = |guess: &str| {
         format!(
             "POST /api/v1/session HTTP/1.1\r\nHost: {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{guess}",
-            house.address(),
+            server.address(),
             guess.len()
         )
     };
-    let mut guesses = Raw::to(&house);
+    let mut guesses = Raw::to(&server);
     let mut counts = std::collections::BTreeMap::new();
     for _ in 0..10_000 {
         guesses.say(request(&guess));
@@ -298,8 +298,8 @@ fn ten_thousand_wrong_logins_open_nothing_and_lock_nobody_out() {
     assert_eq!(tried + refused, 10_000, "{counts:?}");
     assert!((5..100).contains(&tried), "{counts:?}");
     // Whoever was let in from an address before is let in there meanwhile, and who has a token is not asked.
-    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
-    assert_eq!(house.call(Some(Role::Engineer), "GET", "/api/v1/session", None).status, 200);
+    assert_eq!(login_from([127, 0, 0, 2], &server, &right), 200);
+    assert_eq!(server.call(Some(Role::Engineer), "GET", "/api/v1/session", None).status, 200);
 }
 
 #[test]
@@ -307,19 +307,19 @@ fn who_was_let_in_from_an_address_before_does_not_wait_for_a_flood_of_strangers(
     let slow = |settings: &mut Settings| {
         settings.access.cost = HashCost { memory_kib: 64, passes: 400 };
     };
-    let house = House::with(slow);
+    let server = TestServer::with(slow);
     let right = json!({"user": name(Role::Operator), "password": PASSWORD});
-    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
-    let house = House::at(house.end(), slow);
+    assert_eq!(login_from([127, 0, 0, 2], &server, &right), 200);
+    let server = TestServer::at(server.end(), slow);
     let flood: Vec<Raw> = (1..=60_u8)
         .map(|number| {
             let guess = json!({"user": format!("nobody{number}"), "password": "wrong"});
-            let mut raw = Raw::from([127, 0, 1, number], &house);
-            raw.say(log_in(&house, &guess));
+            let mut raw = Raw::from([127, 0, 1, number], &server);
+            raw.say(log_in(&server, &guess));
             raw
         })
         .collect();
-    assert_eq!(login_from([127, 0, 0, 2], &house, &right), 200);
+    assert_eq!(login_from([127, 0, 0, 2], &server, &right), 200);
     let answered = flood.iter().filter(|raw| raw.has_answer()).count();
     assert!(answered < 30, "{answered} of 60 strangers were answered before");
 }

@@ -16,7 +16,7 @@ use tokio::sync::oneshot;
 const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
 
 /// A server, until dropped. Its users are called `viewer`, `operator`, `engineer` and `admin`.
-pub(crate) struct House {
+pub(crate) struct TestServer {
     place: TempDir,
     address: SocketAddr,
     url: String,
@@ -34,7 +34,7 @@ pub(crate) struct Answer {
     pub(crate) text: String,
 }
 
-impl House {
+impl TestServer {
     /// A server with one empty project, `project`.
     pub(crate) fn new() -> Self {
         Self::with(|_settings| {})
@@ -52,7 +52,7 @@ impl House {
         let tokens = Role::ALL.map(|role| token(&users, role));
         let (begun, server) = std::sync::mpsc::sync_channel(1);
         let (stop, stopped) = oneshot::channel::<()>();
-        let builder = std::thread::Builder::new().name("house".to_owned());
+        let builder = std::thread::Builder::new().name("server".to_owned());
         let run = move || {
             let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
             runtime.block_on(async move {
@@ -162,7 +162,7 @@ impl House {
     }
 }
 
-impl Drop for House {
+impl Drop for TestServer {
     fn drop(&mut self) {
         self.stop();
     }

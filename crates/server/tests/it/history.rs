@@ -1,7 +1,7 @@
 //! What runs leave, page by page and moment by moment, compared with what their journals say.
 
-use crate::harness::House;
-use crate::past::{END, RUN, append, get, house, said, write};
+use crate::harness::TestServer;
+use crate::past::{END, RUN, append, get, said, server, write};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use std::ops::ControlFlow;
 
 /// One line for each of the entries of a list.
-fn check(house: &House, path: &str, list: &str, expect: &Expect) {
-    let answer = get(house, path);
+fn check(server: &TestServer, path: &str, list: &str, expect: &Expect) {
+    let answer = get(server, path);
     let lines = answer[list].as_array().unwrap().iter().map(|entry| format!("{entry}\n"));
     let cursor = format!("next {} last {}\n", answer["next"], answer["last"]);
     expect.assert_eq(&(lines.collect::<String>() + &cursor));
@@ -20,9 +20,9 @@ fn check(house: &House, path: &str, list: &str, expect: &Expect) {
 
 #[test]
 fn events_are_told_with_and_without_values_as_far_as_they_are_wanted() {
-    let house = house(&[("run", &format!("{RUN}{END}"))]);
+    let server = server(&[("run", &format!("{RUN}{END}"))]);
     check(
-        &house,
+        &server,
         "run/events?from=3&count=3&values=true",
         "events",
         &expect![[r#"
@@ -33,7 +33,7 @@ fn events_are_told_with_and_without_values_as_far_as_they_are_wanted() {
         "#]],
     );
     check(
-        &house,
+        &server,
         "run/events?state=scan&kinds=entered,left,scoped",
         "events",
         &expect![[r#"
@@ -43,7 +43,7 @@ fn events_are_told_with_and_without_values_as_far_as_they_are_wanted() {
         "#]],
     );
     check(
-        &house,
+        &server,
         "run/events?since_ms=11&until_ms=12",
         "events",
         &expect![[r#"
@@ -56,18 +56,18 @@ fn events_are_told_with_and_without_values_as_far_as_they_are_wanted() {
 
 #[test]
 fn a_cursor_beyond_the_end_waits_there() {
-    let house = house(&[("run", RUN)]);
+    let server = server(&[("run", RUN)]);
     for from in [13, 99, i64::MAX.cast_unsigned() + 7, u64::MAX] {
-        let page = get(&house, &format!("run/events?from={from}&text=room"));
+        let page = get(&server, &format!("run/events?from={from}&text=room"));
         assert_eq!(page, json!({"events": [], "next": from, "last": 12}));
     }
 }
 
 #[test]
 fn the_log_is_told_by_level_state_and_text() {
-    let house = house(&[("run", RUN)]);
+    let server = server(&[("run", RUN)]);
     check(
-        &house,
+        &server,
         "run/log?level=info&count=1",
         "lines",
         &expect![[r#"
@@ -76,7 +76,7 @@ fn the_log_is_told_by_level_state_and_text() {
         "#]],
     );
     check(
-        &house,
+        &server,
         "run/log?text=LOOK&state=*X",
         "lines",
         &expect![[r#"
@@ -88,36 +88,36 @@ fn the_log_is_told_by_level_state_and_text() {
 
 #[test]
 fn a_moment_is_found_by_its_number_and_by_its_time() {
-    let house = house(&[("run", &format!("{RUN}{END}"))]);
-    let at = get(&house, "run/moments/6");
-    assert_eq!(at, get(&house, "run/moments?t_ms=6"));
+    let server = server(&[("run", &format!("{RUN}{END}"))]);
+    let at = get(&server, "run/moments/6");
+    assert_eq!(at, get(&server, "run/moments?t_ms=6"));
     assert_eq!(at["globals"], json!({"map": {"rooms": [1, 2]}}));
     assert_eq!(at["active"][1]["names"], "Root/Scan");
     assert_eq!(at["active"][1]["inputs"], json!({"a": [1, 2]}));
-    assert_eq!(get(&house, "run/moments/0")["active"], json!([]));
-    assert_eq!(get(&house, "run/moments")["outcome"]["name"], "done");
-    let path = house.runs().join("run");
+    assert_eq!(get(&server, "run/moments/0")["active"], json!([]));
+    assert_eq!(get(&server, "run/moments")["outcome"]["name"], "done");
+    let path = server.runs().join("run");
     let mut reader = Reader::open(&path).unwrap();
     for sequence in 0..=15 {
         let moment = reader.moment(sequence).unwrap();
         let picture = serde_json::to_value(reader.picture(&moment).unwrap()).unwrap();
-        assert_eq!(get(&house, &format!("run/moments/{sequence}")), picture);
+        assert_eq!(get(&server, &format!("run/moments/{sequence}")), picture);
     }
 }
 
 #[test]
 fn an_event_by_itself_names_what_is_kept_of_its_values() {
-    let house = house(&[("run", RUN)]);
-    let event = get(&house, "run/events/4");
+    let server = server(&[("run", RUN)]);
+    let event = get(&server, "run/events/4");
     assert_eq!(event["names"], "Root/Scan");
     let value = json!({"number": 2, "type_name": "list", "view": [1, 2], "kept": "view"});
     assert_eq!(event["values"], json!([{"name": "a", "value": value}]));
-    assert_eq!(get(&house, "run/values/2"), value);
+    assert_eq!(get(&server, "run/values/2"), value);
 }
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let house = house(&[("run", RUN)]);
+    let server = server(&[("run", RUN)]);
     let mut text = String::new();
     for path in [
         "nobody/events",
@@ -141,7 +141,7 @@ fn what_makes_no_sense_is_refused() {
         "run/export",
         "run/export?format=xml",
     ] {
-        text += &(said(&house, Role::Viewer, "GET", path) + " " + path + "\n");
+        text += &(said(&server, Role::Viewer, "GET", path) + " " + path + "\n");
     }
     expect![[r"
         404 no_such_run nobody/events
@@ -177,10 +177,10 @@ fn a_damaged_journal_is_said_to_be_and_the_others_are_read() {
     }
     let file = runs.join("bad/journal.db");
     std::fs::write(&file, "no database at all, but long enough to be taken for one").unwrap();
-    let house = House::at(place, |_settings| {});
+    let server = TestServer::at(place, |_settings| {});
     let mut text = String::new();
     for what in ["events", "log", "moments", "statistics", "compare/good", "export?format=csv"] {
-        text += &(said(&house, Role::Viewer, "GET", &format!("bad/{what}")) + " " + what + "\n");
+        text += &(said(&server, Role::Viewer, "GET", &format!("bad/{what}")) + " " + what + "\n");
     }
     expect![[r"
         422 journal_damaged events
@@ -191,23 +191,23 @@ fn a_damaged_journal_is_said_to_be_and_the_others_are_read() {
         422 journal_damaged export?format=csv
     "]]
     .assert_eq(&text);
-    assert_eq!(get(&house, "good/events")["last"], 12);
+    assert_eq!(get(&server, "good/events")["last"], 12);
 }
 
 #[test]
 fn a_run_that_goes_on_is_read_as_it_grows_and_after_its_runner_died() {
     let place = tempfile::tempdir().unwrap();
     let journal = write(&place.path().join("runs"), "run", RUN);
-    let house = House::at(place, |_settings| {});
-    assert_eq!(get(&house, "run/events?from=12")["next"], 13);
-    assert_eq!(get(&house, "run/statistics")["sequence"], 12);
+    let server = TestServer::at(place, |_settings| {});
+    assert_eq!(get(&server, "run/events?from=12")["next"], 13);
+    assert_eq!(get(&server, "run/statistics")["sequence"], 12);
     append(&journal, "enter R/A a=1");
     journal.commit().unwrap();
-    assert_eq!(get(&house, "run/events?from=13")["events"][0]["event"]["path"], "R/A");
+    assert_eq!(get(&server, "run/events?from=13")["events"][0]["event"]["path"], "R/A");
     append(&journal, "leave R/A lost");
     drop(journal);
-    assert_eq!(get(&house, "run/events?from=14")["events"][0]["event"]["outcome"]["name"], "lost");
-    let statistics = get(&house, "run/statistics");
+    assert_eq!(get(&server, "run/events?from=14")["events"][0]["event"]["outcome"]["name"], "lost");
+    let statistics = get(&server, "run/statistics");
     assert_eq!(statistics["sequence"], 14);
     assert_eq!(statistics["states"][0]["outcomes"][1]["outcome"]["name"], "lost");
 }
@@ -276,10 +276,10 @@ impl Asked {
     }
 
     /// The same over the wire.
-    fn paged(&self, house: &House) -> Vec<Value> {
+    fn paged(&self, server: &TestServer) -> Vec<Value> {
         let (mut from, mut events) = (self.from, Vec::new());
         for count in self.counts.iter().cycle() {
-            let page = get(house, &format!("run/events?{}", self.query(from, *count)));
+            let page = get(server, &format!("run/events?{}", self.query(from, *count)));
             let next = page["next"].as_u64().unwrap();
             events.extend(page["events"].as_array().unwrap().iter().cloned());
             if next > page["last"].as_u64().unwrap() {
@@ -294,12 +294,12 @@ impl Asked {
 
 #[test]
 fn pages_of_any_size_and_filter_are_what_the_journal_says() {
-    let house = house(&[("run", &RUN.repeat(7))]);
-    let path = house.runs().join("run");
+    let server = server(&[("run", &RUN.repeat(7))]);
+    let path = server.runs().join("run");
     TestRunner::new(ProptestConfig::with_cases(48))
         .run(&asked(), |asked| {
             let mut reader = Reader::open(&path).unwrap();
-            prop_assert_eq!(asked.paged(&house), asked.whole(&mut reader));
+            prop_assert_eq!(asked.paged(&server), asked.whole(&mut reader));
             Ok(())
         })
         .unwrap();

@@ -1,7 +1,7 @@
 //! What is made of whole runs: machines, figures, comparisons, exports; and how runs go.
 
-use crate::harness::House;
-use crate::past::{END, RUN, get, house, said, write};
+use crate::harness::TestServer;
+use crate::past::{END, RUN, get, said, server, write};
 use expect_test::expect;
 use rafcon_protocol::api::Role;
 use rafcon_storage::journal::{About, Journal, Options, Packer, notation};
@@ -14,12 +14,12 @@ use std::path::Path;
 #[test]
 fn states_are_counted_and_two_runs_compared() {
     let lost = RUN.replace("leave R/A ok", "leave R/A lost");
-    let house = house(&[("one", &format!("{RUN}{END}")), ("other", &lost)]);
+    let server = server(&[("one", &format!("{RUN}{END}")), ("other", &lost)]);
     let mut text = String::new();
-    for state in get(&house, "one/statistics")["states"].as_array().unwrap() {
+    for state in get(&server, "one/statistics")["states"].as_array().unwrap() {
         writeln!(text, "{state}").unwrap();
     }
-    let compared = get(&house, "one/compare/other");
+    let compared = get(&server, "one/compare/other");
     writeln!(text, "{} alike, {}", compared["alike"], compared["parted"]).unwrap();
     expect![[r#"
         {"count":1,"max_ns":13000000,"median_ns":13000000,"min_ns":13000000,"names":"Root","outcomes":[{"count":1,"outcome":{"id":0,"name":"done"}}],"p95_ns":13000000,"path":"R","total_ns":13000000}
@@ -29,7 +29,7 @@ fn states_are_counted_and_two_runs_compared() {
         2 alike, [{"branch":"R","names":"Root","one":{"backwards":false,"names":"Root/Scan","outcome":{"id":0,"name":"ok"},"path":"R/A","sequence":7,"t_ns":7000000},"other":{"backwards":false,"names":"Root/Scan","outcome":{"id":1,"name":"lost"},"path":"R/A","sequence":7,"t_ns":7000000}}]
     "#]]
     .assert_eq(&text);
-    assert_eq!(get(&house, "one/compare/one")["parted"], json!([]));
+    assert_eq!(get(&server, "one/compare/one")["parted"], json!([]));
 }
 
 /// A run with machines: one that uses a library, and a small one that came later.
@@ -56,33 +56,33 @@ fn with_machines(run: &Path) -> Vec<String> {
 fn the_machines_that_a_run_went_by_are_told() {
     let place = tempfile::tempdir().unwrap();
     let hashes = with_machines(&place.path().join("runs/run"));
-    let house = House::at(place, |_settings| {});
-    let first = get(&house, "run/machine");
+    let server = TestServer::at(place, |_settings| {});
+    let first = get(&server, "run/machine");
     assert!(first["states"].as_array().unwrap().len() > 1, "{first}");
-    assert_eq!(get(&house, &format!("run/machine?root={}", hashes[0])), first);
-    assert_eq!(get(&house, "run/machine"), first);
-    let later = get(&house, &format!("run/machine?root={}", hashes[1]));
+    assert_eq!(get(&server, &format!("run/machine?root={}", hashes[0])), first);
+    assert_eq!(get(&server, "run/machine"), first);
+    let later = get(&server, &format!("run/machine?root={}", hashes[1]));
     assert_ne!(later, first);
     let state =
         first["states"].as_array().unwrap().iter().find(|state| state["library"] != Value::Null);
     let library = &state.unwrap()["library"];
     let path =
         format!("{}/{}", library["path"].as_str().unwrap(), library["name"].as_str().unwrap());
-    let inside = get(&house, &format!("run/machine?library={path}"));
+    let inside = get(&server, &format!("run/machine?library={path}"));
     assert!(!inside["states"].as_array().unwrap().is_empty(), "{inside}");
     for nothing in ["nowhere", "nowhere/at_all", "examples/../../../run", "/etc/passwd"] {
         let path = format!("run/machine?library={nothing}");
-        assert_eq!(said(&house, Role::Viewer, "GET", &path), "404 no_such_library");
+        assert_eq!(said(&server, Role::Viewer, "GET", &path), "404 no_such_library");
     }
-    let left = std::fs::read_dir(house.state()).unwrap().flatten();
+    let left = std::fs::read_dir(server.state()).unwrap().flatten();
     let names: Vec<_> = left.map(|entry| entry.file_name()).collect();
     assert!(!names.iter().any(|name| name.to_string_lossy().starts_with("machine-")), "{names:?}");
 }
 
 /// Bytes and headers of a file.
-fn file(house: &House, path: &str) -> (Vec<u8>, [String; 2]) {
-    let url = format!("{}/api/v1/runs/{path}", house.url());
-    let token = format!("Bearer {}", house.token(Role::Viewer));
+fn file(server: &TestServer, path: &str) -> (Vec<u8>, [String; 2]) {
+    let url = format!("{}/api/v1/runs/{path}", server.url());
+    let token = format!("Bearer {}", server.token(Role::Viewer));
     let answer = ureq::get(url).header("Authorization", token).call().unwrap();
     let header = |name| answer.headers()[name].to_str().unwrap().to_owned();
     let headers = ["content-type", "content-disposition"].map(header);
@@ -93,17 +93,17 @@ fn file(house: &House, path: &str) -> (Vec<u8>, [String; 2]) {
 
 #[test]
 fn a_run_is_exported_as_a_file_with_a_name() {
-    let house = house(&[("run", &RUN.repeat(400))]);
-    let (lines, headers) = file(&house, "run/export?format=jsonl");
+    let server = server(&[("run", &RUN.repeat(400))]);
+    let (lines, headers) = file(&server, "run/export?format=jsonl");
     assert_eq!(headers, ["application/jsonl", "attachment; filename=\"run.jsonl\""]);
     let lines = String::from_utf8(lines).unwrap();
     let last: Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
     assert_eq!((lines.lines().count(), &last["sequence"]), (4800, &json!(4800)));
     assert_eq!(last["utc"], "2026-11-21T19:40:05.800Z");
-    let (table, headers) = file(&house, "run/export?format=csv");
+    let (table, headers) = file(&server, "run/export?format=csv");
     assert_eq!(headers, ["text/csv; charset=utf-8", "attachment; filename=\"run.csv\""]);
     assert!(table.starts_with(b"sequence,time_s,utc,kind,path"));
-    let (recording, headers) = file(&house, "run/export?format=mcap");
+    let (recording, headers) = file(&server, "run/export?format=mcap");
     assert_eq!(headers[1], "attachment; filename=\"run.mcap\"");
     let magic = b"\x89MCAP0\r\n";
     assert!(recording.starts_with(magic) && recording.ends_with(magic));
@@ -115,15 +115,15 @@ fn a_run_is_deleted_once_it_is_over() {
     let runs = place.path().join("runs");
     write(&runs, "over", RUN).close().unwrap();
     let journal = write(&runs, "alive", RUN);
-    let house = House::at(place, |_settings| {});
-    get(&house, "over/events");
-    assert_eq!(said(&house, Role::Engineer, "DELETE", "over"), "403 not_your_right");
-    assert_eq!(said(&house, Role::Admin, "DELETE", "alive"), "409 run_goes_on");
-    assert_eq!(said(&house, Role::Admin, "DELETE", "over"), "200");
-    assert_eq!(said(&house, Role::Admin, "DELETE", "over"), "404 no_such_run");
-    assert_eq!(said(&house, Role::Viewer, "GET", "over/events"), "404 no_such_run");
-    assert!(!house.runs().join("over").exists());
-    assert!(house.runs().join("alive").exists());
+    let server = TestServer::at(place, |_settings| {});
+    get(&server, "over/events");
+    assert_eq!(said(&server, Role::Engineer, "DELETE", "over"), "403 not_your_right");
+    assert_eq!(said(&server, Role::Admin, "DELETE", "alive"), "409 run_goes_on");
+    assert_eq!(said(&server, Role::Admin, "DELETE", "over"), "200");
+    assert_eq!(said(&server, Role::Admin, "DELETE", "over"), "404 no_such_run");
+    assert_eq!(said(&server, Role::Viewer, "GET", "over/events"), "404 no_such_run");
+    assert!(!server.runs().join("over").exists());
+    assert!(server.runs().join("alive").exists());
     drop(journal);
 }
 
@@ -133,15 +133,15 @@ fn old_runs_are_pruned_but_the_newest_stay() {
     for number in 10..23 {
         write(&place.path().join("runs"), &number.to_string(), RUN).close().unwrap();
     }
-    let house = House::at(place, |_settings| {});
-    let prune = |role, body| house.call(Some(role), "POST", "/api/v1/runs/prune", Some(&body));
+    let server = TestServer::at(place, |_settings| {});
+    let prune = |role, body| server.call(Some(role), "POST", "/api/v1/runs/prune", Some(&body));
     assert_eq!(prune(Role::Engineer, json!({"count": 1})).said(), "403 not_your_right");
     assert_eq!(prune(Role::Admin, json!({})).json(), json!([]));
     assert_eq!(prune(Role::Admin, json!({"count": -1})).said(), "400 bad_body");
     let pruned = prune(Role::Admin, json!({"count": 1})).json();
     let ids: Vec<_> = pruned.as_array().unwrap().iter().map(|run| run["id"].clone()).collect();
     assert_eq!(ids, ["10", "11", "12"]);
-    let left = house.call(Some(Role::Viewer), "GET", "/api/v1/runs", None).json();
+    let left = server.call(Some(Role::Viewer), "GET", "/api/v1/runs", None).json();
     assert_eq!(left.as_array().map(Vec::len), Some(10));
 }
 
@@ -154,8 +154,8 @@ fn a_damaged_journal_is_said_to_be_by_every_answer() {
     let at = bytes.windows(8).position(|part| part == b"scanning").unwrap();
     bytes[at] ^= 1;
     std::fs::write(&database, bytes).unwrap();
-    let house = House::at(place, |_settings| {});
-    let events = get(&house, "run/events?values=true");
+    let server = TestServer::at(place, |_settings| {});
+    let events = get(&server, "run/events?values=true");
     let damaged = json!([{
         "sequence": 15, "t_ns": 0, "event": {
             "type": "damaged", "first": 1, "last": 15,
@@ -163,16 +163,16 @@ fn a_damaged_journal_is_said_to_be_by_every_answer() {
         },
     }]);
     assert_eq!((&events["events"], &events["last"]), (&damaged, &json!(15)));
-    let log = get(&house, "run/log");
+    let log = get(&server, "run/log");
     assert_eq!(log["lines"][0]["level"], "error");
     let refused = "422 journal_damaged";
     for path in ["moments", "moments/4", "moments?t_ms=3", "events/4", "statistics", "compare/run"]
     {
         let path = format!("run/{path}");
-        assert_eq!(said(&house, Role::Viewer, "GET", &path), refused, "{path}");
+        assert_eq!(said(&server, Role::Viewer, "GET", &path), refused, "{path}");
     }
-    let url = format!("{}/api/v1/runs/run/export?format=jsonl", house.url());
-    let token = format!("Bearer {}", house.token(Role::Viewer));
+    let url = format!("{}/api/v1/runs/run/export?format=jsonl", server.url());
+    let token = format!("Bearer {}", server.token(Role::Viewer));
     // The connection breaks off: in the body, or before the head was sent, if there is little to send.
     let read = match ureq::get(url).header("Authorization", token).call() {
         Ok(answer) => answer.into_body().into_reader().read_to_end(&mut Vec::new()),

@@ -1,6 +1,6 @@
 //! Open machines over HTTP: edited by two people, saved, reloaded, closed, and found again by a server that takes over.
 
-use crate::harness::{Answer, House};
+use crate::harness::{Answer, TestServer};
 use crate::socket_client::Client;
 use expect_test::{Expect, expect};
 use rafcon_model::notation;
@@ -23,9 +23,9 @@ pub(crate) const MACHINE: &str = "
 ";
 
 /// Writes a machine of the notation into a folder of the project.
-pub(crate) fn write(house: &House, path: &str, text: &str) {
+pub(crate) fn write(server: &TestServer, path: &str, text: &str) {
     let machine = notation::parse(text).unwrap();
-    save(&machine, &house.project().join(path), None, Naming::default()).unwrap();
+    save(&machine, &server.project().join(path), None, Naming::default()).unwrap();
 }
 
 /// A machine in the notation, as it lies in a folder.
@@ -37,75 +37,76 @@ fn file(path: &str) -> Value {
     json!({ "file": { "project": "project", "path": path } })
 }
 
-pub(crate) fn post(house: &House, role: Role, path: &str, body: &Value) -> Answer {
-    house.call(Some(role), "POST", &format!("/api/v1/machines{path}"), Some(body))
+pub(crate) fn post(server: &TestServer, role: Role, path: &str, body: &Value) -> Answer {
+    server.call(Some(role), "POST", &format!("/api/v1/machines{path}"), Some(body))
 }
 
-pub(crate) fn get(house: &House, path: &str) -> Value {
-    house.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines{path}"), None).json()
+pub(crate) fn get(server: &TestServer, path: &str) -> Value {
+    server.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines{path}"), None).json()
 }
 
 /// Opens a machine; its id.
-pub(crate) fn open(house: &House, path: &str) -> String {
-    let opened = post(house, Role::Viewer, "/open", &file(path));
+pub(crate) fn open(server: &TestServer, path: &str) -> String {
+    let opened = post(server, Role::Viewer, "/open", &file(path));
     opened.json()["id"].as_str().unwrap_or_else(|| panic!("{opened:?}")).to_owned()
 }
 
 /// Gives a state another name.
-fn rename(house: &House, role: Role, machine: &str, id: &str, name: &str) -> String {
+fn rename(server: &TestServer, role: Role, machine: &str, id: &str, name: &str) -> String {
     let edit = json!({ "edit": "set_name", "path": "ROOT/AAAAAA", "name": name });
     let edit = json!({ "id": id, "name": format!("Rename to {name}"), "edit": edit });
-    deed(house, role, machine, "edits", &edit)
+    deed(server, role, machine, "edits", &edit)
 }
 
-fn deed(house: &House, role: Role, machine: &str, deed: &str, body: &Value) -> String {
-    let answer = post(house, role, &format!("/{machine}/{deed}"), body);
+fn deed(server: &TestServer, role: Role, machine: &str, deed: &str, body: &Value) -> String {
+    let answer = post(server, role, &format!("/{machine}/{deed}"), body);
     format!("{deed}: {}\n", answer.said())
 }
 
 /// How an open machine stands; revisions as steps since it was opened.
-fn stands(house: &House, machine: &str, first: u64) -> String {
-    let status = get(house, &format!("/{machine}"));
+fn stands(server: &TestServer, machine: &str, first: u64) -> String {
+    let status = get(server, &format!("/{machine}"));
     let summary = &status["summary"];
     let step = |name: &str| summary[name].as_u64().unwrap().saturating_sub(first);
     let flag = |name: &'static str| {
         if summary[name] == true { name.trim_start_matches("is_") } else { "" }
     };
-    let name = get(house, &format!("/{machine}/document"))["document"]["states"][1]["name"].clone();
+    let name =
+        get(server, &format!("/{machine}/document"))["document"]["states"][1]["name"].clone();
     let (now, saved) = (step("revision"), step("saved_revision"));
     let (changed, recovered) = (flag("is_changed"), flag("is_recovered"));
     let line = format!("{now} saved {saved} disk {} {changed} {recovered}", summary["disk"]);
     format!("  {name} {}\n", line.trim_end())
 }
 
-fn revision(house: &House, machine: &str) -> u64 {
-    get(house, &format!("/{machine}"))["summary"]["revision"].as_u64().unwrap()
+fn revision(server: &TestServer, machine: &str) -> u64 {
+    get(server, &format!("/{machine}"))["summary"]["revision"].as_u64().unwrap()
 }
 
 #[test]
 fn a_machine_is_opened_edited_saved_and_closed() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
-    assert_eq!(open(&house, "one"), id);
-    let first = revision(&house, &id);
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
+    assert_eq!(open(&server, "one"), id);
+    let first = revision(&server, &id);
     let (ann, bob) = (Role::Engineer, Role::Admin);
     let none = json!({});
-    let mut said = vec![stands(&house, &id, first)];
-    said.push(rename(&house, ann, &id, "a1", "Ann's"));
-    said.push(rename(&house, ann, &id, "a1", "Never"));
-    said.push(stands(&house, &id, first));
-    said.push(rename(&house, bob, &id, "b1", "Bob's"));
-    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a2" })));
-    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b2" })));
-    said.push(deed(&house, bob, &id, "redo", &json!({ "id": "b3" })));
-    said.push(deed(&house, bob, &id, "close", &none));
-    said.push(deed(&house, bob, &id, "save", &none));
-    said.push(stands(&house, &id, first));
-    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b4" })));
-    said.push(stands(&house, &id, first));
-    said.push(deed(&house, bob, &id, "close", &json!({ "discard": true })));
-    said.push(deed(&house, bob, &id, "save", &none));
+    let mut said = vec![stands(&server, &id, first)];
+    said.push(rename(&server, ann, &id, "a1", "Ann's"));
+    said.push(rename(&server, ann, &id, "a1", "Never"));
+    said.push(stands(&server, &id, first));
+    said.push(rename(&server, bob, &id, "b1", "Bob's"));
+    said.push(deed(&server, ann, &id, "undo", &json!({ "id": "a2" })));
+    said.push(deed(&server, bob, &id, "undo", &json!({ "id": "b2" })));
+    said.push(deed(&server, bob, &id, "redo", &json!({ "id": "b3" })));
+    said.push(deed(&server, bob, &id, "close", &none));
+    said.push(deed(&server, bob, &id, "save", &none));
+    said.push(stands(&server, &id, first));
+    said.push(deed(&server, bob, &id, "undo", &json!({ "id": "b4" })));
+    said.push(stands(&server, &id, first));
+    said.push(deed(&server, bob, &id, "close", &json!({ "discard": true })));
+    said.push(deed(&server, bob, &id, "save", &none));
     expect![[r#"
           "AAAAAA" 0 saved 0 disk "same"
         edits: 200
@@ -124,51 +125,51 @@ fn a_machine_is_opened_edited_saved_and_closed() {
         save: 404 no_such_machine
     "#]]
     .assert_eq(&said.concat());
-    assert!(read(&house.project().join("one")).contains("Bob's"));
-    assert_eq!(std::fs::read_dir(house.state().join("drafts")).unwrap().count(), 0);
+    assert!(read(&server.project().join("one")).contains("Bob's"));
+    assert_eq!(std::fs::read_dir(server.state().join("drafts")).unwrap().count(), 0);
 }
 
 #[test]
 fn what_cannot_be_done_is_refused_with_a_reason() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    write(&house, "two", MACHINE);
-    let id = open(&house, "one");
-    open(&house, "two");
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    write(&server, "two", MACHINE);
+    let id = open(&server, "one");
+    open(&server, "two");
     let ann = Role::Engineer;
     let say = |answer: Answer| {
         let message = answer.json()["message"].as_str().unwrap_or_default().to_owned();
-        let message = message.replace(&*house.project().to_string_lossy(), "…");
+        let message = message.replace(&*server.project().to_string_lossy(), "…");
         format!("{}: {message}\n", answer.said())
     };
     let edit = |edit: &Value| {
         let edit = json!({ "id": "x", "name": "x", "edit": edit });
-        say(post(&house, ann, &format!("/{id}/edits"), &edit))
+        say(post(&server, ann, &format!("/{id}/edits"), &edit))
     };
-    let save_as = |path: &str| say(post(&house, ann, &format!("/{id}/save"), &file(path)));
+    let save_as = |path: &str| say(post(&server, ann, &format!("/{id}/save"), &file(path)));
     let said = [
-        say(post(&house, ann, "/open", &file("none"))),
-        say(post(&house, ann, "/open", &file("../other"))),
-        say(post(&house, ann, "/nobody/undo", &json!({ "id": "x" }))),
-        say(post(&house, ann, &format!("/{id}/undo"), &json!({ "id": "x" }))),
+        say(post(&server, ann, "/open", &file("none"))),
+        say(post(&server, ann, "/open", &file("../other"))),
+        say(post(&server, ann, "/nobody/undo", &json!({ "id": "x" }))),
+        say(post(&server, ann, &format!("/{id}/undo"), &json!({ "id": "x" }))),
         edit(&json!({ "edit": "set_name", "path": "ROOT/GONE", "name": "x" })),
         edit(&json!({ "edit": "set_name", "path": "ROOT", "name": "" })),
         edit(&json!({ "edit": "add_state", "path": "ROOT", "states": [] })),
         edit(&json!({ "edit": "explode" })),
         save_as("two"),
         say(post(
-            &house,
+            &server,
             ann,
             "",
             &json!({ "name": "x", "file": { "project": "project", "path": "one" } }),
         )),
         say(post(
-            &house,
+            &server,
             ann,
             "",
             &json!({ "name": "", "file": { "project": "project", "path": "new" } }),
         )),
-        say(post(&house, Role::Operator, &format!("/{id}/save"), &json!({}))),
+        say(post(&server, Role::Operator, &format!("/{id}/save"), &json!({}))),
     ];
     expect![[r"
         404 no_such_file: there is no machine in `none` of the project project: /api/v1/projects/project/tree lists them
@@ -188,37 +189,37 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
 
 #[test]
 fn a_new_machine_is_saved_and_a_copy_lies_elsewhere() {
-    let house = House::new();
+    let server = TestServer::new();
     let new = json!({ "name": "Mission", "file": { "project": "project", "path": "new/mission" } });
-    let made = post(&house, Role::Engineer, "", &new).json();
+    let made = post(&server, Role::Engineer, "", &new).json();
     let id = made["id"].as_str().unwrap();
     let edit = json!({ "edit": "set_version", "version": "2" });
     let edit = json!({ "id": "1", "name": "Version", "edit": edit });
-    assert_eq!(post(&house, Role::Engineer, &format!("/{id}/edits"), &edit).status, 200);
-    assert_eq!(post(&house, Role::Engineer, &format!("/{id}/save"), &file("copy")).status, 200);
-    let summary = get(&house, &format!("/{id}"))["summary"].clone();
+    assert_eq!(post(&server, Role::Engineer, &format!("/{id}/edits"), &edit).status, 200);
+    assert_eq!(post(&server, Role::Engineer, &format!("/{id}/save"), &file("copy")).status, 200);
+    let summary = get(&server, &format!("/{id}"))["summary"].clone();
     assert_eq!(summary["file"]["path"], "copy");
     assert_eq!(summary["is_changed"], false);
     let version = |path: &str| {
-        load(&house.project().join(path), &Libraries::default()).unwrap().machine.header.version
+        load(&server.project().join(path), &Libraries::default()).unwrap().machine.header.version
     };
     assert_eq!((version("new/mission"), version("copy")), (None, Some("2".into())));
-    assert_ne!(open(&house, "new/mission"), id);
-    assert_eq!(open(&house, "copy"), id);
+    assert_ne!(open(&server, "new/mission"), id);
+    assert_eq!(open(&server, "copy"), id);
 }
 
 #[test]
 fn what_is_copied_can_be_pasted_elsewhere() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    write(&house, "two", "hierarchy OTHERR\n  outcome success");
-    let (one, two) = (open(&house, "one"), open(&house, "two"));
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    write(&server, "two", "hierarchy OTHERR\n  outcome success");
+    let (one, two) = (open(&server, "one"), open(&server, "two"));
     let wish = json!({ "path": "ROOT", "states": ["AAAAAA", "BBBBBB"] });
-    let selection = post(&house, Role::Viewer, &format!("/{one}/copy"), &wish).json();
+    let selection = post(&server, Role::Viewer, &format!("/{one}/copy"), &wish).json();
     let paste = json!({ "edit": "paste", "path": "OTHERR", "selection": selection });
     let paste = json!({ "id": "1", "name": "Paste", "edit": paste });
-    assert_eq!(post(&house, Role::Engineer, &format!("/{two}/edits"), &paste).status, 200);
-    let document = get(&house, &format!("/{two}/document"));
+    assert_eq!(post(&server, Role::Engineer, &format!("/{two}/edits"), &paste).status, 200);
+    let document = get(&server, &format!("/{two}/document"));
     let states = document["document"]["states"].as_array().unwrap();
     let paths: Vec<_> = states.iter().map(|state| state["path"].as_str().unwrap()).collect();
     assert_eq!(paths, ["OTHERR", "OTHERR/AAAAAA", "OTHERR/BBBBBB"]);
@@ -226,67 +227,67 @@ fn what_is_copied_can_be_pasted_elsewhere() {
 
 /// The answers and how the machine stands, before and after another server took over.
 fn check_taken_over(between: impl FnOnce(&Path), expect: &Expect) {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
-    let first = revision(&house, &id);
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
+    let first = revision(&server, &id);
     let (ann, bob) = (Role::Engineer, Role::Admin);
-    let mut said = vec![rename(&house, ann, &id, "a1", "Saved")];
-    said.push(deed(&house, ann, &id, "save", &json!({})));
-    said.push(rename(&house, ann, &id, "a2", "Ann's"));
-    said.push(rename(&house, bob, &id, "b1", "Bob's"));
-    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b2" })));
-    said.push(stands(&house, &id, first));
-    let project = house.project();
-    let place = house.end();
+    let mut said = vec![rename(&server, ann, &id, "a1", "Saved")];
+    said.push(deed(&server, ann, &id, "save", &json!({})));
+    said.push(rename(&server, ann, &id, "a2", "Ann's"));
+    said.push(rename(&server, bob, &id, "b1", "Bob's"));
+    said.push(deed(&server, bob, &id, "undo", &json!({ "id": "b2" })));
+    said.push(stands(&server, &id, first));
+    let project = server.project();
+    let place = server.end();
     between(&project);
-    let house = House::at(place, |_settings| {});
-    assert_eq!(open(&house, "one"), id);
-    said.push(stands(&house, &id, first));
-    said.push(rename(&house, ann, &id, "a2", "Never"));
-    said.push(deed(&house, bob, &id, "redo", &json!({ "id": "b3" })));
-    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b4" })));
-    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a3" })));
-    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a4" })));
-    said.push(stands(&house, &id, first));
-    said.push(deed(&house, ann, &id, "save", &json!({})));
-    said.push(deed(&house, ann, &id, "save", &json!({ "overwrite": true })));
-    said.push(stands(&house, &id, first));
+    let server = TestServer::at(place, |_settings| {});
+    assert_eq!(open(&server, "one"), id);
+    said.push(stands(&server, &id, first));
+    said.push(rename(&server, ann, &id, "a2", "Never"));
+    said.push(deed(&server, bob, &id, "redo", &json!({ "id": "b3" })));
+    said.push(deed(&server, bob, &id, "undo", &json!({ "id": "b4" })));
+    said.push(deed(&server, ann, &id, "undo", &json!({ "id": "a3" })));
+    said.push(deed(&server, ann, &id, "undo", &json!({ "id": "a4" })));
+    said.push(stands(&server, &id, first));
+    said.push(deed(&server, ann, &id, "save", &json!({})));
+    said.push(deed(&server, ann, &id, "save", &json!({ "overwrite": true })));
+    said.push(stands(&server, &id, first));
     expect.assert_eq(&said.concat());
 }
 
 #[test]
 fn the_tree_of_steps_outlives_the_server() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
-    let first = revision(&house, &id);
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
+    let first = revision(&server, &id);
     let (ann, bob) = (Role::Engineer, Role::Admin);
-    let jump = |house: &House, role: Role, id_of_jump: &str, to: u64, over_others: bool| {
+    let jump = |server: &TestServer, role: Role, id_of_jump: &str, to: u64, over_others: bool| {
         let wish = json!({ "id": id_of_jump, "revision": first + to, "over_others": over_others });
-        deed(house, role, &id, "jump", &wish)
+        deed(server, role, &id, "jump", &wish)
     };
-    let steps = |house: &House| get(house, &format!("/{id}/steps"));
-    let mut said = vec![rename(&house, ann, &id, "a1", "Ann's")];
-    said.push(rename(&house, bob, &id, "b1", "Bob's"));
-    said.push(jump(&house, ann, "a2", 1, false));
-    said.push(jump(&house, ann, "a3", 1, true));
-    said.push(jump(&house, ann, "a3", 0, true));
-    said.push(stands(&house, &id, first));
-    let before = steps(&house);
+    let steps = |server: &TestServer| get(server, &format!("/{id}/steps"));
+    let mut said = vec![rename(&server, ann, &id, "a1", "Ann's")];
+    said.push(rename(&server, bob, &id, "b1", "Bob's"));
+    said.push(jump(&server, ann, "a2", 1, false));
+    said.push(jump(&server, ann, "a3", 1, true));
+    said.push(jump(&server, ann, "a3", 0, true));
+    said.push(stands(&server, &id, first));
+    let before = steps(&server);
     assert_eq!(before["start"], first);
     let same: Vec<_> =
         before["steps"].as_array().unwrap().iter().map(|step| &step["same_as"]).collect();
     assert_eq!(same, [&Value::Null, &Value::Null, &json!(first + 1)]);
-    let house = House::at(house.end(), |_settings| {});
-    assert_eq!(open(&house, "one"), id);
-    assert_eq!(steps(&house), before);
-    said.push(jump(&house, bob, "b2", 2, false));
-    said.push(stands(&house, &id, first));
-    said.push(deed(&house, bob, &id, "undo", &json!({ "id": "b3" })));
-    said.push(jump(&house, bob, "b4", 77, false));
-    said.push(jump(&house, bob, "b5", 1, false));
-    said.push(stands(&house, &id, first));
+    let server = TestServer::at(server.end(), |_settings| {});
+    assert_eq!(open(&server, "one"), id);
+    assert_eq!(steps(&server), before);
+    said.push(jump(&server, bob, "b2", 2, false));
+    said.push(stands(&server, &id, first));
+    said.push(deed(&server, bob, &id, "undo", &json!({ "id": "b3" })));
+    said.push(jump(&server, bob, "b4", 77, false));
+    said.push(jump(&server, bob, "b5", 1, false));
+    said.push(stands(&server, &id, first));
     expect![[r#"
         edits: 200
         edits: 200
@@ -306,57 +307,57 @@ fn the_tree_of_steps_outlives_the_server() {
 
 #[test]
 fn what_was_done_and_saved_is_not_done_again_however_often_the_server_is_started() {
-    let mut house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
-    rename(&house, Role::Engineer, &id, "a1", "Ann's");
-    deed(&house, Role::Engineer, &id, "save", &json!({}));
-    let name = |house: &House| {
-        get(house, &format!("/{id}/document"))["document"]["states"][1]["name"].clone()
+    let mut server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
+    rename(&server, Role::Engineer, &id, "a1", "Ann's");
+    deed(&server, Role::Engineer, &id, "save", &json!({}));
+    let name = |server: &TestServer| {
+        get(server, &format!("/{id}/document"))["document"]["states"][1]["name"].clone()
     };
     for _ in 0..3 {
-        house = House::at(house.end(), |_settings| {});
-        assert_eq!(open(&house, "one"), id);
-        assert_eq!(rename(&house, Role::Engineer, &id, "a1", "Never"), "edits: 200\n");
-        assert_eq!(name(&house), "Ann's");
+        server = TestServer::at(server.end(), |_settings| {});
+        assert_eq!(open(&server, "one"), id);
+        assert_eq!(rename(&server, Role::Engineer, &id, "a1", "Never"), "edits: 200\n");
+        assert_eq!(name(&server), "Ann's");
     }
-    rename(&house, Role::Engineer, &id, "a2", "Later");
-    house = House::at(house.end(), |_settings| {});
-    open(&house, "one");
-    rename(&house, Role::Engineer, &id, "a1", "Never");
-    assert_eq!(name(&house), "Later");
+    rename(&server, Role::Engineer, &id, "a2", "Later");
+    server = TestServer::at(server.end(), |_settings| {});
+    open(&server, "one");
+    rename(&server, Role::Engineer, &id, "a1", "Never");
+    assert_eq!(name(&server), "Later");
 }
 
 #[test]
 fn ids_and_names_have_bounds() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
     let long = "x".repeat(129);
     for way in ["undo", "redo", "reload"] {
-        let said = deed(&house, Role::Engineer, &id, way, &json!({ "id": long }));
+        let said = deed(&server, Role::Engineer, &id, way, &json!({ "id": long }));
         assert_eq!(said, format!("{way}: 400 bad_id\n"));
     }
-    assert_eq!(rename(&house, Role::Engineer, &id, "", "New"), "edits: 400 bad_id\n");
+    assert_eq!(rename(&server, Role::Engineer, &id, "", "New"), "edits: 400 bad_id\n");
     let long = "ä".repeat(191);
-    assert_eq!(rename(&house, Role::Engineer, &id, "1", &long), "edits: 400 bad_name\n");
+    assert_eq!(rename(&server, Role::Engineer, &id, "1", &long), "edits: 400 bad_name\n");
 }
 
 /// Who may only look sets nothing of others aside.
 #[test]
 fn a_draft_that_no_longer_fits_is_left_alone_by_who_may_not_edit() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
-    rename(&house, Role::Engineer, &id, "a1", "Ann's");
-    let place = house.end();
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
+    rename(&server, Role::Engineer, &id, "a1", "Ann's");
+    let place = server.end();
     let draft = place.path().join("state/drafts").join(&id);
     let unfit = r#"{"line":"done","author":"x","id":"1","at_ms":0,"what":{"what":"undo"}}"#;
     let lines = draft.join("operations.jsonl");
     let text = std::fs::read_to_string(&lines).unwrap();
     std::fs::write(&lines, format!("{text}{unfit}\n")).unwrap();
-    let house = House::at(place, |_settings| {});
-    let opens = |role| post(&house, role, "/open", &file("one")).said();
+    let server = TestServer::at(place, |_settings| {});
+    let opens = |role| post(&server, role, "/open", &file("one")).said();
     assert_eq!(opens(Role::Viewer), "422 unfit_draft");
     assert!(draft.exists());
     assert_eq!(opens(Role::Engineer), "200");
@@ -365,22 +366,22 @@ fn a_draft_that_no_longer_fits_is_left_alone_by_who_may_not_edit() {
 
 #[test]
 fn machines_that_nobody_follows_make_room_and_others_stay() {
-    let house = House::new();
+    let server = TestServer::new();
     let path = |number: usize| format!("m{number}");
-    (0..66).for_each(|number| write(&house, &path(number), MACHINE));
-    let changed = open(&house, &path(0));
-    rename(&house, Role::Engineer, &changed, "a1", "Ann's");
-    let followed = open(&house, &path(1));
-    let mut client = Client::connect(&house, Role::Viewer);
+    (0..66).for_each(|number| write(&server, &path(number), MACHINE));
+    let changed = open(&server, &path(0));
+    rename(&server, Role::Engineer, &changed, "a1", "Ann's");
+    let followed = open(&server, &path(1));
+    let mut client = Client::connect(&server, Role::Viewer);
     client.subscribe(1, &json!({ "topic": "machine_status", "machine": followed }));
     client.hear_until(|frame| frame["status"]["summary"]["id"] == *followed);
-    let gone = open(&house, &path(2));
-    (3..66).for_each(|number| drop(open(&house, &path(number))));
+    let gone = open(&server, &path(2));
+    (3..66).for_each(|number| drop(open(&server, &path(number))));
     let status = |id: &str| {
-        house.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines/{id}"), None).status
+        server.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines/{id}"), None).status
     };
     assert_eq!([status(&changed), status(&followed), status(&gone)], [200, 200, 404]);
-    assert_eq!(get(&house, "").as_array().unwrap().len(), 64);
+    assert_eq!(get(&server, "").as_array().unwrap().len(), 64);
 }
 
 #[test]
@@ -440,27 +441,27 @@ fn edits_that_were_answered_outlive_the_server_though_the_files_changed() {
 
 #[test]
 fn a_change_by_another_program_is_told_and_loses_nothing() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
-    let first = revision(&house, &id);
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
+    let first = revision(&server, &id);
     let ann = Role::Engineer;
-    let mut client = Client::connect(&house, Role::Viewer);
+    let mut client = Client::connect(&server, Role::Viewer);
     client.subscribe(1, &json!({ "topic": "machine_status", "machine": id }));
-    let mut said = vec![rename(&house, ann, &id, "a1", "Ann's")];
-    write(&house, "one", &MACHINE.replace("execution AAAAAA", "execution AAAAAA \"Theirs\""));
+    let mut said = vec![rename(&server, ann, &id, "a1", "Ann's")];
+    write(&server, "one", &MACHINE.replace("execution AAAAAA", "execution AAAAAA \"Theirs\""));
     client.hear_until(|frame| frame["status"]["summary"]["disk"] == "changed");
-    said.push(stands(&house, &id, first));
-    said.push(deed(&house, ann, &id, "save", &json!({})));
-    said.push(deed(&house, ann, &id, "reload", &json!({ "id": "a2" })));
-    said.push(stands(&house, &id, first));
-    said.push(deed(&house, ann, &id, "undo", &json!({ "id": "a3" })));
-    said.push(stands(&house, &id, first));
-    said.push(deed(&house, ann, &id, "save", &json!({})));
-    std::fs::remove_dir_all(house.project().join("one")).unwrap();
+    said.push(stands(&server, &id, first));
+    said.push(deed(&server, ann, &id, "save", &json!({})));
+    said.push(deed(&server, ann, &id, "reload", &json!({ "id": "a2" })));
+    said.push(stands(&server, &id, first));
+    said.push(deed(&server, ann, &id, "undo", &json!({ "id": "a3" })));
+    said.push(stands(&server, &id, first));
+    said.push(deed(&server, ann, &id, "save", &json!({})));
+    std::fs::remove_dir_all(server.project().join("one")).unwrap();
     client.hear_until(|frame| frame["status"]["summary"]["disk"] == "missing");
-    said.push(deed(&house, ann, &id, "save", &json!({})));
-    said.push(stands(&house, &id, first));
+    said.push(deed(&server, ann, &id, "save", &json!({})));
+    said.push(stands(&server, &id, first));
     expect![[r#"
         edits: 200
           "Ann's" 1 saved 0 disk "changed" changed
@@ -474,19 +475,19 @@ fn a_change_by_another_program_is_told_and_loses_nothing() {
           "Ann's" 3 saved 3 disk "same"
     "#]]
     .assert_eq(&said.concat());
-    assert!(read(&house.project().join("one")).contains("Ann's"));
+    assert!(read(&server.project().join("one")).contains("Ann's"));
 }
 
 #[test]
 fn problems_are_told_with_the_way_out() {
-    let house = House::new();
+    let server = TestServer::new();
     write(
-        &house,
+        &server,
         "one",
         "hierarchy ROOT\n  outcome success\n  AAAAAA.success -> GONE\n  execution AAAAAA\n    outcome success",
     );
-    let id = open(&house, "one");
-    let problems = get(&house, &format!("/{id}/problems"));
+    let id = open(&server, "one");
+    let problems = get(&server, &format!("/{id}/problems"));
     let lines = problems.as_array().unwrap().iter().map(|problem| problem.to_string() + "\n");
     expect![[r#"
         {"message":"ROOT, state: no child is where it starts; connect the income with a child","part":"state","path":"ROOT","rule":"StartMissing","severity":"error"}
@@ -497,16 +498,16 @@ fn problems_are_told_with_the_way_out() {
 
 #[test]
 fn revisions_come_in_pages_from_a_cursor() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
-    let first = revision(&house, &id);
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
+    let first = revision(&server, &id);
     for number in 0..3 {
         let name = format!("Name {number}");
-        rename(&house, Role::Engineer, &id, &number.to_string(), &name);
+        rename(&server, Role::Engineer, &id, &number.to_string(), &name);
     }
     let page = |from: u64| {
-        let page = get(&house, &format!("/{id}/revisions?from={from}"));
+        let page = get(&server, &format!("/{id}/revisions?from={from}"));
         let ids = page["revisions"].as_array().unwrap().iter().map(|revision| &revision["id"]);
         let ids: Vec<_> = ids.collect();
         format!("{} {ids:?} next {}\n", page["is_reset"], page["next"].as_u64().unwrap() - first)

@@ -1,6 +1,6 @@
 //! The page: who gets which file, how browsers keep it, and what it may load.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use rafcon_server::PageFiles;
 use std::path::Path;
 
@@ -19,8 +19,8 @@ fn page(folder: &Path) -> PageFiles {
 #[test]
 fn everybody_gets_the_page_and_browsers_keep_what_never_changes() {
     let place = tempfile::tempdir().unwrap();
-    let house = House::with(|settings| settings.page = page(place.path()));
-    let get = |path: &str| house.call(None, "GET", path, None);
+    let server = TestServer::with(|settings| settings.page = page(place.path()));
+    let get = |path: &str| server.call(None, "GET", path, None);
     let index = get("/?machine=m1");
     assert_eq!((index.status, index.text.as_str()), (200, "<!doctype html>"));
     assert_eq!(index.header("content-type"), Some("text/html; charset=utf-8"));
@@ -42,8 +42,8 @@ fn everybody_gets_the_page_and_browsers_keep_what_never_changes() {
 fn what_is_no_file_of_the_page_is_not_there() {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("secret.js"), "x").unwrap();
-    let house = House::with(|settings| settings.page = page(place.path()));
-    let said = |path: &str| house.call(None, "GET", path, None).said();
+    let server = TestServer::with(|settings| settings.page = page(place.path()));
+    let said = |path: &str| server.call(None, "GET", path, None).said();
     assert_eq!(said("/assets/none.js"), "404 no_such_file");
     assert_eq!(said("/assets/..%2f..%2fsecret.js"), "404 no_such_file");
     assert_eq!(said("/assets/%2fetc%2fpasswd"), "404 no_such_file");
@@ -54,20 +54,21 @@ fn what_is_no_file_of_the_page_is_not_there() {
 #[test]
 fn where_the_page_was_not_built_it_says_how() {
     let place = tempfile::tempdir().unwrap();
-    let house = House::with(|settings| settings.page = PageFiles::Folder(place.path().to_owned()));
-    let page = house.call(None, "GET", "/", None);
+    let server =
+        TestServer::with(|settings| settings.page = PageFiles::Folder(place.path().to_owned()));
+    let page = server.call(None, "GET", "/", None);
     assert_eq!(page.status, 200);
     assert!(page.text.contains("cargo xtask web"), "{page:?}");
 }
 
 #[test]
 fn what_else_the_start_link_says_is_kept() {
-    let house = House::new();
+    let server = TestServer::new();
     let to = |path: &str| {
-        let answer = house.call(None, "GET", path, None);
+        let answer = server.call(None, "GET", path, None);
         answer.header("location").map(str::to_owned)
     };
-    let path = format!("/?machine=m1&token={}&follow=a%2Fb", house.owner());
+    let path = format!("/?machine=m1&token={}&follow=a%2Fb", server.owner());
     assert_eq!(to(&path).as_deref(), Some("/?machine=m1&follow=a%2Fb"));
     assert_eq!(to("/?token=wrong&x=//elsewhere").as_deref(), Some("/?x=//elsewhere"));
 }

@@ -1,6 +1,6 @@
 //! Runs that are over, made from text, and a server that serves them. Knows how journals are written.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use rafcon_protocol::api::Role;
 use rafcon_storage::journal::{About, Journal, Options, notation};
 use serde_json::Value;
@@ -38,12 +38,12 @@ pub(crate) const END: &str = r#"
 "#;
 
 /// A server with these runs, each an id and what happened.
-pub(crate) fn house(runs: &[(&str, &str)]) -> House {
+pub(crate) fn server(runs: &[(&str, &str)]) -> TestServer {
     let place = tempfile::tempdir().unwrap();
     for (id, text) in runs {
         write(&place.path().join("runs"), id, text).close().unwrap();
     }
-    House::at(place, |_settings| {})
+    TestServer::at(place, |_settings| {})
 }
 
 /// A run that goes on in this process until its journal is dropped.
@@ -67,13 +67,13 @@ pub(crate) fn append(journal: &Journal, text: &str) {
 }
 
 /// What is answered to somebody who may look on.
-pub(crate) fn get(house: &House, path: &str) -> Value {
-    let answer = house.call(Some(Role::Viewer), "GET", &format!("/api/v1/runs/{path}"), None);
+pub(crate) fn get(server: &TestServer, path: &str) -> Value {
+    let answer = server.call(Some(Role::Viewer), "GET", &format!("/api/v1/runs/{path}"), None);
     assert_eq!(answer.status, 200, "{path}: {}", answer.text);
     answer.json()
 }
 
 /// Status and code of the answer.
-pub(crate) fn said(house: &House, role: Role, method: &str, path: &str) -> String {
-    house.call(Some(role), method, &format!("/api/v1/runs/{path}"), None).said()
+pub(crate) fn said(server: &TestServer, role: Role, method: &str, path: &str) -> String {
+    server.call(Some(role), method, &format!("/api/v1/runs/{path}"), None).said()
 }

@@ -1,6 +1,6 @@
 //! Requests byte by byte, for what no decent client sends.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use rustix::net::{AddressFamily, SocketType, bind, connect, socket};
 use serde_json::Value;
 use std::io::{Read as _, Write as _};
@@ -14,15 +14,15 @@ const PATIENCE: Duration = Duration::from_secs(15);
 pub(crate) struct Raw(TcpStream);
 
 impl Raw {
-    pub(crate) fn to(house: &House) -> Self {
-        Self::over(TcpStream::connect(house.address()).unwrap())
+    pub(crate) fn to(server: &TestServer) -> Self {
+        Self::over(TcpStream::connect(server.address()).unwrap())
     }
 
     /// From another address of this computer.
-    pub(crate) fn from(ip: [u8; 4], house: &House) -> Self {
+    pub(crate) fn from(ip: [u8; 4], server: &TestServer) -> Self {
         let socket = socket(AddressFamily::INET, SocketType::STREAM, None).unwrap();
         bind(&socket, &SocketAddr::from((ip, 0))).unwrap();
-        connect(&socket, &house.address()).unwrap();
+        connect(&socket, &server.address()).unwrap();
         Self::over(TcpStream::from(socket))
     }
 
@@ -72,19 +72,19 @@ impl Raw {
 }
 
 /// The status of a login from another address of this computer.
-pub(crate) fn login_from(ip: [u8; 4], house: &House, login: &Value) -> u16 {
-    let mut raw = Raw::from(ip, house);
-    raw.say(log_in(house, login));
+pub(crate) fn login_from(ip: [u8; 4], server: &TestServer, login: &Value) -> u16 {
+    let mut raw = Raw::from(ip, server);
+    raw.say(log_in(server, login));
     status(&raw.rest())
 }
 
 /// The request to log in.
-pub(crate) fn log_in(house: &House, login: &Value) -> String {
+pub(crate) fn log_in(server: &TestServer, login: &Value) -> String {
     let text = login.to_string();
     format!(
         "POST /api/v1/session HTTP/1.1\r\nHost: {}\r\nConnection: close\r\nContent-Type: application/json\r\n\
          Content-Length: {}\r\n\r\n{text}",
-        house.address(),
+        server.address(),
         text.len()
     )
 }
@@ -95,8 +95,8 @@ pub(crate) fn status(text: &str) -> u16 {
 }
 
 /// A whole request, with lines of the head that the caller chooses, and its status.
-pub(crate) fn ask(house: &House, line: &str, head: &[(&str, &str)]) -> String {
-    let mut raw = Raw::to(house);
+pub(crate) fn ask(server: &TestServer, line: &str, head: &[(&str, &str)]) -> String {
+    let mut raw = Raw::to(server);
     let head = head.iter().map(|(name, value)| format!("{name}: {value}\r\n"));
     raw.say(format!("{line} HTTP/1.1\r\n{}Connection: close\r\n\r\n", head.collect::<String>()));
     raw.rest()

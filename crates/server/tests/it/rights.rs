@@ -1,6 +1,6 @@
 //! The tables of rights: every role, and nobody, against every route and every command.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use expect_test::expect;
 use rafcon_protocol::Command;
 use rafcon_protocol::api::{Right, Role, StartRun};
@@ -21,12 +21,12 @@ fn address(path: &str) -> String {
 
 #[test]
 fn every_route_is_open_to_who_has_its_right_and_to_nobody_else() {
-    let house = House::new();
+    let server = TestServer::new();
     let everybody = [None].into_iter().chain(Role::ALL.map(Some)).collect::<Vec<_>>();
     for (method, path, right) in ROUTES {
         let body = (method.as_str() != "GET").then(|| json!({}));
         for role in &everybody {
-            let answer = house.call(*role, method.as_str(), &address(path), body.as_ref());
+            let answer = server.call(*role, method.as_str(), &address(path), body.as_ref());
             let said = answer.said();
             let is_refused = ["401 not_logged_in", "403 not_your_right"].contains(&said.as_str());
             let may = *right == Right::Anyone || role.is_some_and(|role| role.grants(*right));
@@ -116,9 +116,9 @@ fn start(breakpoints: &Value) -> Value {
 
 #[test]
 fn who_may_not_edit_starts_no_run_with_python_text_in_it() {
-    let house = House::new();
+    let server = TestServer::new();
     let begin = |role, points: Value| {
-        house.call(Some(role), "POST", "/api/v1/runs", Some(&start(&points))).said()
+        server.call(Some(role), "POST", "/api/v1/runs", Some(&start(&points))).said()
     };
     let conditional = json!([{"id": 1, "path": "A", "condition": "True"}]);
     assert_eq!(begin(Role::Operator, json!([])), "404 no_such_project");

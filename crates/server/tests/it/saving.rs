@@ -1,6 +1,6 @@
 //! Machines and states of them that are saved elsewhere.
 
-use crate::harness::{Answer, House};
+use crate::harness::{Answer, TestServer};
 use crate::machines::{MACHINE, get, open, post, write};
 use expect_test::expect;
 use rafcon_model::{Header, notation};
@@ -27,35 +27,35 @@ fn file(path: &str) -> Value {
 }
 
 /// A machine that lies on disk, without what its header says of when and by whom it was written.
-fn shown(house: &House, path: &str) -> String {
-    let mut machine = load(&house.project().join(path), &Libraries::default()).unwrap().machine;
+fn shown(server: &TestServer, path: &str) -> String {
+    let mut machine = load(&server.project().join(path), &Libraries::default()).unwrap().machine;
     machine.header = Header::default();
     notation::print(&machine)
 }
 
 /// Status, code and message, without where the test runs.
-fn said(house: &House, answer: &Answer) -> String {
+fn said(server: &TestServer, answer: &Answer) -> String {
     let message = answer.json()["message"].as_str().unwrap_or_default().to_owned();
-    let message = message.replace(&*house.project().to_string_lossy(), "…");
+    let message = message.replace(&*server.project().to_string_lossy(), "…");
     format!("{}: {message}\n", answer.said())
 }
 
 #[test]
 fn a_state_is_saved_as_a_machine_and_as_a_library() {
-    let house = House::with(|settings| {
+    let server = TestServer::with(|settings| {
         settings.libraries = vec![("skills".into(), settings.projects[0].join("skills"))];
         std::fs::create_dir_all(settings.projects[0].join("skills")).unwrap();
     });
-    write(&house, "one", NESTED);
-    let id = open(&house, "one");
+    write(&server, "one", NESTED);
+    let id = open(&server, "one");
     let save = |to: &str| {
         let wish = json!({ "path": "ROOT/INNER", "file": file(to) });
-        post(&house, Role::Engineer, &format!("/{id}/save_state"), &wish).json()
+        post(&server, Role::Engineer, &format!("/{id}/save_state"), &wish).json()
     };
     assert_eq!(save("search"), json!({ "file": file("search"), "library": null }));
     let library = json!({ "path": "skills/arm", "name": "search" });
     assert_eq!(save("skills/arm/search")["library"], library);
-    assert_eq!(shown(&house, "search"), shown(&house, "skills/arm/search"));
+    assert_eq!(shown(&server, "search"), shown(&server, "skills/arm/search"));
     expect![[r#"
         hierarchy INNER "Search"
           outcome found
@@ -66,26 +66,27 @@ fn a_state_is_saved_as_a_machine_and_as_a_library() {
             outcome success
             script "x = 1"
     "#]]
-    .assert_eq(&shown(&house, "search"));
-    let answer = house.call(Some(Role::Viewer), "GET", "/api/v1/libraries/skills/arm/search", None);
+    .assert_eq(&shown(&server, "search"));
+    let answer =
+        server.call(Some(Role::Viewer), "GET", "/api/v1/libraries/skills/arm/search", None);
     assert_eq!(answer.json()["states"][0]["name"], "Search");
 }
 
 #[test]
 fn nothing_is_written_where_something_else_lies() {
-    let house = House::new();
-    write(&house, "one", NESTED);
-    write(&house, "two", MACHINE);
-    write(&house, "open", MACHINE);
-    std::fs::create_dir_all(house.project().join("full/of/things")).unwrap();
-    let id = open(&house, "one");
-    open(&house, "open");
+    let server = TestServer::new();
+    write(&server, "one", NESTED);
+    write(&server, "two", MACHINE);
+    write(&server, "open", MACHINE);
+    std::fs::create_dir_all(server.project().join("full/of/things")).unwrap();
+    let id = open(&server, "one");
+    open(&server, "open");
     let save = |path: &str, to: &str, overwrite: bool| {
         let wish = json!({ "path": path, "file": file(to), "overwrite": overwrite });
-        said(&house, &post(&house, Role::Engineer, &format!("/{id}/save_state"), &wish))
+        said(&server, &post(&server, Role::Engineer, &format!("/{id}/save_state"), &wish))
     };
     let copy =
-        |body: &Value| said(&house, &post(&house, Role::Engineer, &format!("/{id}/save"), body));
+        |body: &Value| said(&server, &post(&server, Role::Engineer, &format!("/{id}/save"), body));
     let told = [
         save("ROOT/INNER", "two", false),
         save("ROOT/INNER", "two", true),
@@ -100,8 +101,8 @@ fn nothing_is_written_where_something_else_lies() {
         copy(&json!({ "copy": true })),
         copy(&json!({ "copy": true, "file": file("one") })),
         said(
-            &house,
-            &post(&house, Role::Engineer, "", &json!({ "name": "x", "file": file("two/inside") })),
+            &server,
+            &post(&server, Role::Engineer, "", &json!({ "name": "x", "file": file("two/inside") })),
         ),
     ];
     expect![[r"
@@ -119,23 +120,23 @@ fn nothing_is_written_where_something_else_lies() {
         400 no_place_for_a_copy: a copy needs a folder of its own: name one in `file`
         409 inside_a_machine: two/inside lies in the machine …/two: choose a folder outside of it
     "]].assert_eq(&told.concat());
-    let two = shown(&house, "two");
+    let two = shown(&server, "two");
     assert!(two.starts_with("hierarchy INNER"), "{two}");
-    assert!(!house.project().join("two/inside").exists());
+    assert!(!server.project().join("two/inside").exists());
 }
 
 #[test]
 fn a_copy_is_written_and_the_machine_stays_where_it_lies() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
     let edit = json!({ "edit": "set_name", "path": "ROOT/AAAAAA", "name": "Changed" });
     let edit = json!({ "id": "1", "name": "Rename", "edit": edit });
-    post(&house, Role::Engineer, &format!("/{id}/edits"), &edit);
+    post(&server, Role::Engineer, &format!("/{id}/edits"), &edit);
     let wish = json!({ "copy": true, "file": file("copies/first") });
-    assert_eq!(post(&house, Role::Engineer, &format!("/{id}/save"), &wish).status, 200);
-    let summary = get(&house, &format!("/{id}"))["summary"].clone();
+    assert_eq!(post(&server, Role::Engineer, &format!("/{id}/save"), &wish).status, 200);
+    let summary = get(&server, &format!("/{id}"))["summary"].clone();
     assert_eq!((&summary["file"], &summary["is_changed"]), (&file("one"), &json!(true)));
-    assert!(shown(&house, "copies/first").contains("Changed"));
-    assert!(!shown(&house, "one").contains("Changed"));
+    assert!(shown(&server, "copies/first").contains("Changed"));
+    assert!(!shown(&server, "one").contains("Changed"));
 }

@@ -1,6 +1,6 @@
 //! What the WebSocket tells of runs, and what it answers to whatever is said.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use crate::socket_client::{Client, history};
 use crate::socket_runs::{self, PER_ROUND};
 use expect_test::{Expect, expect};
@@ -12,21 +12,21 @@ use std::thread;
 use tungstenite::Message;
 
 /// A server with a run `r` of so many rounds.
-fn house(rounds: usize) -> House {
+fn server(rounds: usize) -> TestServer {
     let place = tempfile::tempdir().unwrap();
     socket_runs::make(&place.path().join("runs"), "r", rounds);
-    House::at(place, |_settings| {})
+    TestServer::at(place, |_settings| {})
 }
 
 #[test]
 fn a_history_is_told_whole_from_every_cursor() {
-    let house = house(3);
-    let mut client = Client::connect(&house, Role::Viewer);
+    let server = server(3);
+    let mut client = Client::connect(&server, Role::Viewer);
     let last = 3 + 3 * PER_ROUND as u64;
     for from in 0..last + 3 {
         for values in [true, false] {
             client.subscribe(7, &history("r", from, values));
-            let wanted = socket_runs::history(&house.runs(), "r", from, values);
+            let wanted = socket_runs::history(&server.runs(), "r", from, values);
             assert_eq!(client.events(), wanted, "from {from}");
         }
     }
@@ -34,10 +34,10 @@ fn a_history_is_told_whole_from_every_cursor() {
 
 #[test]
 fn a_reader_that_breaks_off_again_and_again_loses_nothing() {
-    let house = house(2000);
+    let server = server(2000);
     let (mut told, mut next) = (Vec::new(), 0);
     loop {
-        let mut client = Client::connect(&house, Role::Viewer);
+        let mut client = Client::connect(&server, Role::Viewer);
         client.subscribe(1, &history("r", next, true));
         let frame = client.hear();
         let events = frame["events"].as_array().unwrap().clone();
@@ -47,13 +47,13 @@ fn a_reader_that_breaks_off_again_and_again_loses_nothing() {
         told.extend(events);
         next = frame["next"].as_u64().unwrap();
     }
-    assert_eq!(told, socket_runs::history(&house.runs(), "r", 1, true));
+    assert_eq!(told, socket_runs::history(&server.runs(), "r", 1, true));
 }
 
 #[test]
 fn once_all_is_told_the_reader_knows() {
-    let house = house(1);
-    let mut client = Client::connect(&house, Role::Viewer);
+    let server = server(1);
+    let mut client = Client::connect(&server, Role::Viewer);
     client.subscribe(3, &history("r", 7, false));
     expect![[r#"
         {"events":[{"event":{"globals":{},"outcome":{"id":0,"name":"done"},"outputs":{},"scoped_variables":{},"states_run":1,"type":"finished"},"sequence":7,"t_ns":4000000}],"frame":"events","next":8,"subscription":3}
@@ -87,9 +87,9 @@ fn count(client: &mut Client, mut wait: impl FnMut()) -> usize {
 #[test]
 fn readers_wait_neither_for_a_slow_one_nor_for_one_that_never_reads() {
     const ROUNDS: usize = 1500;
-    let house = house(ROUNDS);
+    let server = server(ROUNDS);
     let follow = || {
-        let mut client = Client::connect(&house, Role::Viewer);
+        let mut client = Client::connect(&server, Role::Viewer);
         client.subscribe(1, &history("r", 1, true));
         client
     };
@@ -115,12 +115,12 @@ fn resident() -> u64 {
 #[test]
 fn clients_that_never_read_cost_little() {
     const CLIENTS: u64 = 50;
-    let house = house(1000);
-    let mut reader = Client::connect(&house, Role::Viewer);
+    let server = server(1000);
+    let mut reader = Client::connect(&server, Role::Viewer);
     let before = resident();
     let never: Vec<Client> = (0..CLIENTS)
         .map(|_| {
-            let mut client = Client::connect(&house, Role::Viewer);
+            let mut client = Client::connect(&server, Role::Viewer);
             (0..8).for_each(|number| client.subscribe(number, &history("r", 1, true)));
             client
         })
@@ -134,8 +134,8 @@ fn clients_that_never_read_cost_little() {
 
 /// What is answered to these frames, a line each.
 fn answers(frames: &[&str]) -> String {
-    let house = house(1);
-    let mut client = Client::connect(&house, Role::Admin);
+    let server = server(1);
+    let mut client = Client::connect(&server, Role::Admin);
     for frame in frames {
         client.say_message(Message::text((*frame).to_owned()));
     }
@@ -187,8 +187,8 @@ fn commands_and_edits_that_nobody_can_carry_out_are_refused() {
 
 #[test]
 fn a_frame_is_text_and_not_too_large() {
-    let house = house(1);
-    let mut client = Client::connect(&house, Role::Viewer);
+    let server = server(1);
+    let mut client = Client::connect(&server, Role::Viewer);
     client.say_message(Message::binary(vec![1, 2, 3]));
     assert_eq!(client.hear()["refusal"]["code"], "binary_frame");
     client.say_message(Message::text("x".repeat((1 << 20) + 1)));
@@ -198,13 +198,13 @@ fn a_frame_is_text_and_not_too_large() {
 
 #[test]
 fn the_house_is_told_at_once_and_when_a_run_appears() {
-    let house = house(1);
-    let mut client = Client::connect(&house, Role::Viewer);
+    let server = server(1);
+    let mut client = Client::connect(&server, Role::Viewer);
     client.subscribe(1, &json!({ "topic": "house_status" }));
     assert_eq!(client.hear()["status"]["runs"], json!([]));
-    let elsewhere = tempfile::tempdir_in(house.state()).unwrap();
+    let elsewhere = tempfile::tempdir_in(server.state()).unwrap();
     socket_runs::make(elsewhere.path(), "s", 1);
-    std::fs::rename(elsewhere.path().join("s"), house.runs().join("s")).unwrap();
+    std::fs::rename(elsewhere.path().join("s"), server.runs().join("s")).unwrap();
     let heard = client.hear_until(|frame| frame["status"]["runs"][0]["phase"] == "finished");
     assert_eq!(heard.last().unwrap()["status"]["runs"][0]["id"], "s");
 }
@@ -215,8 +215,8 @@ fn a_run_without_a_history_is_ended_with_the_reason() {
     let folder = place.path().join("runs").join("r");
     socket_runs::make(&place.path().join("runs"), "r", 1);
     std::fs::write(folder.join("journal.db"), "no database").unwrap();
-    let house = House::at(place, |_settings| {});
-    let mut client = Client::connect(&house, Role::Viewer);
+    let server = TestServer::at(place, |_settings| {});
+    let mut client = Client::connect(&server, Role::Viewer);
     client.subscribe(1, &history("r", 1, true));
     let heard = client.hear_until(|frame| frame["frame"] == "ended");
     assert_eq!(heard.last().unwrap()["refusal"]["code"], "no_history");
@@ -224,9 +224,9 @@ fn a_run_without_a_history_is_ended_with_the_reason() {
 
 #[test]
 fn a_server_that_ends_says_so() {
-    let house = house(1);
-    let mut client = Client::connect(&house, Role::Viewer);
-    let _place = house.end();
+    let server = server(1);
+    let mut client = Client::connect(&server, Role::Viewer);
+    let _place = server.end();
     assert_eq!(client.hear()["refusal"]["code"], "server_ends");
     assert_eq!(client.hear_or_end(), Err("1001 server_ends".to_owned()));
 }
@@ -259,12 +259,12 @@ fn anything() -> impl Strategy<Value = String> {
 
 #[test]
 fn whatever_is_said_the_connection_stays_and_answers() {
-    let house = house(1);
+    let server = server(1);
     let config = Config { cases: 200, failure_persistence: None, ..Config::default() };
     let said = prop::collection::vec(anything(), 1..8);
     TestRunner::new(config)
         .run(&said, |frames| {
-            let mut client = Client::connect(&house, Role::Admin);
+            let mut client = Client::connect(&server, Role::Admin);
             for frame in frames {
                 client.say_message(Message::text(frame));
             }

@@ -1,6 +1,6 @@
 //! A client of the WebSocket that says frames and hears them, one after the other. The only place that knows how one is made.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use rafcon_protocol::api::Role;
 use serde_json::{Value, json};
 use std::net::TcpStream;
@@ -18,17 +18,17 @@ pub(crate) struct Client {
 
 impl Client {
     /// Connects as somebody with this role, and hears the welcome.
-    pub(crate) fn connect(house: &House, role: Role) -> Self {
-        let mut client = Self::with(house, house.token(role));
+    pub(crate) fn connect(server: &TestServer, role: Role) -> Self {
+        let mut client = Self::with(server, server.token(role));
         assert_eq!(client.hear()["frame"], "welcome");
         client
     }
 
     /// Connects with this token and hears nothing yet.
-    pub(crate) fn with(house: &House, token: &str) -> Self {
-        let stream = TcpStream::connect(house.address()).unwrap();
+    pub(crate) fn with(server: &TestServer, token: &str) -> Self {
+        let stream = TcpStream::connect(server.address()).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let address = house.url().replace("http://", "ws://") + "/api/v1/socket";
+        let address = server.url().replace("http://", "ws://") + "/api/v1/socket";
         let mut request = address.into_client_request().unwrap();
         let token = format!("Bearer {token}").parse().unwrap();
         request.headers_mut().insert("authorization", token);

@@ -1,6 +1,6 @@
 //! Open machines over the WebSocket: edits, their revisions, who looks at what, and who may not any more.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use crate::socket_client::Client;
 use expect_test::{Expect, expect};
 use rafcon_model::notation;
@@ -21,15 +21,15 @@ hierarchy ROOT "Root"
 "#;
 
 /// A server with one open machine, its id and its revision.
-fn open() -> (House, String, u64) {
-    let house = House::new();
+fn open() -> (TestServer, String, u64) {
+    let server = TestServer::new();
     let machine = notation::parse(MACHINE).unwrap();
-    save(&machine, &house.project().join("pick"), None, Naming::default()).unwrap();
+    save(&machine, &server.project().join("pick"), None, Naming::default()).unwrap();
     let file = json!({ "file": { "project": "project", "path": "pick" } });
-    let answer = house.call(Some(Role::Engineer), "POST", "/api/v1/machines/open", Some(&file));
+    let answer = server.call(Some(Role::Engineer), "POST", "/api/v1/machines/open", Some(&file));
     let opened = answer.json();
     let id = opened["id"].as_str().unwrap().to_owned();
-    (house, id, opened["revision"].as_u64().unwrap())
+    (server, id, opened["revision"].as_u64().unwrap())
 }
 
 fn rename(machine: &str, id: &str, name: &str) -> Value {
@@ -83,9 +83,9 @@ fn check(client: &mut Client, opened: u64, lines: usize, expect: &Expect) {
 
 #[test]
 fn what_one_edits_the_other_is_told() {
-    let (house, machine, opened) = open();
-    let mut anna = Client::connect(&house, Role::Engineer);
-    let mut bert = Client::connect(&house, Role::Viewer);
+    let (server, machine, opened) = open();
+    let mut anna = Client::connect(&server, Role::Engineer);
+    let mut bert = Client::connect(&server, Role::Viewer);
     bert.subscribe(1, &history(&machine, opened + 1));
     anna.say(&rename(&machine, "e1", "Scan"));
     anna.say(&rename(&machine, "e2", "Look"));
@@ -119,8 +119,8 @@ fn what_one_edits_the_other_is_told() {
 
 #[test]
 fn edits_of_one_client_are_made_in_their_order() {
-    let (house, machine, opened) = open();
-    let mut client = Client::connect(&house, Role::Engineer);
+    let (server, machine, opened) = open();
+    let mut client = Client::connect(&server, Role::Engineer);
     let names: Vec<String> = (1..=100).map(|number| format!("N{number}")).collect();
     for name in &names {
         client.say(&rename(&machine, name, name));
@@ -133,8 +133,8 @@ fn edits_of_one_client_are_made_in_their_order() {
 
 #[test]
 fn revisions_that_never_were_are_a_reason_to_begin_again() {
-    let (house, machine, opened) = open();
-    let mut client = Client::connect(&house, Role::Viewer);
+    let (server, machine, opened) = open();
+    let mut client = Client::connect(&server, Role::Viewer);
     client.subscribe(1, &history(&machine, opened + 9));
     check(
         &mut client,
@@ -147,7 +147,7 @@ fn revisions_that_never_were_are_a_reason_to_begin_again() {
     // Its number is free again.
     client.subscribe(1, &history(&machine, opened + 1));
     let close = format!("/api/v1/machines/{machine}/close");
-    house.call(Some(Role::Engineer), "POST", &close, Some(&json!({ "discard": true })));
+    server.call(Some(Role::Engineer), "POST", &close, Some(&json!({ "discard": true })));
     check(
         &mut client,
         opened,
@@ -160,11 +160,11 @@ fn revisions_that_never_were_are_a_reason_to_begin_again() {
 
 #[test]
 fn who_looks_at_a_machine_is_told_to_others_until_they_go() {
-    let (house, machine, _opened) = open();
-    let mut anna = Client::connect(&house, Role::Viewer);
+    let (server, machine, _opened) = open();
+    let mut anna = Client::connect(&server, Role::Viewer);
     anna.subscribe(1, &json!({ "topic": "machine_status", "machine": machine }));
     assert_eq!(anna.hear()["status"]["people"], json!([]));
-    let mut bert = Client::connect(&house, Role::Viewer);
+    let mut bert = Client::connect(&server, Role::Viewer);
     bert.say(&json!({ "frame": "presence", "machine": machine, "selection": ["ROOT/ONEXXX"] }));
     let people = |frame: &Value| frame["status"]["people"].as_array().unwrap().len();
     let heard = anna.hear_until(|frame| people(frame) == 1);
@@ -175,15 +175,15 @@ fn who_looks_at_a_machine_is_told_to_others_until_they_go() {
 
 #[test]
 fn who_gets_another_role_or_is_removed_is_sent_away() {
-    let house = House::new();
-    let mut client = Client::connect(&house, Role::Operator);
+    let server = TestServer::new();
+    let mut client = Client::connect(&server, Role::Operator);
     client.subscribe(1, &json!({ "topic": "house_status" }));
     client.hear();
     let role = json!({ "role": "viewer" });
-    house.call(Some(Role::Admin), "PATCH", "/api/v1/users/operator", Some(&role));
+    server.call(Some(Role::Admin), "PATCH", "/api/v1/users/operator", Some(&role));
     assert_eq!(client.hear()["refusal"]["code"], "other_role");
     assert_eq!(client.hear_or_end(), Err("1008 other_role".to_owned()));
-    let mut client = Client::connect(&house, Role::Operator);
-    house.call(Some(Role::Admin), "DELETE", "/api/v1/users/operator", None);
+    let mut client = Client::connect(&server, Role::Operator);
+    server.call(Some(Role::Admin), "DELETE", "/api/v1/users/operator", None);
     assert_eq!(client.hear()["refusal"]["code"], "not_known_any_more");
 }

@@ -1,7 +1,7 @@
 //! Two people edit one machine at once over their sockets, each by what they know of it at the moment: in the end both, the
 //! server and the files hold the same machine.
 
-use crate::harness::{House, name};
+use crate::harness::{TestServer, name};
 use crate::machines::{get, open, post};
 use crate::socket_client::Client;
 use rafcon_model::edit::any::{Dice, edit};
@@ -52,11 +52,11 @@ struct Person<'h> {
 }
 
 impl<'h> Person<'h> {
-    fn new(house: &House, role: Role, machine: &'h str) -> Self {
-        let now = get(house, &format!("/{machine}/document"));
+    fn new(server: &TestServer, role: Role, machine: &'h str) -> Self {
+        let now = get(server, &format!("/{machine}/document"));
         let document: Document = serde_json::from_value(now["document"].clone()).unwrap();
         let next = now["revision"].as_u64().unwrap() + 1;
-        let mut client = Client::connect(house, role);
+        let mut client = Client::connect(server, role);
         client
             .subscribe(1, &json!({ "topic": "machine_history", "machine": machine, "from": next }));
         let (mirror, done, undone) = (Mirror::new(document), Vec::new(), Vec::new());
@@ -165,16 +165,16 @@ fn numbers(seed: u64) -> Vec<u16> {
 
 #[test]
 fn two_people_edit_one_machine_and_end_with_the_same() {
-    let house = House::new();
-    crate::machines::write(&house, "one", START);
-    let id = open(&house, "one");
-    let mut ann = Person::new(&house, Role::Engineer, &id);
-    let mut bob = Person::new(&house, Role::Admin, &id);
+    let server = TestServer::new();
+    crate::machines::write(&server, "one", START);
+    let id = open(&server, "one");
+    let mut ann = Person::new(&server, Role::Engineer, &id);
+    let mut bob = Person::new(&server, Role::Admin, &id);
     thread::scope(|scope| {
         scope.spawn(|| ann.work(1));
         scope.spawn(|| bob.work(2));
     });
-    let now = get(&house, &format!("/{id}/document"));
+    let now = get(&server, &format!("/{id}/document"));
     let revision = now["revision"].as_u64().unwrap();
     let document: Document = serde_json::from_value(now["document"].clone()).unwrap();
     for person in [&mut ann, &mut bob] {
@@ -182,8 +182,8 @@ fn two_people_edit_one_machine_and_end_with_the_same() {
         assert_eq!(person.mirror.document(), document);
         assert!(person.refused > 0 && person.done.len() > DEEDS / 100);
     }
-    assert_eq!(post(&house, Role::Engineer, &format!("/{id}/save"), &json!({})).status, 200);
-    let saved = load(&house.project().join("one"), &Libraries::default()).unwrap();
+    assert_eq!(post(&server, Role::Engineer, &format!("/{id}/save"), &json!({})).status, 200);
+    let saved = load(&server.project().join("one"), &Libraries::default()).unwrap();
     assert_eq!(Document::of(&saved.machine).states, document.states);
     let faults = problems(&saved.machine, &BuiltinTypes);
     // A machine may lose its start while it is drawn.

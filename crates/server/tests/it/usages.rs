@@ -1,6 +1,6 @@
 //! Where libraries are used.
 
-use crate::harness::House;
+use crate::harness::TestServer;
 use crate::machines::{get, open, post, write};
 use rafcon_protocol::api::Role;
 use rafcon_server::Settings;
@@ -17,10 +17,10 @@ const LIBRARY: &str = "
 ";
 
 /// A server with the library root `skills` outside of its project, and the library `skills/arm/grip` in it.
-pub(crate) fn with_library(library: &str) -> House {
-    let house = House::with(use_skills);
-    write_library(&house, "arm/grip", library);
-    house
+pub(crate) fn with_library(library: &str) -> TestServer {
+    let server = TestServer::with(use_skills);
+    write_library(&server, "arm/grip", library);
+    server
 }
 
 fn use_skills(settings: &mut Settings) {
@@ -29,50 +29,50 @@ fn use_skills(settings: &mut Settings) {
     settings.libraries = vec![("skills".into(), skills)];
 }
 
-pub(crate) fn skills(house: &House) -> PathBuf {
-    house.project().with_file_name("skills")
+pub(crate) fn skills(server: &TestServer) -> PathBuf {
+    server.project().with_file_name("skills")
 }
 
-pub(crate) fn write_library(house: &House, path: &str, text: &str) {
+pub(crate) fn write_library(server: &TestServer, path: &str, text: &str) {
     let machine = rafcon_model::notation::parse(text).unwrap();
-    let folder = skills(house).join(path);
+    let folder = skills(server).join(path);
     save(&machine, &folder, None, Naming::default()).unwrap();
 }
 
 /// Puts the library into a machine, below `path`.
-pub(crate) fn add(house: &House, machine: &str, path: &str, id: &str) {
+pub(crate) fn add(server: &TestServer, machine: &str, path: &str, id: &str) {
     let library = json!({ "path": "skills/arm", "name": "grip" });
     let state =
         json!({ "path": id, "name": format!("Grip {id}"), "kind": "library", "library": library });
     let edit = json!({ "edit": "add_state", "path": path, "states": [state] });
     let edit = json!({ "id": id, "name": "Add", "edit": edit });
-    let answer = post(house, Role::Engineer, &format!("/{machine}/edits"), &edit);
+    let answer = post(server, Role::Engineer, &format!("/{machine}/edits"), &edit);
     assert_eq!(answer.status, 200, "{answer:?}");
 }
 
-fn usages(house: &House, query: &str) -> Value {
+fn usages(server: &TestServer, query: &str) -> Value {
     let path = format!("/api/v1/libraries/usages?{query}");
-    house.call(Some(Role::Viewer), "GET", &path, None).json()
+    server.call(Some(Role::Viewer), "GET", &path, None).json()
 }
 
 #[test]
 fn a_library_is_found_where_it_is_used() {
-    let house = with_library(LIBRARY);
+    let server = with_library(LIBRARY);
     let around = "hierarchy ROOT \"Mission\"\n  hierarchy INNERR \"Search\"\n    execution STEPPP\n      script \"library_name grip\"";
-    write(&house, "saved/one", around);
-    write(&house, "open", around);
+    write(&server, "saved/one", around);
+    write(&server, "open", around);
     for path in ["saved/one", "open"] {
-        let id = open(&house, path);
-        add(&house, &id, "ROOT/INNERR", "GRIPAA");
+        let id = open(&server, path);
+        add(&server, &id, "ROOT/INNERR", "GRIPAA");
         if path == "saved/one" {
-            post(&house, Role::Engineer, &format!("/{id}/save"), &json!({}));
-            post(&house, Role::Engineer, &format!("/{id}/close"), &json!({}));
+            post(&server, Role::Engineer, &format!("/{id}/save"), &json!({}));
+            post(&server, Role::Engineer, &format!("/{id}/close"), &json!({}));
         }
     }
-    let saved = load(&house.project().join("saved/one"), &Libraries::default()).unwrap().machine;
-    save(&saved, &skills(&house).join("user"), None, Naming::default()).unwrap();
-    let found = usages(&house, "path=skills/arm&name=grip");
-    let id = get(&house, "")[0]["id"].clone();
+    let saved = load(&server.project().join("saved/one"), &Libraries::default()).unwrap().machine;
+    save(&saved, &skills(&server).join("user"), None, Naming::default()).unwrap();
+    let found = usages(&server, "path=skills/arm&name=grip");
+    let id = get(&server, "")[0]["id"].clone();
     let (path, names) = ("ROOT/INNERR/GRIPAA", json!(["Mission", "Search", "Grip GRIPAA"]));
     let file = |path: &str| json!({ "project": "project", "path": path });
     let usage = |machine: Value, file: Value, library: Value| json!({ "machine": machine, "file": file, "library": library, "path": path, "names": names });
@@ -84,14 +84,14 @@ fn a_library_is_found_where_it_is_used() {
     ]);
     assert_eq!(found, json!({ "usages": wanted, "is_cut": false }));
     let none = json!({ "usages": [], "is_cut": false });
-    assert_eq!(usages(&house, "path=skills/arm&name=gripper"), none);
-    assert_eq!(usages(&house, "path=nowhere&name=grip"), none);
+    assert_eq!(usages(&server, "path=skills/arm&name=gripper"), none);
+    assert_eq!(usages(&server, "path=nowhere&name=grip"), none);
 }
 
 /// A library comes into a machine with what it says of itself, and its content can be asked for with every layout.
 #[test]
 fn a_library_brings_its_outcomes_and_ports_along() {
-    let house = with_library(
+    let server = with_library(
         "hierarchy GRIPPP
            outcome held
            in force: float = 1.5
@@ -99,10 +99,10 @@ fn a_library_brings_its_outcomes_and_ports_along() {
            execution CLOSEE
              layout {\"gui\":{\"editor_gaphas\":{\"rel_pos\":[1.0,2.0]}}}",
     );
-    write(&house, "one", "hierarchy ROOT");
-    let id = open(&house, "one");
-    add(&house, &id, "ROOT", "GRIPAA");
-    let document = get(&house, &format!("/{id}/document"))["document"].clone();
+    write(&server, "one", "hierarchy ROOT");
+    let id = open(&server, "one");
+    add(&server, &id, "ROOT", "GRIPAA");
+    let document = get(&server, &format!("/{id}/document"))["document"].clone();
     let state = document["states"].as_array().unwrap().iter();
     let state = state.into_iter().find(|state| state["path"] == "ROOT/GRIPAA").unwrap().clone();
     let names = |list: &str| {
@@ -115,13 +115,13 @@ fn a_library_brings_its_outcomes_and_ports_along() {
         (vec!["force".to_owned()], vec!["width".to_owned()])
     );
     let path = "/api/v1/libraries/skills/arm/grip";
-    let answer = house.call(Some(Role::Viewer), "GET", path, None);
+    let answer = server.call(Some(Role::Viewer), "GET", path, None);
     let library = answer.json();
-    let bearer = format!("Bearer {}", house.token(Role::Viewer));
+    let bearer = format!("Bearer {}", server.token(Role::Viewer));
     let tag = answer.header("etag").unwrap();
     let asked = |known: &str| {
         let head = [("Authorization", &*bearer), ("If-None-Match", known)];
-        house.send("GET", path, &head, None)
+        server.send("GET", path, &head, None)
     };
     let again = asked(tag);
     assert_eq!((again.status, &*again.text), (304, ""));
@@ -144,18 +144,18 @@ const CHANGED: &str = "
 
 #[test]
 fn a_library_that_changed_is_told_and_taken_over() {
-    let house = with_library(LIBRARY);
+    let server = with_library(LIBRARY);
     write(
-        &house,
+        &server,
         "one",
         "hierarchy ROOT
            outcome success
            in 20 force: float = 1.5
            var 21 width: float",
     );
-    let id = open(&house, "one");
-    add(&house, &id, "ROOT", "GRIPAA");
-    let document = || get(&house, &format!("/{id}/document"))["document"].clone();
+    let id = open(&server, "one");
+    add(&server, &id, "ROOT", "GRIPAA");
+    let document = || get(&server, &format!("/{id}/document"))["document"].clone();
     let library = |document: &Value| {
         let states = document["states"].as_array().unwrap().clone();
         states.into_iter().find(|state| state["path"] == "ROOT/GRIPAA").unwrap()
@@ -170,18 +170,18 @@ fn a_library_that_changed_is_told_and_taken_over() {
     ] });
     let send = |id_of_edit: &str, edit: &Value| {
         let edit = json!({ "id": id_of_edit, "name": "x", "edit": edit });
-        let answer = post(&house, Role::Engineer, &format!("/{id}/edits"), &edit);
+        let answer = post(&server, Role::Engineer, &format!("/{id}/edits"), &edit);
         assert_eq!(answer.status, 200, "{answer:?}");
     };
     send("connect", &batch);
     let changed = || {
-        let problems = get(&house, &format!("/{id}/problems"));
+        let problems = get(&server, &format!("/{id}/problems"));
         let problems = problems.as_array().unwrap().clone();
         problems.into_iter().find(|problem| problem["rule"] == "library_changed")
     };
     assert_eq!(changed(), None);
-    std::fs::remove_dir_all(skills(&house).join("arm/grip")).unwrap();
-    write_library(&house, "arm/grip", CHANGED);
+    std::fs::remove_dir_all(skills(&server).join("arm/grip")).unwrap();
+    write_library(&server, "arm/grip", CHANGED);
     let told = std::iter::from_fn(|| Some(changed())).find_map(|told| told).unwrap();
     assert_eq!(
         told["message"],
@@ -202,32 +202,32 @@ fn a_library_that_changed_is_told_and_taken_over() {
 /// After the library was taken over, that was taken back, and the server was started again, neither step changes anything.
 #[test]
 fn a_library_that_changed_keeps_no_edit_from_being_made_again() {
-    let house = with_library(LIBRARY);
-    write(&house, "one", "hierarchy ROOT");
-    let id = open(&house, "one");
-    add(&house, &id, "ROOT", "GRIPAA");
-    let ask = |house: &House, what: &str, wish: &Value| {
-        let answer = post(house, Role::Engineer, &format!("/{id}/{what}"), wish);
+    let server = with_library(LIBRARY);
+    write(&server, "one", "hierarchy ROOT");
+    let id = open(&server, "one");
+    add(&server, &id, "ROOT", "GRIPAA");
+    let ask = |server: &TestServer, what: &str, wish: &Value| {
+        let answer = post(server, Role::Engineer, &format!("/{id}/{what}"), wish);
         assert_eq!(answer.status, 200, "{answer:?}");
     };
-    ask(&house, "save", &json!({}));
-    ask(&house, "close", &json!({}));
-    assert_eq!(open(&house, "one"), id);
-    write_library(&house, "arm/grip", CHANGED);
-    let problems = || get(&house, &format!("/{id}/problems")).as_array().unwrap().clone();
+    ask(&server, "save", &json!({}));
+    ask(&server, "close", &json!({}));
+    assert_eq!(open(&server, "one"), id);
+    write_library(&server, "arm/grip", CHANGED);
+    let problems = || get(&server, &format!("/{id}/problems")).as_array().unwrap().clone();
     let told = std::iter::from_fn(|| Some(problems())).flatten();
     let told = told.into_iter().find(|problem| problem["rule"] == "library_changed").unwrap();
     let edit = &told["repairs"][0]["edit"];
-    ask(&house, "edits", &json!({ "id": "1", "name": "Take over", "edit": edit }));
-    let start = get(&house, &format!("/{id}/steps"))["start"].clone();
-    ask(&house, "jump", &json!({ "id": "2", "revision": start }));
+    ask(&server, "edits", &json!({ "id": "1", "name": "Take over", "edit": edit }));
+    let start = get(&server, &format!("/{id}/steps"))["start"].clone();
+    ask(&server, "jump", &json!({ "id": "2", "revision": start }));
     let edit = json!({ "edit": "set_name", "path": "ROOT", "name": "Renamed" });
-    ask(&house, "edits", &json!({ "id": "3", "name": "Rename", "edit": edit }));
-    let house = House::at(house.end(), use_skills);
-    assert_eq!(open(&house, "one"), id);
-    let document = get(&house, &format!("/{id}/document"))["document"].clone();
+    ask(&server, "edits", &json!({ "id": "3", "name": "Rename", "edit": edit }));
+    let server = TestServer::at(server.end(), use_skills);
+    assert_eq!(open(&server, "one"), id);
+    let document = get(&server, &format!("/{id}/document"))["document"].clone();
     assert_eq!(document["states"][0]["name"], "Renamed");
-    let kinds = get(&house, &format!("/{id}/steps"))["steps"].clone();
+    let kinds = get(&server, &format!("/{id}/steps"))["steps"].clone();
     let kinds: Vec<_> = kinds.as_array().unwrap().iter().map(|step| step["kind"].clone()).collect();
     assert_eq!(kinds, ["edit", "jump", "edit"]);
 }

@@ -1,6 +1,6 @@
 //! What an open machine is compared with: its files, and its versions in git.
 
-use crate::harness::{Answer, House};
+use crate::harness::{Answer, TestServer};
 use crate::machines::{MACHINE, get, open, post, write};
 use rafcon_protocol::api::Role;
 use serde_json::{Value, json};
@@ -17,13 +17,13 @@ fn git(folder: &Path, arguments: &[&str]) {
     assert!(said.status.success(), "{said:?}");
 }
 
-fn commit(house: &House, message: &str) {
-    git(&house.project(), &["add", "--all"]);
-    git(&house.project(), &["commit", "--quiet", "--message", message]);
+fn commit(server: &TestServer, message: &str) {
+    git(&server.project(), &["add", "--all"]);
+    git(&server.project(), &["commit", "--quiet", "--message", message]);
 }
 
-fn ask(house: &House, path: &str) -> Answer {
-    house.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines{path}"), None)
+fn ask(server: &TestServer, path: &str) -> Answer {
+    server.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines{path}"), None)
 }
 
 /// The name of the first child in a document.
@@ -32,31 +32,31 @@ fn name(document: &Value) -> &str {
 }
 
 /// A machine with two versions in git, and one on disk; its id.
-fn committed() -> (House, String) {
-    let house = House::new();
-    write(&house, "in/one", MACHINE);
-    write(&house, "two", MACHINE);
-    git(&house.project(), &["init", "--quiet"]);
-    commit(&house, "Two machines");
-    let id = open(&house, "in/one");
-    rename(&house, &id, "Second");
-    assert_eq!(post(&house, Role::Engineer, &format!("/{id}/save"), &json!({})).status, 200);
-    commit(&house, "Rename a state\n\nFor good.");
-    (house, id)
+fn committed() -> (TestServer, String) {
+    let server = TestServer::new();
+    write(&server, "in/one", MACHINE);
+    write(&server, "two", MACHINE);
+    git(&server.project(), &["init", "--quiet"]);
+    commit(&server, "Two machines");
+    let id = open(&server, "in/one");
+    rename(&server, &id, "Second");
+    assert_eq!(post(&server, Role::Engineer, &format!("/{id}/save"), &json!({})).status, 200);
+    commit(&server, "Rename a state\n\nFor good.");
+    (server, id)
 }
 
-fn rename(house: &House, id: &str, name: &str) {
+fn rename(server: &TestServer, id: &str, name: &str) {
     let edit = json!({ "edit": "set_name", "path": "ROOT/AAAAAA", "name": name });
     let edit = json!({ "id": name, "name": "Rename", "edit": edit });
-    assert_eq!(post(house, Role::Engineer, &format!("/{id}/edits"), &edit).status, 200);
+    assert_eq!(post(server, Role::Engineer, &format!("/{id}/edits"), &edit).status, 200);
 }
 
 #[test]
 fn an_open_machine_is_compared_with_its_files_and_its_versions() {
-    let (house, id) = committed();
-    rename(&house, &id, "Third");
-    assert_eq!(name(&get(&house, &format!("/{id}/saved"))), "Second");
-    let versions = get(&house, &format!("/{id}/versions"));
+    let (server, id) = committed();
+    rename(&server, &id, "Third");
+    assert_eq!(name(&get(&server, &format!("/{id}/saved"))), "Second");
+    let versions = get(&server, &format!("/{id}/versions"));
     let told = versions["versions"].as_array().unwrap();
     let told = told
         .iter()
@@ -67,29 +67,29 @@ fn an_open_machine_is_compared_with_its_files_and_its_versions() {
     assert_eq!((&versions["is_git"], &versions["is_cut"]), (&json!(true), &json!(false)));
     let version = |index: usize| {
         let commit = versions["versions"][index]["commit"].as_str().unwrap();
-        get(&house, &format!("/{id}/versions/{commit}"))
+        get(&server, &format!("/{id}/versions/{commit}"))
     };
     assert_eq!([name(&version(0)), name(&version(1))], ["Second", "AAAAAA"]);
-    assert_eq!(version(0), get(&house, &format!("/{id}/saved")));
-    let versions = house.state().join("versions");
+    assert_eq!(version(0), get(&server, &format!("/{id}/saved")));
+    let versions = server.state().join("versions");
     assert_eq!(std::fs::read_dir(&versions).unwrap().count(), 0);
     std::fs::create_dir(versions.join("left behind")).unwrap();
-    let house = House::at(house.end(), |_settings| {});
-    assert!(!house.state().join("versions").exists());
+    let server = TestServer::at(server.end(), |_settings| {});
+    assert!(!server.state().join("versions").exists());
 }
 
 #[test]
 fn a_repository_outside_the_project_is_not_asked() {
-    let house = House::new();
-    let outside = house.state().join("outside");
+    let server = TestServer::new();
+    let outside = server.state().join("outside");
     std::fs::create_dir_all(outside.join("one")).unwrap();
     std::fs::write(outside.join("one/secret"), "secret").unwrap();
     git(&outside, &["init", "--quiet"]);
     git(&outside, &["add", "--all"]);
     git(&outside, &["commit", "--quiet", "--message", "A secret"]);
     let is_git = |name: &str| {
-        write(&house, &format!("{name}/one"), MACHINE);
-        let link = house.project().join(name).join(".git");
+        write(&server, &format!("{name}/one"), MACHINE);
+        let link = server.project().join(name).join(".git");
         match name {
             "file" => {
                 let target = format!("gitdir: {}/.git\n", outside.display());
@@ -97,19 +97,19 @@ fn a_repository_outside_the_project_is_not_asked() {
             }
             "link" => std::os::unix::fs::symlink(outside.join(".git"), link).unwrap(),
             "common" => {
-                git(&house.project().join(name), &["init", "--quiet"]);
+                git(&server.project().join(name), &["init", "--quiet"]);
                 let target = format!("{}/.git\n", outside.display());
                 std::fs::write(link.join("commondir"), target).unwrap();
             }
             "borrowed" => {
-                git(&house.project().join(name), &["init", "--quiet"]);
+                git(&server.project().join(name), &["init", "--quiet"]);
                 let target = format!("{}/.git/objects\n", outside.display());
                 std::fs::write(link.join("objects/info/alternates"), target).unwrap();
             }
             _ => {}
         }
-        let id = open(&house, &format!("{name}/one"));
-        get(&house, &format!("/{id}/versions"))["is_git"].clone()
+        let id = open(&server, &format!("{name}/one"));
+        get(&server, &format!("/{id}/versions"))["is_git"].clone()
     };
     for name in ["none", "file", "link", "common", "borrowed"] {
         assert_eq!(is_git(name), json!(false), "{name}");
@@ -118,44 +118,44 @@ fn a_repository_outside_the_project_is_not_asked() {
 
 #[test]
 fn what_is_no_version_is_refused() {
-    let (house, id) = committed();
-    let said = |commit: &str| ask(&house, &format!("/{id}/versions/{commit}")).said();
+    let (server, id) = committed();
+    let said = |commit: &str| ask(&server, &format!("/{id}/versions/{commit}")).said();
     assert_eq!(said("HEAD"), "400 bad_commit");
     assert_eq!(said("--output=x"), "400 bad_commit");
     assert_eq!(said(&"0".repeat(40)), "404 no_such_version");
-    write(&house, "new", MACHINE);
-    let new = open(&house, "new");
-    let versions = get(&house, &format!("/{new}/versions"));
+    write(&server, "new", MACHINE);
+    let new = open(&server, "new");
+    let versions = get(&server, &format!("/{new}/versions"));
     assert_eq!((&versions["is_git"], &versions["versions"]), (&json!(true), &json!([])));
-    let known = get(&house, &format!("/{id}/versions"))["versions"][0]["commit"].clone();
-    let answer = ask(&house, &format!("/{new}/versions/{}", known.as_str().unwrap()));
+    let known = get(&server, &format!("/{id}/versions"))["versions"][0]["commit"].clone();
+    let answer = ask(&server, &format!("/{new}/versions/{}", known.as_str().unwrap()));
     assert_eq!(answer.said(), "404 no_such_version");
-    std::fs::remove_dir_all(house.project().join("new")).unwrap();
-    assert_eq!(ask(&house, &format!("/{new}/saved")).said(), "409 machine_gone");
+    std::fs::remove_dir_all(server.project().join("new")).unwrap();
+    assert_eq!(ask(&server, &format!("/{new}/saved")).said(), "409 machine_gone");
 }
 
 #[test]
 fn without_git_there_are_no_versions() {
-    let house = House::new();
-    write(&house, "one", MACHINE);
-    let id = open(&house, "one");
+    let server = TestServer::new();
+    write(&server, "one", MACHINE);
+    let id = open(&server, "one");
     let none = json!({ "is_git": false, "versions": [], "is_cut": false });
-    assert_eq!(get(&house, &format!("/{id}/versions")), none);
+    assert_eq!(get(&server, &format!("/{id}/versions")), none);
 }
 
 /// Whoever writes into a repository names programs there that a checkout or a signed log would run.
 #[test]
 fn nothing_that_a_repository_names_is_run() {
-    let (house, id) = committed();
-    let ran = house.project().join("ran");
-    let script = house.project().join("run.sh");
+    let (server, id) = committed();
+    let ran = server.project().join("ran");
+    let script = server.project().join("run.sh");
     std::fs::write(&script, format!("#!/bin/sh\ntouch {}\ncat\n", ran.display())).unwrap();
     std::fs::write(
-        house.project().join(".gitattributes"),
+        server.project().join(".gitattributes"),
         "* filter=evil diff=evil export-subst\n",
     )
     .unwrap();
-    commit(&house, "Attributes");
+    commit(&server, "Attributes");
     let command = format!("sh {}", script.display());
     for key in [
         "filter.evil.smudge",
@@ -166,13 +166,13 @@ fn nothing_that_a_repository_names_is_run() {
         "gpg.program",
         "core.sshCommand",
     ] {
-        git(&house.project(), &["config", key, &command]);
+        git(&server.project(), &["config", key, &command]);
     }
-    git(&house.project(), &["config", "log.showSignature", "true"]);
-    let versions = get(&house, &format!("/{id}/versions"));
+    git(&server.project(), &["config", "log.showSignature", "true"]);
+    let versions = get(&server, &format!("/{id}/versions"));
     let commit = versions["versions"][0]["commit"].as_str().unwrap();
-    assert_eq!(name(&get(&house, &format!("/{id}/versions/{commit}"))), "Second");
+    assert_eq!(name(&get(&server, &format!("/{id}/versions/{commit}"))), "Second");
     assert!(!ran.exists());
-    git(&house.project(), &["cat-file", "--filters", "HEAD:two/core_data.json"]);
+    git(&server.project(), &["cat-file", "--filters", "HEAD:two/core_data.json"]);
     assert!(ran.exists(), "a git that may run it does");
 }

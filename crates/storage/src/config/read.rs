@@ -70,7 +70,7 @@ impl Default for Config {
 
 /// Reads the text of a `config.yaml` that lies in `dir`. Never fails: what cannot be read is a note.
 pub fn parse(text: &str, dir: &Path, environment: &Environment<'_>) -> Config {
-    let mut reader = Reader { document: Yaml::BadValue, dir, environment, notes: Vec::new() };
+    let mut reader = ConfigReader { document: Yaml::BadValue, dir, environment, notes: Vec::new() };
     match Yaml::load_from_str(text) {
         Ok(mut documents) if !documents.is_empty() => reader.document = documents.swap_remove(0),
         Ok(_) => {}
@@ -79,14 +79,14 @@ pub fn parse(text: &str, dir: &Path, environment: &Environment<'_>) -> Config {
     reader.config()
 }
 
-struct Reader<'r> {
+struct ConfigReader<'r> {
     document: Yaml<'r>,
     dir: &'r Path,
     environment: &'r Environment<'r>,
     notes: Vec<ConfigNote>,
 }
 
-impl Reader<'_> {
+impl ConfigReader<'_> {
     fn config(mut self) -> Config {
         Config {
             library_paths: self.library_paths(),

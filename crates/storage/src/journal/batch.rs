@@ -1,7 +1,7 @@
 //! Events on their way into a journal, encoded as they will be kept. A batch is used again and again: once it has grown to
 //! its usual size it allocates nothing. Knows items; must never know where they go.
 
-use super::binary::Writer;
+use super::binary::BinaryWriter;
 use super::record::{Definition, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
 use std::borrow::Borrow;
 use std::num::NonZeroU64;
@@ -87,30 +87,30 @@ impl Batch {
         undoes: Option<NonZeroU64>,
     ) {
         let delta = self.delta(t_ns);
-        Writer::new(&mut self.records).entered(delta, place, inputs, undoes);
+        BinaryWriter::new(&mut self.records).entered(delta, place, inputs, undoes);
     }
 
     /// A state ended; see [`Record::Left`].
     pub fn left(&mut self, t_ns: u64, left: Left<'_, impl IntoIterator<Item = impl Borrow<Kept>>>) {
         let delta = self.delta(t_ns);
-        Writer::new(&mut self.records).left(delta, left);
+        BinaryWriter::new(&mut self.records).left(delta, left);
     }
 
     /// A scoped variable got a value; see [`Record::Scoped`].
     pub fn scoped(&mut self, t_ns: u64, place: PlaceNumber, port: u64, value: &Kept) {
         let delta = self.delta(t_ns);
-        Writer::new(&mut self.records).scoped(delta, place, port, value);
+        BinaryWriter::new(&mut self.records).scoped(delta, place, port, value);
     }
 
     /// Anything.
     pub fn record(&mut self, t_ns: u64, record: &Record) {
         let delta = self.delta(t_ns);
-        Writer::new(&mut self.records).record(delta, record);
+        BinaryWriter::new(&mut self.records).record(delta, record);
     }
 
     /// Notes how many records stand before a definition.
-    fn definition(&mut self) -> Writer<'_> {
-        let mut writer = Writer::new(&mut self.definitions);
+    fn definition(&mut self) -> BinaryWriter<'_> {
+        let mut writer = BinaryWriter::new(&mut self.definitions);
         writer.number(u64::from(self.count));
         writer
     }

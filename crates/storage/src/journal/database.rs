@@ -5,7 +5,7 @@ use super::folder::{DATABASE_FILE, create_file};
 use super::group::{Block, Group};
 use super::pack::Hash;
 use super::record::{Content, Item, Items, Place, PlaceNumber, ValueNumber};
-use super::sums::{self, Checked, Damage, Head};
+use super::sums::{self, Checked, Damage, RowHeader};
 use super::tracker::Keyframe;
 use super::{Definition, binary};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
@@ -199,7 +199,7 @@ impl Database {
         let checked = self.checks()?;
         let last = self.run(|connection| {
             let row = |row: &rusqlite::Row<'_>| {
-                let head = Head {
+                let head = RowHeader {
                     first: row.get(0)?,
                     count: row.get(1)?,
                     t_before: row.get(2)?,
@@ -209,7 +209,7 @@ impl Database {
             };
             connection.query_row(query, [], row).optional()
         })?;
-        let Some((head, data, sum)): Option<(Head, Vec<u8>, Option<i64>)> = last else {
+        let Some((head, data, sum)): Option<(RowHeader, Vec<u8>, Option<i64>)> = last else {
             return Ok(None);
         };
         if !head.is_possible() || !checked.is_right(sum, || head.sum(&data)) {
@@ -295,8 +295,8 @@ fn put_blocks(transaction: &Transaction<'_>, group: &Group) -> rusqlite::Result<
             VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
     )?;
     for block in group.blocks() {
-        let head = Head::of(block);
-        let Head { first, count, t_before, t_last } = head;
+        let head = RowHeader::of(block);
+        let RowHeader { first, count, t_before, t_last } = head;
         let sum = head.sum(&block.data);
         insert.execute(params![first, count, t_before, t_last, block.data, sum])?;
     }
@@ -310,7 +310,7 @@ fn put_places(transaction: &Transaction<'_>, group: &Group, before: u64) -> rusq
     let mut data = Vec::new();
     for ((number, first, place), nth) in group.places.iter().zip(before.cast_signed() + 1..) {
         data.clear();
-        binary::Writer::new(&mut data).place_definition(*number, place);
+        binary::BinaryWriter::new(&mut data).place_definition(*number, place);
         let (number, first) = (i64::from(number.0), first.cast_signed());
         let sum = sums::of_place(nth, number, first, &data);
         insert.execute(params![nth, number, first, data, sum])?;

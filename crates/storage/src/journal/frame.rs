@@ -11,7 +11,7 @@ const SPILLED: u32 = 1;
 
 /// What a frame says about its body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Head {
+pub(super) struct FrameHeader {
     /// Counts the frames of one recorder, from 1.
     pub(super) number: u64,
     /// Number of its first record.
@@ -26,7 +26,7 @@ pub(super) struct Head {
     pub(super) spilled: bool,
 }
 
-impl Head {
+impl FrameHeader {
     /// The number of the record that follows it.
     pub(super) fn next(&self) -> u64 {
         self.first + u64::from(self.count)
@@ -36,7 +36,7 @@ impl Head {
 /// A frame that was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Frame<'b> {
-    pub(super) head: Head,
+    pub(super) head: FrameHeader,
     /// What numbers stand for, each with the count of records of this frame that stand before it.
     pub(super) definitions: &'b [u8],
     /// The records.
@@ -46,7 +46,7 @@ pub(super) struct Frame<'b> {
 impl Frame<'_> {
     /// Whether this is the body of a frame that says that it lies elsewhere.
     pub(super) fn stands_for(&self, short: &Frame<'_>) -> bool {
-        self.head == Head { spilled: false, ..short.head }
+        self.head == FrameHeader { spilled: false, ..short.head }
     }
 }
 
@@ -63,7 +63,7 @@ fn padded(length: usize) -> usize {
 }
 
 /// Writes the frame of a batch to the beginning of `into`, which is as long as [`length`] says. The checksum comes last.
-pub(super) fn write(into: &mut [u8], life: u32, head: Head, batch: &Batch) {
+pub(super) fn write(into: &mut [u8], life: u32, head: FrameHeader, batch: &Batch) {
     let (definitions, records) = (&batch.definitions[..], &batch.records[..]);
     let body = &mut into[HEAD..HEAD + definitions.len() + records.len()];
     body[..definitions.len()].copy_from_slice(definitions);
@@ -72,11 +72,11 @@ pub(super) fn write(into: &mut [u8], life: u32, head: Head, batch: &Batch) {
 }
 
 /// Writes a frame whose body lies elsewhere.
-pub(super) fn write_spilled(into: &mut [u8], life: u32, head: Head) {
-    write_head(into, life, Head { spilled: true, ..head }, [0, 0]);
+pub(super) fn write_spilled(into: &mut [u8], life: u32, head: FrameHeader) {
+    write_head(into, life, FrameHeader { spilled: true, ..head }, [0, 0]);
 }
 
-fn write_head(into: &mut [u8], life: u32, head: Head, lengths: [usize; 2]) {
+fn write_head(into: &mut [u8], life: u32, head: FrameHeader, lengths: [usize; 2]) {
     into[4..8].copy_from_slice(&head.count.to_le_bytes());
     into[8..16].copy_from_slice(&u64::from(u32::from(head.spilled) * SPILLED).to_le_bytes());
     let numbers = [head.number, head.first, head.t_before, head.t_last];
@@ -101,7 +101,7 @@ pub(super) fn read(bytes: &[u8], life: u32) -> Option<(Frame<'_>, usize)> {
     if number(0) == 0 || u64::from(checksum(life, whole)) != sum {
         return None;
     }
-    let head = Head {
+    let head = FrameHeader {
         number: number(0),
         first: number(1),
         count: u32::try_from(count).ok()?,

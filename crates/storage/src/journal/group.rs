@@ -1,7 +1,7 @@
 //! What one commit puts into the database, made from frames: rows of many events each, places, values. Knows the shape of
 //! rows; must never know `SQLite`.
 
-use super::binary::{Broken, Reader};
+use super::binary::{BinaryReader, Broken};
 use super::frame::Frame;
 use super::record::{Definition, Item, Place, PlaceNumber, Stored, ValueNumber};
 use super::tracker::Keyframe;
@@ -110,13 +110,13 @@ impl Group {
 
 /// What a frame defines, each with the number of the first event that it holds for.
 pub(super) fn definitions<'b>(frame: &Frame<'b>) -> Definitions<'b> {
-    Definitions { reader: Reader::new(frame.definitions), first: frame.head.first }
+    Definitions { reader: BinaryReader::new(frame.definitions), first: frame.head.first }
 }
 
 /// Reads definitions up to the end or the first that is broken.
 #[derive(Debug)]
 pub(super) struct Definitions<'b> {
-    reader: Reader<'b>,
+    reader: BinaryReader<'b>,
     first: u64,
 }
 
@@ -139,7 +139,7 @@ impl Iterator for Definitions<'_> {
         }
         let read = self.read();
         if read.is_err() {
-            self.reader = Reader::new(&[]);
+            self.reader = BinaryReader::new(&[]);
         }
         Some(read)
     }

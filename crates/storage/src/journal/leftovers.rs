@@ -170,7 +170,7 @@ fn run(mut bytes: &[u8], life: u32) -> Vec<Frame<'_>> {
 mod tests {
     use super::Leftovers;
     use crate::journal::batch::Batch;
-    use crate::journal::frame::{self, Head};
+    use crate::journal::frame::{self, FrameHeader};
     use crate::journal::recorder::{HEADER, SEGMENTS, UNMARKED};
     use proptest::prelude::*;
 
@@ -187,7 +187,8 @@ mod tests {
             let length = frame::length(&Batch::new(0));
             for ((number, first, count), into) in frames.iter().zip(segment.chunks_mut(length)) {
                 let (number, first, count) = (*number, *first, *count);
-                let head = Head { number, first, count, t_before: 0, t_last: 0, spilled: false };
+                let head =
+                    FrameHeader { number, first, count, t_before: 0, t_last: 0, spilled: false };
                 frame::write(into, 3, head, &Batch::new(0));
             }
         }

@@ -3,7 +3,7 @@
 //!
 //! A sequence of items is self-contained: a definition comes before its first use. Only records are numbered.
 
-use super::binary::{Broken, Reader, Writer};
+use super::binary::{BinaryReader, BinaryWriter, Broken};
 use super::moment::values_in;
 use rafcon_protocol::{Event, LogLevel, Stream};
 use smol_str::SmolStr;
@@ -196,20 +196,20 @@ impl Stored {
     /// The value as bytes, as the database keeps it.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        Writer::new(&mut bytes).stored(self);
+        BinaryWriter::new(&mut bytes).stored(self);
         bytes
     }
 
     /// The value from [`Stored::to_bytes`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Broken> {
-        Reader::new(bytes).stored()
+        BinaryReader::new(bytes).stored()
     }
 }
 
 impl Item {
     /// Appends the item to `out`; `before` is the time of the record before it, and becomes that of this one.
     pub fn write(&self, before: &mut u64, out: &mut Vec<u8>) {
-        let mut writer = Writer::new(out);
+        let mut writer = BinaryWriter::new(out);
         match self {
             Self::Record(t_ns, record) => {
                 let delta = t_ns.saturating_sub(*before);
@@ -224,14 +224,14 @@ impl Item {
 /// Reads items one after the other from bytes, up to the end or the first that is broken.
 #[derive(Debug)]
 pub struct Items<'b> {
-    reader: Reader<'b>,
+    reader: BinaryReader<'b>,
     t_ns: u64,
 }
 
 impl<'b> Items<'b> {
     /// The items in `bytes`; `t_ns` is the time of the record before them.
     pub fn new(bytes: &'b [u8], t_ns: u64) -> Self {
-        Self { reader: Reader::new(bytes), t_ns }
+        Self { reader: BinaryReader::new(bytes), t_ns }
     }
 
     /// The next record counts its time from 0.
@@ -252,7 +252,7 @@ impl Iterator for Items<'_> {
             self.t_ns = *t_ns;
         }
         if item.is_err() {
-            self.reader = Reader::new(&[]);
+            self.reader = BinaryReader::new(&[]);
         }
         Some(item)
     }

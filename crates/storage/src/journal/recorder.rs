@@ -6,7 +6,7 @@
 use super::batch::Batch;
 use super::error::{Doing, Full, JournalError};
 use super::folder::{RECORDER_FILE, SPILL_FOLDER, create_file, fresh_name, sync_folder};
-use super::frame::{self, Head};
+use super::frame::{self, FrameHeader};
 use memmap2::MmapMut;
 use rustix::fs::{FallocateFlags, fallocate};
 use rustix::io::Errno;
@@ -101,7 +101,7 @@ impl Recorder {
         if batch.is_empty() {
             return Ok(self.sequence());
         }
-        let head = Head {
+        let head = FrameHeader {
             number: self.next_frame,
             first: self.next_record,
             count: batch.count,
@@ -134,7 +134,7 @@ impl Recorder {
         self.map.get_mut(start..start + length)
     }
 
-    fn taken(&mut self, length: usize, head: Head) {
+    fn taken(&mut self, length: usize, head: FrameHeader) {
         self.used[self.current] += length;
         self.next_frame = head.number + 1;
         self.next_record = head.next();
@@ -146,7 +146,7 @@ impl Recorder {
     }
 
     /// Writes a batch that is too large into a file of its own, which a short frame stands for.
-    fn spill(&mut self, head: Head, batch: &Batch, length: usize) -> Result<(), Full> {
+    fn spill(&mut self, head: FrameHeader, batch: &Batch, length: usize) -> Result<(), Full> {
         let short = frame::SPILLED_LENGTH;
         let life = self.life;
         self.room(short).ok_or(Full::Recorder)?;

@@ -19,11 +19,11 @@ pub struct Tally {
     t_ns: u64,
     /// When active states were entered.
     active: BTreeMap<PlaceNumber, u64>,
-    states: BTreeMap<PlaceNumber, State>,
+    states: BTreeMap<PlaceNumber, StateTally>,
 }
 
 #[derive(Debug, Clone, Default)]
-struct State {
+struct StateTally {
     total_ns: u64,
     spans: Spans,
     outcomes: BTreeMap<i64, u64>,
@@ -49,7 +49,7 @@ impl Tally {
 
     /// What it says, with the names that states have now.
     pub fn told(&self, places: &Places) -> Statistics {
-        let state = |(place, state): (&PlaceNumber, &State)| state.told(*place, places);
+        let state = |(place, state): (&PlaceNumber, &StateTally)| state.told(*place, places);
         let mut states: Vec<StateStatistics> = self.states.iter().filter_map(state).collect();
         states.sort_by(|a, b| a.path.cmp(&b.path));
         Statistics { sequence: self.sequence, t_ns: self.t_ns, states }
@@ -78,7 +78,7 @@ impl Tally {
     }
 }
 
-impl State {
+impl StateTally {
     fn left(&mut self, outcome: i64, span: u64) {
         self.total_ns = self.total_ns.saturating_add(span);
         self.spans.add(span);

@@ -43,14 +43,14 @@ impl Sum {
 
 /// The numbers of a row of events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Head {
+pub(super) struct RowHeader {
     pub(super) first: i64,
     pub(super) count: i64,
     pub(super) t_before: i64,
     pub(super) t_last: i64,
 }
 
-impl Head {
+impl RowHeader {
     pub(super) fn of(block: &Block) -> Self {
         let numbers = [block.first, block.count, block.t_before, block.t_last];
         let [first, count, t_before, t_last] = numbers.map(u64::cast_signed);

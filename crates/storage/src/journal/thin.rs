@@ -7,7 +7,7 @@ use super::folder::VALUES_FOLDER;
 use super::forget::Forgetting;
 use super::moment::{values_in, without_values};
 use super::record::{Item, Items, Kept, Record};
-use super::sums::{self, Checked, Head};
+use super::sums::{self, Checked, RowHeader};
 use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 use std::fs;
 use std::path::Path;
@@ -151,13 +151,13 @@ fn detail(
         let row = |row: &rusqlite::Row<'_>| {
             let [first, count] = [row.get(0)?, row.get(1)?];
             let [t_before, t_last] = [row.get(2)?, row.get(3)?];
-            Ok((Head { first, count, t_before, t_last }, row.get(4)?, row.get(5)?))
+            Ok((RowHeader { first, count, t_before, t_last }, row.get(4)?, row.get(5)?))
         };
         let Some((head, data, sum)) = next.query_row([at], row).optional()? else {
             break;
         };
         let data: Vec<u8> = data;
-        let Head { first, count, t_before, .. } = head;
+        let RowHeader { first, count, t_before, .. } = head;
         if checked.is_right(sum, || head.sum(&data)) {
             let thin = thinned(&data, t_before.cast_unsigned(), until - first + 1);
             let sum = (checked == Checked::Always || sum.is_some()).then(|| head.sum(&thin));

@@ -23,15 +23,15 @@ pub struct Libraries {
     roots: Vec<Root>,
     homes: Option<Vec<PathBuf>>,
     packed: Option<Arc<Packed>>,
-    known: Mutex<BTreeMap<PathBuf, Arc<Parsed>>>,
+    known: Mutex<BTreeMap<PathBuf, Arc<ReadLibrary>>>,
     answers: Mutex<BTreeMap<(SmolStr, SmolStr), Answer>>,
 }
 
-type Answer = Result<Arc<Parsed>, SmolStr>;
+type Answer = Result<Arc<ReadLibrary>, SmolStr>;
 
 /// A library as it was read.
 #[derive(Debug)]
-pub(crate) struct Parsed {
+pub(crate) struct ReadLibrary {
     pub(crate) root: Arc<State>,
     pub(crate) version: Option<SmolStr>,
     pub(crate) problems: Vec<LoadProblem>,
@@ -149,7 +149,7 @@ impl Libraries {
     }
 
     /// A library that was read earlier.
-    pub(crate) fn known(&self, path: &str, name: &str) -> Option<Arc<Parsed>> {
+    pub(crate) fn known(&self, path: &str, name: &str) -> Option<Arc<ReadLibrary>> {
         let answer = self.answers.lock().get(&(path.into(), name.into())).cloned();
         answer?.ok()
     }
@@ -186,7 +186,7 @@ impl Libraries {
             None => load_folder(dir, self, &within),
         };
         let loaded = loaded.map_err(|error| error.to_smolstr())?;
-        let parsed = Arc::new(Parsed {
+        let parsed = Arc::new(ReadLibrary {
             root: loaded.machine.root,
             version: loaded.machine.header.version,
             problems: loaded.problems,

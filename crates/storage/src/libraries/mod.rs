@@ -6,7 +6,7 @@ mod roots;
 mod tree;
 
 pub use lookup::Libraries;
-pub(crate) use lookup::{Loading, Parsed};
+pub(crate) use lookup::{Loading, ReadLibrary};
 pub use roots::{Root, RootNote, roots};
 pub use tree::{Entry, EntryKind};
 

@@ -45,7 +45,7 @@ pub fn roots(
     environment: &Environment<'_>,
     given: &[(String, PathBuf)],
 ) -> (Vec<Root>, Vec<RootNote>) {
-    let mut found = Found::default();
+    let mut found = FoundRoot::default();
     for (name, dir) in &config.library_paths {
         found.add(name, dir.clone());
     }
@@ -87,12 +87,12 @@ fn default_roots(environment: &Environment<'_>) -> Vec<(&'static str, PathBuf)> 
 }
 
 #[derive(Default)]
-struct Found {
+struct FoundRoot {
     roots: Vec<Root>,
     notes: Vec<RootNote>,
 }
 
-impl Found {
+impl FoundRoot {
     fn add(&mut self, name: &str, dir: PathBuf) {
         let name = SmolStr::new(name);
         if !dir.is_dir() {

@@ -6,7 +6,7 @@ use super::load::file_of;
 use super::state_files::Node;
 use crate::files::Part;
 use crate::libraries::{Libraries, Loading};
-use crate::place::Place;
+use crate::place::StateFolder;
 use crate::problem::{Fault, LoadProblem};
 use rafcon_model::{
     Container, DataFlow, DataFlows, Kind, State, StateId, StatePath, Transition, Transitions,
@@ -21,7 +21,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(crate) struct Assembled {
     pub(crate) root: Arc<State>,
-    pub(crate) place: Place,
+    pub(crate) place: StateFolder,
     pub(crate) problems: Vec<LoadProblem>,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Assembled {
 struct Built {
     number: usize,
     state: State,
-    place: Place,
+    place: StateFolder,
     linked: bool,
 }
 
@@ -69,9 +69,9 @@ pub(crate) fn assemble(
 }
 
 /// No nodes give an empty hierarchy; callers have at least a root.
-fn nothing() -> (State, Place) {
+fn nothing() -> (State, StateFolder) {
     let state = State::new(StateId::new("ROOT"), "root", Kind::Hierarchy(Container::default()));
-    (state, Place::new(OsString::new(), Vec::new()))
+    (state, StateFolder::new(OsString::new(), Vec::new()))
 }
 
 fn build(
@@ -99,7 +99,7 @@ fn build(
         container.states = states.into_iter().collect();
     }
     trail.ids[number] = state.id.clone();
-    Built { number, state, place: Place::new(folder, places).with(oddities), linked }
+    Built { number, state, place: StateFolder::new(folder, places).with(oddities), linked }
 }
 
 /// Sorts by id; a state whose id is taken gets another one, the same at each load.

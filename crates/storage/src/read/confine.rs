@@ -48,12 +48,12 @@ fn is_read(folder: &Path, listing: &[DirEntry]) -> bool {
 }
 
 /// What is wrong with an entry of a folder.
-enum Wrong {
+enum EntryFault {
     Outside,
     Unfit,
 }
 
-impl Wrong {
+impl EntryFault {
     fn at(self, entry: &DirEntry) -> LoadError {
         match self {
             Self::Outside => LoadError::Outside { link: entry.path() },
@@ -84,7 +84,7 @@ impl Look<'_> {
     }
 
     /// What cannot be reached cannot be read either.
-    fn entry(&mut self, entry: &DirEntry) -> Result<(), Wrong> {
+    fn entry(&mut self, entry: &DirEntry) -> Result<(), EntryFault> {
         let Ok(kind) = entry.file_type() else { return Ok(()) };
         if kind.is_dir() {
             self.wait(entry.path());
@@ -94,33 +94,33 @@ impl Look<'_> {
             return self.link(entry);
         }
         match entry.metadata() {
-            Ok(about) if is_ours(entry) => is_fit(&about),
+            Ok(about) if is_ours(entry) => check_fit(&about),
             Ok(_) | Err(_) => Ok(()),
         }
     }
 
     /// Where a link leads. Only for links is the whole way looked up: it costs more than all else.
-    fn link(&mut self, entry: &DirEntry) -> Result<(), Wrong> {
+    fn link(&mut self, entry: &DirEntry) -> Result<(), EntryFault> {
         let path = entry.path();
         let (Ok(about), Ok(real)) = (fs::metadata(&path), fs::canonicalize(&path)) else {
             return Ok(());
         };
         let is_ours = is_ours(entry);
         if (is_ours || about.is_dir()) && !self.is_inside(&real) {
-            return Err(Wrong::Outside);
+            return Err(EntryFault::Outside);
         }
         if about.is_dir() {
             self.wait(real);
             return Ok(());
         }
-        if is_ours { is_fit(&about) } else { Ok(()) }
+        if is_ours { check_fit(&about) } else { Ok(()) }
     }
 }
 
 /// Whether a file can be read as a whole.
-fn is_fit(about: &Metadata) -> Result<(), Wrong> {
-    let is_fit = about.is_file() && about.len() <= BYTES_MAX;
-    if is_fit { Ok(()) } else { Err(Wrong::Unfit) }
+fn check_fit(about: &Metadata) -> Result<(), EntryFault> {
+    let check_fit = about.is_file() && about.len() <= BYTES_MAX;
+    if check_fit { Ok(()) } else { Err(EntryFault::Unfit) }
 }
 
 /// Whether a load reads files of this name.

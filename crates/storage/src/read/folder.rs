@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// What a listing says about a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Entry {
+pub(crate) struct FolderEntry {
     pub(crate) name: OsString,
     /// A link, or a file system that does not tell: only opening shows what it is.
     pub(crate) unclear: bool,
@@ -30,7 +30,7 @@ pub(crate) fn inode(dir: impl AsFd) -> Result<u64, Errno> {
 }
 
 /// The folders in `dir`, and what may be one.
-pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<Entry>, Errno> {
+pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<FolderEntry>, Errno> {
     let mut buffer = [MaybeUninit::uninit(); 16 * 1024];
     let mut listing = RawDir::new(dir, &mut buffer);
     let mut found = Vec::new();
@@ -44,7 +44,7 @@ pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<Entry>, Errno> {
         };
         if name != b"." && name != b".." {
             let name = OsString::from_vec(name.to_vec());
-            found.push(Entry { name, unclear });
+            found.push(FolderEntry { name, unclear });
         }
     }
     Ok(found)

@@ -2,7 +2,7 @@
 //! library is missing. Knows the model; the looking up is done by [`Libraries`].
 
 use super::load::library_label;
-use crate::libraries::{Libraries, Loading, Parsed};
+use crate::libraries::{Libraries, Loading, ReadLibrary};
 use crate::problem::Fault;
 use rafcon_model::{
     DataFlows, DataType, Kind, Library, LibraryContent, Port, PortId, Ports, RuntimeValues, State,
@@ -47,7 +47,7 @@ impl<'l> Contents<'l> {
         }
     }
 
-    fn own_faults(&mut self, parsed: &Parsed, label: &SmolStr) -> Option<Fault> {
+    fn own_faults(&mut self, parsed: &ReadLibrary, label: &SmolStr) -> Option<Fault> {
         let first = parsed.problems.first()?;
         let is_new = self.reported.insert(label.clone());
         is_new.then(|| Fault::InLibrary {
@@ -59,7 +59,7 @@ impl<'l> Contents<'l> {
 }
 
 /// What the instance says that does not fit the library.
-fn differences(library: &Library, parsed: &Parsed, label: &SmolStr) -> Vec<Fault> {
+fn differences(library: &Library, parsed: &ReadLibrary, label: &SmolStr) -> Vec<Fault> {
     let mut faults = Vec::new();
     if let Some(found) = parsed.version.as_ref().filter(|v| Some(*v) != library.version.as_ref()) {
         let wanted = library.version.clone().unwrap_or_else(|| "none".into());

@@ -18,14 +18,14 @@ pub(crate) const KEYS: [&str; 7] = [
 ];
 
 /// The two maps of one side, and the map of ports that older files have instead.
-struct Side {
+struct PortMaps {
     values: &'static str,
     flags: &'static str,
     legacy: &'static str,
 }
 
-const INPUTS: Side = Side { values: KEYS[3], flags: KEYS[4], legacy: "input_data_ports" };
-const OUTPUTS: Side = Side { values: KEYS[5], flags: KEYS[6], legacy: "output_data_ports" };
+const INPUTS: PortMaps = PortMaps { values: KEYS[3], flags: KEYS[4], legacy: "input_data_ports" };
+const OUTPUTS: PortMaps = PortMaps { values: KEYS[5], flags: KEYS[6], legacy: "output_data_ports" };
 
 /// The library reference in `document`; its content is looked up later.
 pub(crate) fn decode(decoder: &mut Decoder, document: &Json, aside: &mut Aside) -> Library {
@@ -52,7 +52,7 @@ pub(crate) fn version(json: Option<&Json>) -> Option<SmolStr> {
 fn runtime_values(
     decoder: &mut Decoder,
     document: &Json,
-    side: &Side,
+    side: &PortMaps,
     aside: &mut Aside,
 ) -> RuntimeValues {
     let has_maps = document.get(side.values).is_some() || document.get(side.flags).is_some();

@@ -157,13 +157,13 @@ fn load_open(
     let (nodes, elsewhere) = find_root(&fd, dir, &head.root_folder, bounds)?;
     drop(fd);
     if elsewhere {
-        head.is_elsewhere();
+        head.note_root_elsewhere();
     }
     Ok(loaded(dir, head, assemble(nodes, libraries, loading)))
 }
 
 /// Header and states as one machine, whose files lie in `dir`.
-pub(super) fn loaded(dir: &Path, head: Head, assembled: Assembled) -> Loaded {
+pub(super) fn loaded(dir: &Path, head: MachineFileHeader, assembled: Assembled) -> Loaded {
     let Assembled { root, place, problems: more } = assembled;
     let mut problems = head.problems;
     problems.extend(more);
@@ -193,16 +193,16 @@ pub(crate) fn machine_folder(path: &Path) -> Result<PathBuf, LoadError> {
 }
 
 /// What `statemachine.json` says.
-pub(super) struct Head {
+pub(super) struct MachineFileHeader {
     header: Header,
     root_folder: OsString,
     outdated: bool,
     problems: Vec<LoadProblem>,
 }
 
-impl Head {
+impl MachineFileHeader {
     /// The root is not where the header says.
-    fn is_elsewhere(&mut self) {
+    fn note_root_elsewhere(&mut self) {
         self.outdated = true;
         let folder = self.root_folder.to_string_lossy().into();
         self.problems.push(about_machine(Fault::RootElsewhere(folder)));
@@ -213,7 +213,7 @@ impl Head {
 pub(super) fn read_header(
     dir: &Path,
     mut read: impl FnMut(&'static str) -> Result<Option<Vec<u8>>, LoadError>,
-) -> Result<Head, LoadError> {
+) -> Result<MachineFileHeader, LoadError> {
     let mut faults = Vec::new();
     let Some(bytes) = read(HEADER)? else {
         let path = dir.to_owned();
@@ -235,7 +235,7 @@ pub(super) fn read_header(
         None => Layout::default(),
     };
     let head = match parse(&bytes) {
-        Ok(document) => Head {
+        Ok(document) => MachineFileHeader {
             root_folder: header::root_folder(&document).unwrap_or_default().as_str().into(),
             outdated: header::is_outdated(&document),
             header: header::decode(&document, layout, &mut faults),
@@ -244,11 +244,11 @@ pub(super) fn read_header(
         Err(fault) => {
             faults.push(fault);
             let header = Header { layout, ..Header::default() };
-            Head { header, root_folder: OsString::new(), outdated: true, problems }
+            MachineFileHeader { header, root_folder: OsString::new(), outdated: true, problems }
         }
     };
     let faults = faults.into_iter().map(about_machine);
-    Ok(Head { problems: head.problems.into_iter().chain(faults).collect(), ..head })
+    Ok(MachineFileHeader { problems: head.problems.into_iter().chain(faults).collect(), ..head })
 }
 
 fn about_machine(fault: Fault) -> LoadProblem {

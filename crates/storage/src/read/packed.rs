@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 /// The path of a state's folder in the pack, the folder's name, and its files.
-type State<'p> = (&'p str, &'p OsStr, &'p Folder);
+type PackedState<'p> = (&'p str, &'p OsStr, &'p Folder);
 
 /// So many states are worth a second thread.
 const WORTH_A_THREAD: usize = 64;
@@ -54,7 +54,7 @@ pub(crate) fn load_packed_folder(
 }
 
 /// The states in these folders, of which the first is the root's.
-fn nodes(folders: &[State<'_>]) -> Vec<Node> {
+fn nodes(folders: &[PackedState<'_>]) -> Vec<Node> {
     let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
     let mut nodes: Vec<Node> = Vec::new();
     for (index, ((path, name, _), state)) in folders.iter().zip(states(folders)).enumerate() {
@@ -76,7 +76,7 @@ fn name(path: &str) -> &OsStr {
 }
 
 /// The states of all these folders, in their order; nothing for one that has none.
-fn states(folders: &[State<'_>]) -> Vec<Option<ReadState>> {
+fn states(folders: &[PackedState<'_>]) -> Vec<Option<ReadState>> {
     let threads = thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
     let threads = threads.min(folders.len() / WORTH_A_THREAD + 1);
     let share = folders.len().div_ceil(threads).max(1);
@@ -94,10 +94,10 @@ fn states(folders: &[State<'_>]) -> Vec<Option<ReadState>> {
     })
 }
 
-fn read(folders: &[State<'_>]) -> Vec<Option<ReadState>> {
+fn read(folders: &[PackedState<'_>]) -> Vec<Option<ReadState>> {
     let mut reader = StateReader::default();
     // What lies in memory can be read.
-    let read = |(_, name, files): &State<'_>| reader.read(name, &mut &**files).ok()?;
+    let read = |(_, name, files): &PackedState<'_>| reader.read(name, &mut &**files).ok()?;
     folders.iter().map(read).collect()
 }
 

@@ -2,7 +2,7 @@
 //! tree of them.
 
 use super::bounds::{Bounds, Unread};
-use super::folder::{self, Entry, FileReader};
+use super::folder::{self, FileReader, FolderEntry};
 use super::load::LoadError;
 use super::queue::Queue;
 use super::state_files::{Node, StateFiles, StateReader};
@@ -25,7 +25,7 @@ pub(crate) const MAX_THREADS: usize = 8;
 
 /// A folder to be read, and the open folder it lies in.
 #[derive(Debug)]
-struct Item {
+struct FolderToRead {
     dir: Arc<Dir>,
     folder: OsString,
     parent: Option<usize>,
@@ -65,7 +65,7 @@ pub(crate) fn walk(
 ) -> Result<Vec<Node>, LoadError> {
     let inode = folder::inode(&fd).map_err(|error| LoadError::io(path, error))?;
     let dir = Arc::new(Dir { fd, inode, depth: 0, name: OsString::new(), parent: None });
-    let root = Item { dir, folder: root_folder.to_owned(), parent: None, linked: false };
+    let root = FolderToRead { dir, folder: root_folder.to_owned(), parent: None, linked: false };
     let walk = Walk { queue: Queue::new(root), next: AtomicUsize::new(0), path, bounds };
     let threads = thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
     thread::scope(|scope| {
@@ -87,7 +87,7 @@ pub(crate) fn walk(
 }
 
 struct Walk<'p> {
-    queue: Queue<Item>,
+    queue: Queue<FolderToRead>,
     next: AtomicUsize,
     path: &'p Path,
     bounds: Bounds<'p>,
@@ -97,7 +97,7 @@ impl Walk<'_> {
     /// Reads waiting folders until none is left, calling `between` before each.
     fn work(&self, mut between: impl FnMut()) -> Result<Vec<Node>, LoadError> {
         let files = FileReader::new(self.bounds);
-        let mut reader = Reader { files, states: StateReader::default() };
+        let mut reader = WalkReader { files, states: StateReader::default() };
         let mut nodes = Vec::new();
         while let Some(item) = self.queue.next() {
             between();
@@ -118,18 +118,18 @@ impl Walk<'_> {
 }
 
 /// What one thread reads with.
-struct Reader<'h> {
+struct WalkReader<'h> {
     files: FileReader<'h>,
     states: StateReader,
 }
 
-impl Reader<'_> {
+impl WalkReader<'_> {
     /// The state in the folder of `item`, if there is one; the folders in it are added to `children`.
     fn node(
         &mut self,
-        item: &Item,
+        item: &FolderToRead,
         next: &AtomicUsize,
-        children: &mut Vec<Item>,
+        children: &mut Vec<FolderToRead>,
     ) -> Result<Option<Node>, Unread> {
         if item.parent.is_some() && self.files.exists(&item.dir.fd, &item.folder, HEADER) {
             return Ok(None); // another machine, not a state of this one
@@ -149,7 +149,7 @@ impl Reader<'_> {
 /// The files of the state in one folder of the disk.
 struct InFolder<'a, 'h> {
     files: &'a mut FileReader<'h>,
-    item: &'a Item,
+    item: &'a FolderToRead,
 }
 
 impl StateFiles for InFolder<'_, '_> {
@@ -160,15 +160,15 @@ impl StateFiles for InFolder<'_, '_> {
 
 /// Adds the folders in that of `item`, which may hold its children.
 fn children(
-    item: &Item,
+    item: &FolderToRead,
     number: usize,
-    children: &mut Vec<Item>,
+    children: &mut Vec<FolderToRead>,
     faults: &mut Vec<(Part, Fault)>,
     bounds: Bounds<'_>,
 ) -> Result<(), Unread> {
     let at: &OsStr = if item.folder.is_empty() { OsStr::new(".") } else { &item.folder };
     let fd = bounds.open(&item.dir.fd, Path::new(at), OFlags::DIRECTORY)?;
-    let found: Vec<Entry> = folder::folders(&fd)?;
+    let found: Vec<FolderEntry> = folder::folders(&fd)?;
     let depth = item.dir.depth + 1;
     if depth >= MAX_DEPTH && !found.is_empty() {
         faults.push((Part::Core, Fault::TooDeep(MAX_DEPTH)));
@@ -182,8 +182,8 @@ fn children(
             faults.push((Part::Core, Fault::Loop(entry.name.to_string_lossy().as_ref().into())));
             continue;
         }
-        let Entry { name: folder, unclear: linked } = entry;
-        children.push(Item { dir: Arc::clone(&dir), folder, parent: Some(number), linked });
+        let FolderEntry { name: folder, unclear: linked } = entry;
+        children.push(FolderToRead { dir: Arc::clone(&dir), folder, parent: Some(number), linked });
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 //! last steps, do them. Knows files, nothing of machines.
 
 use super::disk::Disk;
-use super::manifest::Manifest;
+use super::manifest::SaveManifest;
 use super::plan::Plan;
 use crate::files::STAGING;
 use std::collections::BTreeSet;
@@ -56,7 +56,7 @@ fn prepare(disk: &dyn Disk, dir: &Path, staging: &Path, plan: &Plan) -> io::Resu
 }
 
 /// Does the steps of a manifest that have not been done, makes them durable, and removes the staging folder.
-fn finish(disk: &dyn Disk, dir: &Path, manifest: &Manifest) -> io::Result<()> {
+fn finish(disk: &dyn Disk, dir: &Path, manifest: &SaveManifest) -> io::Result<()> {
     let mut touched = BTreeSet::new();
     for (from, to) in &manifest.moves {
         let (from, to) = (dir.join(from), dir.join(to));
@@ -97,7 +97,7 @@ pub(crate) fn is_interrupted(disk: &dyn Disk, dir: &Path) -> bool {
 pub(crate) fn recover(disk: &dyn Disk, dir: &Path) -> io::Result<bool> {
     let staging = dir.join(STAGING);
     let manifest = disk.read(&staging.join(MANIFEST))?;
-    match manifest.as_deref().and_then(Manifest::decode) {
+    match manifest.as_deref().and_then(SaveManifest::decode) {
         Some(manifest) => finish(disk, dir, &manifest).map(|()| true),
         None => disk.remove_tree(&staging).map(|()| false),
     }

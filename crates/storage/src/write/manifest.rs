@@ -10,7 +10,7 @@ const END: &[u8] = b"end";
 /// The last steps of a save, in this order; all paths are relative to the machine's folder. Doing them again changes
 /// nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Manifest {
+pub(crate) struct SaveManifest {
     /// Files and folders that go from the first path to the second; done if the first is no longer there.
     pub(crate) moves: Vec<(PathBuf, PathBuf)>,
     /// Files that go.
@@ -19,7 +19,7 @@ pub(crate) struct Manifest {
     pub(crate) emptied: Vec<PathBuf>,
 }
 
-impl Manifest {
+impl SaveManifest {
     /// Whether there is nothing to do.
     pub(crate) fn is_empty(&self) -> bool {
         self.moves.is_empty() && self.removed.is_empty() && self.emptied.is_empty()
@@ -85,10 +85,10 @@ fn inside(bytes: &[u8]) -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
-    use super::Manifest;
+    use super::SaveManifest;
 
-    fn manifest() -> Manifest {
-        Manifest {
+    fn manifest() -> SaveManifest {
+        SaveManifest {
             moves: vec![("a".into(), "b/c d\n".into()), ("e".into(), "f".into())],
             removed: vec!["g".into()],
             emptied: vec!["h".into()],
@@ -97,8 +97,8 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        for manifest in [manifest(), Manifest::default()] {
-            assert_eq!(Manifest::decode(&manifest.encode()), Some(manifest));
+        for manifest in [manifest(), SaveManifest::default()] {
+            assert_eq!(SaveManifest::decode(&manifest.encode()), Some(manifest));
         }
     }
 
@@ -106,15 +106,15 @@ mod tests {
     fn a_part_of_it_is_nothing() {
         let bytes = manifest().encode();
         for length in 0..bytes.len() {
-            assert_eq!(Manifest::decode(&bytes[..length]), None);
+            assert_eq!(SaveManifest::decode(&bytes[..length]), None);
         }
     }
 
     #[test]
     fn paths_that_lead_out_are_refused() {
         for path in ["/etc/passwd", "../a", "a/../../b", "."] {
-            let manifest = Manifest { removed: vec![path.into()], ..Manifest::default() };
-            assert_eq!(Manifest::decode(&manifest.encode()), None, "{path}");
+            let manifest = SaveManifest { removed: vec![path.into()], ..SaveManifest::default() };
+            assert_eq!(SaveManifest::decode(&manifest.encode()), None, "{path}");
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use super::encode;
 use crate::files::Part;
-use crate::place::{Place, Saved};
+use crate::place::{Saved, StateFolder};
 use rafcon_model::{Container, Kind, Library, State, StateId, json};
 
 /// A state as it lies on a disk.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Old<'o> {
     pub(crate) state: &'o std::sync::Arc<State>,
-    pub(crate) place: &'o Place,
+    pub(crate) place: &'o StateFolder,
 }
 
 impl<'o> Old<'o> {

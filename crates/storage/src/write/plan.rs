@@ -2,12 +2,12 @@
 //! Knows both trees and where the old one lies; reads names of folders, writes nothing.
 
 use super::disk::Disk;
-use super::manifest::Manifest;
+use super::manifest::SaveManifest;
 use super::naming::{folder_name, free_name};
 use super::parts::{self, Old};
 use crate::config::Naming;
 use crate::files::{Part, STAGING};
-use crate::place::Place;
+use crate::place::StateFolder;
 use rafcon_model::{State, StateId};
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -23,7 +23,7 @@ pub(crate) struct Plan {
     /// Files to be prepared.
     pub(crate) files: Vec<NewFile>,
     /// What is done with them.
-    pub(crate) manifest: Manifest,
+    pub(crate) manifest: SaveManifest,
     /// What a person would say has changed.
     pub(crate) changed: Vec<PathBuf>,
 }
@@ -91,7 +91,11 @@ impl<'p> Planner<'p> {
     }
 
     /// Plans for the whole tree; gives where everything will be.
-    pub(crate) fn root(&mut self, new: &Arc<State>, old: Option<Old<'_>>) -> io::Result<Place> {
+    pub(crate) fn root(
+        &mut self,
+        new: &Arc<State>,
+        old: Option<Old<'_>>,
+    ) -> io::Result<StateFolder> {
         let lies = old.map(|old| PathBuf::from(&*old.place.folder)).unwrap_or_default();
         let now = self.mode.here.then(|| lies.clone());
         let moved = if self.mode.here { lies.clone() } else { PathBuf::new() };
@@ -124,7 +128,12 @@ impl<'p> Planner<'p> {
         Ok(())
     }
 
-    fn state(&mut self, new: &Arc<State>, old: Option<Old<'_>>, spot: &Spot) -> io::Result<Place> {
+    fn state(
+        &mut self,
+        new: &Arc<State>,
+        old: Option<Old<'_>>,
+        spot: &Spot,
+    ) -> io::Result<StateFolder> {
         if let Some(old) = old.filter(|old| self.is_untouched(new, *old, spot)) {
             return Ok(old.place.clone());
         }
@@ -132,7 +141,7 @@ impl<'p> Planner<'p> {
             self.part(&Job { new, old, spot }, part)?;
         }
         let children = self.children(new, old, spot)?;
-        let place = Place::new(OsString::new(), children).with(parts::oddities(new, old));
+        let place = StateFolder::new(OsString::new(), children).with(parts::oddities(new, old));
         Ok(place)
     }
 
@@ -199,7 +208,7 @@ impl<'p> Planner<'p> {
         new: &State,
         old: Option<Old<'_>>,
         spot: &Spot,
-    ) -> io::Result<Vec<(StateId, Place)>> {
+    ) -> io::Result<Vec<(StateId, StateFolder)>> {
         self.remove_children(new, old, spot);
         let Some(container) = new.container() else { return Ok(Vec::new()) };
         let mut names = Names { taken: None };
@@ -311,7 +320,7 @@ impl<'p> Planner<'p> {
         }
     }
 
-    fn remove_tree(&mut self, place: &Place, at: &Path) {
+    fn remove_tree(&mut self, place: &StateFolder, at: &Path) {
         for (_, inner) in place.children() {
             self.remove_tree(inner, &at.join(Path::new(&*inner.folder)));
         }

@@ -10,7 +10,7 @@ use super::parts::Old;
 use super::plan::{Mode, Plan, Planner};
 use crate::config::Naming;
 use crate::files::{HEADER, MACHINE_LAYOUT};
-use crate::place::{Place, Saved};
+use crate::place::{Saved, StateFolder};
 use crate::read::{LoadError, load_locked};
 use rafcon_model::{Header, Machine};
 use std::io;
@@ -76,7 +76,7 @@ pub(crate) fn save_on(
 }
 
 /// What is on disk after a save.
-pub(crate) fn saved(machine: &Machine, target: &Path, place: Place) -> Saved {
+pub(crate) fn saved(machine: &Machine, target: &Path, place: StateFolder) -> Saved {
     Saved {
         dir: target.to_owned(),
         header: machine.header.clone(),
@@ -94,7 +94,7 @@ pub(crate) fn plan(
     target: &Path,
     old: Option<&Saved>,
     mode: Mode,
-) -> io::Result<(Plan, Place)> {
+) -> io::Result<(Plan, StateFolder)> {
     let mut planner = Planner::new(disk, target, mode);
     let before = old.filter(|_| mode.here).map(|old| &old.header);
     machine_files(&mut planner, &machine.header, before)?;

@@ -1,7 +1,7 @@
 //! The loop of a visit: causes from the wires to the visit, what it decides to the run and to the view. Decides nothing
 //! itself, and does not know how the run is reached.
 
-use super::visit::{Act, End, Visit};
+use super::visit::{Act, Visit, VisitEnd};
 use crate::clock::Clock;
 use crate::console::Wish;
 use crate::view::View;
@@ -20,7 +20,7 @@ pub(in crate::commands) struct Guest {
 
 impl Guest {
     /// Follows it until it ends, or the user leaves.
-    pub(in crate::commands) fn until_the_end(mut self, wires: &Wires) -> Result<End> {
+    pub(in crate::commands) fn until_the_end(mut self, wires: &Wires) -> Result<VisitEnd> {
         let mut acts = Vec::new();
         loop {
             let cause = self.next(wires);

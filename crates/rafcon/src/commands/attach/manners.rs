@@ -8,7 +8,7 @@ const GRACE: Duration = Duration::from_secs(3);
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
-pub(in crate::commands) enum Step {
+pub(in crate::commands) enum MannersStep {
     /// Leave; the run goes on.
     Leave,
     /// Tell the user this, and the run that.
@@ -61,18 +61,18 @@ impl Manners {
     }
 
     /// Ctrl-C.
-    pub(super) fn interrupt(&mut self) -> Step {
+    pub(super) fn interrupt(&mut self) -> MannersStep {
         self.interrupts += 1;
         match self.interrupts {
-            _ if !self.is_host => Step::Leave,
-            1 => Step::Say("stopping; press Ctrl-C again to kill", Command::Stop),
+            _ if !self.is_host => MannersStep::Leave,
+            1 => MannersStep::Say("stopping; press Ctrl-C again to kill", Command::Stop),
             2 => self.kill("killing; press Ctrl-C again to leave it alone"),
-            _ => Step::Leave,
+            _ => MannersStep::Leave,
         }
     }
 
     /// What the time alone brings about.
-    pub(super) fn watch(&mut self, now: Duration) -> Option<Step> {
+    pub(super) fn watch(&mut self, now: Duration) -> Option<MannersStep> {
         if self.kill_at.is_some_and(|at| now >= at) {
             return Some(self.kill("it did not stop; killing"));
         }
@@ -80,15 +80,15 @@ impl Manners {
             self.deadline = None;
             self.timed_out = true;
             self.kill_at = Some(now + GRACE);
-            return Some(Step::Say("the time is over; stopping", Command::Stop));
+            return Some(MannersStep::Say("the time is over; stopping", Command::Stop));
         }
         None
     }
 
-    fn kill(&mut self, text: &'static str) -> Step {
+    fn kill(&mut self, text: &'static str) -> MannersStep {
         self.kill_at = None;
         self.killed = true;
-        Step::Say(text, Command::Kill)
+        MannersStep::Say(text, Command::Kill)
     }
 }
 

@@ -26,7 +26,7 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 use std::sync::Arc;
 use visit::Visit;
-pub(super) use visit::{End, envelope};
+pub(super) use visit::{VisitEnd, envelope};
 
 /// Follows a run until it ends or the user leaves.
 pub(super) fn attach(
@@ -85,13 +85,13 @@ pub(super) fn has_keys(output: cli::Output, environment: &Environment) -> bool {
 }
 
 /// What the user is told about an end besides what is shown; `run` is how commands name it.
-pub(super) fn words(end: &End, run: &str) -> Option<String> {
+pub(super) fn words(end: &VisitEnd, run: &str) -> Option<String> {
     match end {
-        End::Finished { .. } | End::Killed { .. } => None,
-        End::Left => Some(format!("left; it goes on (rafcon attach {run} joins it again)")),
-        End::Lost { .. } => {
+        VisitEnd::Finished { .. } | VisitEnd::Killed { .. } => None,
+        VisitEnd::Left => Some(format!("left; it goes on (rafcon attach {run} joins it again)")),
+        VisitEnd::Lost { .. } => {
             Some(format!("error: its runner is gone; to go on: rafcon resume {run}"))
         }
-        End::Refused(reason) => Some(format!("error: {reason}")),
+        VisitEnd::Refused(reason) => Some(format!("error: {reason}")),
     }
 }

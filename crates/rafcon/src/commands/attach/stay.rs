@@ -2,7 +2,7 @@
 
 use super::guest::Guest;
 use super::manners::Manners;
-use super::visit::{End, Visit};
+use super::visit::{Visit, VisitEnd};
 use crate::client::{Server, follow};
 use crate::clock::Clock;
 use crate::commands::remote;
@@ -29,7 +29,7 @@ pub(in crate::commands) struct Stay<'a> {
 
 impl Stay<'_> {
     /// Follows the run until it ends or the user leaves.
-    pub(in crate::commands) fn until_the_end(self) -> Result<End> {
+    pub(in crate::commands) fn until_the_end(self) -> Result<VisitEnd> {
         let Self { server, run, mut wires, view, from, manners, environment, clock } = self;
         let join = Join { from, every_event: view.every_event(), values: false };
         let line = Box::new(follow(server, run, &mut wires, clock)?);

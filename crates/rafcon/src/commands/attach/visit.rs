@@ -1,6 +1,6 @@
 //! A visit to a run, from hello to leave: what is said, shown, and how it ends. Knows no socket and no terminal.
 
-use super::manners::{Manners, Step};
+use super::manners::{Manners, MannersStep};
 use super::pulse::Pulse;
 use crate::console::Wish;
 use crate::supervisor::{self, Active};
@@ -26,7 +26,7 @@ pub(in crate::commands) enum Act {
 
 /// How a visit ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::commands) enum End {
+pub(in crate::commands) enum VisitEnd {
     /// The user left; the run goes on.
     Left,
     /// The run came to its end.
@@ -52,7 +52,7 @@ pub(in crate::commands) enum End {
     Refused(String),
 }
 
-impl End {
+impl VisitEnd {
     /// The program's exit code: that of the run, if it ended.
     pub(in crate::commands) fn code(&self) -> u8 {
         self.for_view().code()
@@ -90,7 +90,7 @@ pub(in crate::commands) struct Visit {
     commands: u32,
     /// Whether the engine takes inputs, if nobody else asks that.
     pulse: Option<Pulse>,
-    end: Option<End>,
+    end: Option<VisitEnd>,
 }
 
 impl Visit {
@@ -119,7 +119,7 @@ impl Visit {
     }
 
     /// How it ended, if it has.
-    pub(in crate::commands) fn end(&self) -> Option<&End> {
+    pub(in crate::commands) fn end(&self) -> Option<&VisitEnd> {
         self.end.as_ref()
     }
 
@@ -133,7 +133,7 @@ impl Visit {
     pub(in crate::commands) fn handle(&mut self, now: Duration, cause: Cause, out: &mut Vec<Act>) {
         match cause {
             Cause::Hello(hello) => match (hello.check(), self.join.take()) {
-                (Err(mismatch), _) => self.finish(End::Refused(mismatch.to_string())),
+                (Err(mismatch), _) => self.finish(VisitEnd::Refused(mismatch.to_string())),
                 (Ok(()), Some(join)) => out.push(Act::Send(ToRunner::Join(join))),
                 (Ok(()), None) => {}
             },
@@ -147,13 +147,13 @@ impl Visit {
             }
             Cause::Cut(reason) => out.extend([Act::Heard(false), Act::Note(reason)]),
             Cause::Mended(how) => out.extend([Act::Heard(true), Act::Note(how)]),
-            Cause::Refused(reason) => self.finish(End::Refused(reason)),
+            Cause::Refused(reason) => self.finish(VisitEnd::Refused(reason)),
             Cause::Silence => self.lost(),
             Cause::Interrupt => {
                 let step = self.manners.interrupt();
                 self.step(step, out);
             }
-            Cause::Wish(Wish::Leave) => self.finish(End::Left),
+            Cause::Wish(Wish::Leave) => self.finish(VisitEnd::Left),
             Cause::Wish(wish) => self.wish(wish, out),
             Cause::Key(_)
             | Cause::Drained(_)
@@ -182,7 +182,7 @@ impl Visit {
     fn message(&mut self, message: ToViewer, out: &mut Vec<Act>) {
         self.active.told(&message);
         match message {
-            ToViewer::LoadFailed { reason } => self.finish(End::Refused(reason)),
+            ToViewer::LoadFailed { reason } => self.finish(VisitEnd::Refused(reason)),
             ToViewer::Answer { answer, .. } => out.extend(note(answer)),
             ToViewer::Pong { engine, .. } => {
                 if let Some(engine) = engine {
@@ -203,17 +203,17 @@ impl Visit {
             message => {
                 if let ToViewer::Event { event: Event::Finished { outcome, .. }, .. } = &message {
                     let timed_out = self.manners.timed_out();
-                    self.finish(End::Finished { outcome: outcome.clone(), timed_out });
+                    self.finish(VisitEnd::Finished { outcome: outcome.clone(), timed_out });
                 }
                 out.push(Act::Show(message));
             }
         }
     }
 
-    fn step(&mut self, step: Step, out: &mut Vec<Act>) {
+    fn step(&mut self, step: MannersStep, out: &mut Vec<Act>) {
         match step {
-            Step::Leave => self.finish(End::Left),
-            Step::Say(text, command) => {
+            MannersStep::Leave => self.finish(VisitEnd::Left),
+            MannersStep::Say(text, command) => {
                 out.push(Act::Note(text.to_owned()));
                 self.send(command, out);
             }
@@ -246,13 +246,13 @@ impl Visit {
     fn lost(&mut self) {
         let active = self.active.paths().to_vec();
         self.finish(if self.manners.killed() {
-            End::Killed { timed_out: self.manners.timed_out(), active }
+            VisitEnd::Killed { timed_out: self.manners.timed_out(), active }
         } else {
-            End::Lost { active }
+            VisitEnd::Lost { active }
         });
     }
 
-    fn finish(&mut self, end: End) {
+    fn finish(&mut self, end: VisitEnd) {
         self.end.get_or_insert(end);
     }
 }

@@ -8,7 +8,7 @@ use std::fmt;
 
 /// Something that is wrong: what, where, and the way out.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(super) struct Line {
+pub(super) struct FindingLine {
     pub(super) level: Severity,
     /// Ids from the root down, joined by `/`; empty for the machine as a whole.
     path: String,
@@ -24,7 +24,7 @@ pub(super) struct Line {
     remedy: String,
 }
 
-impl Line {
+impl FindingLine {
     pub(super) fn of(machine: &Machine, finding: &Finding) -> Self {
         Self {
             level: finding.severity,
@@ -38,7 +38,7 @@ impl Line {
     }
 }
 
-impl fmt::Display for Line {
+impl fmt::Display for FindingLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let level = match self.level {
             Severity::Error => "error",

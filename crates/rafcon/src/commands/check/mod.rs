@@ -8,7 +8,7 @@ use crate::environment::Environment;
 use crate::machine::Source;
 use crate::view::{counted, harmless};
 use anyhow::Result;
-use finding::Line;
+use finding::FindingLine;
 use rafcon_check::{ScriptFacts, Severity, findings};
 use rafcon_model::Machine;
 use rafcon_supervisor::Interpreter;
@@ -24,7 +24,8 @@ pub(super) fn check(raw: &cli::Check, environment: &Environment) -> Result<ExitC
     let facts = scripts::read(&texts, &interpreter)?;
     let facts: ScriptFacts<'_> = texts.into_iter().zip(&facts).collect();
     let found = findings(&loaded.machine, &loaded.problems, &facts);
-    let lines: Vec<_> = found.iter().map(|finding| Line::of(&loaded.machine, finding)).collect();
+    let lines: Vec<_> =
+        found.iter().map(|finding| FindingLine::of(&loaded.machine, finding)).collect();
     let text = match raw.format {
         CheckFormat::Text => for_people(&loaded.machine, &lines),
         CheckFormat::Json => for_programs(&lines)?,
@@ -34,7 +35,7 @@ pub(super) fn check(raw: &cli::Check, environment: &Environment) -> Result<ExitC
     Ok(ExitCode::from(u8::from(wrong)))
 }
 
-fn for_people(machine: &Machine, lines: &[Line]) -> String {
+fn for_people(machine: &Machine, lines: &[FindingLine]) -> String {
     let text: String = lines.iter().map(ToString::to_string).collect();
     let count = |levels: &[Severity]| {
         lines.iter().filter(|line| levels.contains(&line.level)).count() as u64
@@ -46,7 +47,7 @@ fn for_people(machine: &Machine, lines: &[Line]) -> String {
     text + &format!("{name}: {states}, {errors}, {notes}\n")
 }
 
-fn for_programs(lines: &[Line]) -> Result<String> {
+fn for_programs(lines: &[FindingLine]) -> Result<String> {
     let mut text = String::new();
     for line in lines {
         text += &serde_json::to_string(line)?;

@@ -5,7 +5,7 @@ use super::kept_at_server::Keeper;
 use crate::cli;
 use crate::environment::Environment;
 use crate::runs;
-use crate::view::{Line, Style, counted, harmless, outcome_style, shown};
+use crate::view::{Style, TextLine, counted, harmless, outcome_style, shown};
 use anyhow::Result;
 use rafcon_protocol::api::{Comparison, DataChange, Happened, Parting, TimeTaken, Timing};
 use rafcon_storage::journal;
@@ -49,9 +49,9 @@ fn here(raw: &cli::Compare, environment: &Environment) -> Result<(Comparison, [S
     Ok((compared, [&one, &other].map(|reader| reader.about().id.clone())))
 }
 
-fn lines(compared: &Comparison, ids: [&str; 2]) -> Vec<Line> {
+fn lines(compared: &Comparison, ids: [&str; 2]) -> Vec<TextLine> {
     let [one, other] = ids.map(harmless);
-    let mut lines = vec![Line::of(Style::Dim, format!("A is {one}, B is {other}"))];
+    let mut lines = vec![TextLine::of(Style::Dim, format!("A is {one}, B is {other}"))];
     lines.extend(parting(compared));
     lines.extend(heading("data that differed", compared.changed.len()));
     lines.extend(compared.changed.iter().take(SHOWN).flat_map(change));
@@ -62,36 +62,36 @@ fn lines(compared: &Comparison, ids: [&str; 2]) -> Vec<Line> {
     lines
 }
 
-fn heading(text: &str, count: usize) -> Option<Line> {
+fn heading(text: &str, count: usize) -> Option<TextLine> {
     let more = if count > SHOWN { format!(" ({SHOWN} of {count})") } else { String::new() };
-    (count > 0).then(|| Line::of(Style::Strong, format!("{text}{more}")))
+    (count > 0).then(|| TextLine::of(Style::Strong, format!("{text}{more}")))
 }
 
-fn parting(compared: &Comparison) -> Vec<Line> {
+fn parting(compared: &Comparison) -> Vec<TextLine> {
     let alike = format!("{} alike", counted(compared.alike, "step"));
     if compared.parted.is_empty() {
-        return vec![Line::of(Style::Good, format!("the runs do not part: {alike}"))];
+        return vec![TextLine::of(Style::Good, format!("the runs do not part: {alike}"))];
     }
     let branches =
         counted(compared.branches_parted as u64, "branch").replace("branchs", "branches");
-    let head = Line::of(Style::Bad, "the runs part")
+    let head = TextLine::of(Style::Bad, "the runs part")
         .and(Style::Plain, format!(" on {branches}; {alike} before"));
     let shown = compared.parted.iter().take(SHOWN);
     let more = compared.branches_parted.saturating_sub(shown.len());
-    let rest = (more > 0).then(|| Line::of(Style::Dim, format!("  and on {more} more, later")));
+    let rest = (more > 0).then(|| TextLine::of(Style::Dim, format!("  and on {more} more, later")));
     std::iter::once(head).chain(shown.flat_map(on_branch)).chain(rest).collect()
 }
 
 /// Where they part on one branch. Of a run with one branch its name says nothing.
-fn on_branch(parting: &Parting) -> impl Iterator<Item = Line> {
+fn on_branch(parting: &Parting) -> impl Iterator<Item = TextLine> {
     let is_root = !parting.branch.contains('/');
-    let head = Line::of(Style::Plain, "  on ").and(Style::Strong, harmless(&parting.names));
+    let head = TextLine::of(Style::Plain, "  on ").and(Style::Strong, harmless(&parting.names));
     let sides = [happened("A", parting.one.as_ref()), happened("B", parting.other.as_ref())];
     (!is_root).then_some(head).into_iter().chain(sides)
 }
 
-fn happened(run: &str, step: Option<&Happened>) -> Line {
-    let head = Line::of(Style::Dim, format!("  {run}  "));
+fn happened(run: &str, step: Option<&Happened>) -> TextLine {
+    let head = TextLine::of(Style::Dim, format!("  {run}  "));
     let Some(step) = step else { return head.and(Style::Plain, "was over") };
     let backwards = if step.backwards { " backwards" } else { "" };
     let head = head.and(Style::Strong, harmless(&step.names));
@@ -105,17 +105,17 @@ fn happened(run: &str, step: Option<&Happened>) -> Line {
     line.and(Style::Dim, format!(" (event {}, after {at})", step.sequence))
 }
 
-fn change(change: &DataChange) -> [Line; 3] {
+fn change(change: &DataChange) -> [TextLine; 3] {
     let DataChange { names, kind, port, .. } = change;
     let gap = if port.is_empty() { "" } else { " " };
     let value = |run: &str, value: &Option<Value>, sequence: u64| {
         let text = value.as_ref().map_or_else(|| "nothing".to_owned(), shown);
-        Line::of(Style::Dim, format!("    {run}  "))
+        TextLine::of(Style::Dim, format!("    {run}  "))
             .and(Style::Plain, harmless(&text))
             .and(Style::Dim, format!(" (event {sequence})"))
     };
     [
-        Line::of(
+        TextLine::of(
             Style::Plain,
             format!("  {}: {}{gap}{}", harmless(names), kind.word(), harmless(port)),
         ),
@@ -129,10 +129,10 @@ fn differs(timing: &Timing) -> bool {
     (timing.one.count, shown_time(timing.one)) != (timing.other.count, shown_time(timing.other))
 }
 
-fn of_state(timing: &Timing, width: usize) -> Line {
+fn of_state(timing: &Timing, width: usize) -> TextLine {
     let gap = width - timing.names.chars().count();
     let text = format!("{:>18}  {:>18}", shown_time(timing.one), shown_time(timing.other));
-    Line::of(Style::Plain, format!("  {}{:gap$}", harmless(&timing.names), ""))
+    TextLine::of(Style::Plain, format!("  {}{:gap$}", harmless(&timing.names), ""))
         .and(Style::Dim, text)
 }
 

@@ -1,7 +1,7 @@
 //! Events in words: one line each. Knows what people call things; must never know where events come from.
 
 use crate::commands::kept::span;
-use crate::view::{Line, Style, harmless, outcome_style, shown};
+use crate::view::{Style, TextLine, harmless, outcome_style, shown};
 use rafcon_protocol::{
     Answer, Breakpoint, Closing, Command, Event, HeldBy, LogLevel, OnCrash, Outcome, Values, When,
 };
@@ -9,31 +9,31 @@ use rafcon_storage::journal::Found;
 use serde_json::Value;
 
 /// The lines of an event: its number, its time, the state, and what happened.
-pub(super) fn lines(found: &Found, values: bool) -> Vec<Line> {
+pub(super) fn lines(found: &Found, values: bool) -> Vec<TextLine> {
     let head = format!("{:>7} {:9.3}  ", found.sequence, found.time().as_secs_f64());
     let below = " ".repeat(head.len());
     let gap = if found.names.is_empty() { "" } else { "  " };
-    let head =
-        Line::of(Style::Dim, head).and(Style::Strong, format!("{}{gap}", harmless(&found.names)));
+    let head = TextLine::of(Style::Dim, head)
+        .and(Style::Strong, format!("{}{gap}", harmless(&found.names)));
     let Event::Log { level, message, .. } = &found.event else {
         return vec![head.followed_by(what(found, values))];
     };
     let style = level_style(*level);
     let mut text = message.lines();
     let first = head.and(style, harmless(text.next().unwrap_or_default()));
-    let rest = text.map(|text| Line::of(style, format!("{below}{}", harmless(text))));
+    let rest = text.map(|text| TextLine::of(style, format!("{below}{}", harmless(text))));
     std::iter::once(first).chain(rest).collect()
 }
 
-fn what(found: &Found, values: bool) -> Line {
+fn what(found: &Found, values: bool) -> TextLine {
     match &found.event {
         Event::Entered { inputs, undoes, .. } => {
             let text = if undoes.is_some() { "entered backwards" } else { "entered" };
-            Line::of(Style::Dim, text).followed_by(with(inputs.as_ref().filter(|_| values)))
+            TextLine::of(Style::Dim, text).followed_by(with(inputs.as_ref().filter(|_| values)))
         }
         Event::Left { outcome, outputs, error, undoes, .. } => {
             let text = if undoes.is_some() { "left backwards" } else { "ended by " };
-            let line = Line::of(Style::Dim, text);
+            let line = TextLine::of(Style::Dim, text);
             let line = if undoes.is_some() { line } else { line.followed_by(named(outcome)) };
             let after = found.lasted.map(|lasted| format!(" after {}", span(lasted)));
             let line = line.and(Style::Dim, after.unwrap_or_default());
@@ -43,30 +43,30 @@ fn what(found: &Found, values: bool) -> Line {
                 None => line,
             }
         }
-        Event::Scoped { name, value: v, .. } => Line::of(Style::Plain, set(name, v)),
+        Event::Scoped { name, value: v, .. } => TextLine::of(Style::Plain, set(name, v)),
         Event::Global { name, value: Some(v) } => {
-            Line::of(Style::Plain, format!("global {}", set(name, v)))
+            TextLine::of(Style::Plain, format!("global {}", set(name, v)))
         }
         Event::Global { name, value: None } => {
-            Line::of(Style::Plain, format!("global {} deleted", harmless(name)))
+            TextLine::of(Style::Plain, format!("global {} deleted", harmless(name)))
         }
         Event::Persistent { value: v, .. } => {
-            Line::of(Style::Plain, format!("remembers {}", value(v)))
+            TextLine::of(Style::Plain, format!("remembers {}", value(v)))
         }
-        Event::Finished { outcome, outputs, .. } => Line::of(Style::Plain, "the run ended by ")
+        Event::Finished { outcome, outputs, .. } => TextLine::of(Style::Plain, "the run ended by ")
             .followed_by(named(outcome))
             .followed_by(with(Some(outputs).filter(|_| values))),
         Event::Held { by, .. } => {
             let before = found.next.as_ref().map(|next| format!(" before {}", harmless(next)));
             let text = format!("held{} by {}", before.unwrap_or_default(), holder(*by));
-            Line::of(Style::Warning, text)
+            TextLine::of(Style::Warning, text)
         }
         other => rest(other),
     }
 }
 
 /// What is not frequent.
-fn rest(event: &Event) -> Line {
+fn rest(event: &Event) -> TextLine {
     let (style, text) = match event {
         Event::Hit { breakpoint, hits, held, .. } => {
             let held = if *held { "" } else { ", holding nothing" };
@@ -103,7 +103,7 @@ fn rest(event: &Event) -> Line {
         Event::Stopping => (Style::Warning, "stopping".to_owned()),
         other => of_the_run(other),
     };
-    Line::of(style, harmless(&text))
+    TextLine::of(style, harmless(&text))
 }
 
 /// What concerns the run as a whole.
@@ -177,16 +177,16 @@ fn set_breakpoint(breakpoint: &Breakpoint) -> String {
     format!("breakpoint {} {when} it{}{off}", breakpoint.id, condition.unwrap_or_default())
 }
 
-fn named(outcome: &Outcome) -> Line {
-    Line::of(outcome_style(outcome), harmless(&outcome.name))
+fn named(outcome: &Outcome) -> TextLine {
+    TextLine::of(outcome_style(outcome), harmless(&outcome.name))
 }
 
-fn with(values: Option<&Values>) -> Line {
+fn with(values: Option<&Values>) -> TextLine {
     let list: Vec<String> = values.into_iter().flatten().map(|(name, v)| set(name, v)).collect();
     if list.is_empty() {
-        Line::default()
+        TextLine::default()
     } else {
-        Line::of(Style::Plain, format!(": {}", list.join(", ")))
+        TextLine::of(Style::Plain, format!(": {}", list.join(", ")))
     }
 }
 

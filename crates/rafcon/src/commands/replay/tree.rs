@@ -1,37 +1,37 @@
 //! A moment as lines: the active states as a tree, each with its data. Knows pictures of moments, not journals.
 
 use crate::commands::kept::span;
-use crate::view::{Line, Style, counted, harmless, outcome_style, shown, time};
+use crate::view::{Style, TextLine, counted, harmless, outcome_style, shown, time};
 use rafcon_protocol::api::{Picture, PicturedEnd, PicturedState};
 use rafcon_protocol::{RunStatus, Values};
 use serde_json::Value;
 use std::time::Duration;
 
 /// The whole moment; `last` is the number of the run's last event.
-pub(super) fn lines(machine: &str, picture: &Picture, last: u64) -> Vec<Line> {
+pub(super) fn lines(machine: &str, picture: &Picture, last: u64) -> Vec<TextLine> {
     let mut lines = vec![head(machine, picture, last)];
     for state in &picture.active {
         lines.extend(of_state(state, picture));
     }
     lines.extend(picture.questions.iter().map(|question| {
         let text = format!("asks: {} (question {})", question.message, question.id);
-        Line::of(Style::Warning, harmless(&format!("{} {text}", question.path)))
+        TextLine::of(Style::Warning, harmless(&format!("{} {text}", question.path)))
     }));
     lines.extend(section("global", &picture.globals));
     lines.extend(section("remembered by", &picture.persistent));
     lines.extend(picture.breakpoints.iter().map(|breakpoint| {
         let off = if breakpoint.enabled { "" } else { " (disabled)" };
         let text = format!("breakpoint {} at {}{off}", breakpoint.id, breakpoint.path);
-        Line::of(Style::Plain, harmless(&text))
+        TextLine::of(Style::Plain, harmless(&text))
     }));
     lines
 }
 
-fn head(machine: &str, picture: &Picture, last: u64) -> Line {
+fn head(machine: &str, picture: &Picture, last: u64) -> TextLine {
     let at = format!(" at event {} of {last}, ", picture.sequence);
     let after = time(Duration::from_nanos(picture.t_ns));
     let run = counted(picture.states_run, "state");
-    let line = Line::of(Style::Strong, harmless(machine))
+    let line = TextLine::of(Style::Strong, harmless(machine))
         .and(Style::Plain, at)
         .and(Style::Dim, format!("{after} after the start, {run} run: "));
     match (&picture.outcome, picture.status) {
@@ -46,12 +46,12 @@ fn head(machine: &str, picture: &Picture, last: u64) -> Line {
     }
 }
 
-fn of_state(state: &PicturedState, picture: &Picture) -> Vec<Line> {
+fn of_state(state: &PicturedState, picture: &Picture) -> Vec<TextLine> {
     let indent = "  ".repeat(state.depth);
     let name = state.names.rsplit('/').next().unwrap_or_default();
     let since = Duration::from_nanos(picture.t_ns.saturating_sub(state.since_ns));
     let facts = format!("  for {} (event {})", span(since), state.entered);
-    let mut head = Line::of(Style::Plain, indent.clone())
+    let mut head = TextLine::of(Style::Plain, indent.clone())
         .and(Style::Strong, harmless(name))
         .and(Style::Dim, facts);
     if let Some(reason) = picture.waiting.get(&state.path) {
@@ -65,16 +65,16 @@ fn of_state(state: &PicturedState, picture: &Picture) -> Vec<Line> {
     let mut lines = vec![head];
     match &state.inputs {
         Some(inputs) => lines.extend(values(&indent, "input", inputs)),
-        None => lines.push(Line::of(Style::Dim, format!("{indent}  inputs were not kept"))),
+        None => lines.push(TextLine::of(Style::Dim, format!("{indent}  inputs were not kept"))),
     }
     lines.extend(values(&indent, "scoped", &state.scoped));
     lines.extend(state.ended.iter().map(|end| of_end(&indent, end)));
     lines
 }
 
-fn of_end(indent: &str, end: &PicturedEnd) -> Line {
+fn of_end(indent: &str, end: &PicturedEnd) -> TextLine {
     let name = end.names.rsplit('/').next().unwrap_or_default();
-    let line = Line::of(Style::Dim, format!("{indent}  {} ended by ", harmless(name)))
+    let line = TextLine::of(Style::Dim, format!("{indent}  {} ended by ", harmless(name)))
         .and(outcome_style(&end.outcome), harmless(&end.outcome.name))
         .and(Style::Dim, format!(" (event {})", end.sequence));
     let outputs = end.outputs.iter().flatten().map(|(name, value)| set(name, value));
@@ -87,16 +87,16 @@ fn of_end(indent: &str, end: &PicturedEnd) -> Line {
     }
 }
 
-fn values(indent: &str, kind: &str, values: &Values) -> Vec<Line> {
+fn values(indent: &str, kind: &str, values: &Values) -> Vec<TextLine> {
     let line = |(name, value): (&String, &Value)| {
-        Line::of(Style::Dim, format!("{indent}  {kind} ")).and(Style::Plain, set(name, value))
+        TextLine::of(Style::Dim, format!("{indent}  {kind} ")).and(Style::Plain, set(name, value))
     };
     values.iter().map(line).collect()
 }
 
-fn section(kind: &str, of: &Values) -> Vec<Line> {
+fn section(kind: &str, of: &Values) -> Vec<TextLine> {
     let line = |(name, value): (&String, &Value)| {
-        Line::of(Style::Dim, format!("{kind} ")).and(Style::Plain, set(name, value))
+        TextLine::of(Style::Dim, format!("{kind} ")).and(Style::Plain, set(name, value))
     };
     of.iter().map(line).collect()
 }

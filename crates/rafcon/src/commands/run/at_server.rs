@@ -4,7 +4,7 @@ use super::{report, request, view};
 use crate::cli;
 use crate::client::{Fault, Server};
 use crate::clock::Clock;
-use crate::commands::attach::{self, End, Manners, Stay, has_keys};
+use crate::commands::attach::{self, Manners, Stay, VisitEnd, has_keys};
 use crate::commands::remote::{self, refuse, refuse_runs};
 use crate::console::Console;
 use crate::environment::Environment;
@@ -168,17 +168,17 @@ impl Follow<'_> {
         let end = stay.until_the_end()?;
         let named = format!("{run} --server {}", server.address);
         match &end {
-            End::Left | End::Refused(_) => {
+            VisitEnd::Left | VisitEnd::Refused(_) => {
                 if let Some(text) = attach::words(&end, &named) {
                     complain(&text);
                 }
             }
-            End::Finished { timed_out: false, .. } => {}
-            End::Finished { .. } | End::Killed { .. } | End::Lost { .. } => {
+            VisitEnd::Finished { timed_out: false, .. } => {}
+            VisitEnd::Finished { .. } | VisitEnd::Killed { .. } | VisitEnd::Lost { .. } => {
                 complain(&report::text(&end.for_view(), &mut remote::names(server, run)));
             }
         }
-        if let End::Killed { .. } | End::Lost { .. } = end {
+        if let VisitEnd::Killed { .. } | VisitEnd::Lost { .. } = end {
             complain(&report::way_out(&named));
         }
         Ok(ExitCode::from(end.code()))

@@ -6,7 +6,7 @@ use crate::client::Server;
 use crate::commands::kept::{out, paint};
 use crate::commands::remote::{refuse, refuse_runs};
 use crate::environment::Environment;
-use crate::view::{Line, Style, counted, harmless, time};
+use crate::view::{Style, TextLine, counted, harmless, time};
 use anyhow::Result;
 use rafcon_protocol::api::{RunPhase, RunSummary, RunWait};
 use std::io::Write as _;
@@ -40,7 +40,7 @@ pub(super) fn runs(
     Ok(ExitCode::from(u8::from(found.iter().any(is_unreadable))))
 }
 
-fn line(run: &RunSummary, width: usize) -> Line {
+fn line(run: &RunSummary, width: usize) -> TextLine {
     let line = head(&run.id, &run.name, width);
     let facts = facts(run.length_ms, run.events, run.bytes);
     match &run.phase {
@@ -58,7 +58,7 @@ fn line(run: &RunSummary, width: usize) -> Line {
 }
 
 /// What it takes on disk is known when it is over.
-fn live(line: Line, run: &RunSummary) -> Line {
+fn live(line: TextLine, run: &RunSummary) -> TextLine {
     let line = match run.waits {
         None => line.and(Style::Good, "running"),
         Some(RunWait::Answer) => line.and(Style::Warning, "waits for an answer"),

@@ -7,7 +7,7 @@ use super::remote;
 use crate::cli;
 use crate::environment::Environment;
 use crate::runs;
-use crate::view::{Line, Style, counted, harmless, outcome_style, time};
+use crate::view::{Style, TextLine, counted, harmless, outcome_style, time};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::Outcome;
 use rafcon_storage::journal::{self, Retention, RunState, Summary};
@@ -72,7 +72,7 @@ fn prune(raw: &cli::ListRuns, runs: &Runs) -> Result<ExitCode> {
 }
 
 /// One run: id, machine, what has become of it, how long it took, what it takes.
-fn line(run: &Summary, width: usize) -> Line {
+fn line(run: &Summary, width: usize) -> TextLine {
     let line = head(&run.id, &run.name, width);
     let facts = facts(run.length_ms, run.events, run.bytes);
     match &run.state {
@@ -87,9 +87,9 @@ fn line(run: &Summary, width: usize) -> Line {
     }
 }
 
-fn head(id: &str, name: &str, width: usize) -> Line {
+fn head(id: &str, name: &str, width: usize) -> TextLine {
     let gap = width + 2 - id.chars().count();
-    Line::of(Style::Plain, format!("{}{:gap$}", harmless(id), ""))
+    TextLine::of(Style::Plain, format!("{}{:gap$}", harmless(id), ""))
         .and(Style::Strong, format!("{}  ", harmless(name)))
 }
 
@@ -98,7 +98,7 @@ fn facts(length_ms: u64, events: u64, bytes: u64) -> String {
     format!(" after {length}, {}, {}", counted(events, "event"), size(bytes))
 }
 
-fn ended(line: Line, outcome: &Outcome, facts: String) -> Line {
+fn ended(line: TextLine, outcome: &Outcome, facts: String) -> TextLine {
     line.and(Style::Plain, "ended by ")
         .and(outcome_style(outcome), harmless(&outcome.name))
         .and(Style::Dim, facts)

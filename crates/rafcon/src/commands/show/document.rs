@@ -19,11 +19,11 @@ pub(super) fn print(machine: &model::Machine) -> Result<String> {
 struct Machine<'m> {
     creation_time: &'m str,
     version: Option<&'m str>,
-    root: State<'m>,
+    root: ShownState<'m>,
 }
 
 #[derive(Serialize)]
-struct State<'m> {
+struct ShownState<'m> {
     id: &'m str,
     name: &'m str,
     kind: String,
@@ -45,7 +45,7 @@ enum Content<'m> {
         scoped_variables: Vec<Port<'m>>,
         transitions: Vec<Transition<'m>>,
         data_flows: Vec<DataFlow<'m>>,
-        states: Vec<State<'m>>,
+        states: Vec<ShownState<'m>>,
     },
     Library {
         library: Library<'m>,
@@ -95,8 +95,8 @@ struct Library<'m> {
     found: bool,
 }
 
-fn state(state: &model::State) -> State<'_> {
-    State {
+fn state(state: &model::State) -> ShownState<'_> {
+    ShownState {
         id: state.id.as_str(),
         name: &state.name,
         kind: state.kind.name().to_string(),

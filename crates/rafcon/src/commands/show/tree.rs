@@ -1,7 +1,7 @@
 //! A machine as an indented tree: what is in what, and where each outcome leads.
 
 use super::order;
-use crate::view::{Line, Paint, Style, harmless};
+use crate::view::{Paint, Style, TextLine, harmless};
 use rafcon_model::{
     Container, Kind, LibraryContent, Machine, Origin, OutcomeId, Port, Ports, State, Target,
     literal,
@@ -11,7 +11,7 @@ use rafcon_model::{
 pub(super) fn draw(machine: &Machine, paint: Paint) -> String {
     let mut tree = Tree { paint, out: String::new() };
     let root = &machine.root;
-    tree.line(Line::default(), root, None);
+    tree.line(TextLine::default(), root, None);
     tree.children(root, "");
     tree.out
 }
@@ -35,7 +35,7 @@ impl Tree {
         for (number, child) in (1..).zip(children) {
             let is_last = number == count;
             let head =
-                Line::of(Style::Dim, format!("{above}{}", if is_last { last } else { more }));
+                TextLine::of(Style::Dim, format!("{above}{}", if is_last { last } else { more }));
             let head = match &start {
                 Some(start) if *start == child.id => head.and(Style::Good, begins),
                 _ => head.and(Style::Dim, plain),
@@ -45,7 +45,7 @@ impl Tree {
         }
     }
 
-    fn line(&mut self, head: Line, state: &State, place: Option<(&State, &Container)>) {
+    fn line(&mut self, head: TextLine, state: &State, place: Option<(&State, &Container)>) {
         let line = head
             .and(Style::Strong, harmless(&state.name))
             .and(Style::Dim, format!(" ({})", harmless(state.id.as_str())))
@@ -58,11 +58,11 @@ impl Tree {
     }
 
     /// Where outcomes lead. The mandatory ones are told only if they lead somewhere, the others always in a hierarchy.
-    fn exits(&self, state: &State, place: Option<(&State, &Container)>) -> Line {
-        let Some((parent, inside)) = place else { return Line::default() };
+    fn exits(&self, state: &State, place: Option<(&State, &Container)>) -> TextLine {
+        let Some((parent, inside)) = place else { return TextLine::default() };
         let [arrow, end] = if self.paint.unicode { ["→", "●"] } else { ["->", "*"] };
         let is_waited_for = inside.transitions.from(&Origin::Income).next().is_some();
-        let mut line = Line::default();
+        let mut line = TextLine::default();
         for (outcome, target) in order::exits(inside, &parent.id, state) {
             let name = outcome_name(state, outcome);
             line = match target {
@@ -86,13 +86,13 @@ fn outcome_name(state: &State, id: OutcomeId) -> String {
     state.outcomes.get(id).map_or_else(|| id.to_string(), |outcome| harmless(&outcome.name))
 }
 
-fn kind(state: &State) -> Line {
+fn kind(state: &State) -> TextLine {
     let text = match &state.kind {
-        Kind::Execution(_) => return Line::default(),
+        Kind::Execution(_) => return TextLine::default(),
         Kind::Library(library) => format!(" library {}/{}", library.path, library.name),
         other => format!(" {}", other.name()),
     };
-    let line = Line::of(Style::Dim, harmless(&text));
+    let line = TextLine::of(Style::Dim, harmless(&text));
     match &state.kind {
         Kind::Library(library) if matches!(library.content, LibraryContent::Missing { .. }) => {
             line.and(Style::Bad, " (missing)")
@@ -101,12 +101,12 @@ fn kind(state: &State) -> Line {
     }
 }
 
-fn ports(head: &str, ports: &Ports) -> Line {
+fn ports(head: &str, ports: &Ports) -> TextLine {
     if ports.is_empty() {
-        return Line::default();
+        return TextLine::default();
     }
     let ports: Vec<_> = ports.iter().map(port).collect();
-    Line::of(Style::Dim, harmless(&format!("{head}({})", ports.join(", "))))
+    TextLine::of(Style::Dim, harmless(&format!("{head}({})", ports.join(", "))))
 }
 
 fn port(port: &Port) -> String {

@@ -2,7 +2,7 @@
 //!
 //! Knows the model. Must never know what a mission is.
 
-use super::draft::{Draft, Flow, Inside, Line, Parts, Slot, To};
+use super::draft::{Draft, FlowDraft, Inside, Parts, Slot, To, TransitionDraft};
 use super::layout::{self, Pair};
 use anyhow::{Context as _, Result};
 use rafcon_model::{
@@ -125,7 +125,7 @@ fn container(
     }
     let used = parent.inputs.len() + parent.outputs.len();
     let variables = ports(used, &parts.variables);
-    let named = Named { parent, variables: &variables, children: &children };
+    let named = NamedStates { parent, variables: &variables, children: &children };
     let mut inside = Container::default();
     let start = (order == Order::Sequence).then_some(children.first()).flatten();
     if let Some(first) = start {
@@ -152,7 +152,7 @@ fn columns(parts: &Parts, order: Order) -> Vec<Vec<usize>> {
             .partition(|&child| !matches!(parts.children[child].inside, Inside::Decider(_)));
         return vec![first, last];
     }
-    let line = |line: &Line| match &line.to {
+    let line = |line: &TransitionDraft| match &line.to {
         To::Child(to) => Some((index(&line.from)?, index(to)?)),
         To::Outcome(_) => None,
     };
@@ -165,13 +165,13 @@ fn connect(inside: &mut Container, from: Origin, to: Target, parent: &StateId) {
 }
 
 /// What the names in a container mean.
-struct Named<'a> {
+struct NamedStates<'a> {
     parent: &'a State,
     variables: &'a Ports,
     children: &'a [Sized],
 }
 
-impl Named<'_> {
+impl NamedStates<'_> {
     fn child(&self, name: &str) -> Result<&State> {
         let mut states = self.children.iter().map(|child| &child.state);
         states
@@ -179,7 +179,7 @@ impl Named<'_> {
             .with_context(|| format!("no child is called `{name}`"))
     }
 
-    fn origin(&self, line: &Line) -> Result<Origin> {
+    fn origin(&self, line: &TransitionDraft) -> Result<Origin> {
         let child = self.child(&line.from)?;
         Ok(Origin::Outcome(child.id.clone(), outcome(child, &line.outcome)?))
     }
@@ -191,7 +191,7 @@ impl Named<'_> {
         })
     }
 
-    fn source(&self, flow: &Flow) -> Result<(StateId, PortId)> {
+    fn source(&self, flow: &FlowDraft) -> Result<(StateId, PortId)> {
         let (state, kinds) = match &flow.from {
             Some(name) => (self.child(name)?, [None, Some(&self.child(name)?.outputs)]),
             None => (self.parent, [Some(&self.parent.inputs), Some(self.variables)]),
@@ -199,7 +199,7 @@ impl Named<'_> {
         end(state, kinds, flow)
     }
 
-    fn sink(&self, flow: &Flow) -> Result<(StateId, PortId)> {
+    fn sink(&self, flow: &FlowDraft) -> Result<(StateId, PortId)> {
         // A variable is shown by an output of its own name, which is then what is meant.
         let variables = (flow.from.is_some()).then_some(self.variables);
         let (state, kinds) = match &flow.to {
@@ -215,7 +215,7 @@ fn outcome(state: &State, name: &str) -> Result<OutcomeId> {
     Ok(found.with_context(|| format!("{} has no outcome `{name}`", state.name))?.id)
 }
 
-fn end(state: &State, kinds: [Option<&Ports>; 2], flow: &Flow) -> Result<(StateId, PortId)> {
+fn end(state: &State, kinds: [Option<&Ports>; 2], flow: &FlowDraft) -> Result<(StateId, PortId)> {
     let found = kinds.into_iter().flatten().find_map(|ports| ports.by_name(flow.port));
     let port = found.with_context(|| format!("{} has no port `{}`", state.name, flow.port))?;
     Ok((state.id.clone(), port.id))

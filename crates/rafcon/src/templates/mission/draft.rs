@@ -34,13 +34,13 @@ pub(super) enum Inside {
 pub(super) struct Parts {
     pub(super) variables: Vec<Slot>,
     pub(super) children: Vec<Draft>,
-    pub(super) transitions: Vec<Line>,
-    pub(super) data: Vec<Flow>,
+    pub(super) transitions: Vec<TransitionDraft>,
+    pub(super) data: Vec<FlowDraft>,
 }
 
 /// A transition: from an outcome of a child.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
+pub(super) struct TransitionDraft {
     pub(super) from: String,
     pub(super) outcome: String,
     pub(super) to: To,
@@ -55,7 +55,7 @@ pub(super) enum To {
 
 /// A data flow between two ports of the same name; `None` is the container itself.
 #[derive(Debug, Clone)]
-pub(super) struct Flow {
+pub(super) struct FlowDraft {
     pub(super) port: &'static str,
     pub(super) from: Option<String>,
     pub(super) to: Option<String>,
@@ -156,7 +156,11 @@ impl Parts {
     }
 
     fn line(mut self, from: &str, outcome: &str, to: To) -> Self {
-        self.transitions.push(Line { from: from.to_owned(), outcome: outcome.to_owned(), to });
+        self.transitions.push(TransitionDraft {
+            from: from.to_owned(),
+            outcome: outcome.to_owned(),
+            to,
+        });
         self
     }
 
@@ -171,26 +175,26 @@ impl Parts {
 
     /// An input or scoped variable of the container flows into these children.
     pub(super) fn give(mut self, port: &'static str, children: &[&str]) -> Self {
-        let flow = |child: &&str| Flow { port, from: None, to: Some((*child).to_owned()) };
+        let flow = |child: &&str| FlowDraft { port, from: None, to: Some((*child).to_owned()) };
         self.data.extend(children.iter().map(flow));
         self
     }
 
     /// An output of a child flows into the scoped variable of the container, or into its output if there is none.
     pub(super) fn take(mut self, child: &str, port: &'static str) -> Self {
-        self.data.push(Flow { port, from: Some(child.to_owned()), to: None });
+        self.data.push(FlowDraft { port, from: Some(child.to_owned()), to: None });
         self
     }
 
     /// An output of a child flows into an input of another.
     pub(super) fn pass(mut self, port: &'static str, from: &str, to: &str) -> Self {
-        self.data.push(Flow { port, from: Some(from.to_owned()), to: Some(to.to_owned()) });
+        self.data.push(FlowDraft { port, from: Some(from.to_owned()), to: Some(to.to_owned()) });
         self
     }
 
     /// A scoped variable flows into an output of the container.
     pub(super) fn show(mut self, port: &'static str) -> Self {
-        self.data.push(Flow { port, from: None, to: None });
+        self.data.push(FlowDraft { port, from: None, to: None });
         self
     }
 

@@ -1,6 +1,6 @@
 //! The picture of a running machine as lines: what is active, how long, how it stands. Pure; knows no terminal.
 
-use crate::view::text::{Line, Style, counted, harmless, time};
+use crate::view::text::{Style, TextLine, counted, harmless, time};
 use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -23,7 +23,7 @@ pub(super) struct Picture<'a> {
 }
 
 /// The picture in at most `height` lines of at most `width` columns.
-pub(super) fn draw(picture: &Picture<'_>, width: usize, height: usize) -> Vec<Line> {
+pub(super) fn draw(picture: &Picture<'_>, width: usize, height: usize) -> Vec<TextLine> {
     let rows = rows(&picture.snapshot.active);
     let room = height.saturating_sub(1);
     let all = rows.len() <= room;
@@ -32,13 +32,13 @@ pub(super) fn draw(picture: &Picture<'_>, width: usize, height: usize) -> Vec<Li
     lines.extend(rows.iter().take(shown).map(|row| state(picture, row, width)));
     if !all && room > 0 {
         let rest = format!("   and {} more", rows.len() - shown);
-        lines.push(Line::of(Style::Dim, rest).cut(width));
+        lines.push(TextLine::of(Style::Dim, rest).cut(width));
     }
     lines.truncate(height);
     lines
 }
 
-fn head(picture: &Picture<'_>, width: usize) -> Line {
+fn head(picture: &Picture<'_>, width: usize) -> TextLine {
     let snapshot = picture.snapshot;
     let (style, word) = match snapshot.status {
         RunStatus::Running => (Style::Good, "running"),
@@ -51,13 +51,13 @@ fn head(picture: &Picture<'_>, width: usize) -> Line {
     let root = snapshot.active.first().filter(|root| !root.path.contains('/'));
     let held = root.filter(|root| root.phase == Phase::Held);
     let held = held.map(|root| format!(", {}", held_text(root, picture.names)));
-    let left = Line::of(Style::Strong, harmless(picture.machine))
+    let left = TextLine::of(Style::Strong, harmless(picture.machine))
         .and(Style::Plain, "  ")
         .and(style, word)
         .and(Style::Warning, held.unwrap_or_default());
     let states = format!("{} run  ", counted(snapshot.states_run, "state"));
-    let time = Line::of(Style::Strong, time(elapsed));
-    let right = Line::of(Style::Dim, states).followed_by(time.clone());
+    let time = TextLine::of(Style::Strong, time(elapsed));
+    let right = TextLine::of(Style::Dim, states).followed_by(time.clone());
     let fits = left.width() + right.width() < width;
     let rule = if picture.unicode { '─' } else { '-' };
     left.with_right_after(rule, if fits { right } else { time }, width)
@@ -118,7 +118,7 @@ fn mark_followed(rows: &mut [Row<'_>]) {
     }
 }
 
-fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> Line {
+fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> TextLine {
     let (style, word) = match row.state.phase {
         Phase::Running => (Style::Plain, String::new()),
         Phase::Waiting => (Style::Warning, "waiting  ".to_owned()),
@@ -127,12 +127,12 @@ fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> Line {
         Phase::Preempted => (Style::Warning, "preempted  ".to_owned()),
     };
     let since = Duration::from_millis(row.state.since_ms) + picture.age;
-    let time = Line::of(Style::Dim, format!("{:>6}", time(since)));
-    let right = Line::of(style, word).followed_by(time.clone());
+    let time = TextLine::of(Style::Dim, format!("{:>6}", time(since)));
+    let right = TextLine::of(style, word).followed_by(time.clone());
     let selected = picture.selected == Some(row.state.path.as_str());
     let name_style = if selected { Style::Strong } else { style };
     let mark = if selected { "> " } else { "" };
-    let left = Line::of(Style::Dim, branch(&row.followed, picture.unicode))
+    let left = TextLine::of(Style::Dim, branch(&row.followed, picture.unicode))
         .and(Style::Good, mark)
         .and(name_style, harmless(&row.state.name));
     let fits = left.width() + right.width() < width;

@@ -4,7 +4,7 @@ mod frame;
 mod terminal;
 
 use super::lines::log_lines;
-use super::text::{Line, Paint, Style, counted, harmless, time};
+use super::text::{Paint, Style, TextLine, counted, harmless, time};
 use super::{Names, View, notable, summary};
 use crate::console::{Console, Key, Wish};
 use crate::supervisor::End;
@@ -26,7 +26,7 @@ pub(crate) struct Live {
     paint: Paint,
     names: Names,
     machine: String,
-    above: Vec<Line>,
+    above: Vec<TextLine>,
     snapshot: Option<(Duration, Snapshot)>,
     drawn_at: Option<Duration>,
     finished: Option<(Duration, Event)>,
@@ -114,8 +114,8 @@ impl Live {
 }
 
 /// What is said below a picture that is no longer true.
-fn silence(age: Duration) -> Line {
-    Line::of(Style::Bad, format!("no connection: this is how it was {} ago", time(age)))
+fn silence(age: Duration) -> TextLine {
+    TextLine::of(Style::Bad, format!("no connection: this is how it was {} ago", time(age)))
 }
 
 impl View for Live {
@@ -129,7 +129,7 @@ impl View for Live {
 
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()> {
         self.machine = harmless(name);
-        let line = Line::of(Style::Strong, self.machine.clone()).and(
+        let line = TextLine::of(Style::Strong, self.machine.clone()).and(
             Style::Dim,
             if states > 0 { format!("  {}", counted(states, "state")) } else { String::new() },
         );
@@ -163,7 +163,7 @@ impl View for Live {
     }
 
     fn note(&mut self, text: &str) -> io::Result<()> {
-        self.above.push(Line::of(Style::Warning, text));
+        self.above.push(TextLine::of(Style::Warning, text));
         self.draw(self.drawn_at.unwrap_or_default())
     }
 

@@ -3,7 +3,7 @@
 //! The picture stands in the last lines that were written. To draw anew the cursor goes up to its first line and all below
 //! is erased, so what scrolls by stays in the terminal's own history. However this ends, the modes are put back.
 
-use crate::view::text::{Line, Paint};
+use crate::view::text::{Paint, TextLine};
 use crossterm::cursor::{Hide, MoveToColumn, MoveUp, Show};
 use crossterm::queue;
 use crossterm::terminal::{self, BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate};
@@ -34,7 +34,7 @@ impl Screen {
     }
 
     /// Writes `above` where it stays, and the picture below it.
-    pub(super) fn draw(&mut self, above: &[Line], picture: &[Line]) -> io::Result<()> {
+    pub(super) fn draw(&mut self, above: &[TextLine], picture: &[TextLine]) -> io::Result<()> {
         if self.keyboard.is_none() {
             self.keyboard = Some(Keyboard::quiet());
             queue!(self.out, Hide)?;
@@ -50,7 +50,7 @@ impl Screen {
             picture.iter().map(|line| line.render(self.paint)).collect();
         text += &picture_text.join("\r\n");
         self.out.write_all(text.as_bytes())?;
-        self.drawn = picture.iter().map(Line::width).collect();
+        self.drawn = picture.iter().map(TextLine::width).collect();
         queue!(self.out, EndSynchronizedUpdate)?;
         self.out.flush()
     }

@@ -30,7 +30,7 @@ pub(in super::super) fn of_libraries(
 struct Compared(BTreeMap<(*const State, *const State), bool>);
 
 impl Compared {
-    fn is_same(&mut self, old: &Arc<State>, new: &Arc<State>) -> bool {
+    fn compare(&mut self, old: &Arc<State>, new: &Arc<State>) -> bool {
         let pair = (Arc::as_ptr(old), Arc::as_ptr(new));
         *self.0.entry(pair).or_insert_with(|| old == new)
     }
@@ -59,7 +59,7 @@ fn note(
         .collect();
     match &library.content {
         LibraryContent::Missing { .. } => what.push("it was missing, and is there".to_owned()),
-        LibraryContent::Found(old) if compared.is_same(old, new) => {}
+        LibraryContent::Found(old) if compared.compare(old, new) => {}
         LibraryContent::Found(_) => what.extend(differences(state, &now)),
     }
     if what.is_empty() {

@@ -4,7 +4,7 @@ mod changed;
 
 pub(super) use changed::of_libraries;
 
-use crate::House;
+use crate::ServerState;
 use rafcon_check::{Finding, ScriptFacts, of_files, of_rules_with_repairs, of_scripts};
 use rafcon_model::Machine;
 use rafcon_protocol::api::MachineProblem;
@@ -16,9 +16,9 @@ pub(super) fn rules(machine: &Machine) -> Vec<MachineProblem> {
 }
 
 /// Everything that is wrong with its scripts; they are read where that was not done before, so the thread may wait.
-pub(super) fn scripts(machine: &Machine, house: &House) -> Vec<MachineProblem> {
+pub(super) fn scripts(machine: &Machine, server: &ServerState) -> Vec<MachineProblem> {
     let texts = rafcon_check::scripts(machine);
-    let facts = house.python.facts(&house.settings, &texts);
+    let facts = server.python.facts(&server.settings, &texts);
     let pairs = texts.into_iter().zip(&facts);
     let facts: ScriptFacts<'_> =
         pairs.filter_map(|(text, facts)| Some((text, &**facts.as_ref()?))).collect();

@@ -4,7 +4,7 @@
 //! A repository is somebody else's: nothing that its configuration names is run. So there is no checkout and no archive, which
 //! filter, and no configuration of a user or the system; objects that are not there are not fetched.
 
-use crate::child::{Bounds, ChildError, Said, ask};
+use crate::child::{ChildError, ChildLimits, Said, ask};
 use crate::{Failure, failure::reason};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{MachineVersion, MachineVersions};
@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 /// One file of a commit.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct File {
+pub(super) struct CommittedFile {
     /// Below the folder, joined by `/`: names, none of them `.` or `..`.
     pub(super) path: String,
     object: String,
@@ -31,7 +31,7 @@ pub(super) struct File {
 
 /// The folder of a machine, as git sees it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Folder<'f> {
+pub(super) struct GitFolder<'f> {
     pub(super) path: &'f Path,
     /// The project in which it lies: no repository outside is asked.
     pub(super) project: &'f Path,
@@ -39,7 +39,7 @@ pub(super) struct Folder<'f> {
     pub(super) programs: Option<&'f str>,
 }
 
-impl Folder<'_> {
+impl GitFolder<'_> {
     fn git(&self, arguments: &[&str]) -> Command {
         let mut git = Command::new("git");
         git.env_clear().envs(self.programs.map(|path| ("PATH", path)));
@@ -58,7 +58,7 @@ impl Folder<'_> {
         input: Vec<u8>,
         output: u64,
     ) -> Result<Said, ChildError> {
-        ask(self.git(arguments), input, Bounds { patience: PATIENCE, output }).await
+        ask(self.git(arguments), input, ChildLimits { patience: PATIENCE, output }).await
     }
 
     /// Whether there is a repository and all of it lies in the project. A file `.git`, a link or `commondir` may lead to another.
@@ -98,7 +98,7 @@ impl Folder<'_> {
     }
 
     /// The files below it in a commit.
-    pub(super) async fn files(&self, commit: &str) -> Result<Vec<File>, Failure> {
+    pub(super) async fn files(&self, commit: &str) -> Result<Vec<CommittedFile>, Failure> {
         check_hash(commit)?;
         if !self.has_repository().await.map_err(|error| failed(&error))? {
             return Err(no_version(commit, "the project has no git repository of its own"));
@@ -117,7 +117,7 @@ impl Folder<'_> {
     }
 
     /// What these files hold, in their order.
-    pub(super) async fn contents(&self, files: &[File]) -> Result<Vec<Vec<u8>>, Failure> {
+    pub(super) async fn contents(&self, files: &[CommittedFile]) -> Result<Vec<Vec<u8>>, Failure> {
         let bytes: u64 = files.iter().map(|file| file.bytes).sum();
         if files.len() > FILES_MAX || bytes > BYTES_MAX {
             let message = format!(
@@ -144,7 +144,7 @@ impl Folder<'_> {
 }
 
 /// The next object of a batch.
-fn content(file: &File, rest: &mut &[u8]) -> Option<Vec<u8>> {
+fn content(file: &CommittedFile, rest: &mut &[u8]) -> Option<Vec<u8>> {
     let head = format!("{} blob {}\n", file.object, file.bytes);
     let body = rest.strip_prefix(head.as_bytes())?;
     let (content, behind) = body.split_at_checked(usize::try_from(file.bytes).ok()?)?;
@@ -160,7 +160,7 @@ fn version(text: &str) -> Option<MachineVersion> {
 }
 
 /// A line of the list, if it is a regular file with a path that leads below the folder.
-fn file(line: &str) -> Option<File> {
+fn file(line: &str) -> Option<CommittedFile> {
     let (about, path) = line.split_once('\t')?;
     let mut about = about.split_ascii_whitespace();
     let (mode, kind, object) = (about.next()?, about.next()?, about.next()?);
@@ -168,7 +168,7 @@ fn file(line: &str) -> Option<File> {
     let is_file = kind == "blob" && matches!(mode, "100644" | "100755");
     let is_below = path.split('/').all(|name| !matches!(name, "" | "." | ".."));
     let (path, object) = (path.to_owned(), object.to_owned());
-    (is_file && is_below).then_some(File { path, object, bytes })
+    (is_file && is_below).then_some(CommittedFile { path, object, bytes })
 }
 
 /// A whole hash, so that it is no option, no branch and no path.

@@ -7,9 +7,9 @@ mod routes;
 pub(super) use routes::routes;
 
 use super::disk;
-use crate::{Failure, House, log};
+use crate::{Failure, ServerState, log};
 use axum::http::StatusCode;
-use git::{File, Folder};
+use git::{CommittedFile, GitFolder};
 use rafcon_protocol::api::MachineVersions;
 use rafcon_protocol::document::Document;
 use rafcon_storage::files::{HEADER, MACHINE_LAYOUT, Part};
@@ -20,38 +20,38 @@ use tempfile::TempDir;
 use tokio::runtime::Handle;
 
 /// The machine as it lies on disk now: a [`Document`] as JSON.
-fn saved(house: &House, id: &str) -> Result<Vec<u8>, Failure> {
-    let folder = house.documents.room(id)?.folder();
-    let on_disk = disk::read(&folder, &house.projects.libraries())?;
-    let on_disk = on_disk.ok_or_else(|| super::room::vanished(&folder))?;
+fn saved(server: &ServerState, id: &str) -> Result<Vec<u8>, Failure> {
+    let folder = server.documents.session(id)?.folder();
+    let on_disk = disk::read(&folder, &server.projects.libraries())?;
+    let on_disk = on_disk.ok_or_else(|| super::session::vanished(&folder))?;
     Ok(on_disk.document)
 }
 
 /// The commits that touched the machine's folder.
-async fn versions(house: &House, id: &str) -> Result<MachineVersions, Failure> {
-    let path = house.documents.room(id)?.folder();
-    let Some(project) = house.projects.home_of(&path).filter(|_| path.is_dir()) else {
+async fn versions(server: &ServerState, id: &str) -> Result<MachineVersions, Failure> {
+    let path = server.documents.session(id)?.folder();
+    let Some(project) = server.projects.home_of(&path).filter(|_| path.is_dir()) else {
         return Ok(MachineVersions::default());
     };
-    let programs = (house.settings.variable)("PATH");
-    Folder { path: &path, project: &project, programs: programs.as_deref() }.versions().await
+    let programs = (server.settings.variable)("PATH");
+    GitFolder { path: &path, project: &project, programs: programs.as_deref() }.versions().await
 }
 
 /// The machine as of a commit: a [`Document`] as JSON. To be called on a thread that may wait.
-fn version(house: &House, id: &str, commit: &str) -> Result<Vec<u8>, Failure> {
-    let path = house.documents.room(id)?.folder();
-    let project = house.projects.home_of(&path).unwrap_or_else(|| path.clone());
-    let programs = (house.settings.variable)("PATH");
-    let folder = Folder { path: &path, project: &project, programs: programs.as_deref() };
+fn version(server: &ServerState, id: &str, commit: &str) -> Result<Vec<u8>, Failure> {
+    let path = server.documents.session(id)?.folder();
+    let project = server.projects.home_of(&path).unwrap_or_else(|| path.clone());
+    let programs = (server.settings.variable)("PATH");
+    let folder = GitFolder { path: &path, project: &project, programs: programs.as_deref() };
     let (files, contents) = Handle::current().block_on(async {
         let mut files = folder.files(commit).await?;
         files.retain(|file| is_of_machine(&file.path));
         let contents = folder.contents(&files).await?;
         Ok::<_, Failure>((files, contents))
     })?;
-    let all = place(&house.settings.state);
+    let all = place(&server.settings.state);
     let place = put(&all, &files, &contents).map_err(|error| no_room(&error))?;
-    document(place.path(), commit, &house.projects.libraries())
+    document(place.path(), commit, &server.projects.libraries())
 }
 
 /// Whether a machine is read from files of this name.
@@ -78,7 +78,7 @@ pub(super) fn sweep(state: &Path) {
 }
 
 /// The files in a folder that goes away when nobody needs it.
-fn put(all: &Path, files: &[File], contents: &[Vec<u8>]) -> io::Result<TempDir> {
+fn put(all: &Path, files: &[CommittedFile], contents: &[Vec<u8>]) -> io::Result<TempDir> {
     fs::create_dir_all(all)?;
     let place = tempfile::tempdir_in(all)?;
     for (file, content) in files.iter().zip(contents) {

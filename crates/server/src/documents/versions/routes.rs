@@ -1,7 +1,7 @@
 //! What is asked about other versions of an open machine. Knows requests and answers.
 
 use crate::extract::Path;
-use crate::{Failure, House};
+use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
@@ -13,7 +13,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// The routes of this part.
-pub(in super::super) fn routes() -> OpenApiRouter<Arc<House>> {
+pub(in super::super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(saved)).routes(routes!(versions)).routes(routes!(version))
 }
 
@@ -30,11 +30,11 @@ pub(in super::super) fn routes() -> OpenApiRouter<Arc<House>> {
     )
 )]
 async fn saved(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
 ) -> Result<Response, Failure> {
-    let at = Arc::clone(&house);
-    Ok(json(at.documents.loads.work(move || super::saved(&house, &machine)).await?))
+    let at = Arc::clone(&server);
+    Ok(json(at.documents.loads.work(move || super::saved(&server, &machine)).await?))
 }
 
 /// The git commits that touched an open machine's folder.
@@ -48,11 +48,12 @@ async fn saved(
     )
 )]
 async fn versions(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path(machine): Path<String>,
 ) -> Result<Json<MachineVersions>, Failure> {
-    let at = Arc::clone(&house);
-    let ask = move || tokio::runtime::Handle::current().block_on(super::versions(&house, &machine));
+    let at = Arc::clone(&server);
+    let ask =
+        move || tokio::runtime::Handle::current().block_on(super::versions(&server, &machine));
     Ok(Json(at.documents.versions.work(ask).await?))
 }
 
@@ -72,11 +73,11 @@ async fn versions(
     )
 )]
 async fn version(
-    State(house): State<Arc<House>>,
+    State(server): State<Arc<ServerState>>,
     Path((machine, commit)): Path<(String, String)>,
 ) -> Result<Response, Failure> {
-    let at = Arc::clone(&house);
-    let read = move || super::version(&house, &machine, &commit);
+    let at = Arc::clone(&server);
+    let read = move || super::version(&server, &machine, &commit);
     Ok(json(at.documents.versions.work(read).await?))
 }
 

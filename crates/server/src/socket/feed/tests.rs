@@ -3,7 +3,7 @@
 use super::super::outbox::{FULL, Lane, Outbox, length};
 use super::super::status::Status;
 use super::super::words;
-use super::{Feed, Told, tell};
+use super::{Feed, NextMessage, tell};
 use expect_test::{Expect, expect};
 use rafcon_protocol::socket::ToClient;
 use std::fmt::Write as _;
@@ -71,9 +71,9 @@ impl Feed for Flood {
 
     async fn ready(&mut self) {}
 
-    async fn take(&mut self) -> Told {
+    async fn take(&mut self) -> NextMessage {
         self.told += 1;
-        Told::Part(format!("{:>10000}", self.told))
+        NextMessage::Part(format!("{:>10000}", self.told))
     }
 }
 

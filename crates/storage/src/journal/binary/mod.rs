@@ -5,8 +5,8 @@ mod reader;
 mod tests;
 mod writer;
 
-pub(super) use reader::Reader;
-pub(super) use writer::Writer;
+pub(super) use reader::BinaryReader;
+pub(super) use writer::BinaryWriter;
 
 use rafcon_protocol::{LogLevel, Stream};
 

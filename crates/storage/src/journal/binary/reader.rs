@@ -12,11 +12,11 @@ use smol_str::SmolStr;
 use std::num::NonZeroU64;
 
 #[derive(Debug)]
-pub(in crate::journal) struct Reader<'b> {
+pub(in crate::journal) struct BinaryReader<'b> {
     bytes: &'b [u8],
 }
 
-impl<'b> Reader<'b> {
+impl<'b> BinaryReader<'b> {
     pub(in crate::journal) fn new(bytes: &'b [u8]) -> Self {
         Self { bytes }
     }

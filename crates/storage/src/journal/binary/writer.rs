@@ -11,11 +11,11 @@ use serde::Serialize;
 use std::borrow::Borrow;
 use std::num::NonZeroU64;
 
-pub(in crate::journal) struct Writer<'o> {
+pub(in crate::journal) struct BinaryWriter<'o> {
     out: &'o mut Vec<u8>,
 }
 
-impl<'o> Writer<'o> {
+impl<'o> BinaryWriter<'o> {
     pub(in crate::journal) fn new(out: &'o mut Vec<u8>) -> Self {
         Self { out }
     }
@@ -33,7 +33,7 @@ impl<'o> Writer<'o> {
             Record::Global { name, value } => {
                 self.tag(GLOBAL, delta);
                 self.text(name);
-                self.maybe(value.as_ref(), Writer::kept);
+                self.maybe(value.as_ref(), BinaryWriter::kept);
             }
             Record::Persistent { place, value } => {
                 self.head(PERSISTENT, delta, *place);
@@ -78,7 +78,7 @@ impl<'o> Writer<'o> {
         self.head(LEFT, delta, left.place);
         self.signed(left.outcome);
         self.values(left.outputs);
-        self.maybe(left.error, Writer::kept);
+        self.maybe(left.error, BinaryWriter::kept);
         self.number(left.undoes.map_or(0, NonZeroU64::get));
     }
 
@@ -209,7 +209,7 @@ impl<'o> Writer<'o> {
     /// Puts a length that needs more than the byte at `at` in its place.
     fn correct_length(&mut self, at: usize, count: u64) {
         let mut length = Vec::new();
-        Writer::new(&mut length).number(count);
+        BinaryWriter::new(&mut length).number(count);
         self.out.splice(at..=at, length);
     }
 

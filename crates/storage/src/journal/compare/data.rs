@@ -1,7 +1,7 @@
 //! Which values of two runs differ. Knows records of states that began or ended.
 
 use super::digest::Digests;
-use super::steps::{Did, Step};
+use super::steps::{ComparedStep, Did};
 use crate::journal::error::JournalError;
 use crate::journal::filter::place_of;
 use crate::journal::reader::{Entry, Reader};
@@ -18,7 +18,7 @@ const CHANGES_MAX: usize = 100;
 pub(super) fn changes(
     one: &mut Reader,
     other: &mut Reader,
-    pairs: &[(&Step, &Step)],
+    pairs: &[(&ComparedStep, &ComparedStep)],
 ) -> Result<Vec<DataChange>, JournalError> {
     let mut changes = Vec::new();
     let mut told = BTreeSet::new();
@@ -31,7 +31,7 @@ pub(super) fn changes(
         }
         let (x, y) = (one.page(x.sequence, 1)?, other.page(y.sequence, 1)?);
         if let ([x], [y]) = (&x[..], &y[..]) {
-            let (mut x, mut y) = (Side::new(one, x), Side::new(other, y));
+            let (mut x, mut y) = (ComparedSide::new(one, x), ComparedSide::new(other, y));
             changes.extend(differences(&mut x, &mut y)?);
         }
     }
@@ -39,7 +39,7 @@ pub(super) fn changes(
 }
 
 /// A record in its run.
-struct Side<'r> {
+struct ComparedSide<'r> {
     reader: &'r Reader,
     entry: &'r Entry,
     digests: Digests,
@@ -47,7 +47,7 @@ struct Side<'r> {
     values: Vec<(DataKind, SmolStr, &'r Kept)>,
 }
 
-impl<'r> Side<'r> {
+impl<'r> ComparedSide<'r> {
     fn new(reader: &'r Reader, entry: &'r Entry) -> Self {
         let place = place_of(&entry.record).and_then(|place| reader.known_places().get(place));
         let named = |kind, ports: &[(u64, SmolStr)], values: &'r [Kept]| {
@@ -85,7 +85,10 @@ impl<'r> Side<'r> {
     }
 }
 
-fn differences(x: &mut Side<'_>, y: &mut Side<'_>) -> Result<Vec<DataChange>, JournalError> {
+fn differences(
+    x: &mut ComparedSide<'_>,
+    y: &mut ComparedSide<'_>,
+) -> Result<Vec<DataChange>, JournalError> {
     let mut ports: Vec<(DataKind, SmolStr)> = Vec::new();
     for (kind, port, _) in x.values.iter().chain(&y.values) {
         if !ports.contains(&(*kind, port.clone())) {

@@ -12,13 +12,13 @@ use super::error::JournalError;
 use super::reader::{Reader, outcome_of};
 use rafcon_protocol::api::{Comparison, Happened, Parting, Timing};
 use std::collections::BTreeSet;
-use steps::{Did, Key, Keys, Step, Steps};
+use steps::{ComparedStep, Did, Key, Keys, Steps};
 
 /// So many branches are told on which two runs part.
 const PARTED_MAX: usize = 64;
 
 /// Where two runs part on a branch: its first step in each that is not the same, if there is one.
-type Parted<'s> = (Key, Option<&'s Step>, Option<&'s Step>);
+type Parted<'s> = (Key, Option<&'s ComparedStep>, Option<&'s ComparedStep>);
 
 /// Compares two runs.
 pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, JournalError> {
@@ -30,7 +30,7 @@ pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, Journ
     let mut partings = Vec::new();
     let mut pairs = Vec::new();
     for (branch, steps_a, steps_b) in steps::both(&by_branch_a, &by_branch_b) {
-        let same = |(x, y): &(&Step, &Step)| (x.key, x.did) == (y.key, y.did);
+        let same = |(x, y): &(&ComparedStep, &ComparedStep)| (x.key, x.did) == (y.key, y.did);
         let alike: Vec<_> = steps_a.iter().zip(steps_b).take_while(same).collect();
         let count = alike.len();
         pairs.extend(alike);
@@ -65,7 +65,7 @@ fn parting([one, other]: [&Reader; 2], keys: &Keys, (branch, x, y): Parted<'_>) 
     }
 }
 
-fn told(reader: &Reader, keys: &Keys, step: &Step) -> Happened {
+fn told(reader: &Reader, keys: &Keys, step: &ComparedStep) -> Happened {
     let path = keys.path(step.key);
     let places = reader.known_places();
     let place = places.number(path).and_then(|number| places.get(number));

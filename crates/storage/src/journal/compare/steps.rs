@@ -56,7 +56,7 @@ impl Keys {
 
 /// An entry or end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Step {
+pub(super) struct ComparedStep {
     pub(super) sequence: u64,
     pub(super) t_ns: u64,
     pub(super) key: Key,
@@ -74,14 +74,14 @@ pub(super) enum Did {
 /// All of a run.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
-    all: Vec<Step>,
+    all: Vec<ComparedStep>,
     /// States of which several children were active at once.
     pub(super) side_by_side: BTreeSet<Key>,
     pub(super) times: BTreeMap<Key, TimeTaken>,
 }
 
 /// Steps by the state at the top of their branch.
-pub(super) type Branches = BTreeMap<Key, Vec<Step>>;
+pub(super) type Branches = BTreeMap<Key, Vec<ComparedStep>>;
 
 impl Steps {
     pub(super) fn read(reader: &mut Reader, keys: &mut Keys) -> Result<Self, JournalError> {
@@ -121,7 +121,7 @@ impl Steps {
 pub(super) fn both<'s>(
     one: &'s Branches,
     other: &'s Branches,
-) -> Vec<(Key, &'s [Step], &'s [Step])> {
+) -> Vec<(Key, &'s [ComparedStep], &'s [ComparedStep])> {
     let all: BTreeSet<Key> = one.keys().chain(other.keys()).copied().collect();
     let of = |branches: &'s Branches, key| branches.get(&key).map_or(&[][..], Vec::as_slice);
     all.into_iter().map(|key| (key, of(one, key), of(other, key))).collect()
@@ -156,7 +156,7 @@ impl<'k> Reading<'k> {
         let keys = &mut *self.keys;
         let key = *self.known.entry(*place).or_insert_with(|| keys.of(path));
         let (sequence, t_ns) = (entry.sequence, entry.t_ns);
-        self.found.all.push(Step { sequence, t_ns, key, did, digest });
+        self.found.all.push(ComparedStep { sequence, t_ns, key, did, digest });
         match did {
             Did::Entered { .. } => self.entered(key, t_ns),
             Did::Left { .. } => self.left(key, t_ns),
@@ -178,7 +178,7 @@ impl<'k> Reading<'k> {
     }
 
     fn left(&mut self, key: Key, t_ns: u64) {
-        if let Some(since) = self.is_over(key) {
+        if let Some(since) = self.end(key) {
             let time = self.found.times.entry(key).or_default();
             time.count += 1;
             time.total_ns += t_ns.saturating_sub(since);
@@ -188,12 +188,12 @@ impl<'k> Reading<'k> {
     fn told(&mut self, event: &Event) {
         if let Event::Dropped { path } = event {
             let key = self.keys.of(path);
-            self.is_over(key);
+            self.end(key);
         }
     }
 
     /// A state is active no more; answers since when it was.
-    fn is_over(&mut self, key: Key) -> Option<u64> {
+    fn end(&mut self, key: Key) -> Option<u64> {
         let (since, _) = self.active.remove(&key)?;
         if let Some((_, children)) = self.keys.parent(key).and_then(|p| self.active.get_mut(&p)) {
             *children = children.saturating_sub(1);

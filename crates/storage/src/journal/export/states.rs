@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 /// The active states by path.
 #[derive(Debug, Default)]
 pub(super) struct States {
-    active: BTreeMap<String, State>,
+    active: BTreeMap<String, ExportedState>,
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct ExportedState {
     names: String,
     children: usize,
 }
@@ -17,7 +17,7 @@ struct State {
 impl States {
     /// A state began.
     pub(super) fn entered(&mut self, path: &str, names: &str) {
-        let new = State { names: names.to_owned(), children: 0 };
+        let new = ExportedState { names: names.to_owned(), children: 0 };
         if self.active.insert(path.to_owned(), new).is_none()
             && let Some(around) = self.around(path)
         {
@@ -40,7 +40,7 @@ impl States {
         innermost.map(|state| state.names.as_str()).collect()
     }
 
-    fn around(&mut self, path: &str) -> Option<&mut State> {
+    fn around(&mut self, path: &str) -> Option<&mut ExportedState> {
         self.active.get_mut(path.rsplit_once('/')?.0)
     }
 }

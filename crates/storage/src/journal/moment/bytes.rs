@@ -65,7 +65,7 @@ impl Moment {
         let mut out = vec![VERSION];
         out.extend_from_slice(&u32::try_from(header.len()).unwrap_or_default().to_le_bytes());
         out.extend_from_slice(&header);
-        let mut items = Writer { out };
+        let mut items = MomentWriter { out };
         for (place, active) in active {
             items.active(place, active, self.is_reopened(place));
         }
@@ -175,11 +175,11 @@ fn split(bytes: &[u8]) -> Result<(Header, &[u8]), BadMoment> {
 }
 
 /// Writes the items.
-struct Writer {
+struct MomentWriter {
     out: Vec<u8>,
 }
 
-impl Writer {
+impl MomentWriter {
     fn active(&mut self, place: PlaceNumber, active: &Active, reopened: bool) {
         let undoes = if reopened { SOME_ENTRY } else { None };
         let inputs = active.inputs.clone();

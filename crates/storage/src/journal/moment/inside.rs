@@ -12,7 +12,7 @@ const DEPTH_MAX: usize = 200;
 /// The inside of a container: what is too old to be undone, and the steps since.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Inside {
-    scoped: BTreeMap<u64, Variable>,
+    scoped: BTreeMap<u64, ScopedValue>,
     ended: BTreeMap<PlaceNumber, End>,
     steps: VecDeque<Step>,
     /// Ends here and in the containers that ended here.
@@ -27,13 +27,13 @@ pub(super) struct Inside {
 
 #[derive(Debug, Clone)]
 pub(super) enum Step {
-    Scoped(u64, Variable),
+    Scoped(u64, ScopedValue),
     End(End),
 }
 
 /// The value of a scoped variable.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Variable {
+pub(super) struct ScopedValue {
     pub(super) value: Kept,
     pub(super) order: u64,
 }
@@ -91,7 +91,7 @@ impl Inside {
     }
 
     /// A variable got a value. After a step back it may have that value already; it is then as old as it was.
-    pub(super) fn set(&mut self, port: u64, variable: Variable) {
+    pub(super) fn set(&mut self, port: u64, variable: ScopedValue) {
         if self.undone && self.scoped().get(&port).is_some_and(|now| now.value == variable.value) {
             return;
         }
@@ -183,8 +183,9 @@ impl Inside {
     }
 
     /// The variables as they are now, by port.
-    pub(super) fn scoped(&self) -> BTreeMap<u64, &Variable> {
-        let mut now: BTreeMap<u64, &Variable> = self.scoped.iter().map(|(p, v)| (*p, v)).collect();
+    pub(super) fn scoped(&self) -> BTreeMap<u64, &ScopedValue> {
+        let mut now: BTreeMap<u64, &ScopedValue> =
+            self.scoped.iter().map(|(p, v)| (*p, v)).collect();
         now.extend(self.steps.iter().filter_map(|step| match step {
             Step::Scoped(port, variable) => Some((*port, variable)),
             Step::End(_) => None,

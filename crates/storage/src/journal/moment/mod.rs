@@ -92,7 +92,7 @@ impl Moment {
             }
             Record::Scoped { place, port, value } => {
                 if let Some(active) = self.active.get_mut(place) {
-                    let value = inside::Variable { value: value.clone(), order: sequence };
+                    let value = inside::ScopedValue { value: value.clone(), order: sequence };
                     active.inside.set(*port, value);
                 }
             }

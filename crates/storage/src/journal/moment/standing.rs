@@ -148,7 +148,7 @@ impl Moment {
         let mut ended: Vec<Ended> =
             it.inside.ended().into_values().filter_map(|end| self.ended(end)).collect();
         ended.sort_by_key(|end| end.order);
-        let variable = |(port, v): (u64, &super::inside::Variable)| Variable {
+        let variable = |(port, v): (u64, &super::inside::ScopedValue)| Variable {
             port,
             value: v.value.clone(),
             order: v.order,

@@ -100,7 +100,7 @@ impl Whole {
         }
     }
 
-    fn is_held(&mut self, holding: Holding) {
+    fn hold(&mut self, holding: Holding) {
         match holding.by {
             HeldBy::Step | HeldBy::RunTo | HeldBy::Start => self.steps(),
             HeldBy::Pause | HeldBy::Breakpoint { .. } => {}
@@ -154,7 +154,7 @@ impl Moment {
         let whole = &mut self.whole;
         match event {
             Event::Held { path, next, by } => {
-                whole.is_held(Holding { path: path.clone(), next: next.clone(), by: *by });
+                whole.hold(Holding { path: path.clone(), next: next.clone(), by: *by });
                 if let Some(next) = next {
                     self.stands_before(next);
                 }

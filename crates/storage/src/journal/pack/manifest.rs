@@ -1,6 +1,6 @@
 //! Which files a machine consists of, and what changed from one to the next. Knows paths and hashes, no content.
 
-use crate::journal::binary::{Broken, Reader, Writer};
+use crate::journal::binary::{BinaryReader, BinaryWriter, Broken};
 use std::fmt;
 
 /// The BLAKE3 hash of some bytes.
@@ -75,7 +75,7 @@ impl Manifest {
         }
         gone.extend(before.map(|(path, _)| path));
         let mut bytes = Vec::new();
-        let mut writer = Writer::new(&mut bytes);
+        let mut writer = BinaryWriter::new(&mut bytes);
         writer.list(&changed, |writer, (path, hash)| {
             writer.text(path);
             writer.bytes(&hash.0);
@@ -86,7 +86,7 @@ impl Manifest {
 
     /// This one with [`Manifest::changes`] made.
     pub(super) fn changed(self, changes: &[u8]) -> Result<Self, Broken> {
-        let mut reader = Reader::new(changes);
+        let mut reader = BinaryReader::new(changes);
         let changed = reader.list(|reader| Ok((reader.text()?.to_owned(), reader.hash()?)))?;
         let gone = reader.list(|reader| Ok(reader.text()?.to_owned()))?;
         let mut files = changed;
@@ -97,7 +97,7 @@ impl Manifest {
     }
 }
 
-impl Reader<'_> {
+impl BinaryReader<'_> {
     fn hash(&mut self) -> Result<Hash, Broken> {
         let bytes = self.bytes()?.try_into();
         bytes.map(Hash).map_err(|_other| self.broken("a hash of another length"))

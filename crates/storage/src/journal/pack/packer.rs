@@ -42,7 +42,8 @@ impl Packer {
         saved: Option<&Saved>,
         libraries: &Libraries,
     ) -> Pack {
-        let mut walk = Walk { before: std::mem::take(&mut self.known), ..Walk::default() };
+        let mut walk =
+            PackerWalk { before: std::mem::take(&mut self.known), ..PackerWalk::default() };
         let old = saved.map(Old::of);
         walk.machine(MACHINE.to_owned(), &machine.header, &machine.root, old);
         while let Some((folder, (library, root))) = walk.waiting.pop_first() {
@@ -59,7 +60,7 @@ impl Packer {
 
 /// One packing.
 #[derive(Default)]
-struct Walk {
+struct PackerWalk {
     before: BTreeMap<usize, (Arc<State>, Files)>,
     known: BTreeMap<usize, (Arc<State>, Files)>,
     files: Vec<(String, Hash)>,
@@ -69,7 +70,7 @@ struct Walk {
     done: BTreeSet<String>,
 }
 
-impl Walk {
+impl PackerWalk {
     fn machine(
         &mut self,
         folder: String,

@@ -9,11 +9,11 @@ use rafcon_protocol::Values;
 use rafcon_protocol::api::{Picture, PicturedEnd, PicturedState};
 use smol_str::SmolStr;
 
-type Found<T> = Result<T, JournalError>;
+type FoundValues<T> = Result<T, JournalError>;
 
 impl Reader {
     /// A moment with names and values.
-    pub fn picture(&self, moment: &Moment) -> Found<Picture> {
+    pub fn picture(&self, moment: &Moment) -> FoundValues<Picture> {
         let whole = moment.whole();
         let standing = moment.active();
         let mut depths: Vec<usize> = Vec::with_capacity(standing.len());
@@ -22,7 +22,7 @@ impl Reader {
         }
         let active = standing.iter().zip(&depths).map(|(state, depth)| self.state(state, *depth));
         let named = |(name, value): (&SmolStr, &Kept)| Ok((name.to_string(), self.view(value)?));
-        let globals = moment.globals().iter().map(named).collect::<Found<Values>>()?;
+        let globals = moment.globals().iter().map(named).collect::<FoundValues<Values>>()?;
         let persistent =
             moment.persistent().map(|(place, value)| Ok((place.path.clone(), self.view(value)?)));
         Ok(Picture {
@@ -33,17 +33,17 @@ impl Reader {
             root: whole.root.clone(),
             life: whole.life,
             states_run: moment.states_run(),
-            active: active.collect::<Found<_>>()?,
+            active: active.collect::<FoundValues<_>>()?,
             held: whole.held.clone(),
             waiting: whole.waiting.clone(),
             globals,
-            persistent: persistent.collect::<Found<Values>>()?,
+            persistent: persistent.collect::<FoundValues<Values>>()?,
             breakpoints: whole.breakpoints.values().cloned().collect(),
             questions: whole.questions.values().cloned().collect(),
         })
     }
 
-    fn state(&self, state: &Standing, depth: usize) -> Found<PicturedState> {
+    fn state(&self, state: &Standing, depth: usize) -> FoundValues<PicturedState> {
         let scoped = |variable: &Variable| {
             let name = name_of(Some(&state.place.scoped), variable.port);
             Ok((name, self.view(&variable.value)?))
@@ -55,12 +55,12 @@ impl Reader {
             entered: state.order,
             since_ns: state.since_ns,
             inputs: self.by_name(&state.place.inputs, &state.inputs, state.lacks_inputs)?,
-            scoped: state.scoped.iter().map(scoped).collect::<Found<_>>()?,
-            ended: state.ended.iter().map(|end| self.end(end)).collect::<Found<_>>()?,
+            scoped: state.scoped.iter().map(scoped).collect::<FoundValues<_>>()?,
+            ended: state.ended.iter().map(|end| self.end(end)).collect::<FoundValues<_>>()?,
         })
     }
 
-    fn end(&self, end: &Ended) -> Found<PicturedEnd> {
+    fn end(&self, end: &Ended) -> FoundValues<PicturedEnd> {
         Ok(PicturedEnd {
             path: end.place.path.clone(),
             names: end.place.names.clone(),
@@ -76,12 +76,12 @@ impl Reader {
         ports: &[(u64, SmolStr)],
         values: &[(u64, Kept)],
         lacking: bool,
-    ) -> Found<Option<Values>> {
+    ) -> FoundValues<Option<Values>> {
         if lacking {
             return Ok(None);
         }
         let named =
             |(port, value): &(u64, Kept)| Ok((name_of(Some(ports), *port), self.view(value)?));
-        values.iter().map(named).collect::<Found<Values>>().map(Some)
+        values.iter().map(named).collect::<FoundValues<Values>>().map(Some)
     }
 }

@@ -6,7 +6,7 @@ use crate::journal::database::{DefinedRow, UNCHECKED, VERSION, checks};
 use crate::journal::error::JournalError;
 use crate::journal::folder::DATABASE_FILE;
 use crate::journal::record::{Stored, ValueNumber};
-use crate::journal::sums::{self, Checked, Damage, Head};
+use crate::journal::sums::{self, Checked, Damage, RowHeader};
 use rusqlite::types::FromSql;
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Row as Columns, Statement};
 use std::ops::ControlFlow;
@@ -31,7 +31,7 @@ pub(super) struct Source {
     checked: Checked,
 }
 
-type Found<T> = Result<T, JournalError>;
+type SourceResult<T> = Result<T, JournalError>;
 
 /// The number of an event, and the moment that was kept after it.
 type KeptMoment = (u64, Result<Vec<u8>, Damage>);
@@ -40,7 +40,7 @@ type KeptMoment = (u64, Result<Vec<u8>, Damage>);
 type KeptRow = (Option<Vec<u8>>, Option<Vec<u8>>, Option<i64>);
 
 impl Source {
-    pub(super) fn open(folder: &Path) -> Found<Self> {
+    pub(super) fn open(folder: &Path) -> SourceResult<Self> {
         let path = folder.join(DATABASE_FILE);
         if !path.exists() {
             return Err(JournalError::NoRun { folder: folder.to_owned(), file: DATABASE_FILE });
@@ -79,19 +79,19 @@ impl Source {
     }
 
     /// Number of the last event of the last row that can be read; 0 if there is none.
-    pub(super) fn last_sequence(&self) -> Found<u64> {
+    pub(super) fn last_sequence(&self) -> SourceResult<u64> {
         let last = self.first_head("ORDER BY first DESC", |_| true)?;
         Ok(last.map_or(0, |head| (head.first + head.count - 1).cast_unsigned()))
     }
 
     /// Number of the first event that is still there; 1 if there is none.
-    pub(super) fn first_sequence(&self) -> Found<u64> {
+    pub(super) fn first_sequence(&self) -> SourceResult<u64> {
         let first = self.first_head("ORDER BY first", |_| true)?;
         Ok(first.map_or(1, |head| head.first.cast_unsigned()))
     }
 
     /// The last event of a run whose runner came to its end; nothing if none has.
-    pub(super) fn end(&self) -> Found<Option<u64>> {
+    pub(super) fn end(&self) -> SourceResult<Option<u64>> {
         if self.checked == Checked::Never {
             return Ok(None);
         }
@@ -99,11 +99,11 @@ impl Source {
     }
 
     /// The first event with full detail, if detail was given up.
-    pub(super) fn thinned(&self) -> Found<Option<u64>> {
+    pub(super) fn thinned(&self) -> SourceResult<Option<u64>> {
         self.highest(&self.query("SELECT before, SUM FROM thinned"), "thinned")
     }
 
-    fn highest(&self, query: &str, table: &str) -> Found<Option<u64>> {
+    fn highest(&self, query: &str, table: &str) -> SourceResult<Option<u64>> {
         self.ask(query, |statement| {
             let mut rows = statement.query([])?;
             let mut highest = None;
@@ -123,7 +123,7 @@ impl Source {
     }
 
     /// Shows the rows from the one with event number `from` on, until `visit` has enough. Rows that cannot be read are left out.
-    pub(super) fn rows(&self, from: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
+    pub(super) fn rows(&self, from: u64, visit: &mut Visit<'_>) -> SourceResult<ControlFlow<()>> {
         let query = "SELECT coalesce(max(first), 0) FROM blocks WHERE first <= ?1";
         let from = i64::try_from(from).unwrap_or(i64::MAX);
         let first = self.ask(query, |statement| statement.query_row([from], |row| row.get(0)));
@@ -132,14 +132,18 @@ impl Source {
     }
 
     /// Number of the first event that lies together with one at this time or later; nothing if all are earlier.
-    pub(super) fn first_near(&self, t_ns: u64) -> Found<Option<u64>> {
+    pub(super) fn first_near(&self, t_ns: u64) -> SourceResult<Option<u64>> {
         let t_ns = i64::try_from(t_ns).unwrap_or(i64::MAX);
         let near = self.first_head("ORDER BY first", |head| head.t_last >= t_ns)?;
         Ok(near.map(|head| head.first.cast_unsigned()))
     }
 
     /// The first row in this order whose numbers are right and wanted.
-    fn first_head(&self, order: &str, wanted: impl Fn(&Head) -> bool) -> Found<Option<Head>> {
+    fn first_head(
+        &self,
+        order: &str,
+        wanted: impl Fn(&RowHeader) -> bool,
+    ) -> SourceResult<Option<RowHeader>> {
         let query = format!("SELECT first, count, t_before, t_last, SUM FROM blocks {order}");
         self.ask(&self.query(&query), |statement| {
             let mut rows = statement.query([])?;
@@ -157,7 +161,11 @@ impl Source {
     }
 
     /// Shows the last `count` rows.
-    pub(super) fn last_rows(&self, count: u64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
+    pub(super) fn last_rows(
+        &self,
+        count: u64,
+        visit: &mut Visit<'_>,
+    ) -> SourceResult<ControlFlow<()>> {
         let query = "SELECT coalesce(min(first), 0) FROM
             (SELECT first FROM blocks ORDER BY first DESC LIMIT ?1)";
         let count = i64::try_from(count).unwrap_or(i64::MAX);
@@ -166,7 +174,7 @@ impl Source {
     }
 
     /// Shows the rows from this key on. Each is asked for by itself: one that cannot be read does not hide those behind it.
-    fn visit(&self, mut key: i64, visit: &mut Visit<'_>) -> Found<ControlFlow<()>> {
+    fn visit(&self, mut key: i64, visit: &mut Visit<'_>) -> SourceResult<ControlFlow<()>> {
         let failed = |source| JournalError::database(&self.path, source);
         // A commit in between would leave gaps between the rows.
         let begin = || self.connection.unchecked_transaction().map(Some);
@@ -226,7 +234,7 @@ impl Source {
     }
 
     /// The definitions of places after so many, in their order; and whether all could be read.
-    pub(super) fn places_after(&self, count: u64) -> Found<(Vec<Defined>, bool)> {
+    pub(super) fn places_after(&self, count: u64) -> SourceResult<(Vec<Defined>, bool)> {
         let query = match self.checked {
             Checked::Never => "SELECT nth, number, first, data, NULL FROM (SELECT number, first, data,
                 row_number() OVER (ORDER BY first, number) AS nth FROM places) WHERE nth > ?1 ORDER BY nth",
@@ -251,7 +259,7 @@ impl Source {
         }
     }
 
-    pub(super) fn value(&self, number: ValueNumber) -> Found<Option<Stored>> {
+    pub(super) fn value(&self, number: ValueNumber) -> SourceResult<Option<Stored>> {
         let key = number.0.cast_signed();
         if key <= 0 {
             // Values are counted from 1.
@@ -277,7 +285,7 @@ impl Source {
     }
 
     /// A longer value by its hash, if it is there and has that hash.
-    fn blob(&self, hash: &[u8]) -> Found<Option<Vec<u8>>> {
+    fn blob(&self, hash: &[u8]) -> SourceResult<Option<Vec<u8>>> {
         let query = "SELECT data FROM blobs WHERE hash = ?1";
         let data: Option<Vec<u8>> =
             self.ask(query, |statement| statement.query_row([hash], |row| row.get(0)).optional())?;
@@ -285,7 +293,7 @@ impl Source {
     }
 
     /// Whether a value that is not there may have been given up: no event with detail names it.
-    fn is_given_up(&self, number: ValueNumber) -> Found<bool> {
+    fn is_given_up(&self, number: ValueNumber) -> SourceResult<bool> {
         if self.checked == Checked::Never {
             return Ok(true);
         }
@@ -298,7 +306,7 @@ impl Source {
     }
 
     /// The last moment that was kept at or before event number `sequence`, and the event's number; or one that cannot be read.
-    pub(super) fn keyframe(&self, sequence: u64) -> Found<Option<KeptMoment>> {
+    pub(super) fn keyframe(&self, sequence: u64) -> SourceResult<Option<KeptMoment>> {
         let query = self.query(
             "SELECT sequence, next_value, data, SUM FROM keyframes WHERE sequence <= ?1
             ORDER BY sequence DESC LIMIT 1",
@@ -332,7 +340,7 @@ impl Source {
         &self,
         query: &str,
         answer: impl FnOnce(&mut Statement<'_>) -> rusqlite::Result<T>,
-    ) -> Found<T> {
+    ) -> SourceResult<T> {
         let answered =
             self.connection.prepare(query).and_then(|mut statement| answer(&mut statement));
         answered.map_err(|source| JournalError::database(&self.path, source))
@@ -340,14 +348,14 @@ impl Source {
 }
 
 /// The numbers of a row, and its checksum, from its first five columns.
-fn head(row: &Columns<'_>) -> Option<(Head, Option<i64>)> {
+fn head(row: &Columns<'_>) -> Option<(RowHeader, Option<i64>)> {
     let [first, count] = [read(row, 0)?, read(row, 1)?];
     let [t_before, t_last] = [read(row, 2)?, read(row, 3)?];
-    Some((Head { first, count, t_before, t_last }, row.get(4).ok()?))
+    Some((RowHeader { first, count, t_before, t_last }, row.get(4).ok()?))
 }
 
 /// What was found; nothing if it is damaged.
-fn readable<T>(found: Found<T>) -> Found<Option<T>> {
+fn readable<T>(found: SourceResult<T>) -> SourceResult<Option<T>> {
     match found {
         Err(JournalError::Damaged { .. }) => Ok(None),
         found => found.map(Some),

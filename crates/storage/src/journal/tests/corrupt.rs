@@ -120,7 +120,7 @@ fn round_text(round: u32) -> String {
 
 /// Adds a part to a batch; its values get numbers of their own.
 fn renumbered(part: &Batch, with_places: bool, value: &mut u64, batch: &mut Batch) {
-    use crate::journal::binary::Reader as Bytes;
+    use crate::journal::binary::BinaryReader as Bytes;
     use crate::journal::record::{Item, Items};
     let mut numbers = BTreeMap::new();
     let mut definitions = Bytes::new(&part.definitions);

@@ -14,7 +14,7 @@ const FINISHED: &str = r#"{"type":"finished","#;
 
 /// An event of a run. Many followers share one; its text is made once.
 #[derive(Debug)]
-pub(crate) struct Told {
+pub(crate) struct EncodedEvent {
     /// Counts from 1.
     pub(crate) sequence: u64,
     /// A [`HistoryEntry`] as JSON, with values.
@@ -24,20 +24,20 @@ pub(crate) struct Told {
 }
 
 #[derive(Deserialize)]
-struct Line<'l> {
+struct EventLine<'l> {
     sequence: u64,
     t_ns: u64,
     #[serde(borrow)]
     event: &'l RawValue,
 }
 
-impl Told {
+impl EncodedEvent {
     /// What a runner's line says, if it is an event; the line is not read further than it must.
     pub(super) fn read(line: &str) -> Option<Self> {
         if !line.starts_with(EVENT) {
             return None;
         }
-        let Line { sequence, t_ns, event } = serde_json::from_str(line).ok()?;
+        let EventLine { sequence, t_ns, event } = serde_json::from_str(line).ok()?;
         let mut whole = String::with_capacity(line.len() + 16);
         let event = event.get();
         write!(whole, r#"{{"sequence":{sequence},"t_ns":{t_ns},"event":{event}}}"#).ok()?;
@@ -82,11 +82,11 @@ impl Told {
 
 #[cfg(test)]
 mod tests {
-    use super::Told;
+    use super::EncodedEvent;
     use expect_test::{Expect, expect};
 
     fn check(line: &str, expect: &Expect) {
-        let text = match Told::read(line) {
+        let text = match EncodedEvent::read(line) {
             None => "no event".to_owned(),
             Some(told) => {
                 let finish = told.finish().map(|_| "the last").unwrap_or_default();

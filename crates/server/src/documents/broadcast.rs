@@ -7,20 +7,20 @@ use tokio::sync::watch;
 
 /// Whom to wake, as long as the machine is open.
 #[derive(Debug)]
-pub(super) struct Wires(Mutex<Option<Ends>>);
+pub(super) struct Broadcast(Mutex<Option<Channels>>);
 
 #[derive(Debug)]
-struct Ends {
+struct Channels {
     status: watch::Sender<MachineStatus>,
     revision: watch::Sender<u64>,
 }
 
-impl Wires {
+impl Broadcast {
     /// Nobody looks at it yet.
     pub(super) fn new(summary: MachineSummary) -> Self {
         let revision = watch::Sender::new(summary.revision);
         let status = watch::Sender::new(MachineStatus { summary, people: Vec::new() });
-        Self(Mutex::new(Some(Ends { status, revision })))
+        Self(Mutex::new(Some(Channels { status, revision })))
     }
 
     pub(super) fn is_open(&self) -> bool {

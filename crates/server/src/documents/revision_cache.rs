@@ -5,9 +5,9 @@ use rafcon_locks::Mutex;
 
 /// Something that was made of the revision that was asked for last.
 #[derive(Debug)]
-pub(super) struct Kept<T>(Mutex<Option<(u64, T)>>);
+pub(super) struct RevisionCache<T>(Mutex<Option<(u64, T)>>);
 
-impl<T: Clone> Kept<T> {
+impl<T: Clone> RevisionCache<T> {
     /// Perhaps it is there from the beginning.
     pub(super) fn new(kept: Option<(u64, T)>) -> Self {
         Self(Mutex::new(kept))

@@ -9,15 +9,15 @@ mod files;
 
 pub(super) use files::{Saving, vanished};
 
+use super::broadcast::Broadcast;
 use super::disk::{self, OnDisk};
-use super::draft::{Draft, Line, Operation, What};
-use super::kept::Kept;
-use super::log::Page;
-use super::machine::{Deed, OpenMachine, Request};
+use super::draft::{Draft, DraftLine, Operation, What};
+use super::log::RevisionsPage;
+use super::machine::{Deed, EditRequest, OpenMachine};
 use super::recover::Recovered;
-use super::wires::Wires;
+use super::revision_cache::RevisionCache;
 use crate::access::PrivateError;
-use crate::{Failure, House, log};
+use crate::{Failure, ServerState, log};
 use axum::body::Bytes;
 use axum::http::StatusCode;
 use rafcon_locks::{Mutex, RwLock};
@@ -34,7 +34,7 @@ use tokio::sync::watch;
 
 /// One open machine.
 #[derive(Debug)]
-pub(crate) struct Room {
+pub(crate) struct MachineSession {
     id: String,
     /// ms since 1970, UTC.
     opened: u64,
@@ -43,15 +43,15 @@ pub(crate) struct Room {
     /// Held while something is done and written down: what is open changes under it only.
     draft: Mutex<Draft>,
     /// Held for writing only where nothing is waited for.
-    open: RwLock<Open>,
-    wires: Wires,
-    document: Kept<Bytes>,
-    problems: Kept<Arc<[MachineProblem]>>,
+    open: RwLock<OpenFiles>,
+    wires: Broadcast,
+    document: RevisionCache<Bytes>,
+    problems: RevisionCache<Arc<[MachineProblem]>>,
 }
 
 /// What is open.
 #[derive(Debug)]
-struct Open {
+struct OpenFiles {
     machine: OpenMachine,
     folder: PathBuf,
     file: MachineFile,
@@ -86,7 +86,7 @@ pub(super) struct Tools {
     pub(super) naming: Naming,
 }
 
-impl Room {
+impl MachineSession {
     /// The machine that was read, with what a draft added to it.
     pub(super) fn new(
         id: String,
@@ -109,15 +109,15 @@ impl Room {
             state: if is_changed { DiskState::Changed } else { DiskState::Same },
         };
         let (folder, file) = (spot.folder, spot.file);
-        let open = Open { machine, folder, file, files, is_recovered: has_edits };
+        let open = OpenFiles { machine, folder, file, files, is_recovered: has_edits };
         Self {
             opened,
             files: Mutex::default(),
             draft: Mutex::new(draft),
-            wires: Wires::new(open.summary(&id)),
+            wires: Broadcast::new(open.summary(&id)),
             open: RwLock::new(open),
-            document: Kept::new(document),
-            problems: Kept::new(None),
+            document: RevisionCache::new(document),
+            problems: RevisionCache::new(None),
             id,
         }
     }
@@ -149,7 +149,7 @@ impl Room {
     }
 
     /// What a reader has not seen whose next revision is `from`.
-    pub(crate) fn since(&self, from: u64) -> Page {
+    pub(crate) fn since(&self, from: u64) -> RevisionsPage {
         self.open.read().machine.since(from)
     }
 
@@ -181,7 +181,7 @@ impl Room {
     /// Does it, once for each request, and only when it is written down.
     pub(super) fn perform(
         &self,
-        request: Request,
+        request: EditRequest,
         deed: Deed,
         what: What,
         at_ms: u64,
@@ -192,15 +192,15 @@ impl Room {
         }
         self.must_be_open()?;
         let prepared = self.open.read().machine.prepare(&request.author, deed)?;
-        let Request { author, id } = request.clone();
+        let EditRequest { author, id } = request.clone();
         let operation = Operation { author, id, at_ms, what };
-        self.write_down(&mut draft, &Line::Done(Box::new(operation)))?;
+        self.write_down(&mut draft, &DraftLine::Done(Box::new(operation)))?;
         let revision = self.open.write().machine.commit(prepared, request, at_ms);
         self.tell();
         Ok(revision)
     }
 
-    fn answered(&self, request: &Request) -> Option<u64> {
+    fn answered(&self, request: &EditRequest) -> Option<u64> {
         self.open.read().machine.answered(request)
     }
 
@@ -237,12 +237,12 @@ impl Room {
 
     /// Faults of its files as they were read last, rules that it breaks, scripts that do not fit, and libraries that have
     /// changed.
-    pub(super) fn problems(&self, house: &House) -> Result<Vec<MachineProblem>, Failure> {
+    pub(super) fn problems(&self, server: &ServerState) -> Result<Vec<MachineProblem>, Failure> {
         let (revision, machine) = self.machine();
         let rules = self.problems.of(revision, || Ok(super::problems::rules(&machine).into()))?;
         let files = super::problems::files(&self.open.read().files.problems);
-        let scripts = super::problems::scripts(&machine, house);
-        let changed = super::problems::of_libraries(&machine, &house.projects.libraries());
+        let scripts = super::problems::scripts(&machine, server);
+        let changed = super::problems::of_libraries(&machine, &server.projects.libraries());
         let rules = rules.iter().cloned();
         Ok(files.into_iter().chain(rules).chain(scripts).chain(changed).collect())
     }
@@ -259,7 +259,7 @@ impl Room {
 
     /// A line of the draft. With the first one, what the draft begins with is kept as well; nobody waits for that: as long as
     /// the files are what they are, they do.
-    fn write_down(&self, draft: &mut Draft, line: &Line) -> Result<(), Failure> {
+    fn write_down(&self, draft: &mut Draft, line: &DraftLine) -> Result<(), Failure> {
         let is_first = !draft.is_begun();
         draft.append(line).map_err(|error| unwritten(&error))?;
         if is_first {
@@ -291,7 +291,7 @@ fn whole(revision: u64, document: &[u8]) -> Bytes {
     [head.as_bytes(), document, b"}"].concat().into()
 }
 
-impl Open {
+impl OpenFiles {
     fn is_changed(&self) -> bool {
         self.machine.revision() != self.files.revision
             && *self.machine.machine() != self.files.machine

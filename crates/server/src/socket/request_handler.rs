@@ -1,16 +1,16 @@
-//! What a client can have of the house: the one place where the socket meets the other parts of the server. Knows who the client
+//! What a client can have of the server: the one place where the socket meets the other parts of the server. Knows who the client
 //! is and whom to ask; must never know how anything is told.
 
 use super::feed::tell;
 use super::history::{Cursor, RunHistory};
-use super::house::HouseStatus;
 use super::machine::MachineHistory;
 use super::outbox::Outbox;
+use super::server_status::HouseStatus;
 use super::status::Status;
 use super::words;
 use crate::access::{Who, about};
 use crate::documents::{self, Wish};
-use crate::{Failure, House, runs};
+use crate::{Failure, ServerState, runs};
 use axum::Json;
 use axum::extract::ws::close_code;
 use axum::http::StatusCode;
@@ -27,10 +27,10 @@ use tokio::time::sleep;
 /// So often it is looked whether a client is still welcome, if nothing says that it is not.
 const ASKED_EVERY: Duration = Duration::from_secs(15);
 
-/// One client's access to the house.
+/// One client's access to the server.
 #[derive(Debug, Clone)]
-pub(super) struct Desk {
-    house: Arc<House>,
+pub(super) struct RequestHandler {
+    server: Arc<ServerState>,
     who: Who,
     connection: u64,
     /// One change of a machine after the other, in the order in which they were asked for.
@@ -39,9 +39,9 @@ pub(super) struct Desk {
     looks_at: Arc<rafcon_locks::Mutex<Option<String>>>,
 }
 
-impl Desk {
-    pub(super) fn new(house: Arc<House>, who: Who, connection: u64) -> Self {
-        Self { house, who, connection, turn: Arc::default(), looks_at: Arc::default() }
+impl RequestHandler {
+    pub(super) fn new(server: Arc<ServerState>, who: Who, connection: u64) -> Self {
+        Self { server, who, connection, turn: Arc::default(), looks_at: Arc::default() }
     }
 
     /// Who the client is.
@@ -61,13 +61,13 @@ impl Desk {
 
     /// Waits until the client has to go: why, and the code that says so.
     pub(super) async fn unwelcome(&self) -> (Failure, u16) {
-        let (mut closing, mut people) = (self.house.closing(), self.house.people().revision());
+        let (mut closing, mut people) = (self.server.closing(), self.server.people().revision());
         loop {
-            let who = match self.is_welcome() {
+            let who = match self.current_user() {
                 Ok(who) => who,
                 Err(failure) => return (failure, close_code::POLICY),
             };
-            // The house keeps what sends as long as it stands.
+            // The server keeps what sends as long as it stands.
             select! {
                 _ = closing.wait_for(|is_closing| *is_closing) => return (closes(), close_code::AWAY),
                 _ = people.changed() => {}
@@ -77,8 +77,8 @@ impl Desk {
     }
 
     /// Who the client is now, if that is still who it was when it was let in.
-    pub(super) fn is_welcome(&self) -> Result<Who, Failure> {
-        match self.house.people().still(&self.who) {
+    pub(super) fn current_user(&self) -> Result<Who, Failure> {
+        match self.server.people().still(&self.who) {
             Some(who) if who.role == self.who.role => Ok(who),
             Some(who) => Err(other_role(&who)),
             None => Err(not_known_any_more()),
@@ -87,7 +87,7 @@ impl Desk {
 
     /// The client showed that it is there.
     pub(super) fn heard(&self) {
-        self.house.runs.heard(&self.who.user);
+        self.server.runs.heard(&self.who.user);
     }
 
     /// Carries a command out.
@@ -96,9 +96,9 @@ impl Desk {
         run: String,
         envelope: Envelope,
     ) -> impl Future<Output = ToClient> + Send + 'static + use<> {
-        let (house, who, id) = (Arc::clone(&self.house), self.who.clone(), envelope.id.clone());
+        let (server, who, id) = (Arc::clone(&self.server), self.who.clone(), envelope.id.clone());
         async move {
-            match runs::command(&house, &who, &run, envelope).await {
+            match runs::command(&server, &who, &run, envelope).await {
                 Ok(answer) => ToClient::Answer(answer),
                 Err(failure) => words::refused(Some(id), &failure),
             }
@@ -112,10 +112,10 @@ impl Desk {
         id: String,
         wish: Wish,
     ) -> impl Future<Output = ToClient> + Send + 'static + use<> {
-        let (house, who, turn) = (Arc::clone(&self.house), self.who.clone(), self.turn.clone());
+        let (server, who, turn) = (Arc::clone(&self.server), self.who.clone(), self.turn.clone());
         async move {
             let _turn = turn.lock().await;
-            match documents::change(house, who, machine, wish).await {
+            match documents::change(server, who, machine, wish).await {
                 Ok(Json(Done { revision })) => ToClient::Edited { id, revision },
                 Err(failure) => words::refused(Some(id), &failure),
             }
@@ -131,12 +131,12 @@ impl Desk {
             self.leave();
         }
         *looks_at = Some(machine.to_owned());
-        self.house.documents.looks(&self.house, machine, presence)
+        self.server.documents.looks(&self.server, machine, presence)
     }
 
     /// The client is gone, and looks at nothing any more.
     pub(super) fn leave(&self) {
-        self.house.documents.leaves(self.connection);
+        self.server.documents.leaves(self.connection);
     }
 
     /// Tells a subscription until nothing more will come, or says why it cannot be told.
@@ -148,12 +148,12 @@ impl Desk {
     ) -> Result<(), Failure> {
         match topic {
             Topic::RunHistory { run, from, values } => {
-                let run = self.house.runs.get(&run).await?;
+                let run = self.server.runs.get(&run).await?;
                 let cursor = Cursor::new(subscription, from, values);
-                tell(RunHistory::new(&self.house, run, cursor), outbox).await;
+                tell(RunHistory::new(&self.server, run, cursor), outbox).await;
             }
             Topic::RunStatus { run } => {
-                let run = self.house.runs.get(&run).await?;
+                let run = self.server.runs.get(&run).await?;
                 let (now, _onlooker) = (run.now(), run.audience().join());
                 // Whoever looks on does not keep what is deleted.
                 drop(run);
@@ -161,11 +161,11 @@ impl Desk {
                 tell(Status::new(subscription, now, frame), outbox).await;
             }
             Topic::MachineHistory { machine, from } => {
-                let room = self.house.documents.room(&machine)?;
-                tell(MachineHistory::new(room, subscription, from)?, outbox).await;
+                let session = self.server.documents.session(&machine)?;
+                tell(MachineHistory::new(session, subscription, from)?, outbox).await;
             }
             Topic::MachineStatus { machine } => {
-                let now = self.house.documents.room(&machine)?.status()?;
+                let now = self.server.documents.session(&machine)?.status()?;
                 let frame = move |status: &MachineStatus| {
                     let status = status.clone();
                     words::text(&ToClient::MachineStatus { subscription, status })
@@ -173,7 +173,7 @@ impl Desk {
                 tell(Status::new(subscription, now, frame), outbox).await;
             }
             Topic::HouseStatus => {
-                tell(HouseStatus::new(Arc::clone(&self.house), subscription), outbox).await;
+                tell(HouseStatus::new(Arc::clone(&self.server), subscription), outbox).await;
             }
         }
         Ok(())
@@ -209,19 +209,19 @@ fn other_role(who: &Who) -> Failure {
 
 #[cfg(test)]
 mod tests {
-    use super::{ASKED_EVERY, Desk, patience};
+    use super::{ASKED_EVERY, RequestHandler, patience};
     use crate::access::OWNER;
-    use crate::{House, Settings};
+    use crate::{ServerState, Settings};
 
     #[tokio::test]
     async fn a_login_that_was_used_meanwhile_ends_later_than_it_did() {
         let place = tempfile::tempdir().unwrap();
         let settings = Settings::new(place.path().join("state"), place.path().join("runs"));
         std::fs::create_dir(&settings.state).unwrap();
-        let house = House::new(settings).unwrap();
-        let (_secret, mut who) = house.people().begin(OWNER).unwrap();
+        let server = ServerState::new(settings).unwrap();
+        let (_secret, mut who) = server.people().begin(OWNER).unwrap();
         who.expires_ms = Some(1);
-        let desk = Desk::new(house, who, 1);
-        assert_eq!(patience(&desk.is_welcome().unwrap()), ASKED_EVERY);
+        let handler = RequestHandler::new(server, who, 1);
+        assert_eq!(patience(&handler.current_user().unwrap()), ASKED_EVERY);
     }
 }

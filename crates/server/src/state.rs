@@ -16,7 +16,7 @@ use tokio::sync::watch;
 
 /// The server's parts, one of each.
 #[derive(Debug)]
-pub struct House {
+pub struct ServerState {
     /// How it is set up.
     pub(crate) settings: Settings,
     /// Who may come in.
@@ -27,7 +27,7 @@ pub struct House {
     names: OnceLock<Names>,
     /// Whether the server is about to end.
     closing: watch::Sender<bool>,
-    /// What wakes whoever follows the house.
+    /// What wakes whoever follows the server.
     pub(crate) news: News,
     /// What runs leave.
     pub(crate) history: History,
@@ -45,7 +45,7 @@ pub struct House {
 
 /// Why one of the server's parts cannot begin.
 #[derive(Debug, thiserror::Error)]
-pub enum HouseError {
+pub enum ServerStateError {
     /// One of its files cannot be read or written.
     #[error(transparent)]
     Private(#[from] PrivateError),
@@ -54,9 +54,9 @@ pub enum HouseError {
     Runs(#[from] rafcon_supervisor::MakeError),
 }
 
-impl House {
+impl ServerState {
     /// Prepares everything; nothing listens yet.
-    pub fn new(settings: Settings) -> Result<Arc<Self>, HouseError> {
+    pub fn new(settings: Settings) -> Result<Arc<Self>, ServerStateError> {
         let news = News::default();
         Ok(Arc::new(Self {
             people: People::open(&settings)?,
@@ -104,7 +104,7 @@ impl House {
         &self.audit
     }
 
-    /// What it is called. A house that does not listen answers to nothing.
+    /// What it is called. A server that does not listen answers to nothing.
     pub(crate) fn names(&self) -> &Names {
         self.names.get_or_init(Names::nobody)
     }

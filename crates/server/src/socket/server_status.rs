@@ -1,19 +1,19 @@
 //! The subscription to everything that the server looks after. Knows what wakes it; must never know what a change was.
 
-use super::feed::{Feed, Told};
+use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
 use super::words;
-use crate::House;
+use crate::ServerState;
 use rafcon_protocol::socket::ToClient;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::select;
 use tokio::sync::watch;
 
-/// The whole house, followed by one client.
+/// The whole server, followed by one client.
 #[derive(Debug)]
 pub(super) struct HouseStatus {
-    house: Arc<House>,
+    server: Arc<ServerState>,
     subscription: u32,
     files: watch::Receiver<u64>,
     machines: watch::Receiver<u64>,
@@ -22,11 +22,11 @@ pub(super) struct HouseStatus {
 
 impl HouseStatus {
     /// The first frame tells how things stand now.
-    pub(super) fn new(house: Arc<House>, subscription: u32) -> Self {
-        let (mut files, machines) = (house.news.of_files(), house.news.of_machines());
+    pub(super) fn new(server: Arc<ServerState>, subscription: u32) -> Self {
+        let (mut files, machines) = (server.news.of_files(), server.news.of_machines());
         files.mark_changed();
-        let runs = house.news.of_runs();
-        Self { house, subscription, files, machines, runs }
+        let runs = server.news.of_runs();
+        Self { server, subscription, files, machines, runs }
     }
 }
 
@@ -35,7 +35,7 @@ impl Feed for HouseStatus {
     const LANE: Lane = Lane::Status;
 
     async fn ready(&mut self) {
-        // The house, which counts, is held here.
+        // The server, which counts, is held here.
         select! {
             _ = self.files.changed() => {}
             _ = self.machines.changed() => {}
@@ -43,11 +43,14 @@ impl Feed for HouseStatus {
         }
     }
 
-    async fn take(&mut self) -> Told {
+    async fn take(&mut self) -> NextMessage {
         for news in [&mut self.files, &mut self.machines, &mut self.runs] {
             news.mark_unchanged();
         }
-        let status = self.house.status().await;
-        Told::Now(words::text(&ToClient::HouseStatus { subscription: self.subscription, status }))
+        let status = self.server.status().await;
+        NextMessage::Now(words::text(&ToClient::HouseStatus {
+            subscription: self.subscription,
+            status,
+        }))
     }
 }

@@ -1,10 +1,10 @@
 //! What lies on disk of an open machine: written, read again, and looked at. Knows when nothing may be written over.
 
-use super::{Files, Room, Spot, Tools, unwritten};
+use super::{Files, MachineSession, Spot, Tools, unwritten};
 use crate::Failure;
 use crate::documents::disk::{self, OnDisk};
-use crate::documents::draft::{self, Draft, Head, Line, What};
-use crate::documents::machine::{Deed, Request};
+use crate::documents::draft::{self, Draft, DraftHeader, DraftLine, What};
+use crate::documents::machine::{Deed, EditRequest};
 use crate::log;
 use rafcon_protocol::api::DiskState;
 use rafcon_storage::{Libraries, Saved};
@@ -19,7 +19,7 @@ pub(in crate::documents) struct Saving {
     pub(in crate::documents) overwrite: bool,
 }
 
-impl Room {
+impl MachineSession {
     /// Writes the machine to its folder, or to another where it lies from then on.
     pub(in crate::documents) fn save(
         &self,
@@ -84,7 +84,7 @@ impl Room {
     /// The machine becomes what lies on disk: a step like any other.
     pub(in crate::documents) fn reload(
         &self,
-        request: Request,
+        request: EditRequest,
         tools: &Tools,
         at_ms: u64,
     ) -> Result<u64, Failure> {
@@ -152,9 +152,9 @@ impl Room {
         let (revision, hash) = (files.revision, files.hash.clone());
         if !draft.is_begun() {
             let open = self.open.read();
-            let head = Head::new(&open.folder, &hash, open.machine.revision());
+            let head = DraftHeader::new(&open.folder, &hash, open.machine.revision());
             *draft = Draft::new(draft.place().to_owned(), head);
-        } else if let Err(error) = draft.append(&Line::Saved { revision, hash }) {
+        } else if let Err(error) = draft.append(&DraftLine::Saved { revision, hash }) {
             // It is saved; a server that takes over from this one finds its edits once more.
             log::say(&error.to_string());
         }
