@@ -79,6 +79,40 @@ class Imports(unittest.TestCase):
         self.assertEqual((result.outcome, result.logged("stdout")), ("success", ["False"]))
 
 
+class Absent(unittest.TestCase):
+    """Names that docs/differences.md says are not there."""
+
+    def test_names_of_how_a_machine_is_run_are_not_there(self):
+        found = call(
+            """
+            from rafcon.core.script import Script
+            child = ExecutionState("child", "CHILDX")
+            child.script_text = "def execute(self, inputs, outputs, gvm):\\n    return 0\\n"
+            root = HierarchyState("root", "ROOTID")
+            root.add_state(child)
+            root.set_start_state(child)
+            root.add_transition("CHILDX", 0, "ROOTID", 0)
+            machine = StateMachine(root)
+            storage.save_state_machine_to_path(machine, "libs/own")
+            global_config.set_config_value("LIBRARY_PATHS", {"libs": "libs"})
+            library_manager.initialize()
+            machine.start()
+            machine.join()
+            items = list(machine.execution_histories[0])
+            inside = ["id", "run", "start", "setup_run", "concurrency_queue", "thread"]
+            places = [
+                *((state, inside) for state in (root, child, BarrierConcurrencyState("both"), DeciderState("decider"))),
+                (LibraryState("libs", "own"), [*inside, "lib_os_path"]),
+                (Script(), ["execute", "compiled_module"]),
+                (engine, ["run_to_states", "start_state_paths"]),
+                *((item, ["prev", "next", "run_id", "scoped_data"]) for item in items),
+            ]
+            print(len(items), [(type(thing).__name__, name) for thing, names in places for name in names if hasattr(thing, name)])
+            """
+        )
+        self.assertEqual(found, "4 []\n")
+
+
 class Folders(unittest.TestCase):
     def test_the_temporary_folders_are_there_and_go_if_they_are_empty(self):
         with tempfile.TemporaryDirectory() as folder:

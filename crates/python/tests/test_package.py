@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import importlib.util
 import os
 import pathlib
 import pkgutil
@@ -82,6 +83,12 @@ class Package(unittest.TestCase):
             "    except ModuleNotFoundError as error: print(error)\n",
         )
         self.assertEqual(done.stdout, "No module named 'gi'\n" * 3, done.stderr)
+
+    def test_modules_of_the_desktop_and_of_other_histories_are_not_there(self):
+        histories = ("consumer_manager", "consumers", "execution_history_factory")
+        names = ["core.execution." + name for name in histories] + ["design_patterns.mvc"]
+        names += ["utils." + name for name in ("installation", "profiler", "profiling", "threads")]
+        self.assertEqual([name for name in names if importlib.util.find_spec("rafcon." + name)], [])
 
 
 def undescribed(tree):
