@@ -16,9 +16,9 @@ class BadScripts(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
 
-    def run_one(self, text, **options):
+    def run_one(self, text, show="repr", **options):
         """A machine that goes on by the outcome *aborted* of its first state."""
-        show = "def execute(self, inputs, outputs, gvm):\n    print(repr(inputs.get('error')))\n    return 0\n"
+        show = f"def execute(self, inputs, outputs, gvm):\n    print({show}(inputs.get('error')))\n    return 0\n"
         root = container(
             "hierarchy",
             [script(text, "BAD"), script(show, "NEXT")],
@@ -53,6 +53,10 @@ class BadScripts(unittest.TestCase):
         result = self.run_one("def execute(self\n    return 0\n")
         self.assertTrue(result.logged("stdout", "R/NEXT")[0].startswith("SyntaxError("), result.logged())
         self.assertIn("bad_BAD/script.py", "\n".join(result.logged("engine", "R/BAD")))
+
+    def test_the_text_of_its_error_names_file_and_line(self):
+        result = self.run_one("def execute(self, inputs, outputs, gvm):\n    return 0 +\n", show="str")
+        self.assertEqual(result.logged("stdout", "R/NEXT"), ["invalid syntax (script.py, line 2)"])
 
     def test_its_module_raises(self):
         self.check("import no_such_module\n" + DONE, "ModuleNotFoundError(\"No module named 'no_such_module'\")")
