@@ -68,6 +68,28 @@ class Scripts(unittest.TestCase):
             lines=["a True 3 {'a': 3}", "{'a': 3} {'b': 4}"],
         )
 
+    def test_a_value_of_a_wrong_type_is_logged_once_for_each_port_that_it_reaches(self):
+        number = [("x", "int", 0)]
+        after = execute("return 0", id="IN", inputs=number)
+        root = sequence(
+            execute("outputs['x'] = 'text'\nreturn 0", id="A", outputs=number),
+            sequence(after, id="B", inputs=number, flows=[(None, "x", "IN", "x")]),
+            execute("return 0", id="C", inputs=[("x", "object", None)]),
+            scoped=[("kept", "float", 0.0)],
+            outputs=[("given", "int", 0)],
+            flows=[("A", "x", to, port) for to, port in (("B", "x"), ("C", "x"), (None, "kept"), (None, "given"))],
+        )
+        logged = [
+            (event["path"], event["level"], event["message"].partition(";")[0])
+            for event in self.run_machine(root).events
+            if event["type"] == "log"
+        ]
+        ports = [("R/A", "x", "int"), ("R", "kept", "float"), ("R/B", "x", "int"), ("R/B/IN", "x", "int"), ("R", "given", "int")]
+        self.assertEqual(
+            logged,
+            [(path, "error", f'"{port}" got a value of type str but declares {kind}') for path, port, kind in ports],
+        )
+
     def test_what_is_kept_from_run_to_run(self):
         counts = execute(
             """
