@@ -239,6 +239,18 @@ class Start(unittest.TestCase):
         code, said = self.start("-o", self.machine())
         self.assertEqual((code, said.splitlines()), (0, ["runs"]))
 
+    def test_its_help_names_the_options(self):
+        done = subprocess.run(
+            [sys.executable, "-m", "rafcon.core.start", "--help"],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+        )
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for option in ("-o", "--open", "-c", "--config", "-r", "--remote", "-s", "--start_state_path"):
+            self.assertRegex(done.stdout, rf"(?<![\w-]){option}(?![\w-])")
+
     def test_its_exit_code_is_that_of_the_run(self):
         program = """
         from rafcon.core import start
