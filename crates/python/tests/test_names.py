@@ -261,6 +261,30 @@ class Start(unittest.TestCase):
             lines = call(program % (machine, machine)).splitlines()
             self.assertEqual(lines[-1], f"{code} 1")
 
+    def test_the_reactor_of_a_plugin_is_stopped_when_the_machine_has_ended(self):
+        program = f"""
+        import sys, threading, types
+        from rafcon.core import start
+        class Reactor:
+            def __init__(self):
+                self.stopped, self.running = threading.Event(), False
+            def run(self):
+                self.running = True
+                self.stopped.wait()
+            def callFromThread(self, function):
+                function()
+            def stop(self):
+                print("stopped", engine.finished_or_stopped())
+                self.running = False
+                self.stopped.set()
+        print(start.reactor_required())
+        sys.modules["twisted"] = sys.modules["twisted.internet"] = twisted = types.ModuleType("twisted")
+        twisted.reactor = Reactor()
+        print(start.reactor_required(), start.main(["-o", {self.machine()!r}]))
+        start.stop_reactor_on_state_machine_finish(state_machine_manager.state_machines[1])
+        """
+        self.assertEqual(call(program).splitlines(), ["False", "runs", "stopped True", "True 0"])
+
     def test_it_needs_a_machine_that_is_there(self):
         for arguments, reason in (
             ((), "no state machine is named; give one with -o"),

@@ -1,22 +1,30 @@
 """Observers, singletons and the other helpers that programs build on."""
 
 import hashlib
+import logging
 import os
 import pathlib
 import tempfile
 import threading
 import time
 import unittest
+from unittest import mock
 
 import stage  # noqa: F401, it puts the package on the path
 from rafcon.core import id_generator
+from rafcon.core.config import Config, ObservableConfig
+from rafcon.core.state_elements.scope import generate_time_stamp
+from rafcon.core.storage import storage
 from rafcon.design_patterns.observer.observable import Observable, ObservableMetaclass, Signal
 from rafcon.design_patterns.observer.observer import Observer
 from rafcon.design_patterns.observer.wrappers import DictWrapper, ListWrapper, SetWrapper
 from rafcon.design_patterns.singleton import Singleton
 from rafcon.utils import classproperty, decorators, dict_operations, filesystem, geometry, i18n, log_helpers
 from rafcon.utils import multi_event, storage_utils
+from rafcon.utils.constants import BY_EXECUTION_TRIGGERED_OBSERVABLE_STATE_METHODS
 from rafcon.utils.hashable import Hashable
+from rafcon.utils.timer import Timer
+from rafcon.utils.vividict import Vividict
 
 
 class Watched(Observable):
@@ -76,6 +84,17 @@ class Observables(unittest.TestCase):
         self.watched.add_observer(self, "value", notify_after_function=lambda *_told: self.heard.append("new"))
         self.watched.value = 1
         self.assertEqual(self.heard, ["new"])
+
+    def test_a_configuration(self):
+        config = Config()
+        self.assertIsInstance(config, ObservableConfig)
+        config.add_observer(self, "set_config_value", notify_after_function=lambda *told: self.heard.append(told[2][1:]))
+        config.set_config_value("OWN", 3)
+        self.assertEqual((self.heard, config.get_config_value("OWN")), ([("OWN", 3)], 3))
+
+    def test_names_of_what_observers_hear_because_a_machine_runs(self):
+        names = ["state_execution_status", "_add_new_execution_history", "clear_execution_histories"]
+        self.assertEqual(BY_EXECUTION_TRIGGERED_OBSERVABLE_STATE_METHODS, names)
 
     def test_another_object_of_the_class_is_not_observed(self):
         self.observe("value")
@@ -246,6 +265,36 @@ class Helpers(unittest.TestCase):
         self.assertEqual(storage_utils.load_objects_from_json(path, as_dict=True)["a"], {"__type__": "__builtin__.int"})
         time.strptime(storage_utils.get_current_time_string(), storage_utils.TIME_STRING_FORMAT)
 
+    def test_files_of_states(self):
+        path = storage.get_core_data_path(str(self.folder))
+        self.assertEqual(path, str(self.folder / "core_data.json"))
+        with self.assertRaisesRegex(ValueError, "there is no file .*core_data.json"):
+            storage.load_data_file(path)
+        stored = {"outcomes": {"0": {"__jsonqualname__": "rafcon.core.state_elements.logical_port.Outcome"}}}
+        storage_utils.write_dict_to_json(stored, path)
+        self.assertEqual(storage.load_data_file(path), stored)
+
+    def test_nested_dictionaries_become_plain_ones(self):
+        nested = Vividict({"tool": {"gripper": "open"}})
+        plain = nested.to_dict()
+        self.assertEqual((plain, type(plain), type(plain["tool"])), ({"tool": {"gripper": "open"}}, dict, dict))
+        plain["tool"]["gripper"] = "shut"
+        self.assertEqual(nested["tool"]["gripper"], "open")
+
+    def test_a_timer_adds_up_or_begins_anew(self):
+        for continues, both_s in ((True, 3), (False, 2)):
+            with mock.patch("rafcon.utils.timer.time") as clock, self.assertLogs("own") as logged:
+                clock.perf_counter.side_effect = [0, 1, 5, 7]
+                timer = Timer(logging.getLogger("own"), "work", continues)
+                starts = [timer.start(), timer.stop("first"), timer.start(), timer.stop()]
+            self.assertEqual((starts, timer.count, timer.duration), ([1, None, 2, None], 2, both_s))
+            self.assertEqual(logged.output, ["INFO:own:work first took 1.000000 s", f"INFO:own:work took {both_s}.000000 s"])
+
+    def test_a_time_stamp_is_in_microseconds(self):
+        with mock.patch("time.time", return_value=1.5):
+            stamp = generate_time_stamp()
+        self.assertEqual((stamp, type(stamp)), (1_500_000, int))
+
     def test_geometry(self):
         self.assertEqual((geometry.dist((0, 0), (3, 4)), geometry.deg2rad(180)), (5, geometry.pi))
         self.assertEqual([geometry.equal((1.04, 2), (1, 2), digit) for digit in (None, 1)], [False, True])
@@ -296,8 +345,6 @@ class Helpers(unittest.TestCase):
         self.assertEqual(work(), "done")
 
     def test_views_of_a_log(self):
-        import logging
-
         class View:
             def __init__(self):
                 self.seen = []
@@ -317,7 +364,6 @@ class Helpers(unittest.TestCase):
 
     def test_texts_are_themselves_without_a_translation(self):
         import builtins
-        from unittest import mock
 
         self.addCleanup(lambda: builtins.__dict__.pop("_", None))
         with mock.patch.dict(os.environ, LC_ALL="nowhere"), self.assertLogs("rafcon", "WARNING") as logged:

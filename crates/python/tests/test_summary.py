@@ -298,6 +298,29 @@ class Histories(Built):
             """,
         )
 
+    def test_a_history_stays_until_the_next_run(self):
+        self.check(
+            """
+            def run():
+                engine.start(machine.state_machine_id)
+                engine.join()
+                return [item.sequence for item in machine.execution_histories[0]]
+            first = run()
+            machine.clear_execution_histories()
+            machine.destroy_execution_histories()
+            print(len(first) > 0, [item.sequence for item in machine.execution_histories[0]] == first)
+            print(len(run()) == len(first))
+            """,
+            """
+            one
+            two
+            True True
+            one
+            two
+            True
+            """,
+        )
+
     def test_items_say_what_they_are(self):
         text = """
         from rafcon.core.execution.execution_history_items import (

@@ -4,7 +4,7 @@ from rafcon.core.state_elements.data_port import DataPort
 from rafcon.core.state_elements.state_element import StateElement
 from rafcon.core.states.state import State
 
-def generate_time_stamp() -> float: ...
+def generate_time_stamp() -> int: ...
 
 class ScopedVariable(DataPort):
     def __init__(
