@@ -67,6 +67,23 @@ class BadScripts(unittest.TestCase):
     def test_it_exits(self):
         self.check("import sys\ndef execute(*a):\n    sys.exit('enough')\n", "SystemExit('enough')", "SystemExit: enough")
 
+    def test_a_forked_process_may_fork_again(self):
+        text = """
+import os
+def ended(process):
+    return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+def execute(self, inputs, outputs, gvm):
+    child = os.fork()
+    if child == 0:
+        grandchild = os.fork()
+        os._exit(5 if grandchild == 0 else ended(grandchild))
+    print(ended(child))
+    return 0
+"""
+        result = self.run_one(text)
+        self.assertEqual((result.logged("stdout"), result.printed["stderr"]), (["5"], ""))
+        self.assertEqual((result.outcome, result.exit_code), ("success", 0))
+
     def test_it_raises_what_ends_programs(self):
         self.check("def execute(*a):\n    raise KeyboardInterrupt\n", "KeyboardInterrupt()")
         self.check("def execute(*a):\n    raise GeneratorExit\n", "GeneratorExit()")
