@@ -1,8 +1,11 @@
 """The client that docs/api.md prints does what the document says, as it is printed there."""
 
+import runpy
 import subprocess
 import sys
+import time
 import unittest
+from unittest import mock
 
 from house import House, REPOSITORY
 
@@ -49,6 +52,17 @@ class TheClientInTheDocument(unittest.TestCase):
         told = list(program.stdout)
         self.assertEqual(program.wait(), 0)
         self.check(told)
+
+    def test_its_commands_do_not_go_by_its_own_clock(self):
+        client = runpy.run_path(str(self.house.folder / "rafcon_client.py"))["Rafcon"](self.house.link)
+        run = client.start("examples", "hierarchy_and_data", hold=True)
+        events = client.follow(run)
+        self.addCleanup(events.close)
+        for ahead_s in (3600, -60):
+            next(entry for entry in events if entry["event"]["type"] == "held")
+            wrong_s = time.time() + ahead_s
+            with self.subTest(ahead_s=ahead_s), mock.patch("time.time", return_value=wrong_s):
+                self.assertEqual(client.command(run, "step_into")["answer"], "applied")
 
     def test_goes_on_after_the_server_was_killed(self):
         program = self.stepping()
