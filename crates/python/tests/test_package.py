@@ -3,6 +3,7 @@
 import ast
 import importlib
 import importlib.util
+import inspect
 import os
 import pathlib
 import pkgutil
@@ -59,6 +60,19 @@ class Package(unittest.TestCase):
             for node in undescribed(tree):
                 self.fail("%s:%d: `%s` has no docstring" % (file, node.lineno, node.name))
 
+    def test_decorated_methods_show_their_own_parameters(self):
+        shown, written = {}, {}
+        for file in files():
+            for cls, method in decorated(ast.parse((stage.PACKAGE / file).read_text(encoding="utf-8"))):
+                module = importlib.import_module(file[: -len(".py")].replace("/", "."))
+                found = getattr(getattr(module, cls.name), method.name)
+                place = f"{file} {cls.name}.{method.name}"
+                shown[place] = found.__name__, list(inspect.signature(found).parameters)
+                written[place] = method.name, [word.arg for word in method.args.args]
+        self.assertEqual(shown, written)
+        self.assertIn("rafcon/core/states/_changes.py StateChanges.add_outcome", shown)
+        self.assertIn("rafcon/core/execution/execution_engine.py ExecutionEngine.start", shown)
+
     def test_the_version_is_that_of_the_workspace(self):
         workspace = (stage.PACKAGE.parents[2] / "Cargo.toml").read_text()
         self.assertIn(f'version = "{rafcon.__version__}"', workspace)
@@ -91,6 +105,9 @@ class Package(unittest.TestCase):
         self.assertEqual([name for name in names if importlib.util.find_spec("rafcon." + name)], [])
 
 
+WRAPPING = [ast.dump(ast.parse(name).body[0].value) for name in ("lock_state_machine", "Observable.observed")]
+
+
 def undescribed(tree):
     """Public classes, functions and methods without a docstring; what overrides a standard class needs none."""
     classes = [node for node in tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
@@ -98,6 +115,15 @@ def undescribed(tree):
     methods = [node for cls in classes for node in cls.body if isinstance(node, ast.FunctionDef) and not setter(node)]
     named = [node for node in classes + functions + methods if not node.name.startswith("_")]
     return [node for node in named if not ast.get_docstring(node)]
+
+
+def decorated(tree):
+    """Public methods whose calls go through another function, each behind its class."""
+    for cls in (node for node in tree.body if isinstance(node, ast.ClassDef)):
+        for node in cls.body:
+            if isinstance(node, ast.FunctionDef) and not node.name.startswith("_") and len(node.decorator_list) == 1:
+                if ast.dump(node.decorator_list[0]) in WRAPPING:
+                    yield cls, node
 
 
 def setter(function):
