@@ -88,6 +88,29 @@ class Libraries(unittest.TestCase):
             """,
         )
 
+    def test_own_values_are_no_matter_for_the_log(self):
+        self.check(
+            """
+            import logging, sys
+            logging.basicConfig(stream=sys.stdout, level=logging.INFO, format="%(levelname)s %(message)s")
+            state = library()
+            state.set_input_runtime_value(0, "Alice")
+            state.input_data_port_runtime_values = {1: 7}
+            state.set_use_input_runtime_value(1, False)
+            state.set_output_runtime_value(2, 5)
+            state.set_use_output_runtime_value(2, False)
+            found = saved(state)
+            print(found.input_data_port_runtime_values, found.use_runtime_value_input_data_ports)
+            print(found.output_data_port_runtime_values, found.use_runtime_value_output_data_ports)
+            run(found)
+            """,
+            """
+            {0: 'Alice', 1: 7} {0: True, 1: False}
+            {2: 5} {2: False}
+            {'where': 'Alice', 'speed': 3}
+            """,
+        )
+
     def test_wrong_own_values_are_refused(self):
         self.check(
             """
