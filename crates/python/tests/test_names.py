@@ -239,6 +239,15 @@ class Start(unittest.TestCase):
         code, said = self.start("-o", self.machine())
         self.assertEqual((code, said.splitlines()), (0, ["runs"]))
 
+    def test_who_has_no_configuration_is_not_warned(self):
+        program = f"""
+        import logging, sys
+        from rafcon.core import start
+        logging.basicConfig(stream=sys.stdout, level=logging.WARNING)
+        print(start.main(["-o", {self.machine()!r}]))
+        """
+        self.assertEqual(call(program).splitlines(), ["runs", "0"])
+
     def test_its_help_names_the_options(self):
         done = subprocess.run(
             [sys.executable, "-m", "rafcon.core.start", "--help"],

@@ -136,7 +136,7 @@ def setup_configuration(config_path):
     """Reads a ``config.yaml`` (a file, or the folder with it) and finds the libraries that it names."""
     if config_path is not None:
         folder, file = config_path, None
-        if not os.path.isdir(config_path):
+        if not os.path.isdir(config_path) and config_path != os.path.expanduser(_CONFIG):
             folder, file = os.path.split(config_path)
         global_config.load(config_file=file, path=folder or None)
     library_manager.initialize()
