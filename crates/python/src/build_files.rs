@@ -37,8 +37,8 @@ pub(crate) fn load_document(
     let loaded = py.detach(|| load(Path::new(path), &libraries)).map_err(|error| {
         PyValueError::new_err(format!("this is no state machine: {}", reason(&error)))
     })?;
-    let problems = loaded.problems.iter().map(ToString::to_string);
-    let problems = problems.chain(faults(&loaded.machine)).collect();
+    let of_files = loaded.problems.iter().filter(|problem| !problem.is_found_by_rules());
+    let problems = of_files.map(ToString::to_string).chain(faults(&loaded.machine)).collect();
     Ok((Document::of(loaded.machine, Some(loaded.saved), libraries), problems))
 }
 

@@ -111,6 +111,25 @@ class Libraries(unittest.TestCase):
             """,
         )
 
+    def test_a_value_of_a_port_that_is_gone_is_logged_once(self):
+        self.check(
+            """
+            import glob, json, logging, sys
+            saved(library())
+            [file] = glob.glob("m/*/core_data.json")
+            with open(file) as text:
+                state = json.load(text)
+            state["input_data_port_runtime_values"]["7"] = 1
+            with open(file, "w") as text:
+                json.dump(state, text)
+            logging.basicConfig(stream=sys.stdout, level=logging.INFO, format="%(levelname)s")
+            storage.load_state_machine_from_path("m")
+            """,
+            """
+            ERROR
+            """,
+        )
+
     def test_wrong_own_values_are_refused(self):
         self.check(
             """

@@ -18,6 +18,13 @@ pub struct LoadProblem {
     pub fault: Fault,
 }
 
+impl LoadProblem {
+    /// Whether the rules of machines find it too, in the machine that was loaded: whoever asks both leaves it out.
+    pub fn is_found_by_rules(&self) -> bool {
+        matches!(self.fault, Fault::LibraryVersion { .. } | Fault::ValueWithoutPort { .. })
+    }
+}
+
 /// What can be wrong with a file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {

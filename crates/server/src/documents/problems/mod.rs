@@ -8,7 +8,7 @@ use crate::ServerState;
 use rafcon_check::{Finding, ScriptFacts, of_files, of_rules_with_repairs, of_scripts};
 use rafcon_model::Machine;
 use rafcon_protocol::api::MachineProblem;
-use rafcon_storage::{Fault, LoadProblem};
+use rafcon_storage::LoadProblem;
 
 /// Every rule that the machine breaks.
 pub(super) fn rules(machine: &Machine) -> Vec<MachineProblem> {
@@ -27,10 +27,8 @@ pub(super) fn scripts(machine: &Machine, server: &ServerState) -> Vec<MachinePro
 
 /// Faults of its files; without those that are found in the machine as it is now.
 pub(super) fn files(problems: &[LoadProblem]) -> Vec<MachineProblem> {
-    let is_found = |problem: &&LoadProblem| {
-        matches!(problem.fault, Fault::LibraryVersion { .. } | Fault::ValueWithoutPort { .. })
-    };
-    let rest: Vec<_> = problems.iter().filter(|problem| !is_found(problem)).cloned().collect();
+    let rest: Vec<_> =
+        problems.iter().filter(|problem| !problem.is_found_by_rules()).cloned().collect();
     told(&of_files(&rest))
 }
 
