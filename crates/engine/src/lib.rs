@@ -19,7 +19,9 @@ pub use breakpoint::{Breakpoint, Scope, Unattended, When};
 pub use configuration::{Interrupted, Restored, RestoredEnd, RestoredVariable};
 pub use datum::{Datum, Globals, Literals, NoGlobals};
 pub use effect::{Check, Effect, Finish, Job, Outbox, Verdict, Verdicts};
-pub use engine::{Active, Activity, Command, Engine, Hold, Inspection, Refusal, Status, Touch};
+pub use engine::{
+    Active, Activity, ChangeEffect, Command, Engine, Hold, Inspection, Refusal, Status,
+};
 pub use event::{Event, HeldBy, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{

@@ -4,8 +4,8 @@
 use crate::build::Document;
 use crate::build_files::LibraryRoots;
 use crate::handle::Handle;
-use crate::keeper::Keeper;
 use crate::process::{PythonHost, adopt};
+use crate::value_serializer::ValueSerializer;
 use crate::{current, fork, runtime::Runtime};
 use parking_lot::Mutex;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
@@ -94,7 +94,7 @@ pub(crate) fn host(
     }
     Runtime::get(py)?.heed_plugins(py)?;
     let built = document.map(|document| document.built(py, &roots.libraries));
-    let kept = |value| Handle::kept(value, &Keeper::before_the_run());
+    let kept = |value| Handle::kept(value, &ValueSerializer::before_the_run());
     let inputs = inputs.into_iter().map(|(name, value)| (name.into(), kept(value))).collect();
     match py.detach(|| serve(stream, PythonHost::embedded(built, inputs))) {
         Ok(()) | Err(ServeError::Load(_)) => Ok(()),

@@ -208,7 +208,7 @@ impl<'py> Request<'_, 'py> {
     fn children(self, verb: &str) -> PyResult<Edit> {
         let ids = |ids: Vec<String>| ids.into_iter().map(StateId::new).collect();
         let edit = match verb {
-            "add" => ChildrenEdit::Add(self.one::<Grown>()?.0),
+            "add" => ChildrenEdit::Add(self.one::<BuiltState>()?.0),
             "remove" => ChildrenEdit::Remove(StateId::new(self.one::<String>()?)),
             "start" => {
                 let (state, outcome): (Option<String>, Option<i64>) = self.all()?;
@@ -226,7 +226,7 @@ impl<'py> Request<'_, 'py> {
                 ChildrenEdit::Ungroup { state: StateId::new(state), fresh: ids(fresh) }
             }
             "substitute" => {
-                let (state, by): (String, Grown) = self.all()?;
+                let (state, by): (String, BuiltState) = self.all()?;
                 ChildrenEdit::Substitute { state: StateId::new(state), by: by.0 }
             }
             _ => return Err(self.unknown()),
@@ -239,9 +239,9 @@ impl<'py> Request<'_, 'py> {
 type Any<'py> = Bound<'py, PyAny>;
 
 /// A state with everything in it, handed over as the document in which it was built.
-struct Grown(Arc<State>);
+struct BuiltState(Arc<State>);
 
-impl<'py> FromPyObject<'_, 'py> for Grown {
+impl<'py> FromPyObject<'_, 'py> for BuiltState {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {

@@ -2,7 +2,7 @@
 #![expect(unsafe_code, reason = "an interpreter looks for a C function of this name")]
 
 use crate::{
-    build_files, build_run, config, describe, edit_run, fork, functions, orders, process,
+    build_files, build_run, config, describe, edit_run, fork, functions, polled_events, process,
     questions, status,
 };
 use pyo3::ffi;
@@ -27,7 +27,7 @@ mod _rafcon {
     #[pymodule_export]
     use super::functions::{current_path, emit, last_left, machine, state_object};
     #[pymodule_export]
-    use super::orders::{command, past};
+    use super::polled_events::{command, past};
     #[pymodule_export]
     use super::process::main;
     #[pymodule_export]

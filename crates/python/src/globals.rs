@@ -1,8 +1,8 @@
 //! The global variables, which live in Python, as the engine and the journal see them.
 
 use crate::handle::Handle;
-use crate::keeper::Keeper;
 use crate::runtime::Runtime;
+use crate::value_serializer::ValueSerializer;
 use crate::{current, thread};
 use pyo3::prelude::*;
 use rafcon_engine::Globals;
@@ -41,7 +41,7 @@ pub(crate) fn restore(py: Python<'_>, name: &str, value: &Handle) -> Result<(), 
 }
 
 /// Keeps every change of a variable from now on.
-pub(crate) fn keep(py: Python<'_>, keeper: &Keeper) -> PyResult<()> {
+pub(crate) fn keep(py: Python<'_>, keeper: &ValueSerializer) -> PyResult<()> {
     if keeper.keeps() {
         let journal = Journal { keeper: keeper.clone() };
         Runtime::get(py)?.keep_globals.call1(py, (journal,))?;
@@ -50,7 +50,7 @@ pub(crate) fn keep(py: Python<'_>, keeper: &Keeper) -> PyResult<()> {
 }
 
 /// The same for one run of several in this process, of which the latest may keep nothing.
-pub(crate) fn keep_embedded(py: Python<'_>, keeper: &Keeper) -> PyResult<()> {
+pub(crate) fn keep_embedded(py: Python<'_>, keeper: &ValueSerializer) -> PyResult<()> {
     let journal = keeper.keeps().then(|| Journal { keeper: keeper.clone() });
     Runtime::get(py)?.keep_globals.call1(py, (journal,))?;
     Ok(())
@@ -70,7 +70,7 @@ struct Kept {
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 struct Journal {
-    keeper: Keeper,
+    keeper: ValueSerializer,
 }
 
 #[pymethods]

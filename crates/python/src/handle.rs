@@ -3,7 +3,7 @@
 
 use crate::class::{self, Class};
 use crate::graveyard;
-use crate::keeper::Keeper;
+use crate::value_serializer::ValueSerializer;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyString, PyTuple};
@@ -75,7 +75,7 @@ impl Handle {
     }
 
     /// A handle whose value is kept. May run code of the user: never called with the engine locked.
-    pub(crate) fn kept(object: Bound<'_, PyAny>, keeper: &Keeper) -> Self {
+    pub(crate) fn kept(object: Bound<'_, PyAny>, keeper: &ValueSerializer) -> Self {
         Self::make(object, |object, kind| match plain(object, kind) {
             Some(kept) => Saved::Plain(kept),
             None if keeper.keeps() => stored(keeper.stored(object, kind.type_name())),
@@ -87,7 +87,7 @@ impl Handle {
     pub(crate) fn carried(
         object: Bound<'_, PyAny>,
         carrier: &Bound<'_, PyAny>,
-        keeper: &Keeper,
+        keeper: &ValueSerializer,
     ) -> Self {
         let type_name = Kind::of(&object).type_name();
         let kept = keeper.stored_as(&object, type_name, carrier);

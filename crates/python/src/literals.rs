@@ -1,8 +1,8 @@
 //! Values of files as Python objects.
 
 use crate::handle::Handle;
-use crate::keeper::Keeper;
 use crate::runtime::Runtime;
+use crate::value_serializer::ValueSerializer;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyString, PyTuple};
@@ -45,7 +45,7 @@ fn made(conversion: Conversion, value: &Value, data_type: &DataType) -> Result<H
 }
 
 fn kept(object: Bound<'_, PyAny>) -> Handle {
-    Handle::kept(object, &Keeper::before_the_run())
+    Handle::kept(object, &ValueSerializer::before_the_run())
 }
 
 fn by_python<'py>(

@@ -2,8 +2,8 @@
 
 use crate::current;
 use crate::handle::Handle;
-use crate::keeper::Keeper;
-use crate::seat::Seat;
+use crate::state_table::StateSlot;
+use crate::value_serializer::ValueSerializer;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,7 +11,7 @@ use rafcon_protocol::LogLevel;
 use rafcon_runner::Keep;
 
 /// Writes the persistent variables of the state at `seat` down, if they are not what they were.
-pub(crate) fn keep(py: Python<'_>, seat: &Seat, keeper: &Keeper) {
+pub(crate) fn keep(py: Python<'_>, seat: &StateSlot, keeper: &ValueSerializer) {
     if current::is_forked() {
         return;
     }
@@ -21,7 +21,7 @@ pub(crate) fn keep(py: Python<'_>, seat: &Seat, keeper: &Keeper) {
     }
 }
 
-fn changed(py: Python<'_>, seat: &Seat, keeper: &Keeper) -> PyResult<()> {
+fn changed(py: Python<'_>, seat: &StateSlot, keeper: &ValueSerializer) -> PyResult<()> {
     let variables = seat.object.bind(py).getattr(intern!(py, "persistent_variables"))?;
     let before = seat.persistent();
     if before.is_none() && variables.cast_exact::<PyDict>().is_ok_and(PyDictMethods::is_empty) {

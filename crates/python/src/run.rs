@@ -2,11 +2,11 @@
 
 use crate::copy::copied;
 use crate::handle::Handle;
-use crate::keeper::Keeper;
 use crate::returned::returned;
 use crate::runtime::Runtime;
 use crate::script::Script;
-use crate::seat::Seat;
+use crate::state_table::StateSlot;
+use crate::value_serializer::ValueSerializer;
 use crate::{current, module, scripts};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -20,9 +20,9 @@ use rafcon_runner::signals::PREEMPTED;
 pub(crate) fn run(
     py: Python<'_>,
     script: &Script,
-    seat: &Seat,
+    seat: &StateSlot,
     job: &Job<Handle>,
-    keeper: &Keeper,
+    keeper: &ValueSerializer,
 ) -> ScriptResult<Handle> {
     let outcome = Runtime::get(py).and_then(|runtime| {
         let call = Call { py, runtime, script, seat, job, keeper };
@@ -47,9 +47,9 @@ struct Call<'c, 'py> {
     py: Python<'py>,
     runtime: &'c Runtime,
     script: &'c Script,
-    seat: &'c Seat,
+    seat: &'c StateSlot,
     job: &'c Job<Handle>,
-    keeper: &'c Keeper,
+    keeper: &'c ValueSerializer,
 }
 
 impl<'py> Call<'_, 'py> {

@@ -44,7 +44,7 @@ pub(crate) struct Script {
 
 /// How a script is compiled and run.
 #[derive(Debug)]
-pub(crate) struct How {
+pub(crate) struct CompileContext {
     /// The file that tracebacks name.
     pub(crate) file: String,
     /// Whether the module's body runs at each entry of the state.
@@ -55,7 +55,12 @@ pub(crate) struct How {
 
 impl Script {
     /// Makes ready what is known before the script runs.
-    pub(crate) fn new(py: Python<'_>, program: &Program<Handle>, node: NodeId, how: How) -> Self {
+    pub(crate) fn new(
+        py: Python<'_>,
+        program: &Program<Handle>,
+        node: NodeId,
+        how: CompileContext,
+    ) -> Self {
         let node: &Node<Handle> = program.node(node);
         declare_types(py, node.inputs());
         declare_types(py, node.outputs());

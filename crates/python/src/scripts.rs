@@ -2,12 +2,12 @@
 
 use crate::globals::{self, PythonGlobals};
 use crate::handle::Handle;
-use crate::keeper::Keeper;
 use crate::literals::{self, PythonLiterals};
 use crate::run::run;
 use crate::runtime::Runtime;
-use crate::seat::Seat;
-use crate::seating::Seating;
+use crate::state_objects::StateObjects;
+use crate::state_table::StateSlot;
+use crate::value_serializer::ValueSerializer;
 use crate::{build_run, condition, current, graveyard, persistent, process, restore, thread};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -29,23 +29,23 @@ pub(crate) struct PythonScripts {
     pub(crate) machine: Machine,
     pub(crate) files: StateFiles,
     pub(crate) config: Config,
-    pub(crate) keeper: Keeper,
-    pub(crate) seating: Seating,
+    pub(crate) keeper: ValueSerializer,
+    pub(crate) seating: StateObjects,
     globals: PythonGlobals,
 }
 
 impl PythonScripts {
     pub(crate) fn new(opening: Opening<Handle>) -> Self {
         let Opening { machine, program, files, config, keeping, values } = opening;
-        let keeper = Keeper::new(keeping == Keeping::Full, values);
-        let seating = Seating::new(program);
+        let keeper = ValueSerializer::new(keeping == Keeping::Full, values);
+        let seating = StateObjects::new(program);
         Self { machine, files, config, keeper, seating, globals: PythonGlobals }
     }
 
-    fn run_at(&self, py: Python<'_>, seat: &Seat, job: &Job<Handle>) -> ScriptResult<Handle> {
+    fn run_at(&self, py: Python<'_>, seat: &StateSlot, job: &Job<Handle>) -> ScriptResult<Handle> {
         let script = self.script_of(py, seat);
         if !self.keeper.keeps() || seat.place.keeping != Keeping::Full {
-            return run(py, &script, seat, job, &Keeper::NONE);
+            return run(py, &script, seat, job, &ValueSerializer::NONE);
         }
         let result = run(py, &script, seat, job, &self.keeper);
         persistent::keep(py, seat, &self.keeper);
@@ -207,7 +207,7 @@ impl Scripts for PythonScripts {
 /// The answer for a script that could not begin.
 pub(crate) fn failed(py: Python<'_>, error: PyErr) -> ScriptResult<Handle> {
     let error = error.into_value(py).into_bound(py).into_any();
-    let error = Handle::kept(error, &Keeper::before_the_run());
+    let error = Handle::kept(error, &ValueSerializer::before_the_run());
     ScriptResult { returned: Returned::Raised, outputs: Vec::new(), error: Some(error) }
 }
 

@@ -1,6 +1,6 @@
 //! What the program takes from its environment, read once where it starts and passed on as a value.
 
-use rafcon_supervisor::Surroundings;
+use rafcon_supervisor::ProgramEnvironment;
 use std::env;
 use std::fmt;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Environment {
     /// What runners and the folders of runs are found by.
-    pub(crate) surroundings: Surroundings,
+    pub(crate) surroundings: ProgramEnvironment,
     /// The folder of programs' configuration: `XDG_CONFIG_HOME`, else the usual one.
     pub(crate) config_home: Option<PathBuf>,
     /// `RAFCON_TOKEN`: lets one in at a server.
@@ -46,7 +46,7 @@ impl Environment {
     pub(crate) fn read() -> Self {
         let set = |name: &str| env::var_os(name).filter(|value| !value.is_empty());
         Self {
-            surroundings: Surroundings {
+            surroundings: ProgramEnvironment {
                 virtual_env: set("VIRTUAL_ENV").map(PathBuf::from),
                 extension: set("RAFCON_EXTENSION").map(PathBuf::from),
                 program: env::current_exe().ok().map(|file| file.canonicalize().unwrap_or(file)),

@@ -6,13 +6,13 @@ mod clock;
 mod commands;
 mod console;
 mod environment;
+mod event_queue;
 mod failure;
 mod machine;
 mod runs;
 mod supervisor;
 mod templates;
 mod view;
-mod wires;
 
 use clap::Parser as _;
 use std::process::ExitCode;

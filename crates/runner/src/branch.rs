@@ -40,7 +40,7 @@ impl<D> BranchTask<D> {
 
 /// What a thread is told.
 #[derive(Debug)]
-pub(crate) enum Mail<D> {
+pub(crate) enum BranchMessage<D> {
     /// Run this script of your branch, and what follows it.
     Run(BranchTask<D>),
     /// Branches without a thread may be waiting.
@@ -54,7 +54,7 @@ pub(crate) enum Mail<D> {
 pub(crate) struct Worker<D> {
     /// Its place in the list of active scripts.
     pub(crate) slot: usize,
-    pub(crate) mailbox: Mailbox<Mail<D>>,
+    pub(crate) mailbox: Mailbox<BranchMessage<D>>,
 }
 
 /// Starts a thread that lives in the interpreter and looks for a branch at once.
@@ -71,15 +71,15 @@ pub(crate) fn start<S: Scripts>(
 }
 
 fn live<S: Scripts>(driver: &Arc<Driver<S>>, worker: &Arc<Worker<S::Value>>) {
-    let mut mail = Mail::Seek;
+    let mut mail = BranchMessage::Seek;
     loop {
         let turn = match mail {
-            Mail::Run(turn) => Some(turn),
-            Mail::Seek => driver.seek(worker),
-            Mail::End => return,
+            BranchMessage::Run(turn) => Some(turn),
+            BranchMessage::Seek => driver.seek(worker),
+            BranchMessage::End => return,
         };
         follow(driver, turn);
-        mail = Mail::End;
+        mail = BranchMessage::End;
         driver.scripts().park(&mut || mail = worker.mailbox.wait());
     }
 }

@@ -1,6 +1,6 @@
 //! What viewers send: each command once, whoever sends it and whichever runner the run has, every one answered; questions about active states.
 
-use crate::connection::{Sender, Words};
+use crate::connection::{IncomingLine, Sender};
 use crate::driver::Driver;
 use crate::{Scripts, inquiry, tell};
 use rafcon_locks::{Condvar, Mutex};
@@ -16,7 +16,7 @@ pub(crate) type Answers = VecDeque<(String, Answer)>;
 
 /// Where all viewers of a run hand their commands in.
 #[derive(Debug)]
-pub(crate) struct Desk<S: Scripts> {
+pub(crate) struct CommandDispatcher<S: Scripts> {
     driver: Arc<Driver<S>>,
     /// The latest commands.
     known: Mutex<VecDeque<KnownCommand>>,
@@ -33,7 +33,7 @@ struct KnownCommand {
     answer: Option<Answer>,
 }
 
-impl<S: Scripts> Desk<S> {
+impl<S: Scripts> CommandDispatcher<S> {
     /// A desk at which these commands were answered: by the runners before, if there were any.
     pub(crate) fn new(driver: Arc<Driver<S>>, answers: Answers) -> Self {
         let known = |(id, answer)| KnownCommand { id, asks: None, answer: Some(answer) };
@@ -42,12 +42,17 @@ impl<S: Scripts> Desk<S> {
     }
 
     /// Serves one viewer until it goes away. `answering` is held from a command to its answer.
-    pub(crate) fn serve(&self, heard: &Receiver<Words>, sender: &Sender, answering: &Mutex<()>) {
+    pub(crate) fn serve(
+        &self,
+        heard: &Receiver<IncomingLine>,
+        sender: &Sender,
+        answering: &Mutex<()>,
+    ) {
         for words in heard {
             let _until_it_is_answered = answering.lock();
             match words {
-                Words::Text(text) => self.read(&text, sender),
-                Words::Nonsense => self.complain("a line that is no text, or too long"),
+                IncomingLine::Text(text) => self.read(&text, sender),
+                IncomingLine::Nonsense => self.complain("a line that is no text, or too long"),
             }
         }
     }

@@ -69,7 +69,7 @@ fn attempt<T>(act: impl FnOnce() -> Result<T, JournalError>) -> Result<T, String
 
 /// Pauses the run while nothing can be made safe, until the record is closed.
 pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
-    let attendant = Attendant { driver };
+    let attendant = DiskReporter { driver };
     let mut was = false;
     while let Some(turn) = driver.recorder().safety().next_turn(was) {
         match turn {
@@ -88,11 +88,11 @@ pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
     }
 }
 
-struct Attendant<'d, S: Scripts> {
+struct DiskReporter<'d, S: Scripts> {
     driver: &'d Arc<Driver<S>>,
 }
 
-impl<S: Scripts> Attendant<'_, S> {
+impl<S: Scripts> DiskReporter<'_, S> {
     /// Nothing must happen that is not kept.
     fn fails(&self, problem: &str) {
         let mut pauses = self.driver.journal_pauses().lock();

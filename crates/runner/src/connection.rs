@@ -49,16 +49,16 @@ pub fn descriptors() -> Vec<RawFd> {
 
 /// A descriptor that a forked copy lets go of.
 #[derive(Debug)]
-pub(crate) struct Ours<T: AsRawFd>(pub(crate) T);
+pub(crate) struct TrackedDescriptor<T: AsRawFd>(pub(crate) T);
 
-impl<T: AsRawFd> Ours<T> {
+impl<T: AsRawFd> TrackedDescriptor<T> {
     pub(crate) fn new(socket: T) -> Self {
         OPEN.lock().insert(socket.as_raw_fd());
         Self(socket)
     }
 }
 
-impl<T: AsRawFd> Drop for Ours<T> {
+impl<T: AsRawFd> Drop for TrackedDescriptor<T> {
     fn drop(&mut self) {
         OPEN.lock().remove(&self.0.as_raw_fd());
     }
@@ -66,7 +66,7 @@ impl<T: AsRawFd> Drop for Ours<T> {
 
 /// The socket. There is one descriptor of it and no copy, so that a forked process can let go of it.
 #[derive(Debug, Clone)]
-pub(crate) struct Socket(Arc<Ours<UnixStream>>);
+pub(crate) struct Socket(Arc<TrackedDescriptor<UnixStream>>);
 
 impl Read for Socket {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
@@ -77,7 +77,7 @@ impl Read for Socket {
 impl Socket {
     /// A connection that nothing was said on.
     pub(crate) fn new(stream: UnixStream) -> Self {
-        Self(Arc::new(Ours::new(stream)))
+        Self(Arc::new(TrackedDescriptor::new(stream)))
     }
 
     /// Whether both are the same connection.
@@ -113,7 +113,7 @@ pub(crate) struct Receiver {
 
 /// One line that was read.
 #[derive(Debug)]
-pub(crate) enum Words {
+pub(crate) enum IncomingLine {
     /// A text, without its newline.
     Text(String),
     /// Something that is no line of text.
@@ -169,7 +169,7 @@ impl Sender {
 
 impl Receiver {
     /// The next line; `None` when the viewer is gone.
-    pub(crate) fn line(&mut self) -> Option<Words> {
+    pub(crate) fn line(&mut self) -> Option<IncomingLine> {
         self.line.clear();
         let mut limited = self.lines.by_ref().take(LINE_BYTES_MAX);
         let count = limited.read_until(b'\n', &mut self.line).ok()?;
@@ -177,18 +177,18 @@ impl Receiver {
             return None;
         }
         if self.line.pop() != Some(b'\n') {
-            return Some(Words::Nonsense);
+            return Some(IncomingLine::Nonsense);
         }
         let text = String::from_utf8(std::mem::take(&mut self.line));
-        Some(text.map_or(Words::Nonsense, Words::Text))
+        Some(text.map_or(IncomingLine::Nonsense, IncomingLine::Text))
     }
 
     /// The next line as a message.
     pub(crate) fn message<T: DeserializeOwned>(&mut self) -> Result<T, TalkError> {
         match self.line() {
             None => Err(TalkError::Gone),
-            Some(Words::Text(text)) => Ok(decode(&text)?),
-            Some(Words::Nonsense) => Ok(decode("(not a line of text)")?),
+            Some(IncomingLine::Text(text)) => Ok(decode(&text)?),
+            Some(IncomingLine::Nonsense) => Ok(decode("(not a line of text)")?),
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use crate::active::Active;
 use crate::branch::{BranchTask, BranchWork, Worker};
-use crate::crew::Crew;
 use crate::last::Last;
 use crate::level;
 use crate::names::Numbering;
 use crate::signals::{PAUSED, PREEMPTED, STARTED};
+use crate::worker_pool::WorkerPool;
 use crate::{Place, Places};
 use rafcon_engine::{BranchId, Check, Datum, Engine, Input, Job, NodeId, Outbox, PathId, Program};
 use rafcon_protocol::Keeping;
@@ -27,7 +27,7 @@ pub(crate) struct Core<D> {
     pub(crate) generation: u32,
     /// The same places, for those who do not hold the engine.
     places: Arc<Places>,
-    pub(crate) crew: Crew<D>,
+    pub(crate) crew: WorkerPool<D>,
     pub(crate) threads: Vec<JoinHandle<()>>,
     /// The engine has panicked.
     pub(crate) is_broken: bool,
@@ -49,7 +49,7 @@ pub(crate) struct KnownPlace<D> {
 pub(crate) type Next<D> = Option<BranchTask<D>>;
 
 /// What an input comes to, for the thread that gives it.
-pub(crate) struct Turning<D> {
+pub(crate) struct InputOutcome<D> {
     /// The thread's branch; none for a command from outside.
     own: Option<BranchId>,
     /// The next script of that branch.
@@ -58,7 +58,7 @@ pub(crate) struct Turning<D> {
     freed: Option<Arc<Worker<D>>>,
 }
 
-impl<D> Turning<D> {
+impl<D> InputOutcome<D> {
     /// Nothing came of it yet.
     pub(crate) fn of(own: Option<BranchId>) -> Self {
         Self { own, next: None, freed: None }
@@ -75,7 +75,7 @@ impl<D: Datum> Core<D> {
             numbering: Numbering::default(),
             generation: 1,
             places,
-            crew: Crew::new(active),
+            crew: WorkerPool::new(active),
             threads: Vec::new(),
             is_broken: false,
             flags: 0,
@@ -152,7 +152,7 @@ impl<D: Datum> Core<D> {
         }
     }
 
-    pub(crate) fn dispatch(&mut self, begun: BranchTask<D>, turn: &mut Turning<D>) {
+    pub(crate) fn dispatch(&mut self, begun: BranchTask<D>, turn: &mut InputOutcome<D>) {
         if turn.own == Some(begun.branch()) {
             self.crew.go_on(&begun);
             turn.next = Some(begun);
@@ -161,7 +161,7 @@ impl<D: Datum> Core<D> {
         }
     }
 
-    pub(crate) fn end_branch(&mut self, branch: BranchId, turn: &mut Turning<D>) {
+    pub(crate) fn end_branch(&mut self, branch: BranchId, turn: &mut InputOutcome<D>) {
         let worker = self.crew.end(branch);
         if turn.own == Some(branch) {
             turn.freed = worker;
@@ -171,7 +171,7 @@ impl<D: Datum> Core<D> {
     }
 
     /// What the thread that gave the input does next.
-    pub(crate) fn settle(&mut self, turn: Turning<D>) -> Next<D> {
+    pub(crate) fn settle(&mut self, turn: InputOutcome<D>) -> Next<D> {
         match (turn.next, turn.freed, turn.own) {
             (Some(next), _, _) => Some(next),
             (None, Some(freed), _) => self.crew.take(freed),

@@ -3,16 +3,16 @@
 
 use crate::active::Active;
 use crate::branch::{self, BranchWork, Worker};
-use crate::core::{Core, Next, Turning};
+use crate::core::{Core, InputOutcome, Next};
 use crate::document::Document;
 use crate::points::Points;
 use crate::pulse::Pulse;
 use crate::questions::Questions;
+use crate::record_events::{self, ExtraRecords};
 use crate::recorder::Recorder;
 use crate::roots::Roots;
 use crate::signals::PREEMPTED;
 use crate::timers::Timers;
-use crate::written::{self, Beside};
 use crate::{Clock, Places, Scripts, tell};
 use rafcon_engine::{
     BranchId, Effect, Event, Finish, Input, Job, NodeId, PathId, Program, Refusal,
@@ -273,7 +273,7 @@ impl<S: Scripts> Driver<S> {
         self: &Arc<Self>,
         input: Input<S::Value>,
         late: impl FnOnce() -> bool + Send,
-        then: impl FnOnce() -> Beside + Send,
+        then: impl FnOnce() -> ExtraRecords + Send,
     ) -> Result<(), NotTaken> {
         if matches!(input, Input::Stop) {
             // Whoever holds the engine may wait for a disk that refuses.
@@ -303,7 +303,7 @@ impl<S: Scripts> Driver<S> {
         input: Input<S::Value>,
         own: Option<BranchId>,
     ) -> Result<Next<S::Value>, Refusal> {
-        self.drive_beside(core, input, own, Beside::default)
+        self.drive_beside(core, input, own, ExtraRecords::default)
     }
 
     fn drive_beside(
@@ -311,13 +311,13 @@ impl<S: Scripts> Driver<S> {
         core: &mut Core<S::Value>,
         input: Input<S::Value>,
         own: Option<BranchId>,
-        then: impl FnOnce() -> Beside,
+        then: impl FnOnce() -> ExtraRecords,
     ) -> Result<Next<S::Value>, Refusal> {
         if core.is_broken {
             return Err(Refusal::Broken);
         }
         let drive = || -> Result<Next<S::Value>, Refusal> {
-            let mut turn = Turning::of(own);
+            let mut turn = InputOutcome::of(own);
             core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
             self.carry_out(core, &mut turn, then());
             self.answer_pending(core, &mut turn)?;
@@ -342,7 +342,7 @@ impl<S: Scripts> Driver<S> {
     fn staff(self: &Arc<Self>, core: &mut Core<S::Value>) {
         self.recruit(core);
         while !core.pending.is_empty() {
-            let mut outside = Turning::of(None);
+            let mut outside = InputOutcome::of(None);
             if let Err(refusal) = self.answer_pending(core, &mut outside) {
                 self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
             }
@@ -354,20 +354,25 @@ impl<S: Scripts> Driver<S> {
     fn answer_pending(
         self: &Arc<Self>,
         core: &mut Core<S::Value>,
-        turn: &mut Turning<S::Value>,
+        turn: &mut InputOutcome<S::Value>,
     ) -> Result<(), Refusal> {
         while let Some(input) = core.pending.pop_front() {
             core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
-            self.carry_out(core, turn, Beside::default());
+            self.carry_out(core, turn, ExtraRecords::default());
         }
         Ok(())
     }
 
-    fn carry_out(&self, core: &mut Core<S::Value>, turn: &mut Turning<S::Value>, beside: Beside) {
+    fn carry_out(
+        &self,
+        core: &mut Core<S::Value>,
+        turn: &mut InputOutcome<S::Value>,
+        beside: ExtraRecords,
+    ) {
         let entered = self.look_ahead(core);
         let now_ns = self.clock.now_ns();
         self.pulse.moved(now_ns);
-        written::record(core, &self.scripts, now_ns, (&self.recorder, beside));
+        record_events::record(core, &self.scripts, now_ns, (&self.recorder, beside));
         self.set_alarms(core, &entered);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {
@@ -380,7 +385,7 @@ impl<S: Scripts> Driver<S> {
     fn carry_out_one(
         &self,
         core: &mut Core<S::Value>,
-        turn: &mut Turning<S::Value>,
+        turn: &mut InputOutcome<S::Value>,
         effect: Effect<S::Value>,
     ) {
         match effect {

@@ -3,7 +3,7 @@
 
 use crate::core::Core;
 use crate::driver::RunEnd;
-use crate::timers::{Due, What};
+use crate::timers::{Due, TimerAction};
 use crate::{Driver, Scripts, tell};
 use rafcon_engine::{Input, Refusal};
 use rafcon_model::StatePath;
@@ -17,8 +17,8 @@ pub(crate) const CUT_OFF: i32 = 86;
 pub(crate) fn serve<S: Scripts>(driver: &Arc<Driver<S>>) {
     while let Some(due) = driver.timers().next(driver.clock()) {
         match due.what {
-            What::Deadline => driver.deadline_passed(&due),
-            What::Grace => driver.cut_off(&due),
+            TimerAction::Deadline => driver.deadline_passed(&due),
+            TimerAction::Grace => driver.cut_off(&due),
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use crate::active::Active;
 use crate::commands::Answers;
-use crate::company::Company;
 use crate::connection::{self, Line, Socket, TalkError};
 use crate::document::Document;
 use crate::driver::{Driver, RunEnd};
-use crate::join::{Closer, Door};
+use crate::listener::{ListenerCloser, ViewerListener};
 use crate::prepare::{Prepared, prepare, reason};
 use crate::recorder::Recorder;
 use crate::resume::{Resumed, ResumedPast};
+use crate::viewer_set::ViewerSet;
 use crate::{Clock, Host, Scripts, committer, due, journal, stop, tell};
 use rafcon_engine::{Finish, Input, Program, Start};
 use rafcon_model::Machine;
@@ -150,14 +150,14 @@ struct Begun<S: Scripts> {
     /// The commands that the runners before have answered.
     answers: Answers,
     signals: (Signals, Handle),
-    door: Option<Door>,
-    closer: Option<Closer>,
+    door: Option<ViewerListener>,
+    closer: Option<ListenerCloser>,
 }
 
 impl<S: Scripts> Begun<S> {
     fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
         let Self { driver, loaded, from, answers, signals: (signals, handle), door, closer } = self;
-        let company = Company::new(Arc::clone(&driver), loaded, answers);
+        let company = ViewerSet::new(Arc::clone(&driver), loaded, answers);
         let (driver, company) = (&driver, &company);
         thread::scope(|scope| {
             let watch = Watch { line, join: first(launch, from), signals, door };
@@ -186,7 +186,7 @@ struct Watch {
     line: Line,
     join: Join,
     signals: Signals,
-    door: Option<Door>,
+    door: Option<ViewerListener>,
 }
 
 impl Watch {
@@ -195,7 +195,7 @@ impl Watch {
         self,
         scope: &'scope Scope<'scope, '_>,
         driver: &'scope Arc<Driver<S>>,
-        company: &'scope Company<S>,
+        company: &'scope ViewerSet<S>,
     ) -> io::Result<()> {
         let Self { line, join, signals, door } = self;
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
@@ -215,9 +215,9 @@ fn first(launch: &Launch, from: u64) -> Join {
     Join { from, every_event: launch.every_event, values: false }
 }
 
-fn open_door(launch: &Launch) -> io::Result<Option<(Door, Closer)>> {
+fn open_door(launch: &Launch) -> io::Result<Option<(ViewerListener, ListenerCloser)>> {
     let folder = launch.run_folder.as_deref().filter(|_| launch.listen);
-    folder.map(Door::open).transpose()
+    folder.map(ViewerListener::open).transpose()
 }
 
 /// Sets the breakpoints and lets the run begin, or go on; the error is for people.

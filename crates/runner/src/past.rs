@@ -3,7 +3,7 @@
 
 use crate::archive::Archive;
 use crate::blocks::Chunk;
-use crate::words::Wording;
+use crate::record_renderer::RecordRenderer;
 use crate::{Clock, Driver, Scripts};
 use rafcon_protocol::Event;
 
@@ -26,7 +26,7 @@ impl<S: Scripts> Driver<S> {
     pub fn past(&self) -> Vec<PastEvent> {
         let (recorder, mut chunk, mut archive) =
             (self.recorder(), Chunk::default(), Archive::default());
-        let wording = Wording::new(recorder, &mut archive, true);
+        let wording = RecordRenderer::new(recorder, &mut archive, true);
         let (began, mut found) = (self.began_ms(), Vec::new());
         let mut next = (recorder.last() + 1).saturating_sub(EVENTS_MAX).max(1);
         while recorder.recent(&mut next, &mut chunk) {

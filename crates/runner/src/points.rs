@@ -1,7 +1,7 @@
 //! The breakpoints of a run in the words of viewers. Knows both vocabularies; what holds where, the engine knows.
 
 use crate::driver::NotTaken;
-use crate::written::Beside;
+use crate::record_events::ExtraRecords;
 use crate::{Driver, Scripts, tell};
 use rafcon_engine as engine;
 use rafcon_engine::Input;
@@ -50,7 +50,7 @@ impl<S: Scripts> Driver<S> {
         input: Input<S::Value>,
         note: impl FnOnce() -> Record + Send,
     ) -> Result<(), String> {
-        let beside = || Beside { first: Some(note()), last: None };
+        let beside = || ExtraRecords { first: Some(note()), last: None };
         self.input_beside(input, || false, beside).map_err(|not_taken| match not_taken {
             NotTaken::Refused(why) => why,
             NotTaken::Late => "it came too late".to_owned(),

@@ -3,8 +3,8 @@
 
 use crate::blocks::{Blocks, Chunk};
 use crate::names::Names;
-use crate::pen::Pen;
 use crate::prepare::reason;
+use crate::record_encoder::RecordEncoder;
 use crate::safety::Safety;
 use rafcon_locks::{Condvar, Mutex, MutexGuard};
 use rafcon_protocol::Keeping;
@@ -38,15 +38,15 @@ pub(crate) struct Recorder {
     /// Where the journal lies, if there is one.
     folder: Option<PathBuf>,
     safety: Safety,
-    ink: Mutex<Ink>,
+    ink: Mutex<RecorderInner>,
     ring: Mutex<Ring>,
     grown: Condvar,
 }
 
 /// What one writer has at a time.
 #[derive(Debug)]
-struct Ink {
-    pen: Pen,
+struct RecorderInner {
+    pen: RecordEncoder,
     /// None if the run is not kept, or not any more.
     journal: Option<Arc<Journal>>,
 }
@@ -86,7 +86,7 @@ impl Recorder {
             keeping: Keeping::Off,
             folder: None,
             safety: Safety::default(),
-            ink: Mutex::new(Ink { pen: Pen::after(0, 0, 0), journal: None }),
+            ink: Mutex::new(RecorderInner { pen: RecordEncoder::after(0, 0, 0), journal: None }),
             ring: Mutex::new(Ring::new(1, limit, u64::MAX)),
             grown: Condvar::new(),
         }
@@ -104,15 +104,15 @@ impl Recorder {
             names.define(0, *number, Arc::new(place.clone()));
         }
         let pen = match taken_up {
-            Some(run) => Pen::after(last, run.t_ns, run.next_value.0.saturating_sub(1)),
-            None => Pen::after(last, 0, 0),
+            Some(run) => RecordEncoder::after(last, run.t_ns, run.next_value.0.saturating_sub(1)),
+            None => RecordEncoder::after(last, 0, 0),
         };
         Self {
             names,
             keeping,
             folder: Some(journal.folder().to_owned()),
             safety: Safety::new(last, strict),
-            ink: Mutex::new(Ink { pen, journal: Some(Arc::new(journal)) }),
+            ink: Mutex::new(RecorderInner { pen, journal: Some(Arc::new(journal)) }),
             ring: Mutex::new(Ring::new(last + 1, MEMORY_BYTES_WITH_JOURNAL, last + 1)),
             grown: Condvar::new(),
         }
@@ -149,8 +149,8 @@ impl Recorder {
     }
 
     /// Begins to write things that happen at once; they are there when the answer is dropped.
-    pub(crate) fn write(&self) -> Writing<'_> {
-        Writing { recorder: self, ink: self.ink.lock() }
+    pub(crate) fn write(&self) -> RecordWriter<'_> {
+        RecordWriter { recorder: self, ink: self.ink.lock() }
     }
 
     /// Adds records that happened at the same time.
@@ -159,14 +159,14 @@ impl Recorder {
         records.into_iter().for_each(|record| pen.note(t_ns, &record));
     }
 
-    fn finish(&self, ink: &mut Ink) {
+    fn finish(&self, ink: &mut RecorderInner) {
         self.keep(ink);
         self.change(|ring| ring.blocks.push(ink.pen.encoded()));
         ink.pen.clear();
     }
 
     /// Gives the journal what was written. It waits for room if it must; the committer needs nothing that the writer holds.
-    fn keep(&self, ink: &mut Ink) {
+    fn keep(&self, ink: &mut RecorderInner) {
         let Some(journal) = &ink.journal else { return };
         let batch = ink.pen.batch();
         let mut was_refused = false;
@@ -296,12 +296,12 @@ impl Recorder {
 
 /// A pen that nobody else has.
 #[derive(Debug)]
-pub(crate) struct Writing<'r> {
+pub(crate) struct RecordWriter<'r> {
     recorder: &'r Recorder,
-    ink: MutexGuard<'r, Ink>,
+    ink: MutexGuard<'r, RecorderInner>,
 }
 
-impl Writing<'_> {
+impl RecordWriter<'_> {
     /// Whether values are kept.
     pub(crate) fn keeps_values(&self) -> bool {
         self.recorder.keeping == Keeping::Full
@@ -324,21 +324,21 @@ impl Writing<'_> {
     }
 }
 
-impl Deref for Writing<'_> {
-    type Target = Pen;
+impl Deref for RecordWriter<'_> {
+    type Target = RecordEncoder;
 
-    fn deref(&self) -> &Pen {
+    fn deref(&self) -> &RecordEncoder {
         &self.ink.pen
     }
 }
 
-impl DerefMut for Writing<'_> {
-    fn deref_mut(&mut self) -> &mut Pen {
+impl DerefMut for RecordWriter<'_> {
+    fn deref_mut(&mut self) -> &mut RecordEncoder {
         &mut self.ink.pen
     }
 }
 
-impl Drop for Writing<'_> {
+impl Drop for RecordWriter<'_> {
     fn drop(&mut self) {
         self.recorder.finish(&mut self.ink);
     }

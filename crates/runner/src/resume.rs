@@ -3,13 +3,13 @@
 
 use crate::begun::begun_at;
 use crate::commands::Answers;
+use crate::dispatch::Order;
 use crate::driver::NotTaken;
 use crate::journal::options;
-use crate::obey::Order;
 use crate::prepare::{Prepared, prepare, reason};
+use crate::record_events::ExtraRecords;
 use crate::recorder::Recorder;
-use crate::revive::{Reviver, Surroundings};
-use crate::written::Beside;
+use crate::restore_values::{RestoreContext, ValueRestorer};
 use crate::{Driver, Host, Scripts, tell};
 use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start, Stopping};
 use rafcon_model::OutcomeId;
@@ -290,7 +290,7 @@ impl<S: Scripts> Driver<S> {
         let (record, place) = left.find_map(|record| Some((record, root(record)?)))?;
         let Record::Left { outcome, outputs, error, .. } = record else { return None };
         let machine = self.machine();
-        let mut reviver = Reviver::new(self.scripts(), reader, &machine);
+        let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
         let mut outputs = reviver.named(&place, &place.outputs, outputs);
         let port = [(0, SmolStr::new("error"))];
         outputs.extend(reviver.named(&place, &port, error.as_slice()));
@@ -332,14 +332,14 @@ impl<S: Scripts> Driver<S> {
             || order.is_late(),
             || {
                 self.put_back(around);
-                Beside { first: Some(record), last: order.note() }
+                ExtraRecords { first: Some(record), last: order.note() }
             },
         )
     }
 
     fn begin_again(&self, reader: &Reader, from: &From) -> Input<S::Value> {
         let machine = self.machine();
-        let mut reviver = Reviver::new(self.scripts(), reader, &machine);
+        let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
         let root = from.root.as_ref();
         let inputs = root.map(|(place, inputs)| reviver.named(place, &place.inputs, inputs));
         self.note_lost_values(reviver.note_lost_values());
@@ -351,9 +351,9 @@ impl<S: Scripts> Driver<S> {
         &self,
         reader: &Reader,
         moment: &Moment,
-    ) -> (Option<rafcon_engine::Restored<S::Value>>, Surroundings<S::Value>) {
+    ) -> (Option<rafcon_engine::Restored<S::Value>>, RestoreContext<S::Value>) {
         let machine = self.machine();
-        let mut reviver = Reviver::new(self.scripts(), reader, &machine);
+        let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
         let root = reviver.root(moment);
         let around = reviver.surroundings(moment);
         self.note_lost_values(reviver.note_lost_values());
@@ -361,8 +361,8 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// Puts global variables and what states keep back.
-    fn put_back(&self, around: Surroundings<S::Value>) {
-        let Surroundings { globals, persistent, mut problems } = around;
+    fn put_back(&self, around: RestoreContext<S::Value>) {
+        let RestoreContext { globals, persistent, mut problems } = around;
         let globals = globals.into_iter().map(|(name, value)| {
             let put = self.scripts().restore_global(&name, value);
             put.map_err(|why| format!("the global variable \"{name}\" cannot be put back: {why}"))

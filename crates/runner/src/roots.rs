@@ -23,12 +23,12 @@ pub(crate) struct Roots {
     /// Those of the first machine.
     files: OnceLock<StateFiles>,
     packer: Mutex<Packer>,
-    wanted: Mailbox<Wanted>,
+    wanted: Mailbox<RootsRequest>,
     done: Mailbox<()>,
 }
 
 #[derive(Debug)]
-enum Wanted {
+enum RootsRequest {
     /// This machine, and what was changed.
     Keep(Arc<Machine>, String),
     End,
@@ -54,7 +54,7 @@ impl<S: Scripts> Driver<S> {
     /// The run goes by `machine` from now on; `change` says what was changed, and nothing for the first.
     pub(crate) fn keep_root(&self, machine: &Arc<Machine>, change: &str) {
         if self.recorder().has_journal() {
-            self.roots().wanted.post(Wanted::Keep(Arc::clone(machine), change.to_owned()));
+            self.roots().wanted.post(RootsRequest::Keep(Arc::clone(machine), change.to_owned()));
         } else if !change.is_empty() {
             self.tell(Event::Root { hash: String::new(), change: change.to_owned() });
         }
@@ -71,7 +71,7 @@ impl<S: Scripts> Driver<S> {
 
     /// No more machines are kept after those that wait.
     pub(crate) fn dismiss_roots(&self) {
-        self.roots().wanted.post(Wanted::End);
+        self.roots().wanted.post(RootsRequest::End);
     }
 
     fn pack(&self, machine: &Machine, files: &StateFiles) -> Pack {
@@ -88,7 +88,7 @@ pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
     let roots = driver.roots();
     // Also if it ends by a panic: somebody waits for that.
     let _done = RootsClosed(&roots.done);
-    while let Wanted::Keep(machine, change) = roots.wanted.wait() {
+    while let RootsRequest::Keep(machine, change) = roots.wanted.wait() {
         let (journal, files) = (driver.recorder().journal(), roots.files.get());
         if let (Some(journal), Some(files)) = (journal, files)
             && let Some(hash) = keep(driver, &journal, &driver.pack(&machine, files))

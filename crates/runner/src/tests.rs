@@ -2,12 +2,12 @@
 
 mod changes;
 mod holding;
-mod house;
 mod keeping;
 mod limits;
 mod players;
 mod pulse;
 mod resuming;
 mod runs;
+mod served;
 mod stress;
 mod talks;

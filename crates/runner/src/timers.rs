@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// What has come to its time.
 #[derive(Debug, Clone)]
 pub(crate) struct Due {
-    pub(crate) what: What,
+    pub(crate) what: TimerAction,
     pub(crate) place: Arc<Place>,
     /// Which run of the state is meant.
     pub(crate) run: u32,
@@ -23,7 +23,7 @@ pub(crate) struct Due {
 
 /// What can come to its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum What {
+pub(crate) enum TimerAction {
     /// A state's deadline.
     Deadline,
     /// The time that a script has to end.
@@ -43,8 +43,8 @@ pub(crate) struct Timers {
 #[derive(Debug, Default)]
 struct Queue {
     /// An entry no later than each alarm; it may be early, as the alarm may have been set anew since.
-    times: BinaryHeap<Reverse<(u64, PathId, What)>>,
-    alarms: BTreeMap<(PathId, What), (u64, Due)>,
+    times: BinaryHeap<Reverse<(u64, PathId, TimerAction)>>,
+    alarms: BTreeMap<(PathId, TimerAction), (u64, Due)>,
     closed: bool,
 }
 
@@ -64,7 +64,7 @@ impl Timers {
     /// A state was entered.
     pub(crate) fn entered(&self, place: &Arc<Place>, node: NodeId, now_ns: u64) {
         if let Some(ms) = self.limits.read().deadline_ms(node) {
-            self.set(What::Deadline, place, ms, now_ns);
+            self.set(TimerAction::Deadline, place, ms, now_ns);
         }
     }
 
@@ -74,11 +74,11 @@ impl Timers {
             return;
         }
         if let Some(ms) = self.limits.read().grace_ms(place.node) {
-            self.set(What::Grace, place, ms, now_ns);
+            self.set(TimerAction::Grace, place, ms, now_ns);
         }
     }
 
-    fn set(&self, what: What, place: &Arc<Place>, ms: u64, now_ns: u64) {
+    fn set(&self, what: TimerAction, place: &Arc<Place>, ms: u64, now_ns: u64) {
         let at_ns = now_ns.saturating_add(ms.saturating_mul(1_000_000));
         let due = Due { what, place: Arc::clone(place), run: place.runs(), ms };
         let mut queue = self.queue.lock();
@@ -142,7 +142,7 @@ impl Due {
 
 #[cfg(test)]
 mod tests {
-    use super::{Queue, Timers, What};
+    use super::{Queue, TimerAction, Timers};
     use crate::Place;
     use expect_test::{Expect, expect};
     use rafcon_engine::{NodeId, PathId};
@@ -170,10 +170,10 @@ mod tests {
     fn what_is_due_rings_in_order_if_its_state_is_still_active() {
         let timers = Timers::default();
         let [first, second, gone] = [1, 2, 3].map(place);
-        timers.set(What::Deadline, &second, 20, 0);
-        timers.set(What::Deadline, &first, 10, 0);
-        timers.set(What::Grace, &first, 15, 0);
-        timers.set(What::Deadline, &gone, 5, 0);
+        timers.set(TimerAction::Deadline, &second, 20, 0);
+        timers.set(TimerAction::Deadline, &first, 10, 0);
+        timers.set(TimerAction::Grace, &first, 15, 0);
+        timers.set(TimerAction::Deadline, &gone, 5, 0);
         gone.leave(OutcomeId(0), None);
         let mut queue = timers.queue.lock();
         check(&mut queue, 9, &expect![""]);
@@ -185,10 +185,10 @@ mod tests {
     fn an_alarm_that_is_set_anew_rings_at_its_new_time() {
         let timers = Timers::default();
         let place = place(1);
-        timers.set(What::Deadline, &place, 10, 0);
+        timers.set(TimerAction::Deadline, &place, 10, 0);
         place.leave(OutcomeId(0), None);
         place.enter(8 * MS, None);
-        timers.set(What::Deadline, &place, 10, 8 * MS);
+        timers.set(TimerAction::Deadline, &place, 10, 8 * MS);
         let mut queue = timers.queue.lock();
         check(&mut queue, 10, &expect![""]);
         check(&mut queue, 18, &expect!["S1 Deadline 10"]);
@@ -199,10 +199,10 @@ mod tests {
     fn a_deadline_that_was_made_shorter_counts_from_the_next_entry_on() {
         let timers = Timers::default();
         let place = place(1);
-        timers.set(What::Deadline, &place, 1000, 0);
+        timers.set(TimerAction::Deadline, &place, 1000, 0);
         place.leave(OutcomeId(0), None);
         place.enter(5 * MS, None);
-        timers.set(What::Deadline, &place, 10, 5 * MS);
+        timers.set(TimerAction::Deadline, &place, 10, 5 * MS);
         let mut queue = timers.queue.lock();
         check(&mut queue, 15, &expect!["S1 Deadline 10"]);
         check(&mut queue, 2000, &expect![""]);

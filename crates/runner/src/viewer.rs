@@ -4,8 +4,8 @@ use crate::archive::Archive;
 use crate::blocks::Chunk;
 use crate::connection::Sender;
 use crate::driver::Driver;
-use crate::pen::is_rare;
-use crate::words::Wording;
+use crate::record_encoder::is_rare;
+use crate::record_renderer::RecordRenderer;
 use crate::{Clock, Scripts, snapshot};
 use rafcon_protocol::{Event, Join, LogLevel, Stream, ToViewer, encode};
 use rafcon_storage::journal::Record;
@@ -126,7 +126,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
     /// Sends records that the viewer wants, with number and time.
     fn send(&mut self, records: impl Iterator<Item = (u64, u64, Record)>) {
         let mut archive = std::mem::take(&mut self.archive);
-        let wording = Wording::new(self.driver.recorder(), &mut archive, self.join.values);
+        let wording = RecordRenderer::new(self.driver.recorder(), &mut archive, self.join.values);
         for (sequence, t_ns, record) in records {
             if let Some(event) = wording.event(sequence, record) {
                 self.push(&ToViewer::Event { sequence, t_ns, event });

@@ -21,7 +21,7 @@ pub(crate) struct ChildLimits {
 
 /// What a program said.
 #[derive(Debug)]
-pub(crate) struct Said {
+pub(crate) struct ChildOutput {
     pub(crate) status: ExitStatus,
     pub(crate) output: Vec<u8>,
     /// The beginning of what it said about what went wrong.
@@ -50,7 +50,7 @@ pub(crate) async fn ask(
     mut command: Command,
     input: Vec<u8>,
     bounds: ChildLimits,
-) -> Result<Said, ChildError> {
+) -> Result<ChildOutput, ChildError> {
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).kill_on_drop(true);
     let mut child = command.spawn().map_err(ChildError::NotStarted)?;
     let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
@@ -68,7 +68,7 @@ pub(crate) async fn ask(
         }
         let error = String::from_utf8_lossy(&error.unwrap_or_default()).trim().to_owned();
         let status = child.wait().await.map_err(ChildError::Lost)?;
-        Ok(Said { status, output, error })
+        Ok(ChildOutput { status, output, error })
     };
     let said = tokio::time::timeout(bounds.patience, talk).await;
     said.unwrap_or(Err(ChildError::TooLong(bounds.patience)))

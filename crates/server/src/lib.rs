@@ -6,6 +6,7 @@
 
 pub mod access;
 mod blocking;
+mod change_counters;
 mod child;
 mod description;
 mod document_text;
@@ -16,7 +17,6 @@ mod gate;
 mod history;
 mod listen;
 mod log;
-mod news;
 mod page;
 mod projects;
 mod python;
@@ -29,7 +29,7 @@ mod state;
 mod watch;
 
 pub use failure::Failure;
-pub use listen::{Card, ServeError, Server, TlsError, serve};
+pub use listen::{AddressFile, ServeError, Server, TlsError, serve};
 pub use page::PageFiles;
 pub use router::{openapi, router};
 pub use settings::Settings;

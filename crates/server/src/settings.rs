@@ -1,7 +1,7 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
 use crate::page::PageFiles;
-use rafcon_supervisor::Surroundings;
+use rafcon_supervisor::ProgramEnvironment;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -25,7 +25,7 @@ pub struct Settings {
     /// The interpreter of runs; none: as [`rafcon_supervisor::Interpreter::choose`] does.
     pub python: Option<PathBuf>,
     /// What interpreter and extension are found by.
-    pub surroundings: Surroundings,
+    pub surroundings: ProgramEnvironment,
     /// After how much silence of a holder of control somebody else may take over.
     pub control_silence: Duration,
     /// Looks up a variable of the environment, for paths in the configuration.
@@ -87,7 +87,7 @@ impl Settings {
             libraries: Vec::new(),
             config: None,
             python: None,
-            surroundings: Surroundings::default(),
+            surroundings: ProgramEnvironment::default(),
             control_silence: Duration::from_secs(30),
             variable: |_| None,
             tell: crate::log::say,

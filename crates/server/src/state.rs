@@ -2,9 +2,9 @@
 
 use crate::Settings;
 use crate::access::{Audit, Names, People, PrivateError};
+use crate::change_counters::ChangeCounters;
 use crate::documents::Documents;
 use crate::history::History;
-use crate::news::News;
 use crate::projects::Projects;
 use crate::python::Python;
 use crate::runs::{self, Runs};
@@ -28,7 +28,7 @@ pub struct ServerState {
     /// Whether the server is about to end.
     closing: watch::Sender<bool>,
     /// What wakes whoever follows the server.
-    pub(crate) news: News,
+    pub(crate) news: ChangeCounters,
     /// What runs leave.
     pub(crate) history: History,
     /// The folders with machines, and the libraries.
@@ -57,7 +57,7 @@ pub enum ServerStateError {
 impl ServerState {
     /// Prepares everything; nothing listens yet.
     pub fn new(settings: Settings) -> Result<Arc<Self>, ServerStateError> {
-        let news = News::default();
+        let news = ChangeCounters::default();
         Ok(Arc::new(Self {
             people: People::open(&settings)?,
             audit: Audit::open(&settings.state)?,

@@ -1,6 +1,6 @@
 //! Where the extension is: the file that a Python interpreter loads to become a runner.
 
-use crate::Surroundings;
+use crate::ProgramEnvironment;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ fn listed(places: &[PathBuf]) -> String {
 
 /// The extension's file: beside this program (a plain `cargo build`), in `../lib/rafcon` (an installation), or where
 /// `RAFCON_EXTENSION` says.
-pub fn find(surroundings: &Surroundings) -> Result<PathBuf, NoExtension> {
+pub fn find(surroundings: &ProgramEnvironment) -> Result<PathBuf, NoExtension> {
     let places = places(surroundings);
     if let Some(found) = places.iter().find(|place| place.is_file()) {
         return Ok(found.clone());
@@ -30,7 +30,7 @@ pub fn find(surroundings: &Surroundings) -> Result<PathBuf, NoExtension> {
     Err(NoExtension { tried: places })
 }
 
-fn places(surroundings: &Surroundings) -> Vec<PathBuf> {
+fn places(surroundings: &ProgramEnvironment) -> Vec<PathBuf> {
     let name = format!("{DLL_PREFIX}rafcon_python{DLL_SUFFIX}");
     let folder = surroundings.program.as_deref().and_then(|program| program.parent());
     let installed = |folder: &std::path::Path| {
@@ -44,10 +44,10 @@ fn places(surroundings: &Surroundings) -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::find;
-    use crate::Surroundings;
+    use crate::ProgramEnvironment;
     use std::path::Path;
 
-    fn installation(file: Option<&str>) -> (tempfile::TempDir, Surroundings) {
+    fn installation(file: Option<&str>) -> (tempfile::TempDir, ProgramEnvironment) {
         let folder = tempfile::tempdir().unwrap();
         if let Some(file) = file {
             let file = folder.path().join(file);
@@ -56,10 +56,10 @@ mod tests {
         }
         let program = folder.path().join("bin/rafcon");
         let extension = folder.path().join("elsewhere.so");
-        let surroundings = Surroundings {
+        let surroundings = ProgramEnvironment {
             program: Some(program),
             extension: Some(extension),
-            ..Surroundings::default()
+            ..ProgramEnvironment::default()
         };
         (folder, surroundings)
     }

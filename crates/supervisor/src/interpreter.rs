@@ -1,6 +1,6 @@
 //! Which Python runs the scripts: the one that was named, else the active virtual environment's, else `python3`.
 
-use crate::Surroundings;
+use crate::ProgramEnvironment;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ impl Interpreter {
     /// Chooses. `named` is `--python` or `RAFCON_PYTHON`.
     pub fn choose(
         named: Option<&Path>,
-        surroundings: &Surroundings,
+        surroundings: &ProgramEnvironment,
     ) -> Result<Self, NoInterpreter> {
         if let Some(program) = named {
             return Ok(Self { program: program.to_path_buf(), reason: Reason::Named });
@@ -68,13 +68,15 @@ impl fmt::Display for Interpreter {
 #[cfg(test)]
 mod tests {
     use super::Interpreter;
-    use crate::Surroundings;
+    use crate::ProgramEnvironment;
     use expect_test::{Expect, expect};
     use std::path::Path;
 
     fn check(named: Option<&str>, virtual_env: Option<&Path>, expect: &Expect) {
-        let surroundings =
-            Surroundings { virtual_env: virtual_env.map(Into::into), ..Surroundings::default() };
+        let surroundings = ProgramEnvironment {
+            virtual_env: virtual_env.map(Into::into),
+            ..ProgramEnvironment::default()
+        };
         let chosen = Interpreter::choose(named.map(Path::new), &surroundings);
         expect.assert_eq(&match chosen {
             Ok(interpreter) => format!("{interpreter}; {}", interpreter.way_out()),
@@ -96,9 +98,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("bin")).unwrap();
         std::fs::write(folder.path().join("bin/python"), "").unwrap();
-        let surroundings = Surroundings {
+        let surroundings = ProgramEnvironment {
             virtual_env: Some(folder.path().to_path_buf()),
-            ..Surroundings::default()
+            ..ProgramEnvironment::default()
         };
         let chosen = Interpreter::choose(None, &surroundings).unwrap();
         assert_eq!(chosen.program, folder.path().join("bin/python"));

@@ -1,6 +1,6 @@
 //! Where the folders of runs lie, how a new one is named, and which one is meant. Knows names, not what is inside.
 
-use crate::{Surroundings, clock};
+use crate::{ProgramEnvironment, clock};
 use rafcon_storage::journal::folder::ABOUT_FILE;
 use rafcon_storage::journal::{JournalError, Pruned, Retention, run_id};
 use std::fs::{self, File};
@@ -87,7 +87,7 @@ pub enum FindError {
 
 impl Runs {
     /// The one that the user names, or the usual place.
-    pub fn new(named: Option<&Path>, surroundings: &Surroundings) -> Result<Self, MakeError> {
+    pub fn new(named: Option<&Path>, surroundings: &ProgramEnvironment) -> Result<Self, MakeError> {
         let usual = || {
             let state = surroundings.state_home.clone();
             let state = state.or_else(|| Some(surroundings.home.as_ref()?.join(".local/state")));

@@ -4,6 +4,7 @@ mod links;
 mod lints;
 mod modules;
 mod named_tests;
+mod names;
 mod words;
 
 use anyhow::{Result, bail};
@@ -21,7 +22,7 @@ pub(crate) fn run(options: Options) -> Result<()> {
     if options.fix {
         lints::write()?;
     }
-    let checks = [modules::check, named_tests::check, links::check, words::check];
+    let checks = [modules::check, named_tests::check, links::check, words::check, names::check];
     let mut findings = lints::check();
     for check in checks {
         findings.extend(check()?);

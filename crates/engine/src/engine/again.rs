@@ -1,8 +1,8 @@
 //! Beginning again while nothing moves: what is active is dropped, without an end.
 
-use super::holds::SuspendedBranch;
 use super::phase::Phase;
 use super::step::Step;
+use super::suspended::SuspendedBranch;
 use super::{Command, Refusal};
 use crate::{Datum, Effect, Event};
 

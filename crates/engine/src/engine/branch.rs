@@ -1,10 +1,10 @@
 //! The children of a concurrency state as branches: how each begins and ends.
 
 use super::frames::{Ended, NONE};
-use super::holds::StopPoint;
 use super::phase::Cause;
 use super::step::Step;
-use super::trail::Past;
+use super::suspended::StopPoint;
+use super::undo_log::EndedRun;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{BranchId, Datum, Effect};
 
@@ -25,7 +25,7 @@ impl<'s, D: Datum> Step<'s, D> {
         slot: u32,
         (kind, inside): (Concurrency, &'s Inside<D>),
         (child, branch): (u32, BranchId),
-        (ended, past): (Ended<D>, Option<Past<D>>),
+        (ended, past): (Ended<D>, Option<EndedRun<D>>),
     ) {
         if matches!(kind, Concurrency::Barrier(_)) {
             self.store_outputs(slot, inside, child, &ended);

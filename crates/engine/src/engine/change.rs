@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// What a change would do to an active state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Touch {
+pub enum ChangeEffect {
     /// It would not be there any more.
     Removed,
     /// It would be of another kind.
@@ -26,7 +26,7 @@ pub enum Touch {
     Ended,
 }
 
-impl fmt::Display for Touch {
+impl fmt::Display for ChangeEffect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Removed => "is active and would be gone",
@@ -103,11 +103,11 @@ impl<D: Datum> Engine<D> {
     }
 
     /// The state that a change would pull the ground from under, if there is one.
-    fn touched(&self, after: &Program<D>) -> Result<(), (PathId, Touch)> {
+    fn touched(&self, after: &Program<D>) -> Result<(), (PathId, ChangeEffect)> {
         // Also while the root is held before its beginning or after its end.
         let (was, is) = (self.program.node(Program::<D>::ROOT), after.node(Program::<D>::ROOT));
         if self.run.status != Status::Idle && was.id() != is.id() {
-            return Err((PathId(0), Touch::Removed));
+            return Err((PathId(0), ChangeEffect::Removed));
         }
         let frames = self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default();
         let mut stands: BTreeMap<u32, NodeId> = BTreeMap::new();
@@ -118,7 +118,7 @@ impl<D: Datum> Engine<D> {
                 Some(&around) => after.child_of(after.node(around), node.id()).map(|found| found.1),
                 None => Some(Program::<D>::ROOT),
             };
-            let there = there.ok_or((frame.path, Touch::Removed))?;
+            let there = there.ok_or((frame.path, ChangeEffect::Removed))?;
             stands.insert(slot, there);
             if let Some(touch) = touch(node, after.node(there)) {
                 return Err((frame.path, touch));
@@ -130,7 +130,12 @@ impl<D: Datum> Engine<D> {
     }
 
     /// The children of an active concurrency state must be the same, and those that ended must be able to.
-    fn branches_stay(&self, slot: u32, after: &Program<D>, there: NodeId) -> Result<(), Touch> {
+    fn branches_stay(
+        &self,
+        slot: u32,
+        after: &Program<D>,
+        there: NodeId,
+    ) -> Result<(), ChangeEffect> {
         let frame = self.run.frames.get(slot);
         let Body::Concurrency(_, was) = &self.program.node(frame.node).body else { return Ok(()) };
         let Body::Concurrency(_, is) = &after.node(there).body else { return Ok(()) };
@@ -141,7 +146,7 @@ impl<D: Datum> Engine<D> {
         let mut ends = ended.map(|((was, is), _)| {
             outcomes(was).eq(outcomes(is)) && ports(was.outputs()).eq(ports(is.outputs()))
         });
-        if same && ends.all(|end| end) { Ok(()) } else { Err(Touch::Branches) }
+        if same && ends.all(|end| end) { Ok(()) } else { Err(ChangeEffect::Branches) }
     }
 
     /// The child whose transition a hierarchy is about to follow must be there, with the outcome by which it ended.
@@ -150,7 +155,7 @@ impl<D: Datum> Engine<D> {
         slot: u32,
         after: &Program<D>,
         there: NodeId,
-    ) -> Result<(), (PathId, Touch)> {
+    ) -> Result<(), (PathId, ChangeEffect)> {
         let frame = self.run.frames.get(slot);
         let Body::Hierarchy(inside) = &self.program.node(frame.node).body else { return Ok(()) };
         let Some((child, outcome)) = frame.last.filter(|_| frame.children.is_empty()) else {
@@ -163,21 +168,21 @@ impl<D: Datum> Engine<D> {
             return Ok(());
         }
         let path = self.run.places.child(frame.path, child as usize, &self.program);
-        Err((path.unwrap_or(frame.path), Touch::Ended))
+        Err((path.unwrap_or(frame.path), ChangeEffect::Ended))
     }
 }
 
 /// What is different about a state that makes it another one for its run.
-fn touch<D>(was: &Node<D>, is: &Node<D>) -> Option<Touch> {
+fn touch<D>(was: &Node<D>, is: &Node<D>) -> Option<ChangeEffect> {
     if was.state().kind.name() != is.state().kind.name() {
-        return Some(Touch::Kind);
+        return Some(ChangeEffect::Kind);
     }
     let same =
         ports(was.inputs()).eq(ports(is.inputs())) && ports(was.outputs()).eq(ports(is.outputs()));
     if !same {
-        return Some(Touch::Ports);
+        return Some(ChangeEffect::Ports);
     }
-    (!outcomes(was).eq(outcomes(is))).then_some(Touch::Outcomes)
+    (!outcomes(was).eq(outcomes(is))).then_some(ChangeEffect::Outcomes)
 }
 
 fn ports(ports: &[Port]) -> impl Iterator<Item = (rafcon_model::PortId, &str)> {

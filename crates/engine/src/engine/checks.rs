@@ -1,14 +1,19 @@
 //! What the condition of a breakpoint is evaluated with: the data of a state that is about to be entered, or was left.
 
-use super::holds::{Inquiry, StopPoint};
 use super::step::Step;
+use super::suspended::{BreakpointScan, StopPoint};
 use crate::program::Body;
 use crate::{Check, Datum, Effect, NodeId, PathId, Program};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
 impl<D: Datum> Step<'_, D> {
-    pub(super) fn out_check(&mut self, inquiry: &Inquiry<D>, check: u64, condition: SmolStr) {
+    pub(super) fn out_check(
+        &mut self,
+        inquiry: &BreakpointScan<D>,
+        check: u64,
+        condition: SmolStr,
+    ) {
         let spot = inquiry.spot;
         let (path, node) = (self.spot_path(spot), self.spot_node(spot));
         let was = inquiry.was.clone();

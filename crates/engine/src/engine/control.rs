@@ -1,7 +1,7 @@
 //! Commands, and in which status each is legal.
 
-use super::holds::StopPoint;
 use super::step::Step;
+use super::suspended::StopPoint;
 use super::{Command, Refusal, Status};
 use crate::{Datum, Effect, Event, Input, Stride, When};
 

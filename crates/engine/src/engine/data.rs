@@ -2,7 +2,7 @@
 
 use super::frames::{Ended, Slot};
 use super::step::Step;
-use crate::program::{Checks, Initial, Inside, Node, Wires, index};
+use crate::program::{Checks, FlowRange, Initial, Inside, Node, index};
 use crate::{Datum, Event, Globals, Level, Note, PathId};
 use rafcon_model::{Answer, DataType, Port};
 use smol_str::SmolStr;
@@ -92,7 +92,7 @@ impl<'s, D: Datum> Step<'s, D> {
         &mut self,
         slot: u32,
         inside: &'s Inside<D>,
-        wires: Wires,
+        wires: FlowRange,
         (values, absent): (&[D], &[u32]),
     ) {
         if wires.is_empty() {

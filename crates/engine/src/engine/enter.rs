@@ -2,9 +2,9 @@
 
 use super::branch::all_but_decider;
 use super::frames::{NONE, Seed};
-use super::holds::StopPoint;
 use super::phase::Phase;
 use super::step::{Step, Work};
+use super::suspended::StopPoint;
 use crate::program::{Body, Concurrency, Inside, PREEMPTED};
 use crate::{
     BranchId, Datum, Effect, Event, Job, Level, NodeId, Note, PathId, Program, Verdicts, WaitReason,

@@ -2,10 +2,10 @@
 
 use super::Refusal;
 use super::frames::{Ended, NONE};
-use super::holds::{StopPoint, SuspendedBranch, Why};
 use super::phase::{Cause, Phase};
 use super::step::Step;
-use super::trail::Past;
+use super::suspended::{StopPoint, SuspendReason, SuspendedBranch};
+use super::undo_log::EndedRun;
 use crate::program::{ABORTED, Body, Concurrency, Inside, Node};
 use crate::{Datum, Effect, Event, PathId, When};
 use rafcon_model::{OutcomeId, StatePath};
@@ -82,10 +82,10 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Takes away what is held before the state at this place.
     fn take_hold_before(&mut self, place: PathId) -> Option<SuspendedBranch<D>> {
         let before = |hold: &&SuspendedBranch<D>| match hold.why {
-            Why::Held { .. } if hold.spot.when == When::Before => {
+            SuspendReason::Held { .. } if hold.spot.when == When::Before => {
                 self.place_at(hold.spot) == Some(place)
             }
-            Why::Held { .. } | Why::Checking { .. } => false,
+            SuspendReason::Held { .. } | SuspendReason::Checking { .. } => false,
         };
         let id = self.run.control.holds.iter().find(before)?.id;
         self.run.control.take(id)
@@ -106,7 +106,7 @@ impl<'s, D: Datum> Step<'s, D> {
             self.run.finish = Some(Box::new(self.unbegun(outcome)));
             return self.finish();
         }
-        let past = self.keeps_trail().then(|| Past::skipped(outcome));
+        let past = self.keeps_trail().then(|| EndedRun::skipped(outcome));
         match self.body(parent) {
             Body::Script => {}
             Body::Hierarchy(_) => {
@@ -140,7 +140,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(parent);
         frame.ended[child as usize] = Some(ended);
         if let Some(place) = frame.pasts.get_mut(child as usize) {
-            *place = Some(Past::skipped(outcome));
+            *place = Some(EndedRun::skipped(outcome));
         }
         if kind.decider() == Some(child) {
             frame.last = Some((child, outcome));

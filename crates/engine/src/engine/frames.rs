@@ -1,7 +1,7 @@
 //! The table of frames: one for each active run of a state. Knows how frames hang together, not what they do.
 
 use super::phase::Phase;
-use super::trail::{Past, Trail};
+use super::undo_log::{EndedRun, UndoLog};
 use crate::{BranchId, FrameId, NodeId, PathId};
 use std::sync::Arc;
 
@@ -62,9 +62,9 @@ pub(super) struct Frame<D> {
     /// The error that was handed to the child that is active.
     pub(super) gave: Option<D>,
     /// What became of the children of a hierarchy.
-    pub(super) trail: Trail<D>,
+    pub(super) trail: UndoLog<D>,
     /// How the branches of a concurrency state ended, or the root of a library.
-    pub(super) pasts: Vec<Option<Past<D>>>,
+    pub(super) pasts: Vec<Option<EndedRun<D>>>,
     /// The children of a concurrency state in the order in which they ended.
     pub(super) order: Vec<u32>,
     /// The values of a concurrency state before any child ended.
@@ -181,7 +181,7 @@ impl<D> Frames<D> {
             entry: 0,
             undoes: None,
             gave: None,
-            trail: Trail::default(),
+            trail: UndoLog::default(),
             pasts: Vec::new(),
             order: Vec::new(),
             base: Vec::new(),

@@ -2,10 +2,10 @@
 
 use super::frames;
 use super::frames::Ended;
-use super::holds::StopPoint;
 use super::phase::{Cause, Phase};
 use super::step::Step;
-use super::trail::Past;
+use super::suspended::StopPoint;
+use super::undo_log::EndedRun;
 use crate::program::{ABORTED, Body, Exit, Inside, PREEMPTED};
 use crate::{Datum, Event, WaitReason};
 
@@ -111,7 +111,7 @@ impl<'s, D: Datum> Step<'s, D> {
         slot: u32,
         inside: &'s Inside<D>,
         child: u32,
-        (ended, past): (Ended<D>, Option<Past<D>>),
+        (ended, past): (Ended<D>, Option<EndedRun<D>>),
     ) {
         let first = self.run.frames.get(slot).trail.undo.len();
         self.store_outputs(slot, inside, child, &ended);

@@ -2,8 +2,8 @@
 //! how it came about. Tests and the simulation ask after every input.
 
 use super::frames::{Frame, NONE};
-use super::holds::SuspendedBranch;
 use super::phase::Phase;
+use super::suspended::SuspendedBranch;
 use super::{Engine, Status};
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, When};

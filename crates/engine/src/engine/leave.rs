@@ -1,9 +1,9 @@
 //! Leaving a state: how it ended, and who is told.
 
 use super::frames::{Ended, NONE};
-use super::holds::{StopPoint, Was};
 use super::phase::{Cause, Reaction, react};
 use super::step::{Step, Work};
+use super::suspended::{LeftState, StopPoint};
 use super::{Refusal, Status};
 use crate::program::{ABORTED, Body, Inside, Node, PREEMPTED};
 use crate::{
@@ -189,7 +189,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let control = &mut self.run.control;
         if !control.breakpoints.is_empty() {
             let inputs = frame.inputs.clone().unwrap_or_default();
-            control.was = Some(Was { inputs, outputs: Arc::clone(&ended.outputs), outcome });
+            control.was = Some(LeftState { inputs, outputs: Arc::clone(&ended.outputs), outcome });
         }
         if control.then.is_some_and(|(place, _)| place == frame.path) {
             self.target_left();

@@ -1,10 +1,10 @@
 //! Library states: a frame for the state and one for the root of its content, which share data and fate.
 
 use super::frames::{Ended, Seed};
-use super::holds::StopPoint;
 use super::phase::{Cause, Phase};
 use super::step::{Step, Work};
-use super::trail::Past;
+use super::suspended::StopPoint;
+use super::undo_log::EndedRun;
 use crate::program::{ABORTED, Content, Node, PREEMPTED};
 use crate::{Datum, Level, Note, PathId};
 use std::sync::Arc;
@@ -109,7 +109,7 @@ impl<'s, D: Datum> Step<'s, D> {
         &mut self,
         slot: u32,
         content: &'s Content<D>,
-        (ended, past): (Ended<D>, Option<Past<D>>),
+        (ended, past): (Ended<D>, Option<EndedRun<D>>),
     ) {
         let Content::Found { ports, outcomes, .. } = content else { return };
         let free = self.run.is_free();

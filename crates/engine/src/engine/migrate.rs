@@ -1,9 +1,9 @@
 //! Carrying active states over to another program: what was an index becomes a name, and an index again.
 
 use super::frames::{NONE, Slot};
-use super::holds::{StopPoint, Why};
 use super::phase::Phase;
 use super::step::Step;
+use super::suspended::{StopPoint, SuspendReason};
 use crate::program::{Body, Exit, Inside, Node};
 use crate::{Datum, Event, NodeId, Program, When};
 use rafcon_model::{PortId, StateId};
@@ -62,7 +62,7 @@ impl<'s, D: Datum> Step<'s, D> {
             let StopPoint { parent, child, .. } = hold.spot;
             hold.spot.child = self.same_child(before, hold.spot);
             let is_gone = parent != NONE && child != NONE && hold.spot.child == NONE;
-            if let Why::Checking { inquiry, .. } = &mut hold.why {
+            if let SuspendReason::Checking { inquiry, .. } = &mut hold.why {
                 inquiry.spot = hold.spot;
                 if is_gone {
                     loose.push(parent);
@@ -93,7 +93,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let mut holds = std::mem::take(&mut self.run.control.holds);
         for hold in &mut holds {
             let StopPoint { parent, .. } = hold.spot;
-            let Why::Held { by, next } = &mut hold.why else { continue };
+            let SuspendReason::Held { by, next } = &mut hold.why else { continue };
             if parent == NONE || !self.is_hierarchy(parent) {
                 continue;
             }

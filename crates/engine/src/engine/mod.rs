@@ -1,9 +1,6 @@
 //! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
 
 mod again;
-mod back_in;
-mod back_out;
-mod backward;
 mod barrier;
 mod begun;
 mod branch;
@@ -18,10 +15,7 @@ mod export;
 mod fitting;
 mod force;
 mod frames;
-mod gates;
-mod going;
 mod hierarchy;
-mod holds;
 mod inspect;
 mod invariants;
 mod leave;
@@ -34,13 +28,19 @@ mod preemptive;
 mod recover;
 mod refusal;
 mod restore;
+mod resume;
+mod reverse;
+mod reverse_enter;
+mod reverse_leave;
 mod snapshot;
 mod start;
 mod step;
-mod trail;
-mod trail_change;
+mod suspend;
+mod suspended;
+mod undo_log;
+mod undo_log_change;
 
-pub use change::Touch;
+pub use change::ChangeEffect;
 pub use inspect::Inspection;
 pub use refusal::{Command, Refusal, Status};
 pub use snapshot::{Active, Activity, Hold};
@@ -50,13 +50,13 @@ use crate::{
 };
 use branches::Branches;
 use frames::Frames;
-use holds::Control;
 use places::Places;
 use rafcon_model::StatePath;
 use smol_str::SmolStr;
 use start::Given;
 use std::sync::Arc;
 use step::{Step, Work};
+use suspended::Control;
 
 /// One run of a program, from idle to finished.
 #[derive(Debug)]
@@ -124,7 +124,7 @@ impl<D: Datum> Engine<D> {
             entered: 0,
             crash: None,
             entries: 0,
-            steps_max: trail::STEPS_MAX,
+            steps_max: undo_log::STEPS_MAX,
             steps_kept: 0,
             change: None,
         };

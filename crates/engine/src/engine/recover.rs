@@ -2,9 +2,9 @@
 
 use super::Refusal;
 use super::frames::NONE;
-use super::holds::StopPoint;
 use super::phase::Phase;
 use super::step::{Step, Work};
+use super::suspended::StopPoint;
 use crate::program::{ABORTED, Body, PREEMPTED};
 use crate::{Datum, HeldBy, Interrupted, Verdicts, WaitReason};
 use rafcon_model::StatePath;

@@ -1,6 +1,6 @@
 //! Why an input was not taken.
 
-use super::Touch;
+use super::ChangeEffect;
 use crate::FrameId;
 use crate::program::UnknownPath;
 use rafcon_model::{OutcomeId, StatePath};
@@ -121,7 +121,7 @@ pub enum Refusal {
         /// The state.
         path: StatePath,
         /// What would become of it.
-        touch: Touch,
+        touch: ChangeEffect,
     },
     /// No interrupted script waits there.
     #[error("no script that a crash interrupted waits {}", there(path.as_ref()))]

@@ -4,7 +4,7 @@
 use super::frames::{Ended, Frame, NONE, Seed, Slot};
 use super::phase::Phase;
 use super::step::{Step, Work};
-use super::trail::Past;
+use super::undo_log::EndedRun;
 use super::{Command, Refusal, Status};
 use crate::program::{ABORTED, Body, Concurrency, Content, Inside, Node};
 use crate::{
@@ -337,7 +337,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
         match ended {
             Some(ended) => {
-                let past = Past::unknown(ended.outcome);
+                let past = EndedRun::unknown(ended.outcome);
                 let past = self.keeps_trail().then_some(past);
                 self.library_root_ended(slot, content, (ended, past));
             }

@@ -2,8 +2,8 @@
 
 use super::Engine;
 use super::frames::NONE;
-use super::holds::Why;
 use super::phase::Phase;
+use super::suspended::SuspendReason;
 use crate::{BranchId, Datum, HeldBy, NodeId, PathId, WaitReason};
 
 /// An active state.
@@ -72,7 +72,7 @@ impl<D: Datum> Engine<D> {
     /// What holds the run before its root begins, or after it ended.
     pub fn held_outside(&self) -> Option<HeldBy> {
         let outside = self.run.control.holds.iter().find(|hold| hold.spot.is_root());
-        outside.and_then(super::holds::SuspendedBranch::by)
+        outside.and_then(super::suspended::SuspendedBranch::by)
     }
 
     fn top(&self, slot: u32) -> Option<PathId> {
@@ -90,9 +90,9 @@ impl<D: Datum> Engine<D> {
 
     fn holds(&self, slot: u32) -> Vec<Hold> {
         let holds = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
-        let hold = |hold: &super::holds::SuspendedBranch<D>| match hold.why {
-            Why::Held { by, next } => Some(Hold { by, next }),
-            Why::Checking { .. } => None,
+        let hold = |hold: &super::suspended::SuspendedBranch<D>| match hold.why {
+            SuspendReason::Held { by, next } => Some(Hold { by, next }),
+            SuspendReason::Checking { .. } => None,
         };
         holds.filter_map(hold).collect()
     }

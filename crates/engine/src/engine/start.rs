@@ -1,8 +1,8 @@
 //! Beginning a run: where, with which values, held or not, and what happens behind the state that it was begun at.
 
 use super::frames::Seed;
-use super::holds::StopPoint;
 use super::step::Step;
+use super::suspended::StopPoint;
 use super::{Command, Refusal, Run, Status};
 use crate::program::{Body, Inside};
 use crate::{BranchId, Datum, NodeId, PathId, Program, Start, Then, When};

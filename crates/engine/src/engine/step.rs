@@ -1,9 +1,9 @@
 //! One call of the engine: everything that follows from one input.
 
 use super::Run;
-use super::backward::Back;
 use super::frames::{Ended, NONE};
 use super::phase::Phase;
+use super::reverse::Back;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
 

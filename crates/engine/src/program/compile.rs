@@ -7,7 +7,7 @@ use super::node::{
     ABORTED, Body, Concurrency, Content, Exit, Fault, Initial, Inside, Node, PortMap,
 };
 use super::numbers::Numbers;
-use super::tables::{TablesBuilder, Wires};
+use super::tables::{FlowRange, TablesBuilder};
 use crate::{Datum, Literals, NodeId};
 use rafcon_model::{
     Container, Kind, Library, LibraryContent, Machine, Outcome, OutcomeId, Ports, RuntimeValues,
@@ -274,7 +274,7 @@ fn mapping(to: &Ports, from: &Ports) -> Box<[Option<u32>]> {
     to.iter().map(|port| position(port.id)).collect()
 }
 
-fn constant<D: Datum>(inputs: &[Initial<D>], gather: Wires) -> Option<Arc<[D]>> {
+fn constant<D: Datum>(inputs: &[Initial<D>], gather: FlowRange) -> Option<Arc<[D]>> {
     let value = |initial: &Initial<D>| match initial {
         Initial::Is(value) => Some(value.clone()),
         Initial::Global(_) | Initial::Bad(_) => None,

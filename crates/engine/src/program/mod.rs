@@ -13,7 +13,7 @@ pub use locate::UnknownPath;
 pub use node::Node;
 pub(crate) use node::{ABORTED, Body, Concurrency, Content, Exit, Initial, Inside, PREEMPTED};
 
-pub(crate) use tables::{Checks, Wires};
+pub(crate) use tables::{Checks, FlowRange};
 
 use crate::NodeId;
 use tables::Tables;

@@ -1,6 +1,6 @@
 //! One state of a program.
 
-use super::tables::{Checks, Exits, Wires};
+use super::tables::{Checks, Exits, FlowRange};
 use crate::NodeId;
 use rafcon_model::{Outcome, OutcomeId, Port, State, StateId};
 use smol_str::SmolStr;
@@ -34,9 +34,9 @@ pub struct Node<D> {
     /// Output ports whose default could not be made, with the reason.
     pub(crate) bad_outputs: Box<[(u32, SmolStr)]>,
     /// Which slots of the parent flow into each input port.
-    pub(crate) gather: Wires,
+    pub(crate) gather: FlowRange,
     /// Which slots of the parent each output port flows into.
-    pub(crate) scatter: Wires,
+    pub(crate) scatter: FlowRange,
     pub(crate) input_checks: Checks,
     pub(crate) output_checks: Checks,
     /// The input port with the name `error`.
@@ -95,9 +95,9 @@ pub(crate) struct Inside<D> {
     pub(crate) sources: Box<[(u32, u32)]>,
     pub(crate) scoped: Box<[Scoped<D>]>,
     /// From its inputs to its scoped variables.
-    pub(crate) scatter: Wires,
+    pub(crate) scatter: FlowRange,
     /// From its slots to its outputs.
-    pub(crate) gather: Wires,
+    pub(crate) gather: FlowRange,
     /// Why it cannot run.
     pub(crate) fault: Option<Fault<D>>,
 }

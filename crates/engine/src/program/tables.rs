@@ -14,7 +14,7 @@ pub(crate) struct Tables {
 
 /// For each port, the slots that flow into it, or the slots that it flows into.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Wires {
+pub(crate) struct FlowRange {
     /// Where the ends of the ports' lists begin; the lists follow.
     begin: u32,
     /// How many ports there are; 0 if nothing flows at all.
@@ -32,7 +32,7 @@ pub(crate) struct Checks {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Exits(u32);
 
-impl Wires {
+impl FlowRange {
     /// Whether nothing flows at all.
     pub(crate) fn is_empty(self) -> bool {
         self.ports == 0
@@ -41,7 +41,7 @@ impl Wires {
 
 impl Tables {
     /// The slots of the port with this index.
-    pub(crate) fn slots(&self, wires: Wires, port: usize) -> &[u32] {
+    pub(crate) fn slots(&self, wires: FlowRange, port: usize) -> &[u32] {
         if port >= wires.ports as usize {
             return &[];
         }
@@ -79,9 +79,9 @@ impl TablesBuilder {
         super::compile::index(self.tables.numbers.len())
     }
 
-    pub(super) fn wires(&mut self, lists: &[Vec<u32>]) -> Wires {
+    pub(super) fn wires(&mut self, lists: &[Vec<u32>]) -> FlowRange {
         if lists.iter().all(Vec::is_empty) {
-            return Wires::default();
+            return FlowRange::default();
         }
         let (begin, ports) = (self.end(), super::compile::index(lists.len()));
         let mut end = begin + ports;
@@ -90,7 +90,7 @@ impl TablesBuilder {
             self.tables.numbers.push(end);
         }
         self.tables.numbers.extend(lists.iter().flatten());
-        Wires { begin, ports }
+        FlowRange { begin, ports }
     }
 
     pub(super) fn checks(&mut self, ports: &Ports) -> Checks {

@@ -5,8 +5,8 @@ use super::session::{Session, Todo};
 use super::socket::{Broken, Socket};
 use super::{Fault, Server};
 use crate::clock::Clock;
+use crate::event_queue::{Cause, EventQueue, Flow, Gone, Line, Queue};
 use crate::failure::complain;
-use crate::wires::{Cause, Flow, Gone, Line, Queue, Wires};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::socket::ToServer;
 use rafcon_protocol::{ToRunner, ToViewer};
@@ -50,7 +50,7 @@ impl Line for Following {
 pub(crate) fn follow(
     server: &Arc<Server>,
     run: &str,
-    wires: &mut Wires,
+    wires: &mut EventQueue,
     clock: Clock,
 ) -> Result<Following> {
     let (words, said) = sync_channel(QUEUE);

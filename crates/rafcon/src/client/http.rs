@@ -41,7 +41,7 @@ impl Http {
             .proxy(None)
             .user_agent(concat!("rafcon/", env!("CARGO_PKG_VERSION")))
             .build();
-        let door = Door { address: address.clone(), trusted };
+        let door = HttpConnector { address: address.clone(), trusted };
         Self {
             address: address.clone(),
             agent: Agent::with_parts(config, door, DefaultResolver::default()),
@@ -129,35 +129,35 @@ fn refused(status: u16, body: &[u8]) -> Fault {
 
 /// Opens connections in our own way.
 #[derive(Debug)]
-struct Door {
+struct HttpConnector {
     address: Address,
     trusted: Option<Fingerprint>,
 }
 
-impl Connector for Door {
-    type Out = Talk;
+impl Connector for HttpConnector {
+    type Out = HttpTransport;
 
     fn connect(
         &self,
         details: &ConnectionDetails<'_>,
         _chained: Option<()>,
-    ) -> Result<Option<Talk>, ureq::Error> {
+    ) -> Result<Option<HttpTransport>, ureq::Error> {
         let stream = Stream::connect(&self.address, self.trusted, PATIENCE)
             .map_err(|fault| ureq::Error::Other(Box::new(fault)))?;
         let config = details.config;
         let buffers = LazyBuffers::new(config.input_buffer_size(), config.output_buffer_size());
-        Ok(Some(Talk { stream, buffers }))
+        Ok(Some(HttpTransport { stream, buffers }))
     }
 }
 
 /// A connection as the requests use it; its patience is the socket's.
 #[derive(Debug)]
-struct Talk {
+struct HttpTransport {
     stream: Stream,
     buffers: LazyBuffers,
 }
 
-impl Transport for Talk {
+impl Transport for HttpTransport {
     fn buffers(&mut self) -> &mut dyn Buffers {
         &mut self.buffers
     }

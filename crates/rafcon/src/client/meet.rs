@@ -1,15 +1,15 @@
 //! Meeting a server: whether its certificate is the right one, and by which token one is let in.
 
-use super::{Address, Fault, Fingerprint, Notebook, PATIENCE, Server, Stream, Token};
+use super::{Address, CredentialStore, Fault, Fingerprint, PATIENCE, Server, Stream, Token};
 use crate::failure::Usage;
 use anyhow::Result;
-use rafcon_server::Card;
+use rafcon_server::AddressFile;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 
 /// What is known before a server is met.
 #[derive(Debug)]
-pub(crate) struct Meeting<'a> {
+pub(crate) struct TrustDecision<'a> {
     /// The address that the user wrote.
     pub(crate) url: &'a str,
     /// A file with the token.
@@ -19,12 +19,12 @@ pub(crate) struct Meeting<'a> {
     /// The certificate that the user vouches for.
     pub(crate) fingerprint: Option<&'a str>,
     /// What is remembered.
-    pub(crate) notebook: &'a Notebook,
+    pub(crate) notebook: &'a CredentialStore,
     /// The folder of this computer's own server.
     pub(crate) state: Option<&'a Path>,
 }
 
-impl Meeting<'_> {
+impl TrustDecision<'_> {
     /// The server, if it is the one that it should be.
     pub(crate) fn meet(&self) -> Result<Server> {
         let (address, token) = Address::parse(self.url).map_err(Usage)?;
@@ -41,8 +41,8 @@ impl Meeting<'_> {
 
     /// The card of this computer's server, if it lives and is the one that is meant: at any other address of this computer
     /// somebody else may listen.
-    fn own(&self, address: &Address) -> Option<Card> {
-        let card = Card::of_living(self.state?).ok()??;
+    fn own(&self, address: &Address) -> Option<AddressFile> {
+        let card = AddressFile::of_living(self.state?).ok()??;
         let (own, _) = Address::parse(&card.url).ok()?;
         (own == *address && address.is_loopback()).then_some(card)
     }
@@ -51,7 +51,7 @@ impl Meeting<'_> {
         &self,
         address: &Address,
         in_url: Option<String>,
-        own: Option<&Card>,
+        own: Option<&AddressFile>,
     ) -> Result<Token> {
         if let Some(token) = in_url {
             return Ok(Token::Given(token));
@@ -72,7 +72,7 @@ impl Meeting<'_> {
     }
 
     /// The certificate that the server must have. One that is named is remembered instead of any before.
-    fn trusted(&self, address: &Address, own: Option<&Card>) -> Result<Fingerprint> {
+    fn trusted(&self, address: &Address, own: Option<&AddressFile>) -> Result<Fingerprint> {
         if let Some(text) = self.fingerprint {
             let print = Fingerprint::parse(text).ok_or_else(|| {
                 Usage(format!("--fingerprint {text}: write 64 hexadecimal digits"))

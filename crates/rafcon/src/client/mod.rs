@@ -21,8 +21,8 @@ pub(crate) use fault::Fault;
 pub(crate) use fingerprint::Fingerprint;
 pub(crate) use follow::follow;
 use http::{Answer, Http};
-pub(crate) use meet::Meeting;
-pub(crate) use notebook::Notebook;
+pub(crate) use meet::TrustDecision;
+pub(crate) use notebook::CredentialStore;
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, Login, MachineAt, MachineDocument, MachineFile,

@@ -13,11 +13,11 @@ const TOKENS: &str = "tokens.json";
 
 /// The folder with both files.
 #[derive(Debug, Clone)]
-pub(crate) struct Notebook {
+pub(crate) struct CredentialStore {
     folder: PathBuf,
 }
 
-impl Notebook {
+impl CredentialStore {
     /// In this folder, which need not be there.
     pub(crate) fn new(folder: PathBuf) -> Self {
         Self { folder }
@@ -101,14 +101,14 @@ fn with(text: &str, server: &str, print: &Fingerprint) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Address, Fingerprint, Notebook};
+    use super::{Address, CredentialStore, Fingerprint};
     use std::os::unix::fs::PermissionsExt as _;
 
     #[test]
     fn what_is_written_is_read_and_nobody_else_may() {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("config/rafcon");
-        let notebook = Notebook::new(folder.clone());
+        let notebook = CredentialStore::new(folder.clone());
         let address = |text| Address::parse(text).unwrap().0;
         let (rover, other) = (address("https://rover"), address("https://other:1"));
         let (first, second) = (Fingerprint::of(b"1"), Fingerprint::of(b"2"));
@@ -129,7 +129,7 @@ mod tests {
     fn damaged_tokens_are_not_repeated() {
         let place = tempfile::tempdir().unwrap();
         std::fs::write(place.path().join("tokens.json"), "secret").unwrap();
-        let notebook = Notebook::new(place.path().to_path_buf());
+        let notebook = CredentialStore::new(place.path().to_path_buf());
         let rover = Address::parse("https://rover").unwrap().0;
         let error = format!("{:#}", notebook.token(&rover).unwrap_err());
         assert!(error.contains("is damaged") && !error.contains("secret"), "{error}");

@@ -4,7 +4,7 @@
 //! The cursor of the history and the commands without an answer outlive a connection: the next one goes on from there, and is
 //! asked for the same commands by the same ids, which are carried out once.
 
-use crate::wires::{Cause, STUCK};
+use crate::event_queue::{Cause, STUCK};
 use rafcon_protocol::api::{CommandAnswer, LinkState, Refusal, RunNow, RunPhase};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
 use rafcon_protocol::{Answer, Envelope, Event, Expiry, Hello, Join, Snapshot, ToRunner, ToViewer};

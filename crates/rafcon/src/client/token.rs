@@ -1,7 +1,7 @@
 //! The token that says who asks, and where it is from. Its text is never shown.
 
 use super::Fault;
-use rafcon_server::Card;
+use rafcon_server::AddressFile;
 use std::fmt;
 use std::fs;
 use std::io;
@@ -38,7 +38,7 @@ impl Token {
             Self::Given(text) => Ok(Some(text.clone())),
             Self::File(file) => read(file),
             Self::Own { state, url } => {
-                let card = Card::of_living(state).ok().flatten();
+                let card = AddressFile::of_living(state).ok().flatten();
                 if card.is_some_and(|card| card.url == *url) {
                     return read(&state.join("token"));
                 }

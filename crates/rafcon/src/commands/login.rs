@@ -36,7 +36,7 @@ pub(super) fn login(raw: &cli::Login, environment: &Environment) -> Result<ExitC
 
 /// A password: one line of a pipe, or typed on a terminal that does not show it.
 pub(super) fn password(user: &str) -> Result<String> {
-    let quiet = Quiet::new();
+    let quiet = EchoOff::new();
     let password = if io::stdin().is_terminal() {
         let password = asked(&format!("password of {user}: "));
         writeln!(io::stderr())?;
@@ -60,9 +60,9 @@ fn line() -> Result<String> {
 }
 
 /// A terminal that does not repeat what is written, until dropped.
-struct Quiet(Option<Termios>);
+struct EchoOff(Option<Termios>);
 
-impl Quiet {
+impl EchoOff {
     fn new() -> Self {
         let before = tcgetattr(io::stdin()).ok();
         if let Some(before) = &before {
@@ -74,7 +74,7 @@ impl Quiet {
     }
 }
 
-impl Drop for Quiet {
+impl Drop for EchoOff {
     fn drop(&mut self) {
         if let Some(before) = &self.0 {
             tcsetattr(io::stdin(), OptionalActions::Flush, before).unwrap_or_default();

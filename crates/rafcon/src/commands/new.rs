@@ -2,7 +2,7 @@
 
 use crate::cli;
 use crate::clock;
-use crate::templates::{self, Wish};
+use crate::templates::{self, TemplateRequest};
 use crate::view::counted;
 use anyhow::{Context as _, Result, bail};
 use rafcon_model::{Header, Machine};
@@ -21,7 +21,7 @@ pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
         format!("{} does not end in a name: name the folder to make", raw.path.display())
     })?;
     check_free(&raw.path)?;
-    let root = template.root(&Wish { name: name.to_owned(), states: raw.states })?;
+    let root = template.root(&TemplateRequest { name: name.to_owned(), states: raw.states })?;
     let header = Header { creation_time: clock::utc().into(), ..Header::default() };
     let machine = Machine { header, root: Arc::new(root) };
     save(&machine, &raw.path, None, Naming::default())?;

@@ -2,7 +2,7 @@
 
 use super::serve;
 use crate::cli;
-use crate::client::{Fault, Meeting, Notebook, Server};
+use crate::client::{CredentialStore, Fault, Server, TrustDecision};
 use crate::environment::Environment;
 use crate::failure::Usage;
 use crate::view::Names;
@@ -30,7 +30,7 @@ pub(super) fn server(raw: &cli::Remote, environment: &Environment) -> Result<Opt
 pub(super) fn meet(url: &str, raw: &cli::Access, environment: &Environment) -> Result<Server> {
     let notebook = notebook(environment)?;
     let state = serve::state(&raw.state, environment).ok();
-    let meeting = Meeting {
+    let meeting = TrustDecision {
         url,
         token_file: raw.token_file.as_deref(),
         token: environment.token.as_ref().map(|token| token.0.as_str()),
@@ -42,12 +42,12 @@ pub(super) fn meet(url: &str, raw: &cli::Access, environment: &Environment) -> R
 }
 
 /// What this user remembers about servers.
-pub(super) fn notebook(environment: &Environment) -> Result<Notebook> {
+pub(super) fn notebook(environment: &Environment) -> Result<CredentialStore> {
     let folder = environment.config_home.as_ref().map(|folder| folder.join("rafcon"));
     let folder = folder.context(
         "there is no HOME to remember servers in: set HOME or XDG_CONFIG_HOME to a folder",
     )?;
-    Ok(Notebook::new(folder))
+    Ok(CredentialStore::new(folder))
 }
 
 /// A server has its own folder of runs.

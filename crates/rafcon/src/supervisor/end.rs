@@ -1,7 +1,7 @@
 //! How a run can end, and what the program's exit code says about it.
 
 use rafcon_protocol::{Answer, Event, Outcome};
-use rafcon_supervisor::Death;
+use rafcon_supervisor::RunnerDeath;
 
 /// Why there is nothing more to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub(crate) enum End {
         active: Vec<String>,
     },
     /// The runner ended in the middle of the run.
-    Died(Death),
+    Died(RunnerDeath),
     /// We left; the run goes on.
     Left,
 }
@@ -48,7 +48,7 @@ impl End {
     /// The states that were active when the run was cut off.
     pub(crate) fn active_mut(&mut self) -> Option<&mut Vec<String>> {
         match self {
-            Self::Killed { active, .. } | Self::Died(Death { active, .. }) => Some(active),
+            Self::Killed { active, .. } | Self::Died(RunnerDeath { active, .. }) => Some(active),
             Self::Finished { .. }
             | Self::LoadFailed { .. }
             | Self::NotStarted { .. }
@@ -59,7 +59,7 @@ impl End {
     /// The same, to look at.
     pub(crate) fn active(&self) -> Option<&[String]> {
         match self {
-            Self::Killed { active, .. } | Self::Died(Death { active, .. }) => Some(active),
+            Self::Killed { active, .. } | Self::Died(RunnerDeath { active, .. }) => Some(active),
             Self::Finished { .. }
             | Self::LoadFailed { .. }
             | Self::NotStarted { .. }

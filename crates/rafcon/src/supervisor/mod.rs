@@ -7,14 +7,14 @@ mod active;
 mod end;
 
 use crate::console::Wish;
-use crate::wires::Cause;
+use crate::event_queue::Cause;
 pub(crate) use active::Active;
 pub(crate) use end::End;
 use rafcon_protocol::{
     Command, Envelope, Event, Hello, Launch, LogLevel, Snapshot, StateData, Stream, ToRunner,
     ToViewer,
 };
-use rafcon_supervisor::{Death, Exit};
+use rafcon_supervisor::{Exit, RunnerDeath};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -338,7 +338,7 @@ impl Supervisor {
         }
         let is_cut_off = self.exit.is_some_and(Exit::is_cut_off);
         let active = self.active.paths().to_vec();
-        End::Died(Death { reason, active, said, is_cut_off })
+        End::Died(RunnerDeath { reason, active, said, is_cut_off })
     }
 }
 

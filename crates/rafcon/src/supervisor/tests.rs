@@ -1,7 +1,7 @@
 //! The life of a run as text: causes in, actions and exit code out.
 
 use super::{Action, Supervisor};
-use crate::wires::Cause;
+use crate::event_queue::Cause;
 use expect_test::{Expect, expect};
 use rafcon_protocol::{
     ActiveState, Event, Hello, Launch, Outcome, Phase, RunStatus, Snapshot, Stream, ToRunner,

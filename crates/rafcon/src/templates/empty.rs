@@ -1,6 +1,6 @@
 //! A hierarchy with nothing in it but an outcome. Knows the model only.
 
-use super::{Template, Wish};
+use super::{Template, TemplateRequest};
 use rafcon_model::{Container, Kind, Outcome, OutcomeId, State, StateId};
 
 pub(super) const TEMPLATE: Template = Template {
@@ -11,7 +11,7 @@ pub(super) const TEMPLATE: Template = Template {
 };
 
 /// The root alone; it waits when it runs, for it has no start state.
-pub(super) fn root(wish: &Wish) -> State {
+pub(super) fn root(wish: &TemplateRequest) -> State {
     let kind = Kind::Hierarchy(Container::default());
     let mut root = State::new(StateId::new("ROOTED"), &wish.name, kind);
     root.outcomes.insert(Outcome::new(OutcomeId(0), "success"));

@@ -1,6 +1,6 @@
 //! Two states that pass a value on: the first machine that a reader runs. Knows the model only.
 
-use super::{Template, Wish, empty};
+use super::{Template, TemplateRequest, empty};
 use rafcon_model::{
     DataFlow, DataFlowId, DataType, Kind, Origin, Outcome, OutcomeId, Port, PortId, Script, State,
     StateId, Target, Transition, TransitionId, Value,
@@ -24,7 +24,7 @@ const SAY: &str = r#"def execute(self, inputs, outputs, gvm):
     return "success"
 "#;
 
-fn root(wish: &Wish) -> State {
+fn root(wish: &TemplateRequest) -> State {
     let mut root = empty::root(wish);
     root.inputs.insert(text_port(0, "name", "World"));
     let id = root.id.clone();

@@ -1,6 +1,6 @@
 //! Machines that `rafcon new` can make, one module each.
 //!
-//! A template knows the model only: it makes a root state from a [`Wish`]. It must never know files; writing is the
+//! A template knows the model only: it makes a root state from a [`TemplateRequest`]. It must never know files; writing is the
 //! command's work. A new template is a module here and a line in [`ALL`].
 
 mod empty;
@@ -12,7 +12,7 @@ use rafcon_model::State;
 
 /// What the user asked for.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Wish {
+pub(crate) struct TemplateRequest {
     /// Name of the root state.
     pub(crate) name: String,
     /// How many states the machine is to have (`--states`), for templates that come in sizes.
@@ -29,7 +29,7 @@ pub(crate) struct Template {
     /// Whether `--states` means something to it.
     pub(crate) sized: bool,
     /// Makes the root state; the same wish makes the same state.
-    pub(crate) build: fn(&Wish) -> Result<State>,
+    pub(crate) build: fn(&TemplateRequest) -> Result<State>,
 }
 
 /// Every template, in the order in which help shows them.
@@ -42,7 +42,7 @@ pub(crate) fn find(name: &str) -> Option<&'static Template> {
 
 impl Template {
     /// Makes the root state, after looking at what this template cannot do.
-    pub(crate) fn root(&self, wish: &Wish) -> Result<State> {
+    pub(crate) fn root(&self, wish: &TemplateRequest) -> Result<State> {
         if wish.states.is_some() && !self.sized {
             bail!("the template `{}` comes in one size: leave `--states` out", self.name);
         }
@@ -52,13 +52,13 @@ impl Template {
 
 #[cfg(test)]
 mod tests {
-    use super::{ALL, Wish, find};
+    use super::{ALL, TemplateRequest, find};
     use expect_test::expect;
 
     #[test]
     fn every_template_is_found_by_its_name_and_makes_a_root() {
         for template in ALL {
-            let wish = Wish { name: "thing".to_owned(), states: None };
+            let wish = TemplateRequest { name: "thing".to_owned(), states: None };
             let root = find(template.name).unwrap().root(&wish).unwrap();
             assert_eq!(root.name, "thing");
             assert!(!template.about.is_empty());
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_size_for_a_template_of_one_size_is_refused() {
-        let wish = Wish { name: "thing".to_owned(), states: Some(3) };
+        let wish = TemplateRequest { name: "thing".to_owned(), states: Some(3) };
         let error = find("hello").unwrap().root(&wish).unwrap_err();
         expect!["the template `hello` comes in one size: leave `--states` out"]
             .assert_eq(&error.to_string());

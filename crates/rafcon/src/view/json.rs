@@ -3,7 +3,7 @@
 use super::View;
 use crate::supervisor::End;
 use rafcon_protocol::{Event, Snapshot};
-use rafcon_supervisor::Death;
+use rafcon_supervisor::RunnerDeath;
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -87,7 +87,7 @@ impl<W: Write> View for Json<W> {
                 self.line(&CutOff::Killed { timed_out: *timed_out, active })?;
             }
             End::Left => self.line(&CutOff::Left)?,
-            End::Died(Death { reason, active, said, .. }) => {
+            End::Died(RunnerDeath { reason, active, said, .. }) => {
                 self.line(&CutOff::Died { reason, active, stderr: said })?;
             }
         }
@@ -101,7 +101,7 @@ mod tests {
     use crate::supervisor::End;
     use expect_test::{Expect, expect};
     use rafcon_protocol::{Event, LogLevel, Outcome, Stream};
-    use rafcon_supervisor::Death;
+    use rafcon_supervisor::RunnerDeath;
     use std::time::Duration;
 
     fn check(events: Vec<Event>, end: &End, expect: &Expect) {
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_death_is_the_last_line() {
-        let death = Death {
+        let death = RunnerDeath {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["A/B".to_owned()],
             said: vec!["Segmentation fault".to_owned()],

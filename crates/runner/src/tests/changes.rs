@@ -1,6 +1,6 @@
 //! Machines that change while they run: by their folder, by commands, by their own scripts.
 
-use super::house::{House, Viewer};
+use super::served::{House, Viewer};
 use expect_test::{Expect, expect};
 use rafcon_protocol::Command;
 

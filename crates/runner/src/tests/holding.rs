@@ -1,6 +1,6 @@
 //! Runs that hold: from the start, by steps, by breakpoints with conditions, with and without anybody who looks.
 
-use super::house::House;
+use super::served::House;
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Afterwards, Breakpoint, Command, Join, Launch, Scope, Unattended, When};
 use rafcon_storage::journal::Reader;

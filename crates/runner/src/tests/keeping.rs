@@ -1,7 +1,7 @@
 //! What of a run is kept, when it is safe, and what viewers are told of it.
 
-use super::house::{House, Viewer};
 use super::players::Run;
+use super::served::{House, Viewer};
 use crate::blocks::Chunk;
 use crate::host::abandon;
 use crate::recorder::{Read, Recorder};

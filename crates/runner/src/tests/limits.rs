@@ -1,6 +1,6 @@
 //! Deadlines and grace periods on the real clock: short ones, waited for by what they cause.
 
-use super::house::House;
+use super::served::House;
 use expect_test::{Expect, expect};
 use rafcon_protocol::Command;
 use std::process;

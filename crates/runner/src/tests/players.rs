@@ -5,9 +5,9 @@ use crate::archive::Archive;
 use crate::blocks::Chunk;
 use crate::document::Document;
 use crate::driver::RunEnd;
+use crate::record_renderer::RecordRenderer;
 use crate::recorder::Recorder;
 use crate::signals::PREEMPTED;
-use crate::words::Wording;
 use crate::{Clock, Driver, Place, Scripts};
 use rafcon_engine::{
     Finish, Globals, Input, Job, Literals, ModelLiterals, NodeId, Program, Returned, ScriptResult,
@@ -198,7 +198,7 @@ impl Run {
         let (recorder, mut chunk) = (self.driver.recorder(), Chunk::default());
         let next = recorder.read(next, false, &mut chunk).next;
         let mut archive = Archive::default();
-        let words = Wording::new(recorder, &mut archive, false);
+        let words = RecordRenderer::new(recorder, &mut archive, false);
         let events = chunk.records().filter_map(|(number, _, record)| words.event(number, record));
         (next, events.map(|event| text(&event)).collect())
     }

@@ -1,6 +1,6 @@
 //! Runs that are taken up after their runner died, or begun again at an entry of their history.
 
-use super::house::{Actors, House, Viewer};
+use super::served::{Actors, House, Viewer};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Breakpoint, Command, Event, Launch, OnCrash, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::RECORDER_FILE;

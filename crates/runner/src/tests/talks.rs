@@ -1,6 +1,6 @@
 //! Viewers: several at once, coming and going, with commands and questions.
 
-use super::house::{House, Viewer};
+use super::served::{House, Viewer};
 use crate::Clock;
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Answer, Command, Envelope, Expiry, Given, Join, ToRunner, ToViewer};

@@ -2,7 +2,7 @@
 //! server's owner only. Secrets never come here. A thread of its own writes, so that nobody waits for the disk.
 
 use super::private::{self, PrivateError};
-use super::seldom::Seldom;
+use super::recent_notes::RecentNotes;
 use crate::log;
 use rafcon_locks::Mutex;
 use rafcon_supervisor::clock::since_1970_ms;
@@ -33,7 +33,7 @@ pub struct Audit {
     /// Nothing while it is dropped.
     words: Option<SyncSender<Word>>,
     writer: Option<JoinHandle<()>>,
-    seldom: Mutex<Seldom>,
+    seldom: Mutex<RecentNotes>,
     /// Lines for which there was no room.
     missed: Arc<AtomicU64>,
 }

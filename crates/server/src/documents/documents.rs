@@ -2,12 +2,12 @@
 //! wait.
 
 use super::disk;
-use super::draft::What;
-use super::machine::{Deed, EditRequest};
+use super::draft::DraftOperation;
+use super::machine::{EditRequest, MachineOperation};
 use super::recover::{read_edit, recover};
 use super::save::unless_in_a_machine;
-use super::session::{MachineSession, Spot, Tools, closed};
-use super::steps::Along;
+use super::session::{FileLocation, MachineSession, Tools, closed};
+use super::steps::StepDirection;
 use crate::gate::Gate;
 use crate::{Failure, ServerState, Settings, request_id};
 use axum::http::StatusCode;
@@ -61,7 +61,7 @@ pub(super) struct FolderClaim<'d> {
 
 /// A change of an open machine that somebody asks for.
 #[derive(Debug)]
-pub(crate) enum Wish {
+pub(crate) enum EditOperation {
     /// An edit.
     Edit(Box<EditMachine>),
     /// One's own last step back.
@@ -134,10 +134,14 @@ impl Documents {
         is_free.then(|| FolderClaim { documents: self, folder: folder.to_owned() })
     }
 
-    pub(super) fn spot(&self, server: &ServerState, file: &MachineFile) -> Result<Spot, Failure> {
+    pub(super) fn spot(
+        &self,
+        server: &ServerState,
+        file: &MachineFile,
+    ) -> Result<FileLocation, Failure> {
         let folder = server.projects.resolve(file)?;
         let draft = self.drafts.join(name_of(&folder));
-        Ok(Spot { folder, file: file.clone(), draft })
+        Ok(FileLocation { folder, file: file.clone(), draft })
     }
 
     pub(super) fn tools(&self, server: &ServerState) -> Tools {
@@ -224,21 +228,27 @@ impl Documents {
         server: &ServerState,
         id: &str,
         author: &str,
-        wish: Wish,
+        wish: EditOperation,
     ) -> Result<u64, Failure> {
         let session = self.session(id)?;
         let (id, deed, what) = match wish {
-            Wish::Undo(undo) => (undo.id, Deed::Along(Along::Back), What::Undo),
-            Wish::Redo(redo) => (redo.id, Deed::Along(Along::Again), What::Redo),
-            Wish::Jump(JumpMachine { id, revision, over_others }) => {
-                (id, Deed::Jump { revision, over_others }, What::Jump { revision })
+            EditOperation::Undo(undo) => {
+                (undo.id, MachineOperation::Step(StepDirection::Undo), DraftOperation::Undo)
             }
-            Wish::Edit(wish) => {
+            EditOperation::Redo(redo) => {
+                (redo.id, MachineOperation::Step(StepDirection::Redo), DraftOperation::Redo)
+            }
+            EditOperation::Jump(JumpMachine { id, revision, over_others }) => (
+                id,
+                MachineOperation::Jump { revision, over_others },
+                DraftOperation::Jump { revision },
+            ),
+            EditOperation::Edit(wish) => {
                 let EditMachine { id, base: _, name, edit } = *wish;
                 check_name(&name)?;
                 let read = read_edit(&edit, &server.projects.libraries())?;
-                let what = What::Edit { name: name.clone(), edit: Box::new(edit) };
-                (id, Deed::Edit(name, read), what)
+                let what = DraftOperation::Edit { name: name.clone(), edit: Box::new(edit) };
+                (id, MachineOperation::Edit(name, read), what)
             }
         };
         let request = request(author, id)?;

@@ -63,13 +63,13 @@ pub(super) struct Operation {
     pub(super) author: String,
     pub(super) id: String,
     pub(super) at_ms: u64,
-    pub(super) what: What,
+    pub(super) what: DraftOperation,
 }
 
 /// What somebody did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
-pub(super) enum What {
+pub(super) enum DraftOperation {
     /// An edit.
     Edit { name: String, edit: Box<Edit> },
     /// One's own last step back.
@@ -278,7 +278,8 @@ fn as_line<T: Serialize>(value: &T) -> io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::{
-        Draft, DraftHeader, DraftLine, FoundDraft, OPERATIONS, Operation, What, find, kept,
+        Draft, DraftHeader, DraftLine, DraftOperation, FoundDraft, OPERATIONS, Operation, find,
+        kept,
     };
     use std::fs;
     use std::io::Write as _;
@@ -290,7 +291,7 @@ mod tests {
 
     fn undo(id: &str) -> DraftLine {
         let (author, id) = ("ann".to_owned(), id.to_owned());
-        DraftLine::Done(Box::new(Operation { author, id, at_ms: 1, what: What::Undo }))
+        DraftLine::Done(Box::new(Operation { author, id, at_ms: 1, what: DraftOperation::Undo }))
     }
 
     fn found(place: &Path) -> Option<FoundDraft> {

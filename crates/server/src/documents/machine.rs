@@ -1,11 +1,11 @@
 //! An open machine as a value with a past: edits of several people in one order, each taken once, each taken back by its own
 //! author only. Pure: what is done is prepared first, so that it can be written down, and made then.
 
+use super::history_tree::{self, MachineHistoryTree};
 use super::log::{EncodedRevision, Log, RevisionsPage};
 use super::merge;
-use super::past::{self, Past};
 use super::places::{MachinePlace, places};
-use super::steps::{Along, Step, Steps, Stuck, Way};
+use super::steps::{Step, StepDirection, StepRefusal, StepUndo, Steps};
 use crate::Failure;
 use axum::http::StatusCode;
 use rafcon_model::edit::{Edit, EditError, apply};
@@ -20,11 +20,11 @@ const ANSWERED_MAX: usize = 100_000;
 
 /// What somebody wants to do.
 #[derive(Debug, Clone)]
-pub(super) enum Deed {
+pub(super) enum MachineOperation {
     /// An edit, under a name for people.
     Edit(String, Edit),
     /// One's own last step back, or again.
-    Along(Along),
+    Step(StepDirection),
     /// The machine becomes another one: the files are read again.
     Replace(Box<Machine>),
     /// The machine becomes what it was at a revision.
@@ -54,14 +54,14 @@ pub(super) struct Prepared {
     kind: RevisionKind,
     same_as: Option<u64>,
     /// Where it belongs in the past.
-    place: past::Fingerprint,
+    place: history_tree::Fingerprint,
     mark: HistoryMove,
 }
 
 #[derive(Debug)]
 enum HistoryMove {
     New(Step),
-    Moved(u64, Along, Step),
+    Moved(u64, StepDirection, Step),
 }
 
 /// A machine that several people edit.
@@ -70,9 +70,9 @@ pub(super) struct OpenMachine {
     machine: Machine,
     revision: u64,
     steps: Steps,
-    past: Past,
+    past: MachineHistoryTree,
     /// Of the machine, in the past.
-    place: past::Fingerprint,
+    place: history_tree::Fingerprint,
     answered: AnsweredRequests,
     log: Log,
 }
@@ -88,8 +88,8 @@ impl OpenMachine {
     /// A machine that has no past; its next revision follows `revision`.
     pub(super) fn new(machine: Machine, revision: u64) -> Self {
         Self {
-            past: Past::of(machine.clone(), revision),
-            place: past::Fingerprint::default(),
+            past: MachineHistoryTree::of(machine.clone(), revision),
+            place: history_tree::Fingerprint::default(),
             machine,
             revision,
             steps: Steps::default(),
@@ -129,47 +129,51 @@ impl OpenMachine {
     }
 
     /// What doing it would come to. Nothing has changed yet.
-    pub(super) fn prepare(&self, author: &str, deed: Deed) -> Result<Prepared, Failure> {
+    pub(super) fn prepare(
+        &self,
+        author: &str,
+        deed: MachineOperation,
+    ) -> Result<Prepared, Failure> {
         match deed {
-            Deed::Edit(name, edit) => self.edit(author, name, edit),
-            Deed::Along(along) => self.along(author, along),
-            Deed::Replace(machine) => {
+            MachineOperation::Edit(name, edit) => self.edit(author, name, edit),
+            MachineOperation::Step(along) => self.along(author, along),
+            MachineOperation::Replace(machine) => {
                 Ok(self.replace(author, "Reload".to_owned(), RevisionKind::Reload, *machine))
             }
-            Deed::Jump { revision, over_others } => {
+            MachineOperation::Jump { revision, over_others } => {
                 self.may_jump(author, revision, over_others)?;
                 self.jump(author, revision)
             }
-            Deed::JumpAgain(revision) => self.jump(author, revision),
+            MachineOperation::JumpAgain(revision) => self.jump(author, revision),
         }
     }
 
     fn edit(&self, author: &str, name: String, edit: Edit) -> Result<Prepared, Failure> {
         let mut machine = self.machine.clone();
         let back = apply(&mut machine, edit, &BuiltinTypes).map_err(|error| refused(&error))?;
-        let step = step(author, &name, Way::Edit(back), &machine, &self.machine);
+        let step = step(author, &name, StepUndo::Edit(back), &machine, &self.machine);
         Ok(self.prepared(machine, name, RevisionKind::Edit, HistoryMove::New(step)))
     }
 
-    fn along(&self, author: &str, along: Along) -> Result<Prepared, Failure> {
+    fn along(&self, author: &str, along: StepDirection) -> Result<Prepared, Failure> {
         let (number, own) =
             self.steps.next(author, along).map_err(|stuck| hindered(along, &stuck))?;
         let name = own.name.clone();
         let (machine, way) = match &own.way {
-            Way::Whole(machine) => (machine.clone(), Way::Whole(self.machine.clone())),
-            Way::Edit(edit) => {
+            StepUndo::Whole(machine) => (machine.clone(), StepUndo::Whole(self.machine.clone())),
+            StepUndo::Edit(edit) => {
                 let mut machine = self.machine.clone();
                 let edit = merge::merged(edit, &own.layouts, &machine);
                 let edit = edit.map_err(|path| moved_meanwhile(along, &name, &path.to_string()))?;
                 let back = apply(&mut machine, edit, &BuiltinTypes);
                 let back = back.map_err(|error| no_longer_fits(along, &name, &error))?;
-                (machine, Way::Edit(back))
+                (machine, StepUndo::Edit(back))
             }
         };
         let step = step(author, &name, way, &machine, &self.machine);
         let kind = match along {
-            Along::Back => RevisionKind::Undo,
-            Along::Again => RevisionKind::Redo,
+            StepDirection::Undo => RevisionKind::Undo,
+            StepDirection::Redo => RevisionKind::Redo,
         };
         Ok(self.prepared(machine, name, kind, HistoryMove::Moved(number, along, step)))
     }
@@ -181,7 +185,7 @@ impl OpenMachine {
         kind: RevisionKind,
         machine: Machine,
     ) -> Prepared {
-        let way = Way::Whole(self.machine.clone());
+        let way = StepUndo::Whole(self.machine.clone());
         let step = step(author, &name, way, &machine, &self.machine);
         self.prepared(machine, name, kind, HistoryMove::New(step))
     }
@@ -268,10 +272,10 @@ fn alone(revision: &Revision) -> MachineStep {
 }
 
 /// The step that leads to `machine`, and back by `way` to what there was before.
-fn step(author: &str, name: &str, way: Way, machine: &Machine, before: &Machine) -> Step {
+fn step(author: &str, name: &str, way: StepUndo, machine: &Machine, before: &Machine) -> Step {
     let (places, layouts) = match &way {
-        Way::Edit(back) => (places(back), merge::layouts(back, machine)),
-        Way::Whole(_) => {
+        StepUndo::Edit(back) => (places(back), merge::layouts(back, machine)),
+        StepUndo::Whole(_) => {
             let roots = [&before.root.id, &machine.root.id];
             let places = roots.into_iter().flat_map(MachinePlace::everything).collect();
             (places, merge::Layouts::new())
@@ -289,21 +293,21 @@ fn refused(error: &EditError) -> Failure {
     Failure::new(status, "edit_refused", error.to_string())
 }
 
-fn words(along: Along) -> &'static str {
+fn words(along: StepDirection) -> &'static str {
     match along {
-        Along::Back => "taken back",
-        Along::Again => "made again",
+        StepDirection::Undo => "taken back",
+        StepDirection::Redo => "made again",
     }
 }
 
-fn hindered(along: Along, stuck: &Stuck) -> Failure {
+fn hindered(along: StepDirection, stuck: &StepRefusal) -> Failure {
     let words = words(along);
     match stuck {
-        Stuck::Nothing => {
+        StepRefusal::Nothing => {
             let message = format!("there is no step of yours to be {words}");
             Failure::conflict("nothing_to_do", message)
         }
-        Stuck::BuiltUpon { step, by, later, place } => {
+        StepRefusal::BuiltUpon { step, by, later, place } => {
             let message = format!(
                 "`{step}` cannot be {words}: {by} has changed {place} since (`{later}`); ask for that to be taken back first, or change it by hand"
             );
@@ -331,7 +335,7 @@ fn others_edits(taken: &BTreeMap<&str, usize>) -> Failure {
     Failure::conflict("others_edits", message)
 }
 
-fn moved_meanwhile(along: Along, name: &str, path: &str) -> Failure {
+fn moved_meanwhile(along: StepDirection, name: &str, path: &str) -> Failure {
     let message = format!(
         "`{name}` cannot be {}: somebody else has moved the same part of {path} since; move it by hand",
         words(along)
@@ -339,7 +343,7 @@ fn moved_meanwhile(along: Along, name: &str, path: &str) -> Failure {
     Failure::conflict("built_upon", message)
 }
 
-fn no_longer_fits(along: Along, name: &str, error: &EditError) -> Failure {
+fn no_longer_fits(along: StepDirection, name: &str, error: &EditError) -> Failure {
     let message = format!(
         "`{name}` cannot be {}, for others have changed the machine since: {error}",
         words(along)

@@ -11,10 +11,10 @@ mod disk;
 )]
 mod documents;
 mod draft;
+mod history_tree;
 mod log;
 mod machine;
 mod merge;
-mod past;
 mod places;
 mod problems;
 mod recover;
@@ -28,7 +28,7 @@ mod tests;
 mod usages;
 mod versions;
 
-pub(crate) use documents::{Documents, Wish};
+pub(crate) use documents::{Documents, EditOperation};
 pub(crate) use log::RevisionsPage;
 pub(crate) use routes::{change, routes};
 pub(crate) use session::MachineSession;

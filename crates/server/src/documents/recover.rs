@@ -3,11 +3,12 @@
 
 use super::disk::OnDisk;
 use super::draft::{
-    Draft, DraftHeader, DraftLine, FoundDraft, Operation, RecordedAnswer, What, discard, find, kept,
+    Draft, DraftHeader, DraftLine, DraftOperation, FoundDraft, Operation, RecordedAnswer, discard,
+    find, kept,
 };
-use super::machine::{Deed, EditRequest, OpenMachine};
-use super::session::Spot;
-use super::steps::Along;
+use super::machine::{EditRequest, MachineOperation, OpenMachine};
+use super::session::FileLocation;
+use super::steps::StepDirection;
 use crate::Failure;
 use crate::access::PrivateError;
 use crate::log::say;
@@ -38,7 +39,7 @@ pub(super) struct Recovered {
 /// The machine of a folder with what its draft holds. `revision` is where one without a draft begins. What no longer
 /// fits is set aside only for one who may edit.
 pub(super) fn recover(
-    spot: &Spot,
+    spot: &FileLocation,
     on_disk: &OnDisk,
     revision: u64,
     libraries: &Libraries,
@@ -181,14 +182,20 @@ fn replayed(
     Ok(machine)
 }
 
-fn deed(what: &What, place: &Path, libraries: &Libraries) -> Result<Deed, Failure> {
+fn deed(
+    what: &DraftOperation,
+    place: &Path,
+    libraries: &Libraries,
+) -> Result<MachineOperation, Failure> {
     Ok(match what {
-        What::Edit { name, edit } => Deed::Edit(name.clone(), read_edit(edit, libraries)?),
-        What::Undo => Deed::Along(Along::Back),
-        What::Redo => Deed::Along(Along::Again),
-        What::Jump { revision } => Deed::JumpAgain(*revision),
-        What::Replace { document: hash } => {
-            Deed::Replace(Box::new(document(place, hash, libraries)?))
+        DraftOperation::Edit { name, edit } => {
+            MachineOperation::Edit(name.clone(), read_edit(edit, libraries)?)
+        }
+        DraftOperation::Undo => MachineOperation::Step(StepDirection::Undo),
+        DraftOperation::Redo => MachineOperation::Step(StepDirection::Redo),
+        DraftOperation::Jump { revision } => MachineOperation::JumpAgain(*revision),
+        DraftOperation::Replace { document: hash } => {
+            MachineOperation::Replace(Box::new(document(place, hash, libraries)?))
         }
     })
 }

@@ -1,6 +1,6 @@
 //! What is asked about open machines. Knows requests and answers; the work is done next door, off the threads that talk.
 
-use super::documents::Wish;
+use super::documents::EditOperation;
 use super::log::RevisionsPage;
 use crate::access::Who;
 use crate::blocking::blocking;
@@ -205,7 +205,7 @@ async fn edit(
     Path(machine): Path<String>,
     Body(edit): Body<EditMachine>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, Wish::Edit(Box::new(edit))).await
+    change(server, who, machine, EditOperation::Edit(Box::new(edit))).await
 }
 
 /// Takes one's own last step back.
@@ -225,7 +225,7 @@ async fn undo(
     Path(machine): Path<String>,
     Body(undo): Body<Undo>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, Wish::Undo(undo)).await
+    change(server, who, machine, EditOperation::Undo(undo)).await
 }
 
 /// Makes one's own step again that was taken back last.
@@ -245,7 +245,7 @@ async fn redo(
     Path(machine): Path<String>,
     Body(redo): Body<Undo>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, Wish::Redo(redo)).await
+    change(server, who, machine, EditOperation::Redo(redo)).await
 }
 
 /// What was done to an open machine since it was read, without what it changed: a tree.
@@ -282,7 +282,7 @@ async fn jump(
     Path(machine): Path<String>,
     Body(jump): Body<JumpMachine>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, Wish::Jump(jump)).await
+    change(server, who, machine, EditOperation::Jump(jump)).await
 }
 
 /// Saves an open machine.
@@ -382,7 +382,7 @@ pub(crate) async fn change(
     server: Arc<ServerState>,
     who: Who,
     machine: String,
-    wish: Wish,
+    wish: EditOperation,
 ) -> Result<Json<Done>, Failure> {
     blocking(move || server.documents.change(&server, &machine, &who.user, wish).map(done)).await
 }

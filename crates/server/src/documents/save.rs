@@ -2,7 +2,7 @@
 
 use super::disk;
 use super::documents::Documents;
-use super::session::{Saving, Spot};
+use super::session::{FileLocation, Saving};
 use crate::projects::is_machine;
 use crate::{Failure, ServerState};
 use axum::http::StatusCode;
@@ -70,7 +70,7 @@ impl Documents {
     fn must_be_free(
         &self,
         server: &ServerState,
-        spot: &Spot,
+        spot: &FileLocation,
         overwrite: bool,
     ) -> Result<(), Failure> {
         let path = &spot.file.path;
@@ -102,7 +102,10 @@ impl Documents {
 }
 
 /// Refuses a folder inside another machine, which would take it for one of its states.
-pub(super) fn unless_in_a_machine(server: &ServerState, spot: &Spot) -> Result<(), Failure> {
+pub(super) fn unless_in_a_machine(
+    server: &ServerState,
+    spot: &FileLocation,
+) -> Result<(), Failure> {
     let home = &server.projects.named(&spot.file.project)?.folder;
     let mut around = spot.folder.ancestors().skip(1).take_while(|folder| folder.starts_with(home));
     let Some(machine) = around.find(|folder| is_machine(folder)) else { return Ok(()) };
@@ -139,7 +142,7 @@ fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
 #[cfg(test)]
 mod tests {
     use crate::documents::session::Saving;
-    use crate::documents::{MachineSession, Wish};
+    use crate::documents::{EditOperation, MachineSession};
     use crate::{ServerState, Settings};
     use rafcon_protocol::api::{CloseMachine, EditMachine, MachineFile, NewMachine};
     use std::fs;
@@ -165,7 +168,7 @@ mod tests {
         let edit = format!(r#"{{"edit":"set_name","path":"{root}","name":"Given up"}}"#);
         let edit = format!(r#"{{"id":"1","name":"Rename","edit":{edit}}}"#);
         let edit: EditMachine = serde_json::from_str(&edit).unwrap();
-        documents.change(&server, &id, "ann", Wish::Edit(Box::new(edit))).unwrap();
+        documents.change(&server, &id, "ann", EditOperation::Edit(Box::new(edit))).unwrap();
         documents.close(&server, &id, &CloseMachine { discard: true }).unwrap();
         let saving = Saving { to: None, overwrite: false };
         let failure = session.save(&saving, &documents.tools(&server)).unwrap_err();

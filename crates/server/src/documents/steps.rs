@@ -12,7 +12,7 @@ const STEPS_MAX: usize = 10_000;
 
 /// How a step is taken back, or made again.
 #[derive(Debug, Clone)]
-pub(super) enum Way {
+pub(super) enum StepUndo {
     /// By an edit.
     Edit(Edit),
     /// By another machine: the files were read again.
@@ -30,7 +30,7 @@ pub(super) struct Step {
     /// The layouts that it left behind.
     pub(super) layouts: Layouts,
     /// Takes it back if it is done, makes it again if not.
-    pub(super) way: Way,
+    pub(super) way: StepUndo,
 }
 
 /// A step and when it was done and undone, in revisions.
@@ -43,7 +43,7 @@ struct RecordedStep {
 
 /// The steps of one author, the last one last.
 #[derive(Debug, Default)]
-struct Own {
+struct OwnSteps {
     done: Vec<u64>,
     undone: Vec<u64>,
 }
@@ -54,21 +54,21 @@ pub(super) struct Steps {
     kept: VecDeque<RecordedStep>,
     /// The number of the first kept step.
     first: u64,
-    authors: BTreeMap<String, Own>,
+    authors: BTreeMap<String, OwnSteps>,
 }
 
 /// Which way along one's own steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Along {
+pub(super) enum StepDirection {
     /// Take the last one back.
-    Back,
+    Undo,
     /// Make the last one again that was taken back.
-    Again,
+    Redo,
 }
 
 /// Why a step cannot be taken back or made again.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Stuck {
+pub(super) enum StepRefusal {
     /// There is none.
     Nothing,
     /// Somebody else built on it.
@@ -99,31 +99,35 @@ impl Steps {
     }
 
     /// The step that an author would take back or make again, and its number.
-    pub(super) fn next(&self, author: &str, along: Along) -> Result<(u64, &Step), Stuck> {
-        let own = self.authors.get(author).ok_or(Stuck::Nothing)?;
+    pub(super) fn next(
+        &self,
+        author: &str,
+        along: StepDirection,
+    ) -> Result<(u64, &Step), StepRefusal> {
+        let own = self.authors.get(author).ok_or(StepRefusal::Nothing)?;
         let list = match along {
-            Along::Back => &own.done,
-            Along::Again => &own.undone,
+            StepDirection::Undo => &own.done,
+            StepDirection::Redo => &own.undone,
         };
-        let number = *list.last().ok_or(Stuck::Nothing)?;
-        let kept = self.kept(number).ok_or(Stuck::Nothing)?;
+        let number = *list.last().ok_or(StepRefusal::Nothing)?;
+        let kept = self.kept(number).ok_or(StepRefusal::Nothing)?;
         self.unless_built_upon(kept)?;
         Ok((number, &kept.step))
     }
 
     /// The step was taken back or made again, which is `step` from now on.
-    pub(super) fn moved(&mut self, number: u64, along: Along, step: Step, revision: u64) {
+    pub(super) fn moved(&mut self, number: u64, along: StepDirection, step: Step, revision: u64) {
         let own = self.authors.entry(step.author.clone()).or_default();
         match along {
-            Along::Back => own.undone.extend(own.done.pop()),
-            Along::Again => own.done.extend(own.undone.pop()),
+            StepDirection::Undo => own.undone.extend(own.done.pop()),
+            StepDirection::Redo => own.done.extend(own.undone.pop()),
         }
         let index = usize::try_from(number.saturating_sub(self.first)).unwrap_or(usize::MAX);
         if let Some(kept) = self.kept.get_mut(index) {
             kept.step = step;
             match along {
-                Along::Back => kept.undone_at = Some(revision),
-                Along::Again => (kept.done_at, kept.undone_at) = (revision, None),
+                StepDirection::Undo => kept.undone_at = Some(revision),
+                StepDirection::Redo => (kept.done_at, kept.undone_at) = (revision, None),
             }
         }
     }
@@ -132,14 +136,14 @@ impl Steps {
         self.kept.get(usize::try_from(number.checked_sub(self.first)?).ok()?)
     }
 
-    fn unless_built_upon(&self, mine: &RecordedStep) -> Result<(), Stuck> {
+    fn unless_built_upon(&self, mine: &RecordedStep) -> Result<(), StepRefusal> {
         let since = mine.undone_at.unwrap_or(mine.done_at);
         let others = self.kept.iter().rev();
         let mut others =
             others.filter(|other| other.step.author != mine.step.author && other.is_new(since));
         let built = others.find_map(|other| {
             let place = mine.step.place_under(&other.step)?;
-            Some(Stuck::BuiltUpon {
+            Some(StepRefusal::BuiltUpon {
                 step: mine.step.name.clone(),
                 by: other.step.author.clone(),
                 later: other.step.name.clone(),
@@ -170,7 +174,7 @@ impl Step {
     }
 }
 
-impl Own {
+impl OwnSteps {
     fn forget(&mut self, first: u64) {
         self.done.retain(|number| *number >= first);
         self.undone.retain(|number| *number >= first);

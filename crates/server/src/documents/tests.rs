@@ -1,8 +1,8 @@
 //! Several people edit one machine: nobody's work is lost, and each takes back what is his own.
 
 use super::log::RevisionsPage;
-use super::machine::{Deed, EditRequest, OpenMachine};
-use super::steps::Along;
+use super::machine::{EditRequest, MachineOperation, OpenMachine};
+use super::steps::StepDirection;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_model::edit::any::{Dice, edit};
@@ -39,7 +39,7 @@ fn machine(text: &str) -> Machine {
 }
 
 /// Does it; the name of the step and the new revision, or the refusal.
-fn done(open: &mut OpenMachine, author: &str, deed: Deed) -> String {
+fn done(open: &mut OpenMachine, author: &str, deed: MachineOperation) -> String {
     match open.prepare(author, deed) {
         Err(failure) => format!("{}: {failure}", failure.refusal().code),
         Ok(prepared) => {
@@ -52,14 +52,14 @@ fn done(open: &mut OpenMachine, author: &str, deed: Deed) -> String {
 
 /// One line a deed: the author, then `<` (back), `>` (again), `@` or `@!` and a revision (jump, also over others), or an edit
 /// as JSON.
-fn deed(text: &str) -> Deed {
+fn deed(text: &str) -> MachineOperation {
     let jump = |revision: &str, over_others| {
         let revision = revision.parse().expect("a revision");
-        Deed::Jump { revision, over_others }
+        MachineOperation::Jump { revision, over_others }
     };
     match text {
-        "<" => Deed::Along(Along::Back),
-        ">" => Deed::Along(Along::Again),
+        "<" => MachineOperation::Step(StepDirection::Undo),
+        ">" => MachineOperation::Step(StepDirection::Redo),
         text => {
             if let Some(revision) = text.strip_prefix("@!") {
                 return jump(revision, true);
@@ -69,7 +69,7 @@ fn deed(text: &str) -> Deed {
             }
             let edit: Edit = serde_json::from_str(text).expect("an edit");
             let name = text.split('"').nth(3).expect("a name").to_owned();
-            Deed::Edit(name, (&edit).try_into().expect("an edit of the model"))
+            MachineOperation::Edit(name, (&edit).try_into().expect("an edit of the model"))
         }
     }
 }
@@ -273,14 +273,14 @@ fn layouts_are_merged_element_by_element() {
 fn a_reload_is_a_step_like_any_other() {
     let mut open = OpenMachine::new(machine(START), 0);
     let other = Box::new(machine("execution OTHERR"));
-    let mut said = vec![done(&mut open, "ann", Deed::Replace(other))];
+    let mut said = vec![done(&mut open, "ann", MachineOperation::Replace(other))];
     let rename = r#"{"edit":"set_name","path":"OTHERR","name":"Bob's"}"#;
     let rename: Edit = serde_json::from_str(rename).expect("an edit");
-    let rename = Deed::Edit("Rename".into(), (&rename).try_into().expect("an edit"));
+    let rename = MachineOperation::Edit("Rename".into(), (&rename).try_into().expect("an edit"));
     said.push(done(&mut open, "bob", rename));
-    said.push(done(&mut open, "ann", Deed::Along(Along::Back)));
-    said.push(done(&mut open, "bob", Deed::Along(Along::Back)));
-    said.push(done(&mut open, "ann", Deed::Along(Along::Back)));
+    said.push(done(&mut open, "ann", MachineOperation::Step(StepDirection::Undo)));
+    said.push(done(&mut open, "bob", MachineOperation::Step(StepDirection::Undo)));
+    said.push(done(&mut open, "ann", MachineOperation::Step(StepDirection::Undo)));
     assert_eq!(*open.machine(), machine(START));
     expect![[r"
         1
@@ -339,7 +339,7 @@ fn the_same_request_is_answered_by_what_it_did() {
     let mut open = OpenMachine::new(machine(START), 7);
     let request = EditRequest { author: "ann".into(), id: "one".into() };
     assert_eq!(open.answered(&request), None);
-    let prepared = open.prepare("ann", Deed::Replace(Box::new(machine("execution X"))));
+    let prepared = open.prepare("ann", MachineOperation::Replace(Box::new(machine("execution X"))));
     assert_eq!(open.commit(prepared.expect("prepared"), request.clone(), 0), 8);
     assert_eq!(open.answered(&request), Some(8));
     assert_eq!(open.answered(&EditRequest { author: "bob".into(), ..request }), None);
@@ -353,14 +353,14 @@ fn two_people(numbers: Vec<u16>) {
     while !dice.is_empty() {
         let author = ["ann", "bob"][dice.roll(2)];
         let deed = match dice.roll(9) {
-            0 | 1 => Deed::Along(Along::Back),
-            2 | 3 => Deed::Along(Along::Again),
+            0 | 1 => MachineOperation::Step(StepDirection::Undo),
+            2 | 3 => MachineOperation::Step(StepDirection::Redo),
             4 => {
                 let back = u64::try_from(dice.roll(20)).expect("a number");
                 let revision = open.revision().saturating_sub(back);
-                Deed::Jump { revision, over_others: dice.roll(2) == 0 }
+                MachineOperation::Jump { revision, over_others: dice.roll(2) == 0 }
             }
-            _ => Deed::Edit("Any".into(), edit(open.machine(), &mut dice)),
+            _ => MachineOperation::Edit("Any".into(), edit(open.machine(), &mut dice)),
         };
         let before = open.machine().clone();
         let from = open.revision() + 1;

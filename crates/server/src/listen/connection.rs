@@ -56,12 +56,12 @@ impl<S: Sync> FromRequestParts<S> for Peer {
 /// All connections of a server.
 pub(super) struct Connections {
     places: ConnectionSlots,
-    guest: Guest,
+    guest: RequestService,
 }
 
 /// How one connection is answered.
 #[derive(Clone)]
-struct Guest {
+struct RequestService {
     http: http1::Builder,
     tls: Option<TlsAcceptor>,
     patience: Duration,
@@ -79,7 +79,7 @@ impl Connections {
         http.timer(TokioTimer::new()).header_read_timeout(listen.head_patience);
         let places = ConnectionSlots::new(listen.connections_max);
         let (patience, write_limit) = (listen.head_patience, listen.write_limit);
-        let guest = Guest { http, tls, patience, write_limit, closed };
+        let guest = RequestService { http, tls, patience, write_limit, closed };
         Self { places, guest }
     }
 
@@ -102,7 +102,7 @@ impl Connections {
     }
 }
 
-impl Guest {
+impl RequestService {
     /// Where there is TLS, a client has so long to speak it.
     async fn welcome(
         self,

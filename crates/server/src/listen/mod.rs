@@ -1,7 +1,7 @@
 //! The server as a process: its folder, its socket, its beginning and its end. Knows addresses and connections; must never
 //! know what requests mean.
 
-mod card;
+mod address_file;
 mod connection;
 mod names;
 mod paced;
@@ -9,7 +9,7 @@ mod places;
 mod signals;
 mod tls;
 
-pub use card::Card;
+pub use address_file::AddressFile;
 pub(crate) use connection::Peer;
 pub(crate) use places::ConnectionSlot;
 pub use tls::TlsError;
@@ -44,7 +44,7 @@ pub struct Server {
     state: Arc<ServerState>,
     listener: TcpListener,
     address: SocketAddr,
-    card: Card,
+    card: AddressFile,
     identity: Option<Identity>,
     /// Sees what other programs change about users.
     _notice: Option<RecommendedWatcher>,
@@ -128,7 +128,7 @@ impl Server {
         server.called(names::of(&server.settings().listen, address));
         let identity = identity(&server, address)?;
         let fingerprint = identity.as_ref().map(|identity| identity.fingerprint.clone());
-        let card = Card::write(&server, address, fingerprint)?;
+        let card = AddressFile::write(&server, address, fingerprint)?;
         server.begin();
         let notice = notice(&server);
         Ok(Self { state: server, listener, address, card, identity, _notice: notice, _lock: lock })
@@ -212,7 +212,7 @@ const PAUSE: Duration = Duration::from_millis(20);
 
 /// Makes this process the folder's only server.
 async fn only_one(folder: &Path) -> Result<File, ServeError> {
-    let path = folder.join(card::LOCK);
+    let path = folder.join(address_file::LOCK);
     let file = private::open(&path)?;
     for _ in 0..TRIES {
         match file.try_lock() {

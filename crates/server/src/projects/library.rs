@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// What was read of the libraries since a file of theirs changed.
 #[derive(Debug, Default)]
-struct Stock {
+struct LoadedLibraries {
     libraries: Arc<Libraries>,
     documents: Mutex<BTreeMap<PathBuf, Content>>,
 }
@@ -36,13 +36,13 @@ pub(super) struct Content {
 pub(crate) struct LibraryCache {
     /// The folders of projects.
     projects: Vec<PathBuf>,
-    stock: RwLock<Arc<Stock>>,
+    stock: RwLock<Arc<LoadedLibraries>>,
 }
 
 impl LibraryCache {
     /// Those of these settings, for machines in these folders.
     pub(super) fn open(settings: &Settings, projects: Vec<PathBuf>) -> Self {
-        let stock = Stock::new(super::library_roots::find(settings), &projects);
+        let stock = LoadedLibraries::new(super::library_roots::find(settings), &projects);
         Self { projects, stock: RwLock::new(Arc::new(stock)) }
     }
 
@@ -60,7 +60,7 @@ impl LibraryCache {
     /// Files of libraries changed. Whoever is reading keeps what it reads to itself.
     pub(crate) fn refresh(&self) {
         let roots = self.stock().libraries.roots().to_vec();
-        *self.stock.write() = Arc::new(Stock::new(roots, &self.projects));
+        *self.stock.write() = Arc::new(LoadedLibraries::new(roots, &self.projects));
     }
 
     /// The roots with what lies below them now.
@@ -73,12 +73,12 @@ impl LibraryCache {
         self.stock().document(&format!("{root}/{path}"))
     }
 
-    fn stock(&self) -> Arc<Stock> {
+    fn stock(&self) -> Arc<LoadedLibraries> {
         Arc::clone(&self.stock.read())
     }
 }
 
-impl Stock {
+impl LoadedLibraries {
     /// Nothing is loaded that does not lie in one of the projects or below one of the roots.
     fn new(roots: Vec<Root>, projects: &[PathBuf]) -> Self {
         let homes = roots.iter().map(|root| super::at_home(&root.dir));

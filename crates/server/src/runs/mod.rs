@@ -3,23 +3,23 @@
 //! Every run is a folder; one that goes on is a process that lives without the server, and is spoken with over the socket in its
 //! folder. Must never know HTTP beyond its own routes, nor what a runner does with what it is told.
 
-mod audience;
 mod commands;
 mod control;
 mod encoded_event;
-mod fate;
 mod holder_file;
 mod launch;
-mod life;
 mod link;
+mod onlookers;
 mod output;
 mod pulse;
 mod request;
 mod ring;
 mod routes;
 mod run;
+mod runner_end;
 mod start;
 mod summary;
+mod supervise;
 mod take_up;
 mod talk;
 mod watch;
@@ -30,7 +30,7 @@ pub(crate) use ring::EventsPage;
 pub(crate) use routes::routes;
 pub(crate) use run::Run;
 
-use crate::news::News;
+use crate::change_counters::ChangeCounters;
 use crate::{Failure, ServerState, Settings};
 use axum::http::StatusCode;
 use rafcon_locks::Mutex;
@@ -41,7 +41,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use summary::Looked;
+use summary::FolderSummary;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch as tokio_watch};
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
@@ -81,7 +81,7 @@ pub(crate) struct Runs {
 
 impl Runs {
     /// The runs in the folder of the settings; none is known yet.
-    pub(crate) fn new(settings: &Settings, news: &News) -> Result<Self, MakeError> {
+    pub(crate) fn new(settings: &Settings, news: &ChangeCounters) -> Result<Self, MakeError> {
         Ok(Self {
             folder: Folder::new(Some(&settings.runs), &settings.surroundings)?,
             all: Mutex::default(),
@@ -181,7 +181,7 @@ impl Runs {
         &self,
         server: &ServerState,
         folder: &Path,
-        looked: Option<Looked>,
+        looked: Option<FolderSummary>,
     ) -> Option<Arc<Run>> {
         let Some(looked) = looked else {
             self.forget_folder(folder);
@@ -271,13 +271,13 @@ async fn look_through(server: &Arc<ServerState>) {
             watch::remove(server, folder).await;
             continue;
         }
-        let is_to_follow = life::needs_somebody(&looked, policy);
+        let is_to_follow = supervise::needs_somebody(&looked, policy);
         let Some(run) = server.runs.found(server, &folder, Some(looked)) else { continue };
         if is_to_follow {
-            life::follow(server, &run);
+            supervise::follow(server, &run);
         } else if phase == RunPhase::Starting {
             let server = Arc::clone(server);
-            tokio::spawn(async move { life::await_beginning(&server, &folder).await });
+            tokio::spawn(async move { supervise::await_beginning(&server, &folder).await });
         }
     }
 }

@@ -2,11 +2,11 @@
 //!
 //! Knows the latest truth. Must never know how it is found out, nor wait for whoever wants to know it.
 
-use super::audience::Audience;
 use super::control::Holding;
 use super::encoded_event::EncodedEvent;
 use super::holder_file;
 use super::link::Link;
+use super::onlookers::Onlookers;
 use super::ring::Ring;
 use crate::state::ServerState;
 use rafcon_locks::Mutex;
@@ -52,7 +52,7 @@ pub(crate) struct Run {
     /// How many notes about control were sent.
     notes: AtomicU64,
     guests: Semaphore,
-    audience: Audience,
+    audience: Onlookers,
     /// Held while who holds control is written down.
     keeping: Mutex<()>,
 }
@@ -90,7 +90,7 @@ impl Run {
             is_stopped_by_force: AtomicBool::new(false),
             notes: AtomicU64::new(0),
             guests: Semaphore::new(GUESTS),
-            audience: Audience::default(),
+            audience: Onlookers::default(),
             keeping: Mutex::default(),
         }
     }
@@ -256,7 +256,7 @@ impl Run {
     }
 
     /// Who looks at how it stands.
-    pub(crate) fn audience(&self) -> &Audience {
+    pub(crate) fn audience(&self) -> &Onlookers {
         &self.audience
     }
 

@@ -4,9 +4,9 @@
 
 use super::StartRequestState;
 use super::launch::{LaunchError, Launched, launch};
-use super::life;
 use super::request::RunRequest;
 use super::run::Run;
+use super::supervise;
 use crate::access::{Who, of_start};
 use crate::blocking::blocking;
 use crate::failure::reason;
@@ -14,7 +14,7 @@ use crate::{Failure, ServerState};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{RunPhase, RunSummary, StartRun};
 use rafcon_protocol::{Keeping, Launch};
-use rafcon_supervisor::{Death, Lives, Next, clock};
+use rafcon_supervisor::{Next, RestartPolicy, RunnerDeath, clock};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -106,10 +106,12 @@ impl StartRequestState {
 
 /// The run in this folder, which a server before this one was asked to start: once it has begun, or is known not to have.
 async fn settled(server: &Arc<ServerState>, folder: &Path) -> Result<Option<Arc<Run>>, Failure> {
-    let run = timeout(PATIENCE, life::await_beginning(server, folder)).await.map_err(|_late| {
-        let message = "the run of this request is still being started: ask again with the same id";
-        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message)
-    })?;
+    let run =
+        timeout(PATIENCE, supervise::await_beginning(server, folder)).await.map_err(|_late| {
+            let message =
+                "the run of this request is still being started: ask again with the same id";
+            Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message)
+        })?;
     if let Some(run) = run.as_ref().filter(|run| run.is_live()) {
         run.linked().await;
     }
@@ -141,9 +143,9 @@ async fn begin(
         made(&here, &asked, &request, folder)
     };
     let (folder, launched) = blocking(made).await?;
-    let found = life::look(server, folder.clone()).await;
+    let found = supervise::look(server, folder.clone()).await;
     let run = found.ok_or_else(|| not_kept(&folder))?;
-    life::follow_ours(server, &run, launched).await;
+    supervise::follow_ours(server, &run, launched).await;
     let here = Arc::clone(server);
     // Old runs make room behind the back of whoever asks.
     drop(tokio::task::spawn_blocking(move || {
@@ -196,14 +198,14 @@ fn launched(
     folder: &Path,
     words: &Launch,
 ) -> Result<Launched, LaunchError> {
-    let mut lives = Lives::default();
+    let mut lives = RestartPolicy::default();
     loop {
         let error = match launch(&server.settings, folder, words.clone()) {
             Err(error) if error.is_death() => error,
             other => return other,
         };
         let (now, reason) = (Duration::from_millis(clock::since_1970_ms()), error.to_string());
-        let death = Death { reason, active: Vec::new(), said: Vec::new(), is_cut_off: false };
+        let death = RunnerDeath { reason, active: Vec::new(), said: Vec::new(), is_cut_off: false };
         let policy = asked.on_crash.unwrap_or_default();
         if let Next::Ask(_) = lives.next(now, &death, policy) {
             return Err(error);

@@ -15,7 +15,7 @@ const NOT_BEGUN: &str = "its server or its runner ended before it had begun; the
 
 /// What was found in a folder.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Looked {
+pub(super) struct FolderSummary {
     /// The run in one line.
     pub(super) summary: RunSummary,
     /// What a server was asked about it.
@@ -23,17 +23,17 @@ pub(super) struct Looked {
 }
 
 /// Looks into the folder of a run; nothing if it is none.
-pub(super) fn look(folder: &Path, projects: &Projects) -> Option<Looked> {
+pub(super) fn look(folder: &Path, projects: &Projects) -> Option<FolderSummary> {
     let request = RunRequest::read(folder);
     if folder.join(ABOUT_FILE).is_file() {
         let summary = kept(folder, projects, request.as_ref());
         if !is_open(&summary, request.as_ref(), folder) {
-            return Some(Looked { summary, request });
+            return Some(FolderSummary { summary, request });
         }
     }
     let asked = request?;
     let summary = asked_for(folder, &asked);
-    Some(Looked { summary, request: Some(asked) })
+    Some(FolderSummary { summary, request: Some(asked) })
 }
 
 /// Whether a run that was asked for here lost its runner before anything had happened.

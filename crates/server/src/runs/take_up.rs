@@ -4,10 +4,10 @@
 
 use super::commands;
 use super::launch::{LaunchError, Launched, launch};
-use super::life;
 use super::request::RunRequest;
 use super::run::Run;
 use super::start::not_launched;
+use super::supervise;
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::failure::reason;
@@ -72,12 +72,12 @@ async fn once(
         Ok(launched) => {
             run.set_phase(RunPhase::Live);
             server.audit().note(&who.user, "run_resumed", run.id());
-            life::look_after_ours(server, run, launched).await;
+            supervise::look_after_ours(server, run, launched).await;
             Ok(run.summary())
         }
         Err(failure) => {
             run.release();
-            life::look_again(server, run).await;
+            supervise::look_again(server, run).await;
             Err(failure)
         }
     }

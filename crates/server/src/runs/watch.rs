@@ -1,7 +1,7 @@
 //! What changes in the folder of all runs: folders that come and go, runs that begin or are taken up there. So runs that the
 //! command line starts appear. Knows names of files; nothing is asked again and again.
 
-use super::life;
+use super::supervise;
 use crate::ServerState;
 use crate::failure::reason;
 use notify::event::{EventKind, ModifyKind};
@@ -86,10 +86,10 @@ pub(super) async fn serve(server: &Arc<ServerState>, mut noticed: mpsc::Receiver
 
 async fn look(server: &Arc<ServerState>, folder: PathBuf) {
     keep_an_eye_on(server, &folder);
-    if let Some(run) = life::look(server, folder).await
+    if let Some(run) = supervise::look(server, folder).await
         && run.summary().phase == RunPhase::Live
     {
-        life::follow(server, &run);
+        supervise::follow(server, &run);
     }
 }
 

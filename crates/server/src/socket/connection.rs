@@ -4,7 +4,7 @@
 use super::outbox::{Lane, Outbox, length};
 use super::pulse::ClientPulse;
 use super::request_handler::{RequestHandler, now_ms};
-use super::session::{Act, Session, binary};
+use super::session::{ClientRequest, Session, binary};
 use super::words;
 use crate::Failure;
 use axum::extract::ws::{CloseFrame, Message, close_code};
@@ -161,18 +161,18 @@ impl Connection {
         }
     }
 
-    fn act(&mut self, act: Act) {
+    fn act(&mut self, act: ClientRequest) {
         match act {
-            Act::Tell(frame) => self.tell(&frame),
-            Act::Begin(subscription, topic) => self.begin(subscription, topic),
-            Act::GiveUp(subscription) => self.give_up(subscription),
-            Act::Command { run, envelope } => {
+            ClientRequest::Tell(frame) => self.tell(&frame),
+            ClientRequest::Begin(subscription, topic) => self.begin(subscription, topic),
+            ClientRequest::GiveUp(subscription) => self.give_up(subscription),
+            ClientRequest::Command { run, envelope } => {
                 self.answers.push_back(self.handler.command(run, *envelope).boxed());
             }
-            Act::Change { machine, id, wish } => {
+            ClientRequest::Change { machine, id, wish } => {
                 self.answers.push_back(self.handler.change(machine, id, wish).boxed());
             }
-            Act::Look { machine, selection } => {
+            ClientRequest::Look { machine, selection } => {
                 if let Err(failure) = self.handler.look(&machine, selection) {
                     self.tell(&words::refused(None, &failure));
                 }

@@ -9,7 +9,7 @@ use super::server_status::HouseStatus;
 use super::status::Status;
 use super::words;
 use crate::access::{Who, about};
-use crate::documents::{self, Wish};
+use crate::documents::{self, EditOperation};
 use crate::{Failure, ServerState, runs};
 use axum::Json;
 use axum::extract::ws::close_code;
@@ -110,7 +110,7 @@ impl RequestHandler {
         &self,
         machine: String,
         id: String,
-        wish: Wish,
+        wish: EditOperation,
     ) -> impl Future<Output = ToClient> + Send + 'static + use<> {
         let (server, who, turn) = (Arc::clone(&self.server), self.who.clone(), self.turn.clone());
         async move {

@@ -4,7 +4,7 @@
 use super::words::{ended, refused};
 use crate::Failure;
 use crate::access::{Who, of_frame};
-use crate::documents::Wish;
+use crate::documents::EditOperation;
 use axum::http::StatusCode;
 use rafcon_protocol::Envelope;
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
@@ -19,7 +19,7 @@ const SELECTION_BYTES_MAX: usize = 64 << 10;
 
 /// What is to be done about a frame.
 #[derive(Debug)]
-pub(super) enum Act {
+pub(super) enum ClientRequest {
     /// Tell the client this.
     Tell(ToClient),
     /// Begin a subscription.
@@ -40,7 +40,7 @@ pub(super) enum Act {
         /// The change's id.
         id: String,
         /// How.
-        wish: Wish,
+        wish: EditOperation,
     },
     /// Tell the others what this client looks at.
     Look {
@@ -59,42 +59,46 @@ pub(super) struct Session {
 
 impl Session {
     /// What a text frame asks for. `now_ms` is the time: ms since 1970, UTC.
-    pub(super) fn hear(&mut self, text: &str, who: &Who, now_ms: u64) -> Act {
+    pub(super) fn hear(&mut self, text: &str, who: &Who, now_ms: u64) -> ClientRequest {
         let frame = match serde_json::from_str::<ToServer>(text) {
             Ok(frame) => frame,
-            Err(error) => return Act::Tell(not_a_frame(text, &error)),
+            Err(error) => return ClientRequest::Tell(not_a_frame(text, &error)),
         };
         if let Err(failure) = who.must(of_frame(&frame)) {
-            return Act::Tell(not_yours(&frame, &failure));
+            return ClientRequest::Tell(not_yours(&frame, &failure));
         }
         match frame {
             ToServer::Subscribe { subscription, topic } => self.subscribe(subscription, topic),
             ToServer::Unsubscribe { subscription } => {
                 self.subscriptions.remove(&subscription);
-                Act::GiveUp(subscription)
+                ClientRequest::GiveUp(subscription)
             }
             ToServer::Command { run, envelope } => {
-                Act::Command { run, envelope: Box::new(envelope) }
+                ClientRequest::Command { run, envelope: Box::new(envelope) }
             }
             ToServer::Edit { machine, edit } => {
-                change(machine, edit.id.clone(), Wish::Edit(Box::new(edit)))
+                change(machine, edit.id.clone(), EditOperation::Edit(Box::new(edit)))
             }
-            ToServer::Undo { machine, undo } => change(machine, undo.id.clone(), Wish::Undo(undo)),
-            ToServer::Redo { machine, redo } => change(machine, redo.id.clone(), Wish::Redo(redo)),
+            ToServer::Undo { machine, undo } => {
+                change(machine, undo.id.clone(), EditOperation::Undo(undo))
+            }
+            ToServer::Redo { machine, redo } => {
+                change(machine, redo.id.clone(), EditOperation::Redo(redo))
+            }
             ToServer::Presence { machine, selection } => look(machine, selection),
-            ToServer::Ping { id } => Act::Tell(ToClient::Pong { id, now_ms }),
+            ToServer::Ping { id } => ClientRequest::Tell(ToClient::Pong { id, now_ms }),
         }
     }
 
-    fn subscribe(&mut self, subscription: u32, topic: Topic) -> Act {
+    fn subscribe(&mut self, subscription: u32, topic: Topic) -> ClientRequest {
         if self.subscriptions.contains(&subscription) {
-            return Act::Tell(refused(None, &in_use(subscription)));
+            return ClientRequest::Tell(refused(None, &in_use(subscription)));
         }
         if self.subscriptions.len() >= SUBSCRIPTIONS_MAX {
-            return Act::Tell(ended(subscription, Some(&too_many())));
+            return ClientRequest::Tell(ended(subscription, Some(&too_many())));
         }
         self.subscriptions.insert(subscription);
-        Act::Begin(subscription, topic)
+        ClientRequest::Begin(subscription, topic)
     }
 
     /// A subscription has come to its end: its number is free again.
@@ -109,21 +113,21 @@ pub(super) fn binary() -> ToClient {
     refused(None, &Failure::bad("binary_frame", message))
 }
 
-fn change(machine: String, id: String, wish: Wish) -> Act {
-    Act::Change { machine, id, wish }
+fn change(machine: String, id: String, wish: EditOperation) -> ClientRequest {
+    ClientRequest::Change { machine, id, wish }
 }
 
-fn look(machine: String, selection: Vec<String>) -> Act {
+fn look(machine: String, selection: Vec<String>) -> ClientRequest {
     let bytes: usize = selection.iter().map(String::len).sum();
     if selection.len() <= SELECTION_MAX && bytes <= SELECTION_BYTES_MAX {
-        return Act::Look { machine, selection };
+        return ClientRequest::Look { machine, selection };
     }
     let message = format!(
         "{} states are selected in machine {machine}, with paths of {bytes} bytes: tell of at most {SELECTION_MAX} \
          states and {SELECTION_BYTES_MAX} bytes",
         selection.len()
     );
-    Act::Tell(refused(None, &Failure::bad("too_many_selected", message)))
+    ClientRequest::Tell(refused(None, &Failure::bad("too_many_selected", message)))
 }
 
 fn in_use(subscription: u32) -> Failure {

@@ -66,10 +66,10 @@ fn the_card_tells_the_fingerprint() {
     let bytes = digest(&SHA256, &der);
     let digits = bytes.as_ref().iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>();
     let expected = digits.concat();
-    let card = rafcon_server::Card::read(&server.state()).unwrap().unwrap();
+    let card = rafcon_server::AddressFile::read(&server.state()).unwrap().unwrap();
     assert_eq!(card.fingerprint.as_deref(), Some(expected.as_str()));
     assert_eq!(
-        rafcon_server::Card::read(server.end().path().join("state").as_path()).unwrap(),
+        rafcon_server::AddressFile::read(server.end().path().join("state").as_path()).unwrap(),
         None
     );
 }

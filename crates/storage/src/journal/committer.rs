@@ -12,7 +12,7 @@ use super::reader::Reader;
 use super::record::{Kept, ValueNumber};
 use super::recorder::spill_file;
 use super::sums::Damage;
-use super::thin::Thinner;
+use super::thin::DetailPruner;
 use super::tracker::{Keyframe, Tracker};
 use super::values;
 use std::fs;
@@ -29,7 +29,7 @@ pub(super) struct Committer {
     /// How many definitions of places there are.
     places: u64,
     tracker: Tracker,
-    thinner: Thinner,
+    thinner: DetailPruner,
     /// Goes with the next group.
     keyframe: Option<Keyframe>,
     /// Bytes from the recorder; kept for their room.
@@ -44,7 +44,7 @@ impl Committer {
         size_max: u64,
     ) -> Result<Self, JournalError> {
         Ok(Self {
-            thinner: Thinner::new(size_max, &mut database)?,
+            thinner: DetailPruner::new(size_max, &mut database)?,
             folder: folder.to_owned(),
             database,
             last: None,
@@ -90,7 +90,7 @@ impl Committer {
         self.tracker.next_value
     }
 
-    /// Gives up a little old detail if the journal is too large; see [`Thinner::thin`].
+    /// Gives up a little old detail if the journal is too large; see [`DetailPruner::thin`].
     pub(super) fn thin(&mut self) -> Result<Option<u64>, JournalError> {
         self.thinner.thin(&mut self.database, &self.folder)
     }

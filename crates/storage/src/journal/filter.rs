@@ -27,7 +27,7 @@ pub struct Filter {
 
 /// A filter at work on one run.
 #[derive(Debug)]
-pub struct Sieve<'f> {
+pub struct FilterState<'f> {
     filter: &'f Filter,
     text: Option<String>,
     states: BTreeMap<PlaceNumber, bool>,
@@ -35,9 +35,9 @@ pub struct Sieve<'f> {
 
 impl Filter {
     /// Puts it to work.
-    pub fn sieve(&self) -> Sieve<'_> {
+    pub fn sieve(&self) -> FilterState<'_> {
         let text = self.text.as_ref().map(|text| text.to_lowercase());
-        Sieve { filter: self, text, states: BTreeMap::new() }
+        FilterState { filter: self, text, states: BTreeMap::new() }
     }
 
     /// Whether no event after this time is wanted.
@@ -50,7 +50,7 @@ impl Filter {
     }
 }
 
-impl Sieve<'_> {
+impl FilterState<'_> {
     /// Whether the event may be wanted, by what can be told without its values.
     pub fn lets_through(&mut self, entry: &Entry, places: &Places) -> bool {
         let filter = self.filter;

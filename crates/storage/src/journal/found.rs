@@ -3,7 +3,7 @@
 //! Knows journals. Must never know how events are shown.
 
 use super::error::JournalError;
-use super::filter::{Filter, Sieve, path_of, place_of};
+use super::filter::{Filter, FilterState, path_of, place_of};
 use super::reader::{Entry, Reader, damaged};
 use super::record::{PlaceNumber, Record};
 use rafcon_protocol::{Event, without_values};
@@ -118,7 +118,7 @@ impl Reader {
 /// A search that goes on.
 struct Looking<'s> {
     search: &'s Search<'s>,
-    sieve: Sieve<'s>,
+    sieve: FilterState<'s>,
     entered: Entered,
     left: u64,
     looked: Looked,

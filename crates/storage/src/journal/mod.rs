@@ -49,7 +49,7 @@ pub use blank::has_begun;
 pub use compare::compare;
 pub use error::{Doing, Full, JournalError};
 pub use export::{ExportError, export_csv, export_jsonl, export_mcap, export_mcap_forwards};
-pub use filter::{Filter, KINDS, Sieve, kind, kind_of, path_of, place_of};
+pub use filter::{Filter, FilterState, KINDS, kind, kind_of, path_of, place_of};
 pub use folder::{make_folder, run_id};
 pub use found::{Found, Looked, Search, is_about_values};
 pub use journal::{Committed, Journal, Options, RECORDER_BYTES, SIZE_MAX, TakenUp};

@@ -33,7 +33,7 @@ enum Work {
 
 /// What is given up, and when.
 #[derive(Debug)]
-pub(super) struct Thinner {
+pub(super) struct DetailPruner {
     size_max: u64,
     work: Work,
     /// The last event without detail.
@@ -50,7 +50,7 @@ struct Slice {
     finished: Option<i64>,
 }
 
-impl Thinner {
+impl DetailPruner {
     /// Goes on where `database` stands.
     pub(super) fn new(size_max: u64, database: &mut Database) -> Result<Self, JournalError> {
         let border = database.run(|connection| {

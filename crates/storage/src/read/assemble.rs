@@ -35,7 +35,7 @@ struct Built {
 
 /// What is known of each node by its number, to tell where faults are.
 #[derive(Default)]
-struct Trail {
+struct NodePaths {
     parents: Vec<Option<usize>>,
     ids: Vec<StateId>,
     folders: Vec<OsString>,
@@ -49,7 +49,7 @@ pub(crate) fn assemble(
     loading: &Loading<'_>,
 ) -> Assembled {
     nodes.sort_unstable_by_key(|node| node.number);
-    let mut trail = Trail::of(&nodes);
+    let mut trail = NodePaths::of(&nodes);
     let mut contents = Contents::new(libraries, loading);
     let mut inside: Vec<Vec<Built>> = Vec::new();
     inside.resize_with(nodes.len(), Vec::new);
@@ -77,7 +77,7 @@ fn nothing() -> (State, StateFolder) {
 fn build(
     node: Node,
     mut children: Vec<Built>,
-    trail: &mut Trail,
+    trail: &mut NodePaths,
     contents: &mut Contents<'_>,
 ) -> Built {
     let Node { number, folder, mut state, faults, oddities, linked, .. } = node;
@@ -103,7 +103,7 @@ fn build(
 }
 
 /// Sorts by id; a state whose id is taken gets another one, the same at each load.
-fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut Trail) {
+fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut NodePaths) {
     children.sort_by(|a, b| key(a).cmp(&key(b)));
     let mut taken = BTreeSet::from([parent.clone()]);
     for index in 0..children.len() {
@@ -170,7 +170,7 @@ fn rename(state: &mut State, new: &StateId) {
     container.data_flows = flows;
 }
 
-impl Trail {
+impl NodePaths {
     fn of(nodes: &[Node]) -> Self {
         Self {
             parents: nodes.iter().map(|node| node.parent).collect(),

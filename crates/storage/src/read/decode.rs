@@ -1,7 +1,7 @@
 //! `core_data.json` to a state: one document in, one state without children out. Knows keys and classes of every version,
 //! not where the document came from.
 
-use super::elements::{self, Aside};
+use super::elements::{self, UnmodelledContent};
 use super::intern::Interner;
 use super::library_state;
 use crate::problem::{Fault, Wrong};
@@ -53,7 +53,7 @@ impl Decoder {
         let id = self.required_text(document, "state_id");
         let id = id.map_or_else(|| id_from_folder(folder), StateId);
         let name = self.required_text(document, "name").unwrap_or_else(|| id.0.clone());
-        let mut aside = Aside::default();
+        let mut aside = UnmodelledContent::default();
         let kind = self.kind(document, short, &mut aside);
         let kind = kind.ok_or_else(|| Fault::UnknownClass(class.clone()))?;
         let mut state = State {
@@ -83,7 +83,12 @@ impl Decoder {
         Ok(state)
     }
 
-    fn kind(&mut self, document: &Json, class: &str, aside: &mut Aside) -> Option<Kind> {
+    fn kind(
+        &mut self,
+        document: &Json,
+        class: &str,
+        aside: &mut UnmodelledContent,
+    ) -> Option<Kind> {
         Some(match class {
             "ExecutionState" => Kind::Execution(Script::default()),
             "DeciderState" => Kind::Decider(Script::default()),
@@ -95,7 +100,7 @@ impl Decoder {
         })
     }
 
-    fn container(&mut self, document: &Json, aside: &mut Aside) -> Container {
+    fn container(&mut self, document: &Json, aside: &mut UnmodelledContent) -> Container {
         let mut transitions = Transitions::default();
         for transition in self.map(document, "transitions", aside, elements::transition) {
             transitions.insert(transition);
@@ -108,7 +113,7 @@ impl Decoder {
         Container { states: States::default(), transitions, data_flows, scoped_variables }
     }
 
-    fn outcomes(&mut self, document: &Json, aside: &mut Aside) -> Outcomes {
+    fn outcomes(&mut self, document: &Json, aside: &mut UnmodelledContent) -> Outcomes {
         let found = self.map(document, "outcomes", aside, elements::outcome);
         let mut outcomes: Outcomes = found.into_iter().collect();
         for (id, name) in [(OutcomeId::ABORTED, "aborted"), (OutcomeId::PREEMPTED, "preempted")] {
@@ -119,7 +124,12 @@ impl Decoder {
         self.interner.outcomes(outcomes)
     }
 
-    pub(crate) fn ports(&mut self, document: &Json, key: &'static str, aside: &mut Aside) -> Ports {
+    pub(crate) fn ports(
+        &mut self,
+        document: &Json,
+        key: &'static str,
+        aside: &mut UnmodelledContent,
+    ) -> Ports {
         self.map(document, key, aside, elements::port).into_iter().collect()
     }
 
@@ -128,7 +138,7 @@ impl Decoder {
         &mut self,
         document: &Json,
         key: &'static str,
-        aside: &mut Aside,
+        aside: &mut UnmodelledContent,
         element: impl Fn(i64, &Json) -> Result<T, Wrong>,
     ) -> Vec<T> {
         let Some(map) = document.get(key) else {

@@ -10,9 +10,9 @@ use smol_str::{SmolStr, ToSmolStr as _};
 
 /// What a document holds that the model has no place for; kept, and merged into the document when it is written.
 #[derive(Debug, Default)]
-pub(crate) struct Aside(Vec<(SmolStr, Json)>);
+pub(crate) struct UnmodelledContent(Vec<(SmolStr, Json)>);
 
-impl Aside {
+impl UnmodelledContent {
     /// Sets the whole value of a known key aside.
     pub(crate) fn whole(&mut self, key: &str, value: &Json) {
         self.0.push((key.into(), value.clone()));
@@ -179,5 +179,5 @@ fn missing_or_wrong(key: &'static str, expected: &'static str, found: Option<&Js
 
 /// The members that are none of `known`.
 fn unknown(json: &Json, known: &[&str]) -> Extra {
-    Aside::default().into_extra(json.as_object()?, |key| known.contains(&key))
+    UnmodelledContent::default().into_extra(json.as_object()?, |key| known.contains(&key))
 }

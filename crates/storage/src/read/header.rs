@@ -1,6 +1,6 @@
 //! `statemachine.json`: the machine as a whole, and in which layout its states lie. Knows keys, not files.
 
-use super::elements::Aside;
+use super::elements::UnmodelledContent;
 use super::library_state::version;
 use crate::problem::{Fault, Wrong};
 use rafcon_model::{Header, Json, Layout};
@@ -49,6 +49,6 @@ pub(crate) fn decode(document: &Json, layout: Layout, faults: &mut Vec<Fault>) -
         version: version(own_version),
         used_rafcon_version: writer.map(SmolStr::new),
         layout,
-        extra: Aside::default().into_extra(members, |key| KNOWN.contains(&key)),
+        extra: UnmodelledContent::default().into_extra(members, |key| KNOWN.contains(&key)),
     }
 }

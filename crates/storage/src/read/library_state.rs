@@ -2,7 +2,7 @@
 //! behind it.
 
 use super::decode::{Decoder, wrong_type};
-use super::elements::{Aside, port};
+use super::elements::{UnmodelledContent, port};
 use rafcon_model::{Json, Library, LibraryContent, PortId, RuntimeValue, RuntimeValues, Value};
 use smol_str::SmolStr;
 
@@ -28,7 +28,11 @@ const INPUTS: PortMaps = PortMaps { values: KEYS[3], flags: KEYS[4], legacy: "in
 const OUTPUTS: PortMaps = PortMaps { values: KEYS[5], flags: KEYS[6], legacy: "output_data_ports" };
 
 /// The library reference in `document`; its content is looked up later.
-pub(crate) fn decode(decoder: &mut Decoder, document: &Json, aside: &mut Aside) -> Library {
+pub(crate) fn decode(
+    decoder: &mut Decoder,
+    document: &Json,
+    aside: &mut UnmodelledContent,
+) -> Library {
     Library {
         path: decoder.required_text(document, "library_path").unwrap_or_default(),
         name: decoder.required_text(document, "library_name").unwrap_or_default(),
@@ -53,7 +57,7 @@ fn runtime_values(
     decoder: &mut Decoder,
     document: &Json,
     side: &PortMaps,
-    aside: &mut Aside,
+    aside: &mut UnmodelledContent,
 ) -> RuntimeValues {
     let has_maps = document.get(side.values).is_some() || document.get(side.flags).is_some();
     match document.get(side.legacy) {
@@ -86,7 +90,7 @@ fn map<'d>(
     decoder: &mut Decoder,
     document: &'d Json,
     key: &'static str,
-    aside: &mut Aside,
+    aside: &mut UnmodelledContent,
 ) -> &'d [(SmolStr, Json)] {
     match document.get(key) {
         Some(Json::Object(members)) => members,

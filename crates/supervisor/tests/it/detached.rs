@@ -6,7 +6,7 @@ use rafcon_protocol::{
 };
 use rafcon_storage::{Naming, save};
 use rafcon_supervisor::{
-    Exit, Interpreter, NoExtension, Process, Start, Surroundings, begin, extension, is_alive,
+    Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, extension, is_alive,
     socket,
 };
 use rustix::process::{Pid, getpgid};
@@ -29,11 +29,11 @@ const MACHINE: &str = r#"execution LONELY "Lonely"
 fn extension() -> Result<PathBuf, NoExtension> {
     let test = std::env::current_exe().unwrap();
     let program = test.parent().and_then(Path::parent).map(|folder| folder.join("rafcon"));
-    extension::find(&Surroundings { program, ..Surroundings::default() })
+    extension::find(&ProgramEnvironment { program, ..ProgramEnvironment::default() })
 }
 
 fn spawn(extension: &Path, output: &Path) -> Process {
-    let interpreter = Interpreter::choose(None, &Surroundings::default()).unwrap();
+    let interpreter = Interpreter::choose(None, &ProgramEnvironment::default()).unwrap();
     Start { interpreter: &interpreter, extension }.spawn_detached(output).unwrap()
 }
 
@@ -121,7 +121,7 @@ fn a_group_that_is_killed_is_not_alive() {
 
 #[test]
 fn an_output_that_cannot_be_opened_is_named() {
-    let interpreter = Interpreter::choose(None, &Surroundings::default()).unwrap();
+    let interpreter = Interpreter::choose(None, &ProgramEnvironment::default()).unwrap();
     let start = Start { interpreter: &interpreter, extension: Path::new("/nowhere/extension.so") };
     let error = start.spawn_detached(Path::new("/nowhere/output")).unwrap_err();
     assert_eq!(

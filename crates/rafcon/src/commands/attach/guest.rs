@@ -4,8 +4,8 @@
 use super::visit::{Act, Visit, VisitEnd};
 use crate::clock::Clock;
 use crate::console::Wish;
+use crate::event_queue::{Cause, EventQueue, Line};
 use crate::view::View;
-use crate::wires::{Cause, Line, Wires};
 use anyhow::Result;
 use rafcon_protocol::ToViewer;
 use std::time::Duration;
@@ -20,7 +20,7 @@ pub(in crate::commands) struct Guest {
 
 impl Guest {
     /// Follows it until it ends, or the user leaves.
-    pub(in crate::commands) fn until_the_end(mut self, wires: &Wires) -> Result<VisitEnd> {
+    pub(in crate::commands) fn until_the_end(mut self, wires: &EventQueue) -> Result<VisitEnd> {
         let mut acts = Vec::new();
         loop {
             let cause = self.next(wires);
@@ -37,7 +37,7 @@ impl Guest {
         }
     }
 
-    fn next(&self, wires: &Wires) -> Cause {
+    fn next(&self, wires: &EventQueue) -> Cause {
         let until = self.visit.wake_at().map(|at| at.saturating_sub(self.clock.now()));
         wires.next([until, self.view.rhythm()].into_iter().flatten().min())
     }

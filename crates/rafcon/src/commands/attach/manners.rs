@@ -17,7 +17,7 @@ pub(in crate::commands) enum MannersStep {
 
 /// How a visitor behaves.
 #[derive(Debug, Default)]
-pub(in crate::commands) struct Manners {
+pub(in crate::commands) struct AttachOptions {
     /// The run was begun for this visitor, and ends when the visitor says so.
     is_host: bool,
     /// When the machine is stopped because its time is over.
@@ -29,7 +29,7 @@ pub(in crate::commands) struct Manners {
     killed: bool,
 }
 
-impl Manners {
+impl AttachOptions {
     /// Somebody who looks in.
     pub(in crate::commands) fn of_a_guest() -> Self {
         Self::default()
@@ -94,12 +94,12 @@ impl Manners {
 
 #[cfg(test)]
 mod tests {
-    use super::Manners;
+    use super::AttachOptions;
     use expect_test::{Expect, expect};
     use std::time::Duration;
 
     /// `c` is Ctrl-C, a number lets so many seconds pass.
-    fn check(mut manners: Manners, script: &str, expect: &Expect) {
+    fn check(mut manners: AttachOptions, script: &str, expect: &Expect) {
         let (mut now, mut text) = (Duration::ZERO, String::new());
         for word in script.split(' ') {
             let step = if word == "c" {
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn a_guest_leaves() {
         check(
-            Manners::of_a_guest(),
+            AttachOptions::of_a_guest(),
             "100 c",
             &expect![[r"
             100: None
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn the_host_stops_kills_and_leaves() {
         check(
-            Manners::of_the_host(None),
+            AttachOptions::of_the_host(None),
             "c 9 c c",
             &expect![[r#"
                 c: Some(Say("stopping; press Ctrl-C again to kill", Stop))
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn when_the_time_is_over_it_is_stopped_and_then_killed() {
         check(
-            Manners::of_the_host(Some(Duration::from_secs(5))),
+            AttachOptions::of_the_host(Some(Duration::from_secs(5))),
             "4 1 2 1 9",
             &expect![[r#"
                 4: None

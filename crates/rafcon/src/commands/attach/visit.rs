@@ -1,14 +1,14 @@
 //! A visit to a run, from hello to leave: what is said, shown, and how it ends. Knows no socket and no terminal.
 
-use super::manners::{Manners, MannersStep};
+use super::manners::{AttachOptions, MannersStep};
 use super::pulse::Pulse;
 use crate::console::Wish;
+use crate::event_queue::{Cause, STUCK};
 use crate::supervisor::{self, Active};
-use crate::wires::{Cause, STUCK};
 use rafcon_protocol::{
     Answer, Command, EnginePulse, Envelope, Event, Join, Outcome, ToRunner, ToViewer,
 };
-use rafcon_supervisor::Death;
+use rafcon_supervisor::RunnerDeath;
 use std::time::Duration;
 
 /// What is to be done.
@@ -67,7 +67,7 @@ impl VisitEnd {
             Self::Killed { timed_out, active } => supervisor::End::Killed { timed_out, active },
             Self::Refused(reason) => supervisor::End::LoadFailed { reason },
             Self::Left => supervisor::End::Left,
-            Self::Lost { active } => supervisor::End::Died(Death {
+            Self::Lost { active } => supervisor::End::Died(RunnerDeath {
                 reason: "its runner is gone".to_owned(),
                 active,
                 said: Vec::new(),
@@ -81,7 +81,7 @@ impl VisitEnd {
 #[derive(Debug)]
 pub(in crate::commands) struct Visit {
     join: Option<Join>,
-    manners: Manners,
+    manners: AttachOptions,
     active: Active,
     /// Who gives commands.
     author: String,
@@ -99,7 +99,7 @@ impl Visit {
         join: Join,
         author: &str,
         prefix: String,
-        manners: Manners,
+        manners: AttachOptions,
     ) -> Self {
         Self {
             join: Some(join),
@@ -273,14 +273,14 @@ pub(in crate::commands) fn envelope(id: String, author: &str, command: Command) 
 #[cfg(test)]
 mod tests {
     use super::super::words;
-    use super::{Manners, Visit};
+    use super::{AttachOptions, Visit};
     use crate::console::Wish;
-    use crate::wires::Cause;
+    use crate::event_queue::Cause;
     use expect_test::{Expect, expect};
     use rafcon_protocol::{Answer, Command, EnginePulse, Event, Hello, Join, ToViewer};
     use std::time::Duration;
 
-    fn check(manners: Manners, causes: Vec<Cause>, expect: &Expect) {
+    fn check(manners: AttachOptions, causes: Vec<Cause>, expect: &Expect) {
         let mut visit = Visit::new(Join::default(), "ana", "attach".to_owned(), manners);
         let mut acts = Vec::new();
         for cause in causes {
@@ -303,7 +303,7 @@ mod tests {
     fn a_visitor_joins_commands_and_leaves() {
         let refused = Answer::Refused { reason: "the run is running".to_owned() };
         check(
-            Manners::of_a_guest(),
+            AttachOptions::of_a_guest(),
             vec![
                 Cause::Hello(Hello::ours()),
                 Cause::Wish(Wish::Send(Command::Pause)),
@@ -324,7 +324,7 @@ mod tests {
     #[test]
     fn a_runner_that_dies_is_told_with_the_way_out() {
         check(
-            Manners::of_a_guest(),
+            AttachOptions::of_a_guest(),
             vec![Cause::Hello(Hello::ours()), entered("A"), Cause::Silence],
             &expect![[r#"
                 Send(Join(Join { from: 0, every_event: false, values: false }))
@@ -337,7 +337,7 @@ mod tests {
     #[test]
     fn a_run_that_was_asked_for_is_stopped_and_killed() {
         check(
-            Manners::of_the_host(None),
+            AttachOptions::of_the_host(None),
             vec![
                 Cause::Hello(Hello::ours()),
                 entered("A"),
@@ -359,7 +359,7 @@ mod tests {
     #[test]
     fn a_connection_that_breaks_is_shown_and_ends_nothing() {
         check(
-            Manners::of_a_guest(),
+            AttachOptions::of_a_guest(),
             vec![Cause::Cut("it is gone".to_owned()), Cause::Mended("it is back".to_owned())],
             &expect![[r#"
                 Heard(false)
@@ -371,7 +371,7 @@ mod tests {
 
     #[test]
     fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
-        let visit = Visit::new(Join::default(), "ana", String::new(), Manners::of_a_guest());
+        let visit = Visit::new(Join::default(), "ana", String::new(), AttachOptions::of_a_guest());
         let mut visit = visit.asking_for_the_engine();
         let pong = |unreached_ms| {
             let engine = Some(EnginePulse { unreached_ms, still_ms: unreached_ms, scripts: None });
@@ -400,7 +400,7 @@ mod tests {
     fn another_version_is_refused() {
         let hello = Hello { protocol: 0, program: "0.0.1".to_owned() };
         check(
-            Manners::of_a_guest(),
+            AttachOptions::of_a_guest(),
             vec![Cause::Hello(hello)],
             &expect![[r#"
             Refused("the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"), exit code 1

@@ -4,14 +4,14 @@ use super::{report, request, view};
 use crate::cli;
 use crate::client::{Fault, Server};
 use crate::clock::Clock;
-use crate::commands::attach::{self, Manners, Stay, VisitEnd, has_keys};
+use crate::commands::attach::{self, AttachOptions, RemoteAttach, VisitEnd, has_keys};
 use crate::commands::remote::{self, refuse, refuse_runs};
 use crate::console::Console;
 use crate::environment::Environment;
+use crate::event_queue::{self, EventQueue};
 use crate::failure::{Usage, complain};
 use crate::supervisor;
 use crate::view::Names;
-use crate::wires::{self, Wires};
 use anyhow::Result;
 use rafcon_protocol::Afterwards;
 use rafcon_protocol::api::{MachineFile, ResumeRun, RunSummary, StartRun};
@@ -37,10 +37,10 @@ pub(super) fn run(
     let request = start_run(raw, server)?;
     // Listened to before there is a run, so that none is left alone by Ctrl-C.
     let at = Follow { server, output: raw.output, environment, clock };
-    let wires = Wires::new(wires::signals()?, has_keys(raw.output, environment))?;
+    let wires = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
     let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
     match begun(clock, || server.start(&request)) {
-        Ok(run) => at.until_the_end(&run.id, wires, 1, Manners::of_the_host(deadline)),
+        Ok(run) => at.until_the_end(&run.id, wires, 1, AttachOptions::of_the_host(deadline)),
         Err(fault) => at.not_begun(fault),
     }
 }
@@ -59,12 +59,12 @@ pub(super) fn resume(
     let policy = request::on_crash(raw.policy);
     let request = ResumeRun { id: remote::unique("resume")?, policy, from: raw.from };
     let at = Follow { server, output: raw.output, environment, clock };
-    let wires = Wires::new(wires::signals()?, has_keys(raw.output, environment))?;
+    let wires = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
     let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
     match begun(clock, || server.resume(&before.id, &request)) {
         Ok(run) => {
             let from = before.events + 1;
-            at.until_the_end(&run.id, wires, from, Manners::of_the_host(deadline))
+            at.until_the_end(&run.id, wires, from, AttachOptions::of_the_host(deadline))
         }
         Err(fault) => at.not_begun(fault),
     }
@@ -157,14 +157,14 @@ impl Follow<'_> {
     fn until_the_end(
         self,
         run: &str,
-        wires: Wires,
+        wires: EventQueue,
         from: u64,
-        manners: Manners,
+        manners: AttachOptions,
     ) -> Result<ExitCode> {
         let Self { server, output, environment, clock } = self;
         let console = has_keys(output, environment).then(|| Console::new(true));
         let view = view(output, environment, remote::names(server, run), console);
-        let stay = Stay { server, run, wires, view, from, manners, environment, clock };
+        let stay = RemoteAttach { server, run, wires, view, from, manners, environment, clock };
         let end = stay.until_the_end()?;
         let named = format!("{run} --server {}", server.address);
         match &end {

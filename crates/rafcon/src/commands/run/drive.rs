@@ -3,14 +3,14 @@
 
 use super::place::Place;
 use crate::clock::Clock;
+use crate::event_queue::{self, Cause, EventQueue};
 use crate::failure::complain;
 use crate::supervisor::{Action, End, Supervisor};
 use crate::view::{Nothing, View};
-use crate::wires::{self, Cause, Wires};
 use anyhow::Result;
 use rafcon_protocol::{Hello, Launch, OnCrash, encode};
 use rafcon_supervisor::clock::salt;
-use rafcon_supervisor::{Group, Lives, Next, Start, remains};
+use rafcon_supervisor::{Group, Next, RestartPolicy, Start, remains};
 use serde::Serialize;
 use std::io::{self, Write as _};
 use std::os::unix::net::UnixStream;
@@ -18,7 +18,7 @@ use std::path::Path;
 use std::time::Duration;
 
 /// What a run needs from the outside.
-pub(super) struct Outside<'a> {
+pub(super) struct RunEnvironment<'a> {
     /// How runners are started.
     pub(super) start: &'a Start<'a>,
     /// What shows it.
@@ -33,11 +33,11 @@ pub(super) struct Outside<'a> {
 }
 
 /// Runs the machine to its end, by as many runners as that takes and its policy allows.
-pub(super) fn follow(launch: Launch, place: &Place, outside: Outside<'_>) -> Result<End> {
-    let Outside { start, mut view, has_keys, clock, author, timeout } = outside;
-    let mut wires = Wires::new(wires::signals()?, has_keys)?;
+pub(super) fn follow(launch: Launch, place: &Place, outside: RunEnvironment<'_>) -> Result<End> {
+    let RunEnvironment { start, mut view, has_keys, clock, author, timeout } = outside;
+    let mut wires = EventQueue::new(event_queue::signals()?, has_keys)?;
     let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
-    let (mut lives, mut launch) = (Lives::default(), launch);
+    let (mut lives, mut launch) = (RestartPolicy::default(), launch);
     loop {
         let process = start.spawn()?;
         let (control, group) = (process.control.try_clone()?, process.group());
@@ -85,7 +85,7 @@ struct Drive {
 }
 
 impl Drive {
-    fn until_the_end(&mut self, wires: &Wires) -> End {
+    fn until_the_end(&mut self, wires: &EventQueue) -> End {
         let mut actions = Vec::new();
         loop {
             let cause = self.next(wires);
@@ -102,7 +102,7 @@ impl Drive {
         }
     }
 
-    fn next(&self, wires: &Wires) -> Cause {
+    fn next(&self, wires: &EventQueue) -> Cause {
         let now = self.clock.now();
         let until = self.supervisor.wake_at().map(|at| at.saturating_sub(now));
         wires.next([until, self.view.rhythm()].into_iter().flatten().min())

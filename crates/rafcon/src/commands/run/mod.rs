@@ -16,7 +16,7 @@ use crate::failure::Usage;
 use crate::runs;
 use crate::view::{Json, Lines, Live, Names, Paint, View};
 use anyhow::Result;
-use drive::Outside;
+use drive::RunEnvironment;
 use place::Place;
 use rafcon_protocol::Launch;
 use rafcon_supervisor::{Interpreter, Start, extension, resume_launch};
@@ -41,7 +41,7 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let launch = request.launch(&place)?;
     let names = || request.names();
     let timeout = request.timeout;
-    Whole { raw: &raw.python, output: raw.output, timeout, environment, clock }
+    RunSetup { raw: &raw.python, output: raw.output, timeout, environment, clock }
         .run(launch, &place, &names)
 }
 
@@ -59,7 +59,7 @@ pub(super) fn resume(
     let machine = launch.machine.clone();
     let names = move || names_of_run(machine.clone());
     let timeout = raw.timeout.map(request::timeout).transpose()?;
-    Whole { raw: &raw.python, output: raw.output, timeout, environment, clock }
+    RunSetup { raw: &raw.python, output: raw.output, timeout, environment, clock }
         .run(launch, &place, &names)
 }
 
@@ -69,7 +69,7 @@ pub(super) fn names_of_run(machine: PathBuf) -> Names {
 }
 
 /// What is needed besides the launch.
-struct Whole<'a> {
+struct RunSetup<'a> {
     raw: &'a cli::Python,
     output: cli::Output,
     timeout: Option<std::time::Duration>,
@@ -77,7 +77,7 @@ struct Whole<'a> {
     clock: Clock,
 }
 
-impl Whole<'_> {
+impl RunSetup<'_> {
     fn run(self, launch: Launch, place: &Place, names: &dyn Fn() -> Names) -> Result<ExitCode> {
         let surroundings = &self.environment.surroundings;
         let interpreter = Interpreter::choose(self.raw.python.as_deref(), surroundings)?;
@@ -87,7 +87,7 @@ impl Whole<'_> {
         let console = has_keys.then(|| Console::new(false));
         let view = view(self.output, self.environment, names(), console);
         let launch = Launch { every_event: view.every_event(), ..launch };
-        let outside = Outside {
+        let outside = RunEnvironment {
             start: &start,
             view,
             has_keys,

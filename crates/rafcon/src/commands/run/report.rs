@@ -4,7 +4,7 @@ use super::place::Place;
 use crate::failure::complain;
 use crate::supervisor::End;
 use crate::view::Names;
-use rafcon_supervisor::{Death, remains};
+use rafcon_supervisor::{RunnerDeath, remains};
 use std::collections::BTreeMap;
 
 /// Tells the user; a run that finished has been shown already.
@@ -53,7 +53,7 @@ pub(super) fn text(end: &End, names: &mut Names) -> String {
         End::Killed { timed_out: false, active } => {
             format!("error: killed{}", block("what was running:", &named(active, names)))
         }
-        End::Died(Death { reason, active, said, .. }) => format!(
+        End::Died(RunnerDeath { reason, active, said, .. }) => format!(
             "error: the Python process that ran the machine died: {reason}{}{}",
             block("what was running:", &named(active, names)),
             block("its last words:", said)
@@ -84,7 +84,7 @@ mod tests {
     use crate::view::Names;
     use expect_test::{Expect, expect};
     use rafcon_model::notation;
-    use rafcon_supervisor::Death;
+    use rafcon_supervisor::RunnerDeath;
 
     fn check(end: &End, expect: &Expect) {
         let machine = "hierarchy ROOT \"Mission\"\n  execution SCANID \"Scan\"\n";
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn a_death_names_the_signal_the_states_and_the_last_words() {
-        let death = Death {
+        let death = RunnerDeath {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["ROOT/SCANID".to_owned(), "ROOT/X".to_owned()],
             said: vec!["Fatal Python error: Segmentation fault".to_owned()],

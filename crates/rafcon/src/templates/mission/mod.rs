@@ -16,7 +16,7 @@ mod size;
 mod survey;
 mod waypoint;
 
-use super::{Template, Wish};
+use super::{Template, TemplateRequest};
 use anyhow::Result;
 use draft::{Draft, Parts};
 use rafcon_model::{State, Value};
@@ -36,14 +36,14 @@ const TIME_SCALE: f64 = 0.06;
 /// What is hidden and fetched, in this order.
 const THINGS: [&str; 2] = ["battery", "mug"];
 
-fn root(wish: &Wish) -> Result<State> {
+fn root(wish: &TemplateRequest) -> Result<State> {
     let states = wish.states.unwrap_or(STATES);
     let fixed = count(&mission(wish, states, Size::SMALLEST));
     let size = Size::fit(states, fixed)?;
     build::root(mission(wish, states, size), &mut build::Ids::default())
 }
 
-fn mission(wish: &Wish, states: usize, size: Size) -> Draft {
+fn mission(wish: &TemplateRequest, states: usize, size: Size) -> Draft {
     let [battery, mug] = THINGS.map(fetch::fetch);
     let parts = Parts::default()
         .child(prepare(size))
@@ -142,14 +142,14 @@ fn count(draft: &Draft) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Template, Wish};
+    use super::super::{Template, TemplateRequest};
     use super::TEMPLATE;
     use expect_test::{Expect, expect};
     use rafcon_model::{BuiltinTypes, Header, Machine, State, problems};
 
     fn build(states: Option<usize>) -> anyhow::Result<State> {
         let Template { build, .. } = TEMPLATE;
-        build(&Wish { name: "mission".to_owned(), states })
+        build(&TemplateRequest { name: "mission".to_owned(), states })
     }
 
     fn check(states: Option<usize>, expect: &Expect) {

@@ -1,10 +1,10 @@
 //! What lies on disk of an open machine: written, read again, and looked at. Knows when nothing may be written over.
 
-use super::{Files, MachineSession, Spot, Tools, unwritten};
+use super::{FileLocation, Files, MachineSession, Tools, unwritten};
 use crate::Failure;
 use crate::documents::disk::{self, OnDisk};
-use crate::documents::draft::{self, Draft, DraftHeader, DraftLine, What};
-use crate::documents::machine::{Deed, EditRequest};
+use crate::documents::draft::{self, Draft, DraftHeader, DraftLine, DraftOperation};
+use crate::documents::machine::{EditRequest, MachineOperation};
 use crate::log;
 use rafcon_protocol::api::DiskState;
 use rafcon_storage::{Libraries, Saved};
@@ -14,7 +14,7 @@ use std::path::Path;
 #[derive(Debug)]
 pub(in crate::documents) struct Saving {
     /// Elsewhere, from now on.
-    pub(in crate::documents) to: Option<Spot>,
+    pub(in crate::documents) to: Option<FileLocation>,
     /// Also over what another program wrote there.
     pub(in crate::documents) overwrite: bool,
 }
@@ -52,7 +52,11 @@ impl MachineSession {
     }
 
     /// Writes the machine to another folder, and nothing else; the revision that lies there.
-    pub(in crate::documents) fn copy(&self, spot: &Spot, tools: &Tools) -> Result<u64, Failure> {
+    pub(in crate::documents) fn copy(
+        &self,
+        spot: &FileLocation,
+        tools: &Tools,
+    ) -> Result<u64, Failure> {
         let _files = self.files.lock();
         self.must_be_open()?;
         let (revision, machine) = self.machine();
@@ -100,9 +104,13 @@ impl MachineSession {
         }
         let place = self.draft.lock().place().to_owned();
         draft::keep(&place, &now.hash, &now.document).map_err(|error| unwritten(&error))?;
-        let what = What::Replace { document: now.hash.clone() };
-        let revision =
-            self.perform(request, Deed::Replace(Box::new(now.machine.clone())), what, at_ms)?;
+        let what = DraftOperation::Replace { document: now.hash.clone() };
+        let revision = self.perform(
+            request,
+            MachineOperation::Replace(Box::new(now.machine.clone())),
+            what,
+            at_ms,
+        )?;
         let mut draft = self.draft.lock();
         self.on_disk(&mut draft, now.into_files(revision));
         self.tell();
@@ -163,7 +171,7 @@ impl MachineSession {
         open.is_recovered = false;
     }
 
-    fn move_to(&self, draft: &mut Draft, spot: &Spot) -> Result<(), Failure> {
+    fn move_to(&self, draft: &mut Draft, spot: &FileLocation) -> Result<(), Failure> {
         draft.move_to(spot.draft.clone()).map_err(|error| unwritten(&error))?;
         let mut open = self.open.write();
         (open.folder, open.file) = (spot.folder.clone(), spot.file.clone());

@@ -11,9 +11,9 @@ pub(super) use files::{Saving, vanished};
 
 use super::broadcast::Broadcast;
 use super::disk::{self, OnDisk};
-use super::draft::{Draft, DraftLine, Operation, What};
+use super::draft::{Draft, DraftLine, DraftOperation, Operation};
 use super::log::RevisionsPage;
-use super::machine::{Deed, EditRequest, OpenMachine};
+use super::machine::{EditRequest, MachineOperation, OpenMachine};
 use super::recover::Recovered;
 use super::revision_cache::RevisionCache;
 use crate::access::PrivateError;
@@ -72,7 +72,7 @@ struct Files {
 
 /// Where a machine lies.
 #[derive(Debug, Clone)]
-pub(super) struct Spot {
+pub(super) struct FileLocation {
     pub(super) folder: PathBuf,
     pub(super) file: MachineFile,
     /// Where its draft belongs.
@@ -90,7 +90,7 @@ impl MachineSession {
     /// The machine that was read, with what a draft added to it.
     pub(super) fn new(
         id: String,
-        spot: Spot,
+        spot: FileLocation,
         on_disk: OnDisk,
         recovered: Recovered,
         opened: u64,
@@ -182,8 +182,8 @@ impl MachineSession {
     pub(super) fn perform(
         &self,
         request: EditRequest,
-        deed: Deed,
-        what: What,
+        deed: MachineOperation,
+        what: DraftOperation,
         at_ms: u64,
     ) -> Result<u64, Failure> {
         let mut draft = self.draft.lock();

@@ -4,7 +4,7 @@
 //! A repository is somebody else's: nothing that its configuration names is run. So there is no checkout and no archive, which
 //! filter, and no configuration of a user or the system; objects that are not there are not fetched.
 
-use crate::child::{ChildError, ChildLimits, Said, ask};
+use crate::child::{ChildError, ChildLimits, ChildOutput, ask};
 use crate::{Failure, failure::reason};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{MachineVersion, MachineVersions};
@@ -57,7 +57,7 @@ impl GitFolder<'_> {
         arguments: &[&str],
         input: Vec<u8>,
         output: u64,
-    ) -> Result<Said, ChildError> {
+    ) -> Result<ChildOutput, ChildError> {
         ask(self.git(arguments), input, ChildLimits { patience: PATIENCE, output }).await
     }
 
@@ -182,7 +182,7 @@ fn check_hash(commit: &str) -> Result<(), Failure> {
 }
 
 /// There is no commit yet, or git refuses.
-fn no_versions(said: &Said) -> Result<MachineVersions, Failure> {
+fn no_versions(said: &ChildOutput) -> Result<MachineVersions, Failure> {
     if said.error.contains("does not have any commits yet") {
         return Ok(MachineVersions { is_git: true, ..MachineVersions::default() });
     }

@@ -1,6 +1,6 @@
 //! Frames in, what is to be done out: a line each.
 
-use super::{Act, SUBSCRIPTIONS_MAX, Session};
+use super::{ClientRequest, SUBSCRIPTIONS_MAX, Session};
 use crate::access::{Credential, Who};
 use crate::socket::words;
 use expect_test::{Expect, expect};
@@ -15,7 +15,7 @@ fn who(role: Role) -> Who {
 fn hear(session: &mut Session, role: Role, frames: &str) -> String {
     let frames = frames.lines().map(str::trim).filter(|frame| !frame.is_empty());
     let acts = frames.map(|frame| match session.hear(frame, &who(role), 5) {
-        Act::Tell(frame) => words::text(&frame) + "\n",
+        ClientRequest::Tell(frame) => words::text(&frame) + "\n",
         act => format!("{act:?}\n"),
     });
     acts.collect()
@@ -165,10 +165,12 @@ fn any_frame_is_answered(frames: &[String]) {
     let mut begun = std::collections::BTreeSet::new();
     for frame in frames {
         match session.hear(frame, &who(Role::Admin), 5) {
-            Act::Begin(subscription, _) => assert!(begun.insert(subscription)),
-            Act::GiveUp(subscription) => drop(begun.remove(&subscription)),
-            Act::Tell(frame) => assert!(words::text(&frame).starts_with(r#"{"frame":""#)),
-            Act::Command { .. } | Act::Change { .. } | Act::Look { .. } => {}
+            ClientRequest::Begin(subscription, _) => assert!(begun.insert(subscription)),
+            ClientRequest::GiveUp(subscription) => drop(begun.remove(&subscription)),
+            ClientRequest::Tell(frame) => assert!(words::text(&frame).starts_with(r#"{"frame":""#)),
+            ClientRequest::Command { .. }
+            | ClientRequest::Change { .. }
+            | ClientRequest::Look { .. } => {}
         }
         assert!(begun.len() <= SUBSCRIPTIONS_MAX);
     }

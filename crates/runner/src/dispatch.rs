@@ -2,7 +2,7 @@
 //! who sends them.
 
 use crate::driver::NotTaken;
-use crate::written::Beside;
+use crate::record_events::ExtraRecords;
 use crate::{Clock, Driver, Scripts, tell};
 use rafcon_engine::{Input, Interrupted, Start, Stride, Then};
 use rafcon_model::{OutcomeId, StatePath};
@@ -102,7 +102,7 @@ impl<S: Scripts> Driver<S> {
         command: &Command,
         order: &Order<'_>,
     ) -> Result<(), NotTaken> {
-        let beside = || Beside { first: None, last: order.note() };
+        let beside = || ExtraRecords { first: None, last: order.note() };
         if *command == Command::Stop {
             self.reach_for_stop(|why| self.tell_briefly(tell::defect(&why)));
         }

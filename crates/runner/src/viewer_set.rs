@@ -1,11 +1,11 @@
 //! Everybody who is connected to a run: each viewer is told and may command, none holds up another or the run. Knows who is
 //! there; must never know what is said.
 
-use crate::commands::{Answers, Desk};
-use crate::connection::{Line, Receiver, Sender, Socket, Words};
+use crate::commands::{Answers, CommandDispatcher};
+use crate::connection::{IncomingLine, Line, Receiver, Sender, Socket};
 use crate::driver::Driver;
 use crate::viewer::Viewer;
-use crate::{Clock, Scripts, hearing};
+use crate::{Clock, Scripts, viewer_reader};
 use rafcon_engine::Input;
 use rafcon_locks::{Condvar, Mutex};
 use rafcon_protocol::{Join, ToViewer};
@@ -21,9 +21,9 @@ const GUESTS_MAX: usize = 64;
 
 /// The viewers of a run.
 #[derive(Debug)]
-pub(crate) struct Company<S: Scripts> {
+pub(crate) struct ViewerSet<S: Scripts> {
     driver: Arc<Driver<S>>,
-    desk: Desk<S>,
+    desk: CommandDispatcher<S>,
     /// What each is told first.
     loaded: ToViewer,
     present: Mutex<Present>,
@@ -35,7 +35,7 @@ pub(crate) struct Company<S: Scripts> {
 
 #[derive(Debug, Default)]
 struct Present {
-    guests: Vec<Arc<Guest>>,
+    guests: Vec<Arc<ViewerConnection>>,
     /// Connections whose owners have not said yet who they are.
     arriving: Vec<Socket>,
     /// The run is over: nobody is let in any more.
@@ -44,7 +44,7 @@ struct Present {
 
 /// One viewer.
 #[derive(Debug)]
-struct Guest {
+struct ViewerConnection {
     sender: Sender,
     socket: Socket,
     /// Held from a command to its answer.
@@ -53,10 +53,10 @@ struct Guest {
     told: Mutex<bool>,
 }
 
-impl<S: Scripts> Company<S> {
+impl<S: Scripts> ViewerSet<S> {
     /// A run that nobody watches; these commands were answered before.
     pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer, answers: Answers) -> Self {
-        let desk = Desk::new(Arc::clone(&driver), answers);
+        let desk = CommandDispatcher::new(Arc::clone(&driver), answers);
         let (present, noting) = (Mutex::default(), Mutex::new(()));
         Self { driver, desk, loaded, present, noting, changed: Condvar::new() }
     }
@@ -84,7 +84,8 @@ impl<S: Scripts> Company<S> {
         join: Join,
     ) -> io::Result<()> {
         let Line { sender, receiver, socket } = line;
-        let guest = Guest { sender, socket, answering: Mutex::new(()), told: Mutex::new(false) };
+        let guest =
+            ViewerConnection { sender, socket, answering: Mutex::new(()), told: Mutex::new(false) };
         let guest = Arc::new(guest);
         if let Err(reason) = self.admit(&guest) {
             guest.sender.send(&ToViewer::LoadFailed { reason });
@@ -102,23 +103,23 @@ impl<S: Scripts> Company<S> {
     fn seat<'scope>(
         &'scope self,
         scope: &'scope Scope<'scope, '_>,
-        guest: &Arc<Guest>,
+        guest: &Arc<ViewerConnection>,
         receiver: Receiver,
         join: Join,
     ) -> io::Result<()> {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         let [heard, heeded, told] = [(); 3].map(|()| Arc::clone(guest));
-        let (rest, words) = hearing::way();
+        let (rest, words) = viewer_reader::way();
         named("commands").spawn_scoped(scope, move || self.heed(&heeded, &words))?;
         let hear = move || {
-            hearing::hear(receiver, &heard.sender, &rest, || self.driver.engine_pulse());
+            viewer_reader::hear(receiver, &heard.sender, &rest, || self.driver.engine_pulse());
         };
         named("hearing").spawn_scoped(scope, hear)?;
         named("viewer").spawn_scoped(scope, move || self.tell(&told, &join))?;
         Ok(())
     }
 
-    fn admit(&self, guest: &Arc<Guest>) -> Result<(), String> {
+    fn admit(&self, guest: &Arc<ViewerConnection>) -> Result<(), String> {
         let mut present = self.present.lock();
         if present.closed {
             return Err("the run is over; its journal tells how it went".to_owned());
@@ -136,14 +137,14 @@ impl<S: Scripts> Company<S> {
     }
 
     /// Takes commands until the viewer goes away. The run goes on without it.
-    fn heed(&self, guest: &Arc<Guest>, words: &mpsc::Receiver<Words>) {
+    fn heed(&self, guest: &Arc<ViewerConnection>, words: &mpsc::Receiver<IncomingLine>) {
         self.desk.serve(words, &guest.sender, &guest.answering);
         guest.sender.lose();
         self.leave(guest);
     }
 
     /// A viewer is not there any more.
-    fn leave(&self, guest: &Arc<Guest>) {
+    fn leave(&self, guest: &Arc<ViewerConnection>) {
         let mut present = self.present.lock();
         present.guests.retain(|other| !Arc::ptr_eq(other, guest));
         let last = present.guests.is_empty() && !present.closed;
@@ -154,7 +155,7 @@ impl<S: Scripts> Company<S> {
         }
     }
 
-    fn tell(&self, guest: &Guest, join: &Join) {
+    fn tell(&self, guest: &ViewerConnection, join: &Join) {
         guest.sender.send(&self.loaded);
         Viewer::new(&self.driver, &guest.sender, join).follow();
         let _list = self.present.lock();

@@ -12,7 +12,7 @@ const VALUE_LIFE: u64 = 100_000;
 
 /// What is being written. It is used again and again, and allocates nothing once it has its size.
 #[derive(Debug)]
-pub(crate) struct Pen {
+pub(crate) struct RecordEncoder {
     batch: Batch,
     /// The number of the batch's first record.
     first: u64,
@@ -31,7 +31,7 @@ pub(crate) struct StateEnd {
     pub(crate) undoes: Option<NonZeroU64>,
 }
 
-impl Pen {
+impl RecordEncoder {
     /// Goes on after record `last` at `t_ns`, with `numbered` values that have numbers.
     pub(crate) fn after(last: u64, t_ns: u64, numbered: u64) -> Self {
         Self {
@@ -48,7 +48,7 @@ impl Pen {
         self.first + u64::from(self.batch.count())
     }
 
-    /// What was written since the last [`Pen::clear`], for a journal.
+    /// What was written since the last [`RecordEncoder::clear`], for a journal.
     pub(crate) fn batch(&self) -> &Batch {
         &self.batch
     }
@@ -150,7 +150,7 @@ pub(crate) fn is_rare(record: &Record) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Pen, VALUE_LIFE};
+    use super::{RecordEncoder, VALUE_LIFE};
     use crate::keep::{Keep, KeptValue};
     use rafcon_storage::journal::record::Content;
     use rafcon_storage::journal::{Kept, PlaceNumber, Stored, ValueNumber};
@@ -163,7 +163,7 @@ mod tests {
             content: Content::View,
         };
         let value = KeptValue::new(stored);
-        let mut pen = Pen::after(0, 0, 6);
+        let mut pen = RecordEncoder::after(0, 0, 6);
         let mut name_after = |records| {
             for _ in 0..records {
                 pen.entered(0, PlaceNumber(0), None);

@@ -6,13 +6,13 @@ use tokio::sync::watch;
 
 /// Counts changes of files, open machines and runs. Counting wakes everybody who waits, and costs nothing if nobody does.
 #[derive(Debug)]
-pub(crate) struct News {
+pub(crate) struct ChangeCounters {
     files: watch::Sender<u64>,
     machines: watch::Sender<u64>,
     runs: watch::Sender<u64>,
 }
 
-impl Default for News {
+impl Default for ChangeCounters {
     fn default() -> Self {
         // Clients ask for files again when this is another number: it must be, of another server.
         let files = watch::Sender::new(clock::since_1970_ms());
@@ -20,7 +20,7 @@ impl Default for News {
     }
 }
 
-impl News {
+impl ChangeCounters {
     /// A file of a project or a library is different.
     pub(crate) fn files(&self) {
         count(&self.files);

@@ -17,12 +17,12 @@ const SLACK: usize = 500;
 const DEPTH_MAX: u32 = 200;
 
 /// Values that were replaced, with their slots.
-pub(super) type Replaced<D> = Vec<(u32, Slot<D>)>;
+pub(super) type ReplacedValues<D> = Vec<(u32, Slot<D>)>;
 
 /// What became of the children of a hierarchy, the oldest first.
 #[derive(Debug)]
-pub(super) struct Trail<D> {
-    pub(super) traces: VecDeque<Trace<D>>,
+pub(super) struct UndoLog<D> {
+    pub(super) traces: VecDeque<UndoEntry<D>>,
     /// The values that children replaced, with their slots, for all traces one after the other.
     pub(super) undo: VecDeque<(u32, Slot<D>)>,
     /// There was more, that is not known any more.
@@ -38,9 +38,9 @@ pub(super) struct Trail<D> {
 
 /// One child that ended, and how the hierarchy stood before it began.
 #[derive(Debug)]
-pub(super) struct Trace<D> {
+pub(super) struct UndoEntry<D> {
     pub(super) child: u32,
-    pub(super) past: Past<D>,
+    pub(super) past: EndedRun<D>,
     pub(super) last: Option<(u32, u32)>,
     /// The error that was handed to the child.
     pub(super) error: Option<Box<D>>,
@@ -50,7 +50,7 @@ pub(super) struct Trace<D> {
 
 /// A run of a state that ended.
 #[derive(Debug)]
-pub(super) struct Past<D> {
+pub(super) struct EndedRun<D> {
     /// The number of its entry; 0 if it was skipped.
     pub(super) entry: u64,
     pub(super) outcome: u32,
@@ -62,22 +62,22 @@ pub(super) struct Past<D> {
 pub(super) enum Kept<D> {
     /// It was a script, or was skipped.
     Nothing,
-    Inner(Box<Inner<D>>),
+    Inner(Box<EndedContainerData<D>>),
     /// It is not known any more.
     Lost,
 }
 
 /// The data of a container that ended, as it was then.
 #[derive(Debug)]
-pub(super) struct Inner<D> {
+pub(super) struct EndedContainerData<D> {
     pub(super) inputs: Arc<[D]>,
     pub(super) slots: Vec<Slot<D>>,
     pub(super) last: Option<(u32, u32)>,
     pub(super) last_error: Option<D>,
     pub(super) start_depth: Option<u32>,
-    pub(super) trail: Trail<D>,
+    pub(super) trail: UndoLog<D>,
     /// Branches, or the root of a library.
-    pub(super) pasts: Vec<Option<Past<D>>>,
+    pub(super) pasts: Vec<Option<EndedRun<D>>>,
     pub(super) ended: Vec<Option<Ended<D>>>,
     pub(super) order: Vec<u32>,
     pub(super) base: Vec<Slot<D>>,
@@ -85,7 +85,7 @@ pub(super) struct Inner<D> {
     weight: usize,
 }
 
-impl<D> Default for Trail<D> {
+impl<D> Default for UndoLog<D> {
     fn default() -> Self {
         Self {
             traces: VecDeque::new(),
@@ -99,7 +99,7 @@ impl<D> Default for Trail<D> {
     }
 }
 
-impl<D> Trail<D> {
+impl<D> UndoLog<D> {
     /// Another frame begins.
     pub(super) fn begin(&mut self) {
         (self.logs, self.undoing) = (false, false);
@@ -119,14 +119,14 @@ impl<D> Trail<D> {
         (self.lost, self.weight, self.depth) = (true, 0, 0);
     }
 
-    pub(super) fn push(&mut self, trace: Trace<D>) {
+    pub(super) fn push(&mut self, trace: UndoEntry<D>) {
         self.weight += trace.past.weight();
         self.depth = self.depth.max(trace.past.depth());
         self.traces.push_back(trace);
     }
 
     /// The last child ended once more; it replaced so many values more.
-    pub(super) fn renew(&mut self, past: Past<D>, replaced: usize) {
+    pub(super) fn renew(&mut self, past: EndedRun<D>, replaced: usize) {
         let Some(mut trace) = self.traces.pop_back() else { return };
         self.weight -= trace.past.weight();
         trace.past = past;
@@ -135,14 +135,14 @@ impl<D> Trail<D> {
     }
 
     /// Takes out what the last child left behind; its place stays.
-    pub(super) fn take_past(&mut self) -> Option<(u32, Past<D>)> {
+    pub(super) fn take_past(&mut self) -> Option<(u32, EndedRun<D>)> {
         let trace = self.traces.back_mut()?;
         self.weight -= trace.past.weight() - 1;
         Some((trace.child, trace.past.take()))
     }
 
     /// Takes away the last trace, with the values that its child replaced, the last one first.
-    pub(super) fn pop(&mut self) -> Option<(Trace<D>, Replaced<D>)> {
+    pub(super) fn pop(&mut self) -> Option<(UndoEntry<D>, ReplacedValues<D>)> {
         let trace = self.traces.pop_back()?;
         self.weight -= trace.past.weight();
         let first = self.undo.len().saturating_sub(trace.replaced);
@@ -159,7 +159,7 @@ impl<D> Trail<D> {
             Kept::Nothing | Kept::Lost => None,
         });
         let mut inner = inner.map(|inner| {
-            let pasts = inner.pasts.iter().flatten().map(Past::weight).sum::<usize>();
+            let pasts = inner.pasts.iter().flatten().map(EndedRun::weight).sum::<usize>();
             inner.weight == inner.trail.weight + pasts
         });
         weight == self.weight && replaced <= self.undo.len() && inner.all(|inner| inner)
@@ -178,7 +178,7 @@ impl<D> Trail<D> {
     }
 }
 
-impl<D> Past<D> {
+impl<D> EndedRun<D> {
     /// Of a state that was passed without being entered.
     pub(super) fn skipped(outcome: u32) -> Self {
         Self { entry: 0, outcome, kept: Kept::Nothing }
@@ -217,23 +217,23 @@ impl<D> Past<D> {
 impl<D> Frame<D> {
     /// Whether it is known what branches did, or the root of a library: not if the run was taken up meanwhile.
     fn knows_children(&self) -> bool {
-        let is_lost = self.pasts.iter().flatten().any(Past::is_lost);
+        let is_lost = self.pasts.iter().flatten().any(EndedRun::is_lost);
         !is_lost && self.pasts.len() >= self.children.len()
     }
 
     /// Takes what is in the frame of a container that ends.
-    fn take_inner(&mut self) -> Inner<D> {
+    fn take_inner(&mut self) -> EndedContainerData<D> {
         let pasts = std::mem::take(&mut self.pasts);
-        let deepest = pasts.iter().flatten().map(Past::depth).max().unwrap_or(0);
+        let deepest = pasts.iter().flatten().map(EndedRun::depth).max().unwrap_or(0);
         let trail = std::mem::take(&mut self.trail);
-        Inner {
+        EndedContainerData {
             inputs: self.inputs.clone().unwrap_or_default(),
             slots: std::mem::take(&mut self.slots),
             last: self.last,
             last_error: self.last_error.take(),
             start_depth: self.start_depth,
             depth: 1 + deepest.max(trail.depth),
-            weight: trail.weight + pasts.iter().flatten().map(Past::weight).sum::<usize>(),
+            weight: trail.weight + pasts.iter().flatten().map(EndedRun::weight).sum::<usize>(),
             trail,
             pasts,
             ended: std::mem::take(&mut self.ended),
@@ -249,7 +249,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// What a state that ends leaves behind; nothing, if the run is not to be stepped back.
-    pub(super) fn past(&mut self, slot: u32, outcome: u32) -> Option<Past<D>> {
+    pub(super) fn past(&mut self, slot: u32, outcome: u32) -> Option<EndedRun<D>> {
         if !self.keeps_trail() {
             return None;
         }
@@ -268,18 +268,18 @@ impl<D: Datum> Step<'_, D> {
                 }
             }
         };
-        Some(Past { entry, outcome, kept })
+        Some(EndedRun { entry, outcome, kept })
     }
 
     /// Notes that a child of a hierarchy ended, which replaced all values from `first` on.
-    pub(super) fn trace(&mut self, slot: u32, child: u32, past: Past<D>, first: usize) {
+    pub(super) fn trace(&mut self, slot: u32, child: u32, past: EndedRun<D>, first: usize) {
         let frame = self.run.frames.get_mut(slot);
         let replaced = frame.trail.undo.len() - first;
         if std::mem::take(&mut frame.trail.undoing) {
             return frame.trail.renew(past, replaced);
         }
         let (last, error) = (frame.last, frame.gave.take().map(Box::new));
-        frame.trail.push(Trace { child, past, last, error, replaced });
+        frame.trail.push(UndoEntry { child, past, last, error, replaced });
         self.run.steps_kept += 1;
         if self.run.steps_kept > self.run.steps_max + SLACK {
             self.shorten_trails();
@@ -291,7 +291,7 @@ impl<D: Datum> Step<'_, D> {
         let active = self.active();
         let weights = active.iter().map(|&slot| {
             let frame = self.run.frames.get(slot);
-            frame.trail.weight + frame.pasts.iter().flatten().map(Past::weight).sum::<usize>()
+            frame.trail.weight + frame.pasts.iter().flatten().map(EndedRun::weight).sum::<usize>()
         });
         let total = weights.sum::<usize>();
         let mut excess = total.saturating_sub(self.run.steps_max);

@@ -13,7 +13,7 @@ const OTHERS: &str = "others";
 
 /// What was put on record of late.
 #[derive(Debug, Default)]
-pub(super) struct Seldom {
+pub(super) struct RecentNotes {
     minutes: BTreeMap<String, Minute>,
     /// The second in which it was looked last what can be forgotten.
     tidied_s: u64,
@@ -27,7 +27,7 @@ struct Minute {
     untold: u64,
 }
 
-impl Seldom {
+impl RecentNotes {
     /// Whether this may be noted now, and then how often it was not since it was noted last.
     pub(super) fn may(&mut self, what: &str, now_ms: u64) -> Option<u64> {
         let what = self.known(what, now_ms);
@@ -58,11 +58,11 @@ impl Seldom {
 
 #[cfg(test)]
 mod tests {
-    use super::{MAX, MINUTE_MS, Seldom};
+    use super::{MAX, MINUTE_MS, RecentNotes};
 
     #[test]
     fn ten_a_minute_are_told_and_the_others_counted() {
-        let mut seldom = Seldom::default();
+        let mut seldom = RecentNotes::default();
         let told = (0..100).filter(|now_ms| seldom.may("refused anna", *now_ms) == Some(0));
         assert_eq!(told.count(), 10);
         assert_eq!(seldom.may("refused ben", 100), Some(0));
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn whatever_strangers_are_called_it_is_bounded() {
-        let mut seldom = Seldom::default();
+        let mut seldom = RecentNotes::default();
         let told = (0..3 * MAX).filter(|name| seldom.may(&name.to_string(), 7).is_some());
         assert_eq!(told.count(), MAX + 10);
         assert_eq!(seldom.minutes.len(), MAX + 1);

@@ -22,14 +22,14 @@ const REASON_MAX: usize = 300;
 
 /// Makes values ready for the journal.
 #[derive(Debug, Clone)]
-pub(crate) struct Keeper {
+pub(crate) struct ValueSerializer {
     /// Whether values are kept at all.
     keeps: bool,
     /// The folder of large values; without one they stand in the journal.
     values: Option<PathBuf>,
 }
 
-impl Keeper {
+impl ValueSerializer {
     /// Keeps nothing.
     pub(crate) const NONE: Self = Self { keeps: false, values: None };
 

@@ -11,7 +11,7 @@ const WINDOW: Duration = Duration::from_mins(1);
 
 /// What is known about a runner that ended in the middle of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Death {
+pub struct RunnerDeath {
     /// Signal or exit status.
     pub reason: String,
     /// Paths of the states that were active, as far as it told.
@@ -24,7 +24,7 @@ pub struct Death {
 
 /// The deaths of a run's runners.
 #[derive(Debug, Default)]
-pub struct Lives {
+pub struct RestartPolicy {
     deaths: VecDeque<Duration>,
 }
 
@@ -37,9 +37,9 @@ pub enum Next {
     Ask(&'static str),
 }
 
-impl Lives {
+impl RestartPolicy {
     /// A runner died at `now`; `policy` is what the run keeps about crashes.
-    pub fn next(&mut self, now: Duration, death: &Death, policy: OnCrash) -> Next {
+    pub fn next(&mut self, now: Duration, death: &RunnerDeath, policy: OnCrash) -> Next {
         self.deaths.push_back(now);
         while self.deaths.front().is_some_and(|first| *first + WINDOW < now) {
             self.deaths.pop_front();
@@ -59,15 +59,16 @@ impl Lives {
 
 #[cfg(test)]
 mod tests {
-    use super::{Death, Lives, Next};
+    use super::{Next, RestartPolicy, RunnerDeath};
     use expect_test::{Expect, expect};
     use rafcon_protocol::OnCrash;
     use std::time::Duration;
 
     fn check(policy: OnCrash, is_cut_off: bool, seconds: &[u64], expect: &Expect) {
         let reason = "killed by signal 9 (SIGKILL)".to_owned();
-        let death = Death { reason, active: vec!["R/A".to_owned()], said: Vec::new(), is_cut_off };
-        let mut lives = Lives::default();
+        let death =
+            RunnerDeath { reason, active: vec!["R/A".to_owned()], said: Vec::new(), is_cut_off };
+        let mut lives = RestartPolicy::default();
         let told = seconds.iter().map(|second| {
             match lives.next(Duration::from_secs(*second), &death, policy) {
                 Next::Again(resume, crash) => {

@@ -5,7 +5,7 @@ use super::Refusal;
 use super::frames::{Frame, NONE};
 use super::phase::Phase;
 use super::step::{Step, Work};
-use super::trail::Past;
+use super::undo_log::EndedRun;
 use crate::program::{Body, Concurrency};
 use crate::{Datum, FrameId, PathId, When};
 use rafcon_model::StatePath;
@@ -83,7 +83,7 @@ impl<D: Datum> Step<'_, D> {
                 Ok(Some(back(id)))
             }
             Body::Library(_) if here && stands => {
-                let lost = frame.pasts.first().and_then(Option::as_ref).map(Past::is_lost);
+                let lost = frame.pasts.first().and_then(Option::as_ref).map(EndedRun::is_lost);
                 let ended = frame.ended.iter().any(Option::is_some);
                 let back = self.last_goes_back(slot, lost.or(ended.then_some(true)))?;
                 Ok(Some(back(id)))

@@ -3,9 +3,9 @@
 
 use super::Status;
 use super::frames::NONE;
-use super::holds::{Inquiry, StopPoint, Why};
 use super::phase::Phase;
 use super::step::Step;
+use super::suspended::{BreakpointScan, StopPoint, SuspendReason};
 use crate::program::{Body, Concurrency};
 use crate::{
     BranchId, Datum, Event, HeldBy, Level, Note, PathId, Program, Refusal, Scope, Unattended, When,
@@ -31,7 +31,7 @@ impl<D: Datum> Step<'_, D> {
         let stops = spot.when == When::Before && self.run.control.stop_next;
         let rest = if stops { Vec::new() } else { self.breakpoints_at(spot) };
         let was = self.run.control.was.take().filter(|_| spot.when == When::After);
-        self.ask(Inquiry { spot, branch, modes, rest, held: None, stops, was })
+        self.ask(BreakpointScan { spot, branch, modes, rest, held: None, stops, was })
     }
 
     /// What was asked to end is held nowhere, except before a handler.
@@ -65,7 +65,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// Goes through the breakpoints of a spot until one asks for its condition, then through what else holds there.
-    pub(super) fn ask(&mut self, mut inquiry: Inquiry<D>) -> bool {
+    pub(super) fn ask(&mut self, mut inquiry: BreakpointScan<D>) -> bool {
         while let Some(id) = inquiry.rest.pop() {
             let found = self.run.control.breakpoints.get(id).map(|found| found.condition.clone());
             match found {
@@ -80,7 +80,7 @@ impl<D: Datum> Step<'_, D> {
         self.ends_inquiry(&inquiry)
     }
 
-    fn ends_inquiry(&mut self, inquiry: &Inquiry<D>) -> bool {
+    fn ends_inquiry(&mut self, inquiry: &BreakpointScan<D>) -> bool {
         let (spot, branch) = (inquiry.spot, inquiry.branch);
         if inquiry.stops {
             self.stand(spot, branch, HeldBy::Step);
@@ -92,7 +92,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// A breakpoint is passed.
-    fn hit(&mut self, inquiry: &mut Inquiry<D>, id: u64) {
+    fn hit(&mut self, inquiry: &mut BreakpointScan<D>, id: u64) {
         let attended = self.run.control.attended;
         let Some((hits, breakpoint)) = self.run.control.breakpoints.hit(id) else { return };
         let (scope, counts) = (breakpoint.scope, hits >= breakpoint.hit_count);
@@ -131,7 +131,7 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// What holds at a spot besides breakpoints.
-    fn held_otherwise(&mut self, inquiry: &Inquiry<D>) -> Option<HeldBy> {
+    fn held_otherwise(&mut self, inquiry: &BreakpointScan<D>) -> Option<HeldBy> {
         let spot = inquiry.spot;
         if spot.when == When::After {
             return None;
@@ -221,7 +221,7 @@ impl<D: Datum> Step<'_, D> {
     /// Holds the run at a spot. The state that comes after it, if it is known.
     fn stand(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) -> Option<PathId> {
         let next = self.next_at(spot);
-        self.run.control.put(spot, branch, Why::Held { by, next });
+        self.run.control.put(spot, branch, SuspendReason::Held { by, next });
         self.set_phase(spot, Phase::Held);
         next
     }
@@ -244,12 +244,12 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    fn inquire(&mut self, inquiry: Inquiry<D>, breakpoint: u64, condition: SmolStr) {
+    fn inquire(&mut self, inquiry: BreakpointScan<D>, breakpoint: u64, condition: SmolStr) {
         let check = self.run.control.next_check();
         self.out_check(&inquiry, check, condition);
         let (spot, branch) = (inquiry.spot, inquiry.branch);
         let inquiry = Box::new(inquiry);
-        self.run.control.put(spot, branch, Why::Checking { check, breakpoint, inquiry });
+        self.run.control.put(spot, branch, SuspendReason::Checking { check, breakpoint, inquiry });
         self.set_phase(spot, Phase::Checking);
     }
 
@@ -261,8 +261,8 @@ impl<D: Datum> Step<'_, D> {
     ) -> Result<(), Refusal> {
         let refusal = Refusal::NoSuchCheck { check };
         let mut hold = self.run.control.take_check(check).ok_or(refusal)?;
-        let Why::Checking { breakpoint, mut inquiry, .. } =
-            std::mem::replace(&mut hold.why, Why::Held { by: HeldBy::Step, next: None })
+        let SuspendReason::Checking { breakpoint, mut inquiry, .. } =
+            std::mem::replace(&mut hold.why, SuspendReason::Held { by: HeldBy::Step, next: None })
         else {
             return Ok(());
         };

@@ -3,19 +3,19 @@
 //!
 //! Knows the order of things. Must never know who asks for them.
 
-use super::fate;
 use super::launch::Launched;
 use super::link;
 use super::request::RunRequest;
 use super::run::Run;
-use super::summary::Looked;
+use super::runner_end;
+use super::summary::FolderSummary;
 use super::take_up;
 use crate::ServerState;
 use crate::failure::reason;
 use rafcon_protocol::OnCrash;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_storage::journal::{has_begun, writer_of};
-use rafcon_supervisor::{Exit, Lives, Next, clock, policy_of};
+use rafcon_supervisor::{Exit, Next, RestartPolicy, clock, policy_of};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,7 +47,7 @@ pub(super) fn follow(server: &Arc<ServerState>, run: &Arc<Run>) {
 /// Looks after the runner of a run that is in our hand.
 fn look_after(server: &Arc<ServerState>, run: &Arc<Run>) {
     let (server, run) = (Arc::clone(server), Arc::clone(run));
-    let life = Life { server, run, lives: Lives::default(), control: None };
+    let life = RunSupervisor { server, run, lives: RestartPolicy::default(), control: None };
     tokio::spawn(life.go_on());
 }
 
@@ -86,15 +86,15 @@ pub(super) async fn look_again(server: &Arc<ServerState>, run: &Run) {
 }
 
 /// The runners of one run, one after the other.
-struct Life {
+struct RunSupervisor {
     server: Arc<ServerState>,
     run: Arc<Run>,
-    lives: Lives,
+    lives: RestartPolicy,
     /// Our first connection to a runner that we started: closed when the next one stands.
     control: Option<UnixStream>,
 }
 
-impl Life {
+impl RunSupervisor {
     async fn go_on(mut self) {
         loop {
             self.until_it_is_dead().await;
@@ -138,13 +138,13 @@ impl Life {
         let look = move || {
             let looked = super::summary::look(&folder, &server.projects)?;
             let policy = policy_of(&folder);
-            Some((looked, policy, fate::of(&folder, exit)))
+            Some((looked, policy, runner_end::of(&folder, exit)))
         };
         let Ok(Some((looked, policy, fate))) = tokio::task::spawn_blocking(look).await else {
             self.run.release();
             return false;
         };
-        let Looked { mut summary, request } = looked;
+        let FolderSummary { mut summary, request } = looked;
         let ours =
             request.filter(|request| summary.phase == RunPhase::Crashed && request.may_go_on());
         let Some(request) = ours else {
@@ -231,8 +231,8 @@ async fn begins(folder: &Path) -> bool {
 }
 
 /// Whether a run that is found when the server begins is to be looked after: it lives, or it would go on by itself.
-pub(super) fn needs_somebody(looked: &Looked, policy: OnCrash) -> bool {
-    let Looked { summary, request } = looked;
+pub(super) fn needs_somebody(looked: &FolderSummary, policy: OnCrash) -> bool {
+    let FolderSummary { summary, request } = looked;
     let may_go_on = || request.as_ref().is_some_and(RunRequest::may_go_on);
     let goes_on = summary.phase == RunPhase::Crashed && policy != OnCrash::Ask && may_go_on();
     summary.phase == RunPhase::Live || goes_on

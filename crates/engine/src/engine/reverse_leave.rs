@@ -2,10 +2,10 @@
 
 use super::Status;
 use super::frames::NONE;
-use super::holds::{StopPoint, SuspendedBranch};
 use super::phase::{Cause, Phase};
 use super::step::Step;
-use super::trail::Replaced;
+use super::suspended::{StopPoint, SuspendedBranch};
+use super::undo_log::ReplacedValues;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{BranchId, Datum, Effect, Event, HeldBy, WaitReason};
 use std::collections::BTreeSet;
@@ -121,7 +121,7 @@ impl<D: Datum> Step<'_, D> {
         self.run.frames.get(slot).preempted || self.run.status == Status::Stopping
     }
 
-    fn put_back(&mut self, slot: u32, values: Replaced<D>) {
+    fn put_back(&mut self, slot: u32, values: ReplacedValues<D>) {
         let Body::Hierarchy(inside) = self.body(slot) else { return };
         let frame = self.run.frames.get_mut(slot);
         let mut changed = BTreeSet::new();

@@ -5,8 +5,8 @@ use crate::core::Core;
 use crate::keep::Keep;
 use crate::last::Last;
 use crate::names::{self, port_number};
-use crate::pen::StateEnd;
-use crate::recorder::{Recorder, Writing};
+use crate::record_encoder::StateEnd;
+use crate::recorder::{RecordWriter, Recorder};
 use crate::{Scripts, tell};
 use rafcon_engine::{Event, NodeId, PathId};
 use rafcon_model::OutcomeId;
@@ -15,16 +15,16 @@ use rafcon_storage::journal::{Kept, PlaceNumber, Record};
 use std::sync::Arc;
 
 /// One group of events on its way into the record.
-struct Page<'p, S: Scripts> {
+struct RecordGroup<'p, S: Scripts> {
     core: &'p mut Core<S::Value>,
     scripts: &'p S,
-    pen: Writing<'p>,
+    pen: RecordWriter<'p>,
     now: u64,
 }
 
 /// What is written down in one group with the events of an input: all of it is kept or nothing.
 #[derive(Debug, Default)]
-pub(crate) struct Beside {
+pub(crate) struct ExtraRecords {
     /// Before them.
     pub(crate) first: Option<Record>,
     /// After them.
@@ -36,15 +36,15 @@ pub(crate) fn record<S: Scripts>(
     core: &mut Core<S::Value>,
     scripts: &S,
     now: u64,
-    (recorder, beside): (&Recorder, Beside),
+    (recorder, beside): (&Recorder, ExtraRecords),
 ) {
-    let Beside { first, last } = beside;
+    let ExtraRecords { first, last } = beside;
     if core.outbox.events.is_empty() && first.is_none() && last.is_none() {
         return;
     }
     let mut events = std::mem::take(&mut core.outbox.events);
     let pen = recorder.write();
-    let mut page = Page { core, scripts, pen, now };
+    let mut page = RecordGroup { core, scripts, pen, now };
     if let Some(first) = first {
         page.pen.note(page.now, &first);
     }
@@ -58,7 +58,7 @@ pub(crate) fn record<S: Scripts>(
     page.core.outbox.events = events;
 }
 
-impl<S: Scripts> Page<'_, S> {
+impl<S: Scripts> RecordGroup<'_, S> {
     fn write(&mut self, event: &Event<S::Value>) {
         match event {
             Event::Entered { path, node, inputs, undoes } => {

@@ -95,7 +95,7 @@ impl Line for UnixStream {
 
 /// The queue, and who fills it. Sources of an earlier runner are not heard any more.
 #[derive(Debug)]
-pub(crate) struct Wires {
+pub(crate) struct EventQueue {
     queue: SyncSender<(u32, Cause)>,
     causes: Receiver<(u32, Cause)>,
     /// Which runner is listened to.
@@ -105,7 +105,7 @@ pub(crate) struct Wires {
 /// Sources of every life.
 const ALWAYS: u32 = 0;
 
-impl Wires {
+impl EventQueue {
     /// Connects the signals, and the keyboard if there is one.
     pub(crate) fn new(signals: Signals, has_keys: bool) -> Result<Self> {
         let (queue, causes) = sync_channel(QUEUE);

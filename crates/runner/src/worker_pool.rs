@@ -5,14 +5,14 @@
 //! many short ones cost one thread and no hand-off.
 
 use crate::active::Active;
-use crate::branch::{BranchTask, Mail, Worker};
+use crate::branch::{BranchMessage, BranchTask, Worker};
 use rafcon_engine::BranchId;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 /// The threads of a run. Only the holder of the engine touches it.
 #[derive(Debug)]
-pub(crate) struct Crew<D> {
+pub(crate) struct WorkerPool<D> {
     /// The thread that each active branch owns.
     owners: BTreeMap<BranchId, Arc<Worker<D>>>,
     idle: Vec<Arc<Worker<D>>>,
@@ -25,7 +25,7 @@ pub(crate) struct Crew<D> {
     dismissed: bool,
 }
 
-impl<D> Crew<D> {
+impl<D> WorkerPool<D> {
     pub(crate) fn new(active: Active) -> Self {
         Self {
             owners: BTreeMap::new(),
@@ -42,7 +42,7 @@ impl<D> Crew<D> {
         match self.owners.get(&turn.branch()) {
             Some(owner) => {
                 self.active.begin(owner.slot, &turn.place);
-                owner.mailbox.post(Mail::Run(turn));
+                owner.mailbox.post(BranchMessage::Run(turn));
             }
             None => self.ready.push_back(turn),
         }
@@ -83,7 +83,7 @@ impl<D> Crew<D> {
     /// A thread that waits for mail has no branch any more.
     pub(crate) fn retire(&mut self, worker: Arc<Worker<D>>) {
         if self.dismissed {
-            worker.mailbox.post(Mail::End);
+            worker.mailbox.post(BranchMessage::End);
         } else {
             self.idle.push(worker);
         }
@@ -102,7 +102,7 @@ impl<D> Crew<D> {
         match self.idle.pop() {
             Some(worker) => {
                 self.seekers += 1;
-                worker.mailbox.post(Mail::Seek);
+                worker.mailbox.post(BranchMessage::Seek);
                 false
             }
             None => true,
@@ -124,23 +124,23 @@ impl<D> Crew<D> {
         self.dismissed = true;
         let owners = std::mem::take(&mut self.owners).into_values();
         for worker in owners.chain(std::mem::take(&mut self.idle)) {
-            worker.mailbox.post(Mail::End);
+            worker.mailbox.post(BranchMessage::End);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Crew;
+    use super::WorkerPool;
     use crate::active::Active;
-    use crate::branch::{Mail, Worker};
+    use crate::branch::{BranchMessage, Worker};
     use crate::mailbox::Mailbox;
     use rafcon_model::Value;
     use std::sync::Arc;
 
     #[test]
     fn a_thread_that_comes_after_the_end_ends_too() {
-        let mut crew = Crew::<Value>::new(Active::default());
+        let mut crew = WorkerPool::<Value>::new(Active::default());
         let [early, late] =
             [0, 1].map(|slot| Arc::new(Worker { slot, mailbox: Mailbox::default() }));
         assert!(crew.take(Arc::clone(&early)).is_none());
@@ -149,7 +149,7 @@ mod tests {
         crew.arrive();
         assert!(crew.take(Arc::clone(&late)).is_none());
         for worker in [early, late] {
-            assert!(matches!(worker.mailbox.wait(), Mail::End));
+            assert!(matches!(worker.mailbox.wait(), BranchMessage::End));
         }
     }
 }

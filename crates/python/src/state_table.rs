@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// One place.
 #[derive(Debug)]
-pub(crate) struct Seat {
+pub(crate) struct StateSlot {
     /// `self`, with whatever scripts put on it.
     pub(crate) object: Py<PyAny>,
     /// The place in the run.
@@ -31,7 +31,7 @@ struct Data {
     outputs: Option<Py<PyDict>>,
 }
 
-impl Seat {
+impl StateSlot {
     pub(crate) fn new(object: Py<PyAny>, place: Arc<Place>, persistent: Option<Handle>) -> Self {
         Self {
             object,
@@ -87,15 +87,15 @@ impl Seat {
 
 /// All seats, by the number of the place.
 #[derive(Debug, Default)]
-pub(crate) struct Seats(RwLock<Vec<Option<Arc<Seat>>>>);
+pub(crate) struct StateTable(RwLock<Vec<Option<Arc<StateSlot>>>>);
 
-impl Seats {
-    pub(crate) fn get(&self, path: PathId) -> Option<Arc<Seat>> {
+impl StateTable {
+    pub(crate) fn get(&self, path: PathId) -> Option<Arc<StateSlot>> {
         self.0.read().get(path.index()).cloned().flatten()
     }
 
     /// Puts a seat at its place and gives it back; one that is there already stays.
-    pub(crate) fn insert(&self, seat: Seat) -> Arc<Seat> {
+    pub(crate) fn insert(&self, seat: StateSlot) -> Arc<StateSlot> {
         let index = seat.place.path.index();
         let seat = Arc::new(seat);
         let mut seats = self.0.write();

@@ -3,10 +3,10 @@
 use crate::codes::Codes;
 use crate::handle::Handle;
 use crate::runtime::Runtime;
-use crate::script::{How, Script};
+use crate::script::{CompileContext, Script};
 use crate::scripts::{PythonScripts, kind_name};
-use crate::seat::{Seat, Seats};
 use crate::signals::Signals;
+use crate::state_table::{StateSlot, StateTable};
 use parking_lot::{Mutex, RwLock};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -18,25 +18,25 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The seats of a run, and the scripts that they share.
 #[derive(Debug)]
-pub(crate) struct Seating {
+pub(crate) struct StateObjects {
     program: RwLock<Arc<Program<Handle>>>,
     /// Counts the changes of the program.
     generation: AtomicU64,
     scripts: RwLock<BTreeMap<NodeId, Arc<Script>>>,
     codes: Arc<Codes>,
-    seats: Seats,
+    seats: StateTable,
     /// By path: what states had kept when the run was taken up, and have not asked for yet.
     persistent: Mutex<BTreeMap<String, Handle>>,
 }
 
-impl Seating {
+impl StateObjects {
     pub(crate) fn new(program: Arc<Program<Handle>>) -> Self {
         Self {
             program: RwLock::new(program),
             generation: AtomicU64::new(0),
             scripts: RwLock::default(),
             codes: Arc::default(),
-            seats: Seats::default(),
+            seats: StateTable::default(),
             persistent: Mutex::default(),
         }
     }
@@ -72,7 +72,7 @@ impl Seating {
 
 impl PythonScripts {
     /// What Python keeps for a place, made at the first call.
-    pub(crate) fn seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<Seat>> {
+    pub(crate) fn seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<StateSlot>> {
         match self.seating.seats.get(place.path) {
             Some(seat) => Ok(seat),
             None => self.make_seat(py, place),
@@ -84,11 +84,11 @@ impl PythonScripts {
         let py = object.py();
         let signals = Py::new(py, Signals::new(Arc::clone(place)))?;
         object.call_method1(intern!(py, "_bind"), (place.path.0, signals))?;
-        self.seating.seats.insert(Seat::new(object.clone().unbind(), Arc::clone(place), None));
+        self.seating.seats.insert(StateSlot::new(object.clone().unbind(), Arc::clone(place), None));
         Ok(())
     }
 
-    fn make_seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<Seat>> {
+    fn make_seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<StateSlot>> {
         let program = self.seating.program();
         let kind = kind_name(program.node(place.node).state().kind.name());
         let signals = Py::new(py, Signals::new(Arc::clone(place)))?;
@@ -97,12 +97,12 @@ impl PythonScripts {
         if let Some(before) = &before {
             object.setattr(py, intern!(py, "persistent_variables"), before.bind(py))?;
         }
-        let seat = Seat::new(object, Arc::clone(place), before);
+        let seat = StateSlot::new(object, Arc::clone(place), before);
         Ok(self.seating.seats.insert(seat))
     }
 
     /// The script of the state at `seat` as the machine has it now.
-    pub(crate) fn script_of(&self, py: Python<'_>, seat: &Seat) -> Arc<Script> {
+    pub(crate) fn script_of(&self, py: Python<'_>, seat: &StateSlot) -> Arc<Script> {
         let generation = self.seating.generation.load(Ordering::Acquire);
         if let Some(script) = seat.script(generation) {
             return script;
@@ -118,7 +118,7 @@ impl PythonScripts {
         if let Some(known) = known.filter(|known| known.is_of(program.node(place.node))) {
             return known;
         }
-        let how = How {
+        let how = CompileContext {
             file: self.files.script(&place.text),
             recompile: self.config.recompile_scripts,
             codes: Arc::clone(&self.seating.codes),

@@ -1,9 +1,9 @@
 //! Letting go what is held: resume, steps forward, and where a step ends.
 
 use super::frames::{Marker, NONE};
-use super::holds::{StopPoint, SuspendedBranch, Why};
 use super::phase::Cause;
 use super::step::{Step, Work};
+use super::suspended::{StopPoint, SuspendReason, SuspendedBranch};
 use super::{Refusal, Status};
 use crate::program::Body;
 use crate::{BranchId, Datum, PathId, Stride, When};
@@ -237,8 +237,8 @@ impl<D: Datum> Step<'_, D> {
         }
         let alone = |id| self.run.control.breakpoints.get(id).map(|found| found.unattended);
         let of = |hold: &SuspendedBranch<D>| match hold.why {
-            Why::Held { by: crate::HeldBy::Breakpoint(id), .. } => alone(id),
-            Why::Held { .. } | Why::Checking { .. } => None,
+            SuspendReason::Held { by: crate::HeldBy::Breakpoint(id), .. } => alone(id),
+            SuspendReason::Held { .. } | SuspendReason::Checking { .. } => None,
         };
         let paused_by = self.run.control.paused_by.and_then(alone);
         let held = self.held(None);

@@ -79,18 +79,18 @@ fn breakpoint(id: u64, path: String) -> Breakpoint {
 }
 
 /// Number, time (s since 1970), path, name and id of the outcome (none: it was entered), values as JSON, whether it undoes.
-type Told = (u64, f64, String, Option<(i64, String)>, String, bool);
+type PolledEvent = (u64, f64, String, Option<(i64, String)>, String, bool);
 
 /// The states that were entered and left, oldest first.
 #[pyfunction]
-pub(crate) fn past(py: Python<'_>) -> PyResult<Vec<Told>> {
+pub(crate) fn past(py: Python<'_>) -> PyResult<Vec<PolledEvent>> {
     let driver = current::driver()?;
     let past = thread::leave(py, || driver.past());
     Ok(past.into_iter().filter_map(told).collect())
 }
 
 #[expect(clippy::cast_precision_loss, reason = "Python's times are floats")]
-fn told(past: PastEvent) -> Option<Told> {
+fn told(past: PastEvent) -> Option<PolledEvent> {
     let time = past.epoch_ms as f64 / 1000.0;
     let json = |values| serde_json::Value::Object(values).to_string();
     match past.event {

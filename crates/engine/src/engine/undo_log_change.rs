@@ -3,14 +3,14 @@
 
 use super::migrate::{Source, sources};
 use super::step::Step;
-use super::trail::{Kept, Trace, Trail};
+use super::undo_log::{Kept, UndoEntry, UndoLog};
 use crate::program::{Body, Inside, Node};
 use crate::{Datum, NodeId, Program};
 use std::collections::BTreeMap;
 use std::collections::VecDeque;
 
 /// Two programs, and the state whose trail is carried over: before and after.
-struct Both<'p, D> {
+struct ProgramPair<'p, D> {
     before: &'p Program<D>,
     after: &'p Program<D>,
     was: &'p Node<D>,
@@ -22,7 +22,7 @@ impl<D: Datum> Step<'_, D> {
     pub(super) fn migrate_trail(&mut self, slot: u32, before: &Program<D>, was: &Node<D>) {
         let frame = self.run.frames.get_mut(slot);
         let is = self.program.node(frame.node);
-        let both = Both { before, after: self.program, was, is };
+        let both = ProgramPair { before, after: self.program, was, is };
         match (&was.body, &is.body) {
             (Body::Hierarchy(old), Body::Hierarchy(new)) => {
                 let trail = std::mem::take(&mut frame.trail);
@@ -49,11 +49,11 @@ impl<D: Datum> Step<'_, D> {
     }
 }
 
-impl<D: Datum> Both<'_, D> {
+impl<D: Datum> ProgramPair<'_, D> {
     /// The newest traces as far as everything in them is still there.
-    fn carried(&self, mut trail: Trail<D>, old: &Inside<D>, new: &Inside<D>) -> Trail<D> {
+    fn carried(&self, mut trail: UndoLog<D>, old: &Inside<D>, new: &Inside<D>) -> UndoLog<D> {
         let slots = self.slots(old, new);
-        let mut carried = Trail::default();
+        let mut carried = UndoLog::default();
         (carried.logs, carried.lost) = (trail.logs, trail.lost);
         let mut traces = VecDeque::new();
         while let Some((trace, values)) = trail.pop() {
@@ -84,7 +84,7 @@ impl<D: Datum> Both<'_, D> {
         before.map(|source| now.get(&source).copied()).collect()
     }
 
-    fn trace(&self, trace: Trace<D>) -> Option<Trace<D>> {
+    fn trace(&self, trace: UndoEntry<D>) -> Option<UndoEntry<D>> {
         let (child, outcome) = self.end(trace.child, trace.past.outcome)?;
         let last = match trace.last {
             Some((child, outcome)) => Some(self.end(child, outcome)?),
@@ -101,7 +101,7 @@ impl<D: Datum> Both<'_, D> {
         if !can {
             past.kept = Kept::Lost;
         }
-        Some(Trace { child, past, last, ..trace })
+        Some(UndoEntry { child, past, last, ..trace })
     }
 
     /// A child and the index of its outcome, as they are now.

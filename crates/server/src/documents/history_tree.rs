@@ -15,7 +15,7 @@ const MACHINES_MAX: usize = 1000;
 
 /// The steps of an open machine, and the machines that they led to.
 #[derive(Debug)]
-pub(super) struct Past {
+pub(super) struct MachineHistoryTree {
     start: u64,
     steps: VecDeque<MachineStep>,
     /// By node.
@@ -57,7 +57,7 @@ fn weight(changes: &[Change]) -> u128 {
     changes.iter().filter(is_there).map(of_one).fold(0, u128::wrapping_add)
 }
 
-impl Past {
+impl MachineHistoryTree {
     /// A machine that has only just begun, as this revision.
     pub(super) fn of(machine: Machine, start: u64) -> Self {
         let mut past = Self {
@@ -165,7 +165,7 @@ fn node(step: &MachineStep) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Fingerprint, MACHINES_MAX, Past, STEPS_MAX};
+    use super::{Fingerprint, MACHINES_MAX, MachineHistoryTree, STEPS_MAX};
     use proptest::prelude::*;
     use rafcon_model::edit::any::{Dice, edit};
     use rafcon_model::edit::apply;
@@ -177,7 +177,13 @@ mod tests {
         notation::parse(&format!("execution ROOT \"{name}\"")).expect("a machine")
     }
 
-    fn step(past: &mut Past, revision: u64, author: &str, machine: &Machine, mark: Fingerprint) {
+    fn step(
+        past: &mut MachineHistoryTree,
+        revision: u64,
+        author: &str,
+        machine: &Machine,
+        mark: Fingerprint,
+    ) {
         let same_as = past.same_as(machine, mark);
         let (id, name) = (String::new(), revision.to_string());
         let author = author.to_owned();
@@ -189,7 +195,7 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_bounded_and_the_start_stays() {
-        let mut past = Past::of(machine(0), 5);
+        let mut past = MachineHistoryTree::of(machine(0), 5);
         let last = STEPS_MAX + 2;
         for number in 1..=last {
             let mark = Fingerprint(number as u128);

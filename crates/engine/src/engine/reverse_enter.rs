@@ -1,12 +1,12 @@
 //! Entering states backwards: with the data that they had at their end, or to run the script that undoes them.
 
-use super::backward::Back;
 use super::branch::all_but_decider;
 use super::frames::{NONE, Seed, Slot};
-use super::holds::{StopPoint, SuspendedBranch};
 use super::phase::Phase;
+use super::reverse::Back;
 use super::step::{Step, Work};
-use super::trail::{Inner, Kept, Past};
+use super::suspended::{StopPoint, SuspendedBranch};
+use super::undo_log::{EndedContainerData, EndedRun, Kept};
 use crate::program::{Body, Concurrency, Inside, PREEMPTED};
 use crate::{BranchId, Datum, Effect, Event, HeldBy, Job, NodeId, When};
 use std::num::NonZeroU64;
@@ -17,7 +17,7 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(super) fn enter_back(
         &mut self,
         (parent, child): (u32, u32),
-        past: Past<D>,
+        past: EndedRun<D>,
         branch: BranchId,
     ) {
         let around = self.program.node(self.run.frames.get(parent).node);
@@ -106,7 +106,7 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// A container stands as it did after its last child.
-    fn take_up_inner(&mut self, slot: u32, inner: Inner<D>) {
+    fn take_up_inner(&mut self, slot: u32, inner: EndedContainerData<D>) {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Child;
         frame.slots = inner.slots;

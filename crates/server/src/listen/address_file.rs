@@ -15,7 +15,7 @@ pub(super) const LOCK: &str = "server.lock";
 
 /// How the running server is reached.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Card {
+pub struct AddressFile {
     /// Scheme, name and port.
     pub url: String,
     /// Its process.
@@ -27,7 +27,7 @@ pub struct Card {
     file: PathBuf,
 }
 
-impl Card {
+impl AddressFile {
     /// Tells where a server listens.
     pub(super) fn write(
         server: &ServerState,

@@ -2,7 +2,7 @@
 //! the rest is handed on. Never waits for the interpreter, and for the engine only briefly; must never know what a command does.
 
 use crate::Clock;
-use crate::connection::{Receiver, Sender, Words};
+use crate::connection::{IncomingLine, Receiver, Sender};
 use rafcon_protocol::{EnginePulse, ToRunner, ToViewer, decode};
 use std::sync::mpsc::{self, SyncSender};
 
@@ -10,7 +10,7 @@ use std::sync::mpsc::{self, SyncSender};
 const WAITING: usize = 64;
 
 /// The way of a viewer's words from whoever hears them to whoever heeds them.
-pub(crate) fn way() -> (SyncSender<Words>, mpsc::Receiver<Words>) {
+pub(crate) fn way() -> (SyncSender<IncomingLine>, mpsc::Receiver<IncomingLine>) {
     mpsc::sync_channel(WAITING)
 }
 
@@ -18,7 +18,7 @@ pub(crate) fn way() -> (SyncSender<Words>, mpsc::Receiver<Words>) {
 pub(crate) fn hear(
     mut receiver: Receiver,
     sender: &Sender,
-    rest: &SyncSender<Words>,
+    rest: &SyncSender<IncomingLine>,
     pulse: impl Fn() -> EnginePulse,
 ) {
     while let Some(words) = receiver.line() {
@@ -33,8 +33,8 @@ pub(crate) fn hear(
     }
 }
 
-fn ping(words: &Words) -> Option<u64> {
-    let Words::Text(text) = words else { return None };
+fn ping(words: &IncomingLine) -> Option<u64> {
+    let IncomingLine::Text(text) = words else { return None };
     match decode(text) {
         Ok(ToRunner::Ping { id }) => Some(id),
         _ => None,

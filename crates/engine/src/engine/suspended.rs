@@ -37,7 +37,7 @@ impl StopPoint {
 
 /// What a state got and gave that has just been left.
 #[derive(Debug, Clone)]
-pub(super) struct Was<D> {
+pub(super) struct LeftState<D> {
     pub(super) inputs: Arc<[D]>,
     pub(super) outputs: Arc<[D]>,
     pub(super) outcome: OutcomeId,
@@ -45,7 +45,7 @@ pub(super) struct Was<D> {
 
 /// The breakpoints of a spot, on the way through them.
 #[derive(Debug, Clone)]
-pub(super) struct Inquiry<D> {
+pub(super) struct BreakpointScan<D> {
     pub(super) spot: StopPoint,
     pub(super) branch: BranchId,
     /// Whether a pause and steps hold here too.
@@ -57,11 +57,11 @@ pub(super) struct Inquiry<D> {
     /// Whether one of them stops the run.
     pub(super) stops: bool,
     /// After a state: what it got and gave.
-    pub(super) was: Option<Was<D>>,
+    pub(super) was: Option<LeftState<D>>,
 }
 
 #[derive(Debug, Clone)]
-pub(super) enum Why<D> {
+pub(super) enum SuspendReason<D> {
     Held {
         by: HeldBy,
         next: Option<PathId>,
@@ -70,7 +70,7 @@ pub(super) enum Why<D> {
     Checking {
         check: u64,
         breakpoint: u64,
-        inquiry: Box<Inquiry<D>>,
+        inquiry: Box<BreakpointScan<D>>,
     },
 }
 
@@ -79,21 +79,21 @@ pub(super) struct SuspendedBranch<D> {
     pub(super) id: u64,
     pub(super) spot: StopPoint,
     pub(super) branch: BranchId,
-    pub(super) why: Why<D>,
+    pub(super) why: SuspendReason<D>,
 }
 
 impl<D> SuspendedBranch<D> {
     pub(super) fn by(&self) -> Option<HeldBy> {
         match self.why {
-            Why::Held { by, .. } => Some(by),
-            Why::Checking { .. } => None,
+            SuspendReason::Held { by, .. } => Some(by),
+            SuspendReason::Checking { .. } => None,
         }
     }
 
     pub(super) fn check(&self) -> Option<u64> {
         match self.why {
-            Why::Checking { check, .. } => Some(check),
-            Why::Held { .. } => None,
+            SuspendReason::Checking { check, .. } => Some(check),
+            SuspendReason::Held { .. } => None,
         }
     }
 }
@@ -115,7 +115,7 @@ pub(super) struct Control<D> {
     pub(super) paused_by: Option<u64>,
     pub(super) holds: Vec<SuspendedBranch<D>>,
     /// What was left last, while there are breakpoints.
-    pub(super) was: Option<Was<D>>,
+    pub(super) was: Option<LeftState<D>>,
     next_hold: u64,
     next_check: u64,
 }
@@ -154,7 +154,7 @@ impl<D: Datum> Control<D> {
         self.was = None;
     }
 
-    pub(super) fn put(&mut self, spot: StopPoint, branch: BranchId, why: Why<D>) {
+    pub(super) fn put(&mut self, spot: StopPoint, branch: BranchId, why: SuspendReason<D>) {
         self.next_hold += 1;
         self.holds.push(SuspendedBranch { id: self.next_hold, spot, branch, why });
     }

@@ -1,8 +1,8 @@
 //! Where others join a run: a socket in the run's folder. Knows how a viewer comes in; must never know what it is told.
 
 use crate::Scripts;
-use crate::company::Company;
-use crate::connection::{self, Ours, Socket, TalkError};
+use crate::connection::{self, Socket, TalkError, TrackedDescriptor};
+use crate::viewer_set::ViewerSet;
 use rafcon_protocol::ToRunner;
 use rafcon_storage::journal::folder::SOCKET_FILE;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -24,8 +24,8 @@ const REST: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 
 /// The open door of a run.
 #[derive(Debug)]
-pub(crate) struct Door {
-    listener: Ours<UnixListener>,
+pub(crate) struct ViewerListener {
+    listener: TrackedDescriptor<UnixListener>,
     path: PathBuf,
     /// Closed when nobody is to come in any more.
     open: UnixStream,
@@ -33,36 +33,36 @@ pub(crate) struct Door {
 
 /// Closes the door when it is dropped.
 #[derive(Debug)]
-pub(crate) struct Closer {
+pub(crate) struct ListenerCloser {
     open: UnixStream,
 }
 
-impl Drop for Closer {
+impl Drop for ListenerCloser {
     fn drop(&mut self) {
         // Not only closed: a process that a script forked may have a copy. One that is shut already is as shut as it should be.
         drop(self.open.shutdown(Shutdown::Both));
     }
 }
 
-impl Door {
+impl ViewerListener {
     /// Opens the door of the run in `folder`. What lies there of an earlier runner is removed.
-    pub(crate) fn open(folder: &Path) -> io::Result<(Self, Closer)> {
+    pub(crate) fn open(folder: &Path) -> io::Result<(Self, ListenerCloser)> {
         let path = folder.join(SOCKET_FILE);
         match fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             Ok(()) | Err(_) => {}
         }
-        let listener = Ours::new(bind(folder, &path)?);
+        let listener = TrackedDescriptor::new(bind(folder, &path)?);
         fs::set_permissions(&path, Permissions::from_mode(0o600))?;
         let (open, closer) = UnixStream::pair()?;
-        Ok((Self { listener, path, open }, Closer { open: closer }))
+        Ok((Self { listener, path, open }, ListenerCloser { open: closer }))
     }
 
     /// Lets viewers in until the door is closed.
     pub(crate) fn serve<'scope, S: Scripts>(
         self,
         scope: &'scope Scope<'scope, '_>,
-        company: &'scope Company<S>,
+        company: &'scope ViewerSet<S>,
     ) {
         while self.is_knocked_at() {
             let Ok((stream, _)) = self.listener.0.accept() else {
@@ -102,7 +102,7 @@ impl Door {
     }
 }
 
-impl Drop for Door {
+impl Drop for ViewerListener {
     fn drop(&mut self) {
         // The folder may be gone, and the socket with it.
         drop(fs::remove_file(&self.path));
@@ -123,7 +123,7 @@ fn bind(_folder: &Path, path: &Path) -> io::Result<UnixListener> {
 
 fn welcome<'scope, S: Scripts>(
     scope: &'scope Scope<'scope, '_>,
-    company: &'scope Company<S>,
+    company: &'scope ViewerSet<S>,
     socket: &Socket,
 ) -> Result<(), TalkError> {
     socket.wait_at_most(Some(HELLO_AT_MOST))?;
@@ -136,13 +136,13 @@ fn welcome<'scope, S: Scripts>(
 
 #[cfg(test)]
 mod tests {
-    use super::Door;
+    use super::ViewerListener;
     use rafcon_storage::journal::folder::SOCKET_FILE;
 
     #[test]
     fn the_door_closes_though_a_forked_copy_of_its_closer_lives_on() {
         let home = tempfile::tempdir().unwrap();
-        let (door, closer) = Door::open(home.path()).unwrap();
+        let (door, closer) = ViewerListener::open(home.path()).unwrap();
         let _copy = closer.open.try_clone().unwrap();
         drop(closer);
         assert!(!door.is_knocked_at());
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn a_door_that_nobody_serves_leaves_no_socket() {
         let home = tempfile::tempdir().unwrap();
-        let (door, _closer) = Door::open(home.path()).unwrap();
+        let (door, _closer) = ViewerListener::open(home.path()).unwrap();
         assert!(home.path().join(SOCKET_FILE).exists());
         drop(door);
         assert!(!home.path().join(SOCKET_FILE).exists());

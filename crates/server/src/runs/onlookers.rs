@@ -5,19 +5,19 @@ use tokio::sync::watch;
 
 /// Those who look at how a run stands.
 #[derive(Debug)]
-pub(crate) struct Audience(Arc<watch::Sender<usize>>);
+pub(crate) struct Onlookers(Arc<watch::Sender<usize>>);
 
 /// One of them, until it is dropped.
 #[derive(Debug)]
 pub(crate) struct Onlooker(Arc<watch::Sender<usize>>);
 
-impl Default for Audience {
+impl Default for Onlookers {
     fn default() -> Self {
         Self(Arc::new(watch::Sender::new(0)))
     }
 }
 
-impl Audience {
+impl Onlookers {
     /// Somebody looks on.
     pub(crate) fn join(&self) -> Onlooker {
         self.0.send_modify(|count| *count += 1);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// The variables that mean something here, and where this program stands.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Surroundings {
+pub struct ProgramEnvironment {
     /// `VIRTUAL_ENV`: the active virtual environment.
     pub virtual_env: Option<PathBuf>,
     /// `RAFCON_EXTENSION`: the extension's file, for unusual installations.

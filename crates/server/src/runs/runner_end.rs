@@ -5,7 +5,7 @@ use super::launch::OUTPUT_FILE;
 use super::output::last_lines;
 use rafcon_protocol::{Answer, Command, Event};
 use rafcon_storage::journal::{Reader, Record};
-use rafcon_supervisor::{Death, Exit, remains};
+use rafcon_supervisor::{Exit, RunnerDeath, remains};
 use std::path::Path;
 
 /// So many of its last lines are kept.
@@ -13,15 +13,15 @@ const LINES: usize = 12;
 
 /// How a runner ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Fate {
+pub(super) struct RunnerEnd {
     /// What is known of it.
-    pub(super) death: Death,
+    pub(super) death: RunnerDeath,
     /// Somebody wanted it to end at once.
     pub(super) is_killed: bool,
 }
 
 /// How the last runner of the run in `folder` ended; `exit` is known of a process of our own.
-pub(super) fn of(folder: &Path, exit: Option<Exit>) -> Fate {
+pub(super) fn of(folder: &Path, exit: Option<Exit>) -> RunnerEnd {
     let reason = exit
         .map_or_else(|| "its runner ended before the run did".to_owned(), |exit| exit.to_string());
     let last = Reader::open(folder).and_then(|reader| reader.tail()).unwrap_or_default();
@@ -34,8 +34,8 @@ pub(super) fn of(folder: &Path, exit: Option<Exit>) -> Fate {
     let is_cut_off = matches!(by, Some(Event::CutOff { .. })) || exit.is_some_and(Exit::is_cut_off);
     let is_killed = by.is_some_and(is_kill) || exit.is_some_and(Exit::is_stopped);
     let said = last_lines(&folder.join(OUTPUT_FILE), LINES);
-    let death = Death { reason, active: remains::running(folder), said, is_cut_off };
-    Fate { death, is_killed }
+    let death = RunnerDeath { reason, active: remains::running(folder), said, is_cut_off };
+    RunnerEnd { death, is_killed }
 }
 
 fn is_kill(event: &Event) -> bool {
@@ -72,16 +72,12 @@ mod tests {
         check(
             "",
             Some(11),
-            &expect![[
-                r#"Fate { death: Death { reason: "killed by signal 11 (SIGSEGV)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
-            ]],
+            &expect![[r#"RunnerEnd { death: RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#]],
         );
         check(
             "",
             None,
-            &expect![[
-                r#"Fate { death: Death { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
-            ]],
+            &expect![[r#"RunnerEnd { death: RunnerDeath { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#]],
         );
     }
 
@@ -91,7 +87,7 @@ mod tests {
             KILL,
             Some(137 << 8),
             &expect![[
-                r#"Fate { death: Death { reason: "exit status 137", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: true }"#
+                r#"RunnerEnd { death: RunnerDeath { reason: "exit status 137", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: true }"#
             ]],
         );
         let resumed =
@@ -100,14 +96,14 @@ mod tests {
             &format!("{KILL}\n{resumed}"),
             Some(9),
             &expect![[
-                r#"Fate { death: Death { reason: "killed by signal 9 (SIGKILL)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
+                r#"RunnerEnd { death: RunnerDeath { reason: "killed by signal 9 (SIGKILL)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
             ]],
         );
         check(
             r#"told {"type":"cut_off","path":"R","grace_ms":5}"#,
             None,
             &expect![[
-                r#"Fate { death: Death { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: true }, is_killed: false }"#
+                r#"RunnerEnd { death: RunnerDeath { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: true }, is_killed: false }"#
             ]],
         );
     }

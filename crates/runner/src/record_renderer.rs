@@ -10,7 +10,7 @@ use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 /// Puts records into words.
-pub(crate) struct Wording<'w> {
+pub(crate) struct RecordRenderer<'w> {
     recorder: &'w Recorder,
     archive: RefCell<&'w mut Archive>,
     /// Whether the viewer wants values.
@@ -19,7 +19,7 @@ pub(crate) struct Wording<'w> {
     sequence: Cell<u64>,
 }
 
-impl<'w> Wording<'w> {
+impl<'w> RecordRenderer<'w> {
     /// With names from the record, and with values from the archive if the viewer wants them.
     pub(crate) fn new(recorder: &'w Recorder, archive: &'w mut Archive, values: bool) -> Self {
         Self { recorder, archive: RefCell::new(archive), values, sequence: Cell::new(0) }
@@ -35,7 +35,7 @@ impl<'w> Wording<'w> {
     }
 }
 
-impl Glossary for Wording<'_> {
+impl Glossary for RecordRenderer<'_> {
     fn place(&self, number: PlaceNumber) -> Option<Arc<Place>> {
         self.recorder.names().at(number, self.sequence.get())
     }

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Makes values of one journal again, each once.
-pub(crate) struct Reviver<'r, S: Scripts> {
+pub(crate) struct ValueRestorer<'r, S: Scripts> {
     scripts: &'r S,
     reader: &'r Reader,
     machine: &'r Machine,
@@ -23,7 +23,7 @@ pub(crate) struct Reviver<'r, S: Scripts> {
 }
 
 /// What was kept beside the states.
-pub(crate) struct Surroundings<D> {
+pub(crate) struct RestoreContext<D> {
     /// Global variables by name.
     pub(crate) globals: Vec<(SmolStr, D)>,
     /// What states keep from one run to the next, by their paths.
@@ -32,7 +32,7 @@ pub(crate) struct Surroundings<D> {
     pub(crate) problems: Vec<String>,
 }
 
-impl<'r, S: Scripts> Reviver<'r, S> {
+impl<'r, S: Scripts> ValueRestorer<'r, S> {
     /// For a run with this journal that goes on with `machine`.
     pub(crate) fn new(scripts: &'r S, reader: &'r Reader, machine: &'r Machine) -> Self {
         let values = reader.folder().join(VALUES_FOLDER);
@@ -62,7 +62,7 @@ impl<'r, S: Scripts> Reviver<'r, S> {
     }
 
     /// Global variables and what states keep for themselves.
-    pub(crate) fn surroundings(&mut self, moment: &Moment) -> Surroundings<S::Value> {
+    pub(crate) fn surroundings(&mut self, moment: &Moment) -> RestoreContext<S::Value> {
         let mut problems = Vec::new();
         let mut made = |kept: &Kept, what: String| match self.make(kept) {
             Ok(value) => Some(value),
@@ -80,7 +80,7 @@ impl<'r, S: Scripts> Reviver<'r, S> {
             Some((place.path.clone(), made(kept, what)?))
         });
         let persistent = persistent.collect();
-        Surroundings { globals, persistent, problems }
+        RestoreContext { globals, persistent, problems }
     }
 
     /// Values of a state by the names of its ports.
