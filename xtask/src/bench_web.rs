@@ -10,7 +10,7 @@ use crate::{process, web, workspace};
 
 /// What `cargo xtask bench-web` can be asked for.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct BenchWebOptions {
     /// Print one JSON object a line instead of a table.
     #[arg(long)]
     json: bool,
@@ -34,7 +34,7 @@ pub(crate) struct Watch {
 const BRIEFLY: Watch = Watch { minutes: 0.4, rate: 100, json: false };
 
 /// Builds page and program in release, and measures.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &BenchWebOptions) -> Result<()> {
     let mut bench = released("main")?;
     if options.json {
         bench.arg("--json");

@@ -17,7 +17,7 @@ pub(crate) fn lint() -> Result<()> {
         "--test",
         "layers",
     ]))?;
-    tidy::run(tidy::Options::default())?;
+    tidy::run(tidy::TidyOptions::default())?;
     web::check()?;
     let doc = ["doc", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))
@@ -26,5 +26,5 @@ pub(crate) fn lint() -> Result<()> {
 /// Everything.
 pub(crate) fn run() -> Result<()> {
     lint()?;
-    test::run(&test::Options::default())
+    test::run(&test::TestOptions::default())
 }

@@ -8,7 +8,7 @@ use anyhow::Result;
 
 /// What `cargo xtask corrupt` can be asked for.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct CorruptOptions {
     /// How many runs are damaged, for the readers as such and for the commands each.
     #[arg(long, default_value_t = 1000)]
     runs: u32,
@@ -18,7 +18,7 @@ pub(crate) struct Options {
 }
 
 /// Damages and reads; the first failure ends it and names its seed.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &CorruptOptions) -> Result<()> {
     Product::build(Profile::Release)?;
     let mut readers = process::cargo();
     readers.args(["test", "--release", "-q", "-p", "rafcon-storage", "--lib"]);

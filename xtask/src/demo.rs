@@ -11,7 +11,7 @@ use crate::{process, web, workspace};
 
 /// What `cargo xtask demo` can be asked for.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct DemoOptions {
     /// How many states the mission has.
     #[arg(long, default_value_t = 750)]
     states: u32,
@@ -24,7 +24,7 @@ pub(crate) struct Options {
 }
 
 /// Builds everything, generates the mission afresh and shows it.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &DemoOptions) -> Result<()> {
     if !options.terminal {
         web::build()?;
     }

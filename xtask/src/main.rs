@@ -47,35 +47,35 @@ enum Task {
     /// Check format, lints, layers, house rules and documentation.
     Lint,
     /// Run all tests, setting up what they need.
-    Test(test::Options),
+    Test(test::TestOptions),
     /// Run the same machines in the reference and here, and compare.
-    Conformance(conformance::Options),
+    Conformance(conformance::ConformanceOptions),
     /// Measure speed and memory, against what we promise and against the reference.
-    Bench(bench::Options),
+    Bench(bench::BenchOptions),
     /// Measure the speed of the page in a browser, against what we promise.
-    BenchWeb(bench_web::Options),
+    BenchWeb(bench_web::BenchWebOptions),
     /// Watch a run in the page for long: memory stays, every event comes once, frames keep their pace.
     SoakWeb(bench_web::Watch),
     /// Take the pictures of the page that stand in `docs/pictures`.
     Pictures,
     /// Build everything and show a generated mission: in the page, or run live in this terminal.
-    Demo(demo::Options),
+    Demo(demo::DemoOptions),
     /// Pack an archive and a wheel.
     Dist,
     /// Run random machines through random orders, and watch that the engine keeps its promises.
-    Simulate(simulate::Options),
+    Simulate(simulate::SimulateOptions),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
-    Soak(soak::Options),
+    Soak(soak::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
-    Corrupt(corrupt::Options),
+    Corrupt(corrupt::CorruptOptions),
     /// Kill runners and servers in the middle of a run, and take the runs up again.
-    Torture(torture::Options),
+    Torture(torture::TortureOptions),
     /// Build the page, which `rafcon serve` hands out and a release build carries; or check its sources.
-    Web(web::Options),
+    Web(web::WebOptions),
     /// Write what is generated from the words of the server: `OpenAPI` and TypeScript.
-    Types(types::Options),
+    Types(types::TypesOptions),
     /// Check what neither compiler nor lints see: module docs, sizes, named tests, links, generated files.
-    Tidy(tidy::Options),
+    Tidy(tidy::TidyOptions),
 }
 
 fn main() -> ExitCode {

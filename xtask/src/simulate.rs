@@ -7,7 +7,7 @@ use crate::process;
 
 /// What `cargo xtask simulate` can be asked for.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct SimulateOptions {
     /// How many random machines run through random orders, each twice.
     #[arg(long, default_value_t = 100_000)]
     seeds: u64,
@@ -17,7 +17,7 @@ pub(crate) struct Options {
 }
 
 /// Prints what was exercised, or the first seed that broke a promise.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &SimulateOptions) -> Result<()> {
     seeds(options.from, options.seeds)
 }
 

@@ -8,7 +8,7 @@ use crate::{process, simulate, torture};
 
 /// What `cargo xtask soak` can be asked for.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct SoakOptions {
     /// How many random machines run through random orders.
     #[arg(long, default_value_t = 100_000)]
     seeds: u64,
@@ -30,7 +30,7 @@ pub(crate) struct Options {
 }
 
 /// Runs what was asked for; the first failure ends it and names its seed.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &SoakOptions) -> Result<()> {
     if options.server {
         return served(options);
     }
@@ -45,7 +45,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     process::run(wide.env("RAFCON_TEST_WIDE", options.wide.to_string()))
 }
 
-fn served(options: &Options) -> Result<()> {
+fn served(options: &SoakOptions) -> Result<()> {
     Product::build(Profile::Release)?;
     let test = "server_soak::many_clients_lose_nothing_and_cost_a_bounded_amount_of_memory";
     let mut soak = torture::long_form(test);

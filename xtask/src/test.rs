@@ -28,7 +28,7 @@ const INTERFACE: python::Contents =
 
 /// What `cargo xtask test` can be asked for.
 #[derive(clap::Args, Default)]
-pub(crate) struct Options {
+pub(crate) struct TestOptions {
     /// Run only this part.
     #[arg(long, value_enum)]
     only: Option<Part>,
@@ -60,7 +60,7 @@ const SIDE_BY_SIDE: [Part; 5] = [Part::E2e, Part::Python, Part::Api, Part::Confo
 const AT_ONCE: usize = 2;
 
 /// Runs them all, or the part asked for, setting up what they need.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &TestOptions) -> Result<()> {
     let build = if options.no_build { Product::built } else { Product::build };
     let product = build(Profile::Debug)?;
     if let Some(part) = options.only {
@@ -78,7 +78,7 @@ fn run_part(part: Part, product: &Product) -> Result<()> {
         Part::Rust => rust(),
         Part::Python => python_side(product),
         Part::Api => {
-            types::run(types::Options::CHECK)?;
+            types::run(types::TypesOptions::CHECK)?;
             interface(product)
         }
         Part::Web => web::test(),
@@ -86,7 +86,7 @@ fn run_part(part: Part, product: &Product) -> Result<()> {
             web::build()?;
             browser(product)
         }
-        Part::Conformance => conformance::run(&conformance::Options::without_build()),
+        Part::Conformance => conformance::run(&conformance::ConformanceOptions::without_build()),
     }
 }
 

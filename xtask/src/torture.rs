@@ -7,7 +7,7 @@ use anyhow::Result;
 
 /// What `cargo xtask torture` can be asked for.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct TortureOptions {
     /// How many processes are killed.
     #[arg(long, default_value_t = 1000)]
     kills: u32,
@@ -20,7 +20,7 @@ pub(crate) struct Options {
 }
 
 /// Kills and takes up again; the last line says how many passed. The first failure ends it and names its seed.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &TortureOptions) -> Result<()> {
     Product::build(Profile::Release)?;
     let test = if options.server {
         "server_torture::killed_servers_and_runners_lose_nothing_and_repeat_nothing"

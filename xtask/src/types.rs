@@ -10,13 +10,13 @@ use crate::{process, workspace};
 
 /// What `cargo xtask types` can be asked for.
 #[derive(clap::Args, Clone, Copy, Default)]
-pub(crate) struct Options {
+pub(crate) struct TypesOptions {
     /// Change nothing; fail if a file is not what it should be.
     #[arg(long)]
     check: bool,
 }
 
-impl Options {
+impl TypesOptions {
     /// To check the files.
     pub(crate) const CHECK: Self = Self { check: true };
 }
@@ -44,7 +44,7 @@ const OPENAPI: Generated = Generated {
 };
 
 /// Writes the files, or checks them.
-pub(crate) fn run(options: Options) -> Result<()> {
+pub(crate) fn run(options: TypesOptions) -> Result<()> {
     let (types, description) = (TYPESCRIPT.text()?, OPENAPI.text()?);
     compare(&types, &description)?;
     for (generated, text) in [(TYPESCRIPT, types), (OPENAPI, description)] {

@@ -9,14 +9,14 @@ use crate::{process, workspace};
 
 /// What `cargo xtask web` can be asked for.
 #[derive(clap::Args, Clone, Copy, Default)]
-pub(crate) struct Options {
+pub(crate) struct WebOptions {
     /// Only look whether types, lints and layers are right; build nothing.
     #[arg(long)]
     check: bool,
 }
 
 /// Builds the page, or checks it.
-pub(crate) fn run(options: Options) -> Result<()> {
+pub(crate) fn run(options: WebOptions) -> Result<()> {
     if options.check { check() } else { build() }
 }
 

@@ -12,18 +12,18 @@ use figures::{ALL, Bar, Figure};
 
 /// What `cargo xtask bench` can be asked for.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct BenchOptions {
     /// Print one JSON object a line instead of a table.
     #[arg(long)]
     json: bool,
     /// Measure only what concerns this part.
     #[arg(long, value_enum)]
-    only: Option<Part>,
+    only: Option<BenchPart>,
 }
 
 /// Where a figure is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Part {
+enum BenchPart {
     /// By running `rafcon run` and the reference.
     WholeProcess,
     /// Inside one program, by `cargo bench`.
@@ -36,16 +36,16 @@ enum Part {
 type Measured = (String, f64);
 
 /// Measures and prints; fails if a promised figure could not be measured, not if it is missed.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &BenchOptions) -> Result<()> {
     let mut measured = Vec::new();
     let wanted = |part| options.only.is_none_or(|only| only == part);
-    if wanted(Part::Library) {
+    if wanted(BenchPart::Library) {
         measured.extend(library::measure()?);
     }
-    if wanted(Part::Server) {
+    if wanted(BenchPart::Server) {
         measured.extend(library::measure_server()?);
     }
-    if wanted(Part::WholeProcess) {
+    if wanted(BenchPart::WholeProcess) {
         measured.extend(whole_process::measure()?);
     }
     for figure in ALL {

@@ -25,7 +25,7 @@ use table::Row;
 
 /// What `cargo xtask conformance` can be asked for.
 #[derive(clap::Args, Default)]
-pub(crate) struct Options {
+pub(crate) struct ConformanceOptions {
     /// Only the machines whose name contains this text.
     #[arg(long)]
     machine: Option<String>,
@@ -37,7 +37,7 @@ pub(crate) struct Options {
     no_build: bool,
 }
 
-impl Options {
+impl ConformanceOptions {
     /// All machines, with what was built before.
     pub(crate) fn without_build() -> Self {
         Self { no_build: true, ..Self::default() }
@@ -45,7 +45,7 @@ impl Options {
 }
 
 /// Runs the machines and prints the table; fails on a difference that nothing explains.
-pub(crate) fn run(options: &Options) -> Result<()> {
+pub(crate) fn run(options: &ConformanceOptions) -> Result<()> {
     let reference = Reference::installed()?;
     case::check_generated()?;
     let expectations = Expectations::read()?;

@@ -11,14 +11,14 @@ use anyhow::{Result, bail};
 
 /// What `cargo xtask tidy` can be asked for.
 #[derive(clap::Args, Clone, Copy, Default)]
-pub(crate) struct Options {
+pub(crate) struct TidyOptions {
     /// Rewrite generated files instead of complaining about them.
     #[arg(long)]
     fix: bool,
 }
 
 /// Runs every check, shows every finding, and fails if there is one.
-pub(crate) fn run(options: Options) -> Result<()> {
+pub(crate) fn run(options: TidyOptions) -> Result<()> {
     if options.fix {
         lints::write()?;
     }

@@ -77,9 +77,8 @@ fn questions_that_act(text: &str) -> Vec<String> {
             continue;
         }
         let signature = rest.split(['{', ';']).next().unwrap_or_default();
-        let acts = line.contains("async ")
-            || signature.contains("&mut self")
-            || !signature.contains("->");
+        let acts =
+            line.contains("async ") || signature.contains("&mut self") || !signature.contains("->");
         // A test says what holds.
         let is_test = text[..at].trim_end().ends_with("#[test]");
         if acts && !is_test {

@@ -72,12 +72,16 @@ mod tests {
         check(
             "",
             Some(11),
-            &expect![[r#"RunnerEnd { death: RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#]],
+            &expect![[
+                r#"RunnerEnd { death: RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
+            ]],
         );
         check(
             "",
             None,
-            &expect![[r#"RunnerEnd { death: RunnerDeath { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#]],
+            &expect![[
+                r#"RunnerEnd { death: RunnerDeath { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: false }, is_killed: false }"#
+            ]],
         );
     }
 

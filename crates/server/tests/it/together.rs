@@ -97,11 +97,11 @@ impl<'h> Person<'h> {
         for number in 0..DEEDS {
             let frame = self.deed(number, &mut dice);
             self.client.say(&frame);
-            while !self.is_answered() {}
+            while !self.take_answer() {}
         }
     }
 
-    fn is_answered(&mut self) -> bool {
+    fn take_answer(&mut self) -> bool {
         match self.hear() {
             ToClient::Edited { .. } => true,
             ToClient::Refused { refusal, .. } => {

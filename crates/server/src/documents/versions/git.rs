@@ -62,7 +62,7 @@ impl GitFolder<'_> {
     }
 
     /// Whether there is a repository and all of it lies in the project. A file `.git`, a link or `commondir` may lead to another.
-    async fn has_repository(&self) -> Result<bool, ChildError> {
+    async fn find_repository(&self) -> Result<bool, ChildError> {
         let folders = ["rev-parse", "--path-format=absolute", "--git-dir", "--git-common-dir"];
         let said = self.ask(&folders, Vec::new(), 64 << 10).await?;
         let text = String::from_utf8_lossy(&said.output);
@@ -78,7 +78,7 @@ impl GitFolder<'_> {
 
     /// Commits that touched it, the newest first.
     pub(super) async fn versions(&self) -> Result<MachineVersions, Failure> {
-        match self.has_repository().await {
+        match self.find_repository().await {
             Ok(false) | Err(ChildError::NotStarted(_)) => return Ok(MachineVersions::default()),
             found => found.map_err(|error| failed(&error))?,
         };
@@ -100,7 +100,7 @@ impl GitFolder<'_> {
     /// The files below it in a commit.
     pub(super) async fn files(&self, commit: &str) -> Result<Vec<CommittedFile>, Failure> {
         check_hash(commit)?;
-        if !self.has_repository().await.map_err(|error| failed(&error))? {
+        if !self.find_repository().await.map_err(|error| failed(&error))? {
             return Err(no_version(commit, "the project has no git repository of its own"));
         }
         let list = ["ls-tree", "-r", "-z", "--long", commit, "--"];
