@@ -43,6 +43,8 @@ fn main() {
     in_answers(&mut words);
     let declared = words.found.values().map(|text| laid_out(text)).collect::<Vec<_>>();
     println!("{HEAD}\n{}", declared.join("\n").trim_end());
+    println!("\n/** The version of the frames on the socket. */");
+    println!("export const FRAMES_VERSION = {};", rafcon_protocol::socket::VERSION);
 }
 
 /// A declaration with its members indented, and remarks of one line on one line.

@@ -5,13 +5,13 @@
 
 use crate::Envelope;
 use crate::api::{
-    CommandAnswer, EditMachine, HistoryEntry, HouseStatus, MachineStatus, Refusal, Revision,
-    RunNow, Session, Undo,
+    CommandAnswer, EditMachine, HistoryEntry, MachineStatus, Refusal, Revision, RunNow,
+    ServerStatus, Session, Undo,
 };
 use serde::{Deserialize, Serialize};
 
 /// The version of this vocabulary. New fields and frames do not change it: a client ignores what it does not know.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// From a client to the server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -106,7 +106,7 @@ pub enum Topic {
         machine: String,
     },
     /// Everything that the server looks after.
-    HouseStatus,
+    ServerStatus,
 }
 
 /// From the server to a client.
@@ -163,12 +163,12 @@ pub enum ToClient {
         /// The truth.
         status: MachineStatus,
     },
-    /// How the house stands.
-    HouseStatus {
+    /// How the server stands.
+    ServerStatus {
         /// Of this subscription.
         subscription: u32,
         /// The truth.
-        status: HouseStatus,
+        status: ServerStatus,
     },
     /// Nothing more will come: a run is over and told, a machine closed, the subscription was given up or refused.
     Ended {

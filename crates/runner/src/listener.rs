@@ -20,7 +20,7 @@ use std::time::Duration;
 const HELLO_AT_MOST: Duration = Duration::from_secs(10);
 
 /// How long nobody is let in who could not be.
-const REST: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
+const ACCEPT_BACKOFF: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 
 /// The open door of a run.
 #[derive(Debug)]
@@ -87,7 +87,7 @@ impl ViewerListener {
     fn rest(&self) {
         let mut open = [PollFd::new(&self.open, PollFlags::IN | PollFlags::HUP)];
         // Interrupted by a signal, the wait is over.
-        let _woken = poll(&mut open, Some(&REST));
+        let _woken = poll(&mut open, Some(&ACCEPT_BACKOFF));
     }
 
     /// Waits for the next one; false when the door is closed.

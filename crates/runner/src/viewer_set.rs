@@ -15,7 +15,7 @@ use std::thread::{self, Scope};
 use std::time::Duration;
 
 /// How long viewers that do not read may hold up the end of the process, after the run is over.
-const LAST_WORDS: Duration = Duration::from_secs(10);
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
 /// Viewers at most.
 const GUESTS_MAX: usize = 64;
 
@@ -174,7 +174,7 @@ impl<S: Scripts> ViewerSet<S> {
     /// Waits until everybody was told everything, for a while; then all connections end, after `told`: what a viewer does who
     /// sees its connection end comes later.
     pub(crate) fn part(&self, told: impl FnOnce()) {
-        let deadline = Clock::moment(LAST_WORDS);
+        let deadline = Clock::moment(DRAIN_TIMEOUT);
         let mut present = self.present.lock();
         present.closed = true;
         while present.guests.iter().any(|guest| !*guest.told.lock()) {

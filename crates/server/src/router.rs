@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
 use axum::{Json, Router};
-use rafcon_protocol::api::{Health, HouseStatus};
+use rafcon_protocol::api::{Health, ServerStatus};
 use std::sync::{Arc, LazyLock};
 use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
@@ -58,9 +58,9 @@ async fn openapi_json() -> impl IntoResponse {
 
 /// How everything stands that the server looks after.
 #[utoipa::path(get, path = "/api/v1/status", tag = "server", responses(
-    (status = 200, description = "The latest truth", body = HouseStatus)
+    (status = 200, description = "The latest truth", body = ServerStatus)
 ))]
-async fn status(State(server): State<Arc<ServerState>>) -> Json<HouseStatus> {
+async fn status(State(server): State<Arc<ServerState>>) -> Json<ServerStatus> {
     Json(server.status().await)
 }
 

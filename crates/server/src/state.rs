@@ -10,7 +10,7 @@ use crate::python::Python;
 use crate::runs::{self, Runs};
 use crate::socket::Sockets;
 use crate::watch as files;
-use rafcon_protocol::api::HouseStatus;
+use rafcon_protocol::api::ServerStatus;
 use std::sync::{Arc, OnceLock};
 use tokio::sync::watch;
 
@@ -81,8 +81,8 @@ impl ServerState {
     }
 
     /// How everything stands that it looks after.
-    pub(crate) async fn status(&self) -> HouseStatus {
-        HouseStatus {
+    pub(crate) async fn status(&self) -> ServerStatus {
+        ServerStatus {
             files_revision: self.news.files_revision(),
             machines: self.documents.summaries(),
             runs: self.runs.lively().await,

@@ -6,7 +6,7 @@ use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
 /// How long a runner may take to read its first words.
-const PATIENCE: Duration = Duration::from_mins(1);
+const LAUNCH_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// Why a runner was not told what to run.
 #[derive(Debug, thiserror::Error)]
@@ -18,7 +18,7 @@ pub enum BeginError {
     #[error("the runner ended before it was told what to run; its output says why")]
     Gone(#[source] io::Error),
     /// The runner does not listen.
-    #[error("the runner did not read what it is to run within {} s; its output may say why", PATIENCE.as_secs())]
+    #[error("the runner did not read what it is to run within {} s; its output may say why", LAUNCH_TIMEOUT.as_secs())]
     Silent(#[source] io::Error),
 }
 
@@ -27,7 +27,7 @@ pub enum BeginError {
 pub fn begin(mut control: UnixStream, launch: Launch) -> Result<UnixStream, BeginError> {
     let mut words = encode(&Hello::ours())?;
     words.extend(encode(&ToRunner::Launch(launch))?);
-    control.set_write_timeout(Some(PATIENCE)).map_err(BeginError::Gone)?;
+    control.set_write_timeout(Some(LAUNCH_TIMEOUT)).map_err(BeginError::Gone)?;
     control.write_all(&words).map_err(untold)?;
     control.set_write_timeout(None).map_err(BeginError::Gone)?;
     Ok(control)

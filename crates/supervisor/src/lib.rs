@@ -5,9 +5,9 @@
 //! whoever follows it: the command line and the server both do, each in its own way.
 //!
 //! ```no_run
-//! use rafcon_supervisor::{Interpreter, Process, Runs, Start, Surroundings, extension};
+//! use rafcon_supervisor::{Interpreter, Process, Runs, Start, ProgramEnvironment, extension};
 //!
-//! fn start(surroundings: &Surroundings) -> Result<Process, Box<dyn std::error::Error>> {
+//! fn start(surroundings: &ProgramEnvironment) -> Result<Process, Box<dyn std::error::Error>> {
 //!     let interpreter = Interpreter::choose(None, surroundings)?;
 //!     let extension = extension::find(surroundings)?;
 //!     let folder = Runs::new(None, surroundings)?.make("pick")?;

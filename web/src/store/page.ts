@@ -3,11 +3,11 @@
 import type { ReadonlySignal, Signal } from "@preact/signals-core";
 import type { ElementRef } from "../model/element.ts";
 import type {
-  HouseStatus,
   LibraryRoot,
   MachineFile,
   Project,
   Revision,
+  ServerStatus,
 } from "../model/generated/protocol.ts";
 import type { Room } from "./room.ts";
 import type { Runs, Watch } from "./run.ts";
@@ -64,7 +64,7 @@ export interface Settings {
 
 export interface Page {
   readonly server: Server;
-  readonly house: ReadonlySignal<HouseStatus | null>;
+  readonly house: ReadonlySignal<ServerStatus | null>;
   readonly projects: ReadonlySignal<readonly Project[]>;
   readonly libraries: ReadonlySignal<readonly LibraryRoot[]>;
   readonly runs: Runs;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { HouseStatus, RunSummary } from "../model/generated/protocol.ts";
+import type { RunSummary, ServerStatus } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
 import { type Follower, RefusalError } from "../store/server.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
@@ -12,7 +12,7 @@ import { startPage } from "./page.ts";
 
 const FILE = { project: "p", path: "machine" };
 const RUN = { id: "r", machine: FILE, started_ms: 1, phase: "finished" } as unknown as RunSummary;
-const HOUSE: HouseStatus = { files_revision: 1, machines: [MACHINE], runs: [] };
+const HOUSE: ServerStatus = { files_revision: 1, machines: [MACHINE], runs: [] };
 
 function setUp(
   sheds = { own: memoryShed(), shared: memoryShed() },
@@ -28,9 +28,9 @@ function setUp(
   };
   const clock = new FakeClock();
   const page = startPage({ server, clock, sheds });
-  const tellHouse = (status: HouseStatus) => {
-    const follower = followers.find((each) => each.topic().topic === "house_status");
-    follower?.frame({ frame: "house_status", subscription: 1, status });
+  const tellHouse = (status: ServerStatus) => {
+    const follower = followers.find((each) => each.topic().topic === "server_status");
+    follower?.frame({ frame: "server_status", subscription: 1, status });
   };
   const asked = (path: string) => server.asked.filter((each) => each === `GET ${path}`).length;
   return { server, page, clock, sheds, tellHouse, asked };

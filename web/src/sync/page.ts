@@ -2,13 +2,13 @@
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type {
-  HouseStatus,
   LibraryRoot,
   MachineDocument,
   MachineFile,
   MachineStatus,
   MachineSummary,
   Project,
+  ServerStatus,
 } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
 import { comparedRun } from "../store/compared_run.ts";
@@ -53,11 +53,11 @@ export function startPage(options: PageOptions = {}): Page {
     told += 1;
     notices.value = withNotice(notices.peek(), notice, told, clock.now());
   };
-  const house = signal<HouseStatus | null>(null);
+  const house = signal<ServerStatus | null>(null);
   server.follow({
-    topic: () => ({ topic: "house_status" }),
+    topic: () => ({ topic: "server_status" }),
     frame: (frame) => {
-      if (frame.frame === "house_status") house.value = frame.status;
+      if (frame.frame === "server_status") house.value = frame.status;
     },
   });
   const shelf = new Shelf(server.request);
@@ -89,7 +89,7 @@ function shownRuns(tabs: readonly OpenTab[]): ReadonlySet<string | null> {
 }
 
 /** Projects and libraries, asked for again when files have changed. */
-function followFiles(server: Server, house: Signal<HouseStatus | null>, shelf: Shelf) {
+function followFiles(server: Server, house: Signal<ServerStatus | null>, shelf: Shelf) {
   const projects = signal<readonly Project[]>([]);
   const libraries = signal<readonly LibraryRoot[]>([]);
   let known: number | null = null;

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { describe, expect, it } from "vitest";
-import type { HouseStatus, RunSummary } from "../model/generated/protocol.ts";
+import type { RunSummary, ServerStatus } from "../model/generated/protocol.ts";
 import type { Link } from "../store/server.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { FakeRun } from "./fake_run.ts";
@@ -18,7 +18,7 @@ function run(id: string, started_ms: number, events = 0): RunSummary {
 
 function setUp(isShown?: (run: string) => boolean) {
   const [server, clock] = [new FakeRun(), new FakeClock()];
-  const house = signal<HouseStatus | null>(null);
+  const house = signal<ServerStatus | null>(null);
   const tellHouse = (...all: readonly RunSummary[]) => {
     house.value = { files_revision: 1, machines: [], runs: [...all] };
   };

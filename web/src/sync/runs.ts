@@ -1,7 +1,7 @@
 /** All runs of the house: which there are, how they begin, and each that is watched. */
 
 import { effect, type Signal, signal } from "@preact/signals-core";
-import type { HouseStatus, RunSummary, StartRun } from "../model/generated/protocol.ts";
+import type { RunSummary, ServerStatus, StartRun } from "../model/generated/protocol.ts";
 import type { Runs, Start, Watch } from "../store/run.ts";
 import { RefusalError } from "../store/server.ts";
 import { saidAgain } from "./said_again.ts";
@@ -29,7 +29,7 @@ const WATCHED_MAX = 6;
 /** The runs, followed from now on. */
 export function followRuns(
   ports: WatchPorts,
-  house: Signal<HouseStatus | null>,
+  house: Signal<ServerStatus | null>,
   isShown: (run: string) => boolean = () => false,
 ): Runs {
   const { server, clock } = ports;

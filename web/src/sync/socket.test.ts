@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { ToClient, ToServer } from "../model/generated/protocol.ts";
+import { FRAMES_VERSION, type ToClient, type ToServer } from "../model/generated/protocol.ts";
 import { Delay } from "./delay.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { Socket, type WireNews } from "./socket.ts";
@@ -33,10 +33,10 @@ function setUp(verdict: Verdict = "welcome") {
     return last;
   };
   const hear = (frame: ToClient) => wire().news.text(JSON.stringify(frame));
-  const welcome = () =>
+  const welcome = (protocol = FRAMES_VERSION) =>
     hear({
       frame: "welcome",
-      protocol: 1,
+      protocol,
       session: { user: "anna", role: "engineer", rights: [], version: "0", expires_ms: null },
       connection: 7,
       now_ms: clock.now() + 40,
@@ -50,7 +50,7 @@ function setUp(verdict: Verdict = "welcome") {
   return { clock, socket, wires, posts, wire, hear, welcome, said };
 }
 
-const SILENT = { topic: () => ({ topic: "house_status" }) as const, frame: () => {} };
+const SILENT = { topic: () => ({ topic: "server_status" }) as const, frame: () => {} };
 const UNDO: ToServer = { frame: "undo", machine: "m", undo: { id: "1" } };
 
 async function settle(): Promise<void> {
@@ -58,6 +58,15 @@ async function settle(): Promise<void> {
 }
 
 describe("the socket", () => {
+  it("says that the page has to be loaded again where the server is of another version", () => {
+    const { socket, welcome } = setUp();
+    welcome(FRAMES_VERSION + 1);
+    expect(socket.link.peek()).toEqual({
+      state: "refused",
+      reason: "the server is of another version than this page: load the page again",
+    });
+  });
+
   it("subscribes when it is up, and again from the cursor after a break", () => {
     const { clock, socket, wire, hear, welcome } = setUp();
     let from = 1;
@@ -294,7 +303,7 @@ function welcomeAt(now_ms: number): ToClient {
   } as const;
   return {
     frame: "welcome",
-    protocol: 1,
+    protocol: FRAMES_VERSION,
     session: { ...session, rights: [] },
     connection: 7,
     now_ms,

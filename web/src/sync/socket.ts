@@ -3,7 +3,12 @@
  * that a slow network is never taken for a dead one. Knows frames; never what a frame is about. */
 
 import { type Signal, signal } from "@preact/signals-core";
-import type { Refusal, ToClient, ToServer } from "../model/generated/protocol.ts";
+import {
+  FRAMES_VERSION,
+  type Refusal,
+  type ToClient,
+  type ToServer,
+} from "../model/generated/protocol.ts";
 import type { Follower, Link, Pulse } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 import { type Delay, PING_MS } from "./delay.ts";
@@ -243,6 +248,10 @@ export class Socket {
   }
 
   #welcome(line: Line, frame: Extract<ToClient, { frame: "welcome" }>): void {
+    if (frame.protocol !== FRAMES_VERSION) {
+      this.refuse("the server is of another version than this page: load the page again");
+      return;
+    }
     const { clock, delay } = this.#ports;
     const now_ms = clock.now();
     this.#cancel();

@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Inputs at most before the run is stopped.
 pub(crate) const INPUTS: usize = 150;
 /// Inputs after the first stop, before the second.
-const PATIENCE: usize = 60;
+const INPUTS_AFTER_STOP: usize = 60;
 
 /// What a run came to.
 #[derive(Debug, PartialEq, Eq)]
@@ -131,7 +131,7 @@ impl World {
         }
         self.stop()?;
         let started = self.watch.started;
-        for _ in 0..PATIENCE {
+        for _ in 0..INPUTS_AFTER_STOP {
             if self.mood.likes(Like::Losses) && self.chance(3) {
                 self.lose_engine()?;
             }
@@ -149,7 +149,7 @@ impl World {
 
     /// Everything that is held may go on, and every condition is answered.
     fn let_go(&mut self) -> Checked {
-        for _ in 0..PATIENCE {
+        for _ in 0..INPUTS_AFTER_STOP {
             match self.engine.status() {
                 Status::Paused | Status::Stepping => self.feed(Input::Resume(None))?,
                 Status::Idle | Status::Running | Status::Stopping | Status::Finished => {}

@@ -2,7 +2,6 @@
 
 mod files;
 mod history;
-mod house;
 mod library_usages;
 mod machines;
 mod past;
@@ -11,6 +10,7 @@ mod python;
 mod refusal;
 mod run_wait;
 mod runs;
+mod server;
 mod steps;
 mod versions;
 
@@ -21,7 +21,6 @@ pub use history::{
     EventDetail, EventQuery, ExportFormat, ExportQuery, KeptAs, KeptMachineQuery, KeptValue,
     LogLine, LogPage, LogQuery, MomentQuery, NamedValue,
 };
-pub use house::{Health, HouseStatus};
 pub use library_usages::{LibraryName, LibraryUsage, LibraryUsages, UsagesOf};
 pub use machines::{
     CloseMachine, CopyStates, DiskState, Done, EditMachine, MachineAt, MachineDocument,
@@ -44,5 +43,6 @@ pub use runs::{
     OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,
     StateAt,
 };
+pub use server::{Health, ServerStatus};
 pub use steps::{JumpMachine, MachineStep, MachineSteps, RevisionKind};
 pub use versions::{MachineVersion, MachineVersions};

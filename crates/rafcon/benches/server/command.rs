@@ -1,7 +1,7 @@
 //! One command, from a client to its effect: a script that waits, is preempted, and notes when it goes on.
 
+use crate::bench_server::{BenchServer, Heard, noted, until};
 use crate::clock::now_ms;
-use crate::house::{Heard, House, noted, until};
 use crate::served::Line;
 use crate::{percentile, print};
 use anyhow::{Result, ensure};
@@ -34,15 +34,15 @@ hierarchy ROOT "Commanded"
           return "again" if len(gvm.get_variable("woken")) < 120 else "enough"
 "#;
 
-pub(crate) fn measure(house: &House) -> Result<()> {
-    house.machine("commanded", MACHINE)?;
-    let run = house.start("commanded")?;
+pub(crate) fn measure(server: &BenchServer) -> Result<()> {
+    server.machine("commanded", MACHINE)?;
+    let run = server.start("commanded")?;
     let mut sent = Vec::new();
-    let woken = until(&mut house.follow(&run)?, |line, heard| {
+    let woken = until(&mut server.follow(&run)?, |line, heard| {
         let Heard::Event(entry) = heard else { return Ok(None) };
         if matches!(&entry.event, Event::Entered { path, .. } if path == STATE) {
             sent.push(now_ms());
-            preempt(house, &run, line, sent.len())?;
+            preempt(server, &run, line, sent.len())?;
         }
         noted(&entry.event, "woken")
     })?;
@@ -53,7 +53,7 @@ pub(crate) fn measure(house: &House) -> Result<()> {
     Ok(())
 }
 
-fn preempt(house: &House, run: &str, line: &mut Line, number: usize) -> Result<()> {
+fn preempt(server: &BenchServer, run: &str, line: &mut Line, number: usize) -> Result<()> {
     let envelope = Envelope {
         id: number.to_string(),
         author: String::new(),
@@ -65,6 +65,6 @@ fn preempt(house: &House, run: &str, line: &mut Line, number: usize) -> Result<(
         return line.say(&ToServer::Command { run: run.to_owned(), envelope });
     }
     let path = format!("/api/v1/runs/{run}/commands");
-    house.door().ask("POST", &path, Some(&serde_json::to_value(envelope)?))?;
+    server.door().ask("POST", &path, Some(&serde_json::to_value(envelope)?))?;
     Ok(())
 }

@@ -3,8 +3,8 @@
 //!
 //! The clients are a process of their own: this program, started again.
 
+use crate::bench_server::{BenchServer, is_over, until};
 use crate::clock::pass;
-use crate::house::{House, is_over, until};
 use crate::served::{Door, Line};
 use crate::{clock, percentile, print};
 use anyhow::{Context as _, Result, ensure};
@@ -104,17 +104,17 @@ fn ready(lines: &[Line]) -> Result<Option<Vec<usize>>> {
     Ok((!is_ready(&wanted[0])).then(|| ready.map(|(number, _)| number).collect()))
 }
 
-pub(crate) fn measure(house: &House) -> Result<()> {
-    let (enough, times) = (house.path("enough"), house.path("times"));
+pub(crate) fn measure(server: &BenchServer) -> Result<()> {
+    let (enough, times) = (server.path("enough"), server.path("times"));
     let text = MACHINE.replace("ENOUGH", &enough.to_string_lossy());
-    house.machine("ticks", &text.replace("TIMES", &times.to_string_lossy()))?;
-    let run = house.start("ticks")?;
-    let mut line = house.follow(&run)?;
+    server.machine("ticks", &text.replace("TIMES", &times.to_string_lossy()))?;
+    let run = server.start("ticks")?;
+    let mut line = server.follow(&run)?;
     pass(BETWEEN);
     let (mut alone, mut followed) = (Vec::new(), Vec::new());
     for _ in 0..TURNS {
         alone.push(turn());
-        let mut clients = clients(house.door(), &run)?;
+        let mut clients = clients(server.door(), &run)?;
         pass(BETWEEN);
         followed.push(turn());
         drop(clients.stdin.take());

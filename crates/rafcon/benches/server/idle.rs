@@ -1,7 +1,7 @@
 //! What a server costs while nothing happens: a machine is open, a run waits, five clients look on.
 
+use crate::bench_server::{BenchServer, HISTORY, until};
 use crate::clock::pass;
-use crate::house::{HISTORY, House, until};
 use crate::{mission, print};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::socket::{ToServer, Topic};
@@ -11,7 +11,7 @@ use std::time::Duration;
 /// How long is looked on.
 const TIME: Duration = Duration::from_secs(5);
 /// After how long everything has come to rest.
-const REST: Duration = Duration::from_secs(2);
+const SETTLE_TIME: Duration = Duration::from_secs(2);
 const MACHINE: &str = r#"
 execution WAITXX "Wait"
   outcome success
@@ -21,25 +21,25 @@ execution WAITXX "Wait"
         return 0
 "#;
 
-pub(crate) fn measure(house: &House) -> Result<()> {
-    house.mission("mission", 750)?;
-    house.machine("waits", MACHINE)?;
-    mission::open(house, "mission")?;
-    let run = house.start("waits")?;
+pub(crate) fn measure(server: &BenchServer) -> Result<()> {
+    server.mission("mission", 750)?;
+    server.machine("waits", MACHINE)?;
+    mission::open(server, "mission")?;
+    let run = server.start("waits")?;
     let mut clients = Vec::new();
     for _ in 0..5 {
-        let mut line = house.follow(&run)?;
+        let mut line = server.follow(&run)?;
         let status = Topic::RunStatus { run: run.clone() };
         line.say(&ToServer::Subscribe { subscription: HISTORY + 1, topic: status })?;
-        let all = Topic::HouseStatus;
+        let all = Topic::ServerStatus;
         line.say(&ToServer::Subscribe { subscription: HISTORY + 2, topic: all })?;
         until(&mut line, |_, _| Ok(Some(())))?;
         clients.push(line);
     }
-    pass(REST);
-    let before = spent_ns(house.pid())?;
+    pass(SETTLE_TIME);
+    let before = spent_ns(server.pid())?;
     pass(TIME);
-    let spent = spent_ns(house.pid())? - before;
+    let spent = spent_ns(server.pid())? - before;
     print("server_idle_cpu_percent", spent / 1e9 / TIME.as_secs_f64() * 100.0, "%");
     Ok(())
 }

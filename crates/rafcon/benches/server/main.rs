@@ -4,10 +4,10 @@
 //! `cargo xtask bench` runs this and compares with what is promised.
 #![expect(clippy::print_stdout, reason = "the figures go to the standard output")]
 
+mod bench_server;
 mod clock;
 mod command;
 mod followers;
-mod house;
 mod idle;
 mod mission;
 mod resume;
@@ -15,11 +15,11 @@ mod resume;
 mod served;
 mod status;
 
-use house::House;
+use bench_server::BenchServer;
 use std::process::ExitCode;
 
 /// Measures one part.
-type Measure = fn(&House) -> anyhow::Result<()>;
+type Measure = fn(&BenchServer) -> anyhow::Result<()>;
 
 /// Words on the command line choose among these; without a word all are measured.
 const PARTS: [(&str, Measure); 6] = [
@@ -39,7 +39,7 @@ fn main() -> anyhow::Result<ExitCode> {
     let wanted = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect::<Vec<_>>();
     for (name, measure) in PARTS {
         if wanted.is_empty() || wanted.iter().any(|word| word == name) {
-            measure(&House::new()?)?;
+            measure(&BenchServer::new()?)?;
         }
     }
     Ok(ExitCode::SUCCESS)

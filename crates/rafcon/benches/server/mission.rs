@@ -1,7 +1,7 @@
 //! A machine of 10,000 states: opened by a client, and edited.
 
+use crate::bench_server::BenchServer;
 use crate::clock::now_ms;
-use crate::house::House;
 use crate::{percentile, print};
 use anyhow::{Context as _, Result, bail, ensure};
 use rafcon_protocol::api::{EditMachine, MachineDocument};
@@ -15,28 +15,28 @@ const TIMES: u32 = 5;
 /// How often it is edited.
 const EDITS: usize = 200;
 
-pub(crate) fn measure(house: &House) -> Result<()> {
-    house.mission("mission", 10_000)?;
+pub(crate) fn measure(server: &BenchServer) -> Result<()> {
+    server.mission("mission", 10_000)?;
     let mut times = Vec::new();
     for _ in 0..TIMES {
         let begun = now_ms();
-        let (machine, _) = open(house, "mission")?;
+        let (machine, _) = open(server, "mission")?;
         times.push(now_ms() - begun);
         let close = format!("/api/v1/machines/{machine}/close");
-        house.door().ask("POST", &close, Some(&json!({})))?;
+        server.door().ask("POST", &close, Some(&json!({})))?;
     }
     print("server_open_10000_ms", percentile(times, 50)?, "ms");
-    print("server_edit_10000_ms", percentile(edits(house)?, 50)?, "ms");
+    print("server_edit_10000_ms", percentile(edits(server)?, 50)?, "ms");
     Ok(())
 }
 
 /// As a client does it: open, and read the whole of it.
-pub(crate) fn open(house: &House, name: &str) -> Result<(String, Document)> {
-    let at = json!({ "file": house.file(name) });
-    let summary = house.door().ask("POST", "/api/v1/machines/open", Some(&at))?;
+pub(crate) fn open(server: &BenchServer, name: &str) -> Result<(String, Document)> {
+    let at = json!({ "file": server.file(name) });
+    let summary = server.door().ask("POST", "/api/v1/machines/open", Some(&at))?;
     let machine = summary["id"].as_str().context("a machine without an id")?.to_owned();
     let path = format!("/api/v1/machines/{machine}/document");
-    let (status, text) = house.door().answer("GET", &path, None)?;
+    let (status, text) = server.door().answer("GET", &path, None)?;
     ensure!(status == 200, "no document: {text}");
     let read: MachineDocument =
         serde_json::from_str(&text).context("a document that makes no sense")?;
@@ -44,9 +44,9 @@ pub(crate) fn open(house: &House, name: &str) -> Result<(String, Document)> {
     Ok((machine, read.document))
 }
 
-fn edits(house: &House) -> Result<Vec<f64>> {
-    let (machine, document) = open(house, "mission")?;
-    let mut line = house.door().line()?;
+fn edits(server: &BenchServer) -> Result<Vec<f64>> {
+    let (machine, document) = open(server, "mission")?;
+    let mut line = server.door().line()?;
     let mut times = Vec::new();
     for number in 0..EDITS {
         let path = &document.states[number * 7919 % document.states.len()].path;

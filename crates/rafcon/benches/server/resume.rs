@@ -1,7 +1,7 @@
 //! A run of a machine of 10,000 states with 24 active branches whose runner is killed: how long until the next script runs.
 
+use crate::bench_server::{BenchServer, Heard, until};
 use crate::clock::{noted_ms, now_ms, pass};
-use crate::house::{Heard, House, until};
 use crate::{percentile, print};
 use anyhow::{Context as _, Result, ensure};
 use rafcon_protocol::Event;
@@ -20,21 +20,21 @@ const STATES: usize = 416;
 /// How often it is killed: a run that dies more often in a minute is left alone.
 const KILLS: usize = 5;
 /// How often it is looked whether scripts run.
-const AGAIN: Duration = Duration::from_millis(1);
+const POLL_INTERVAL: Duration = Duration::from_millis(1);
 /// So often without an answer is never.
-const PATIENCE: usize = 60_000;
+const POLLS_MAX: usize = 60_000;
 
-pub(crate) fn measure(house: &House) -> Result<()> {
-    let notes = house.path("notes");
-    house.machine("wide", &machine(&notes)?)?;
-    let start = json!({ "id": "wide", "machine": house.file("wide"), "on_crash": "restart" });
-    let run = house.door().ask("POST", "/api/v1/runs", Some(&start))?;
+pub(crate) fn measure(server: &BenchServer) -> Result<()> {
+    let notes = server.path("notes");
+    server.machine("wide", &machine(&notes)?)?;
+    let start = json!({ "id": "wide", "machine": server.file("wide"), "on_crash": "restart" });
+    let run = server.door().ask("POST", "/api/v1/runs", Some(&start))?;
     let run = run["id"].as_str().context("a run without an id")?.to_owned();
-    until(&mut house.follow(&run)?, |_, heard| {
+    until(&mut server.follow(&run)?, |_, heard| {
         let Heard::Event(entry) = heard else { return Ok(None) };
         Ok(matches!(entry.event, Event::Root { .. }).then_some(()))
     })?;
-    let folder = house.path("runs").join(&run);
+    let folder = server.path("runs").join(&run);
     let times = (1..=KILLS).map(|life| {
         noted(&notes, life * BRANCHES)?;
         let writer = writer_of(&folder)?.and_then(|pid| Pid::from_raw(pid.cast_signed()));
@@ -48,7 +48,7 @@ pub(crate) fn measure(house: &House) -> Result<()> {
 
 /// When scripts began, once so many have.
 fn noted(notes: &Path, count: usize) -> Result<Vec<f64>> {
-    for _ in 0..PATIENCE {
+    for _ in 0..POLLS_MAX {
         let text = fs::read_to_string(notes).unwrap_or_default();
         let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
         let times: Vec<f64> =
@@ -56,7 +56,7 @@ fn noted(notes: &Path, count: usize) -> Result<Vec<f64>> {
         if times.len() >= count {
             return Ok(times);
         }
-        pass(AGAIN);
+        pass(POLL_INTERVAL);
     }
     ensure!(false, "fewer than {count} scripts began");
     Ok(Vec::new())

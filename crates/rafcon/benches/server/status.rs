@@ -1,8 +1,8 @@
 //! A single change of a run, from the script that begins to a client's status frame that says so. The change is not safe on
 //! disk before some milliseconds of this have passed, so that the figure is more than what it takes from then on.
 
+use crate::bench_server::{BenchServer, Heard, noted, until};
 use crate::clock::now_ms;
-use crate::house::{Heard, House, noted, until};
 use crate::{percentile, print};
 use anyhow::{Result, ensure};
 use rafcon_protocol::api::RunNow;
@@ -37,10 +37,10 @@ hierarchy ROOT "Changes"
           return "more" if len(began) < 24 else "enough"
 "#;
 
-pub(crate) fn measure(house: &House) -> Result<()> {
-    house.machine("changes", MACHINE)?;
-    let run = house.start("changes")?;
-    let mut line = house.follow(&run)?;
+pub(crate) fn measure(server: &BenchServer) -> Result<()> {
+    server.machine("changes", MACHINE)?;
+    let run = server.start("changes")?;
+    let mut line = server.follow(&run)?;
     let topic = Topic::RunStatus { run };
     line.say(&ToServer::Subscribe { subscription: 2, topic })?;
     let (mut told, mut last) = (Vec::new(), String::new());

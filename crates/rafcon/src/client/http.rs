@@ -14,7 +14,7 @@ use ureq::unversioned::transport::{
 };
 
 /// How long a server may think: it answers to the start of a run when the machine is loaded.
-const PATIENCE: Duration = Duration::from_mins(2);
+const RESPONSE_TIMEOUT: Duration = Duration::from_mins(2);
 /// Answers are not longer than this: a machine of 100,000 states is one of the long ones.
 const ANSWER_MAX: u64 = 512 * 1024 * 1024;
 
@@ -142,7 +142,7 @@ impl Connector for HttpConnector {
         details: &ConnectionDetails<'_>,
         _chained: Option<()>,
     ) -> Result<Option<HttpTransport>, ureq::Error> {
-        let stream = Stream::connect(&self.address, self.trusted, PATIENCE)
+        let stream = Stream::connect(&self.address, self.trusted, RESPONSE_TIMEOUT)
             .map_err(|fault| ureq::Error::Other(Box::new(fault)))?;
         let config = details.config;
         let buffers = LazyBuffers::new(config.input_buffer_size(), config.output_buffer_size());

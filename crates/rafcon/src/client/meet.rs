@@ -1,6 +1,6 @@
 //! Meeting a server: whether its certificate is the right one, and by which token one is let in.
 
-use super::{Address, CredentialStore, Fault, Fingerprint, PATIENCE, Server, Stream, Token};
+use super::{Address, CredentialStore, FRAME_TIMEOUT, Fault, Fingerprint, Server, Stream, Token};
 use crate::failure::Usage;
 use anyhow::Result;
 use rafcon_server::AddressFile;
@@ -101,7 +101,7 @@ impl TrustDecision<'_> {
 
 /// Whether the server has this certificate.
 fn check(address: &Address, trusted: Option<Fingerprint>) -> Result<(), Fault> {
-    Stream::connect(address, trusted, PATIENCE).map(drop)
+    Stream::connect(address, trusted, FRAME_TIMEOUT).map(drop)
 }
 
 /// Whether there is somebody to ask.

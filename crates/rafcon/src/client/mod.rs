@@ -40,7 +40,7 @@ use token::Token;
 use ureq::http::{HeaderValue, Method, Request};
 
 /// After so long in the middle of a frame a connection is given up.
-const PATIENCE: Duration = Duration::from_secs(30);
+const FRAME_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// One server and whoever asks it.
 #[derive(Debug)]
@@ -129,7 +129,7 @@ impl Server {
 
     /// A WebSocket.
     fn socket(&self) -> Result<Socket, Fault> {
-        let stream = Stream::connect(&self.address, self.trusted, PATIENCE)?;
+        let stream = Stream::connect(&self.address, self.trusted, FRAME_TIMEOUT)?;
         Socket::open(stream, &self.address, self.token.text()?.as_deref())
     }
 

@@ -21,9 +21,9 @@ use std::time::Duration;
 /// How long a machine may take to stop after its time is over, before it is killed.
 const GRACE: Duration = Duration::from_secs(3);
 /// How long a process may outlive its own end, or its last word its process.
-const SETTLE: Duration = Duration::from_secs(2);
+const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long the last words of a dead process are waited for.
-const LAST_WORDS: Duration = Duration::from_millis(500);
+const OUTPUT_TIMEOUT: Duration = Duration::from_millis(500);
 /// How many lines of a dead process's error output are shown.
 const TAIL: usize = 12;
 
@@ -219,7 +219,7 @@ impl Supervisor {
     fn event(&mut self, now: Duration, event: Event, out: &mut Vec<Action>) {
         if let Event::Finished { outcome, .. } = &event {
             self.finish(End::Finished { outcome: outcome.clone(), timed_out: self.timed_out });
-            self.kill_at = Some(now + SETTLE);
+            self.kill_at = Some(now + EXIT_TIMEOUT);
         }
         out.push(Action::Event(self.run_time, event));
     }
@@ -275,13 +275,13 @@ impl Supervisor {
 
     fn exited(&mut self, now: Duration, exit: Exit) {
         self.exit = Some(exit);
-        self.settled_at = Some(now + LAST_WORDS);
+        self.settled_at = Some(now + OUTPUT_TIMEOUT);
     }
 
     /// The control socket is closed: normal at the end, and a defect of a script before.
     fn silence(&mut self, now: Duration) {
         self.silent = true;
-        self.kill_at.get_or_insert(now + SETTLE);
+        self.kill_at.get_or_insert(now + EXIT_TIMEOUT);
     }
 
     /// What the time alone brings about, and the death of a process that has said its last word.

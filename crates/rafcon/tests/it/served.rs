@@ -13,7 +13,7 @@ use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
 /// Who hears nothing for so long has found a defect.
-const PATIENCE: Duration = Duration::from_secs(30);
+const TEST_TIMEOUT: Duration = Duration::from_secs(30);
 /// A frame may be a machine of 10,000 states.
 const FRAME_MAX: usize = 256 * 1024 * 1024;
 
@@ -107,7 +107,7 @@ impl Door {
             .header("Content-Type", "application/json")
             .body(body.map(Value::to_string).unwrap_or_default())?;
         let config = ureq::Agent::config_builder().http_status_as_error(false);
-        let agent: ureq::Agent = config.timeout_global(Some(PATIENCE)).build().into();
+        let agent: ureq::Agent = config.timeout_global(Some(TEST_TIMEOUT)).build().into();
         let response = agent.run(request)?;
         let status = response.status().as_u16();
         let body = response.into_body().into_with_config().limit(u64::MAX).read_to_string()?;
@@ -118,7 +118,7 @@ impl Door {
     pub(crate) fn line(&self) -> Result<Line> {
         let stream = TcpStream::connect(self.address)?;
         stream.set_nodelay(true)?;
-        stream.set_read_timeout(Some(PATIENCE))?;
+        stream.set_read_timeout(Some(TEST_TIMEOUT))?;
         let address = format!("ws://{}/api/v1/socket", self.address).parse()?;
         let request = ClientRequestBuilder::new(address)
             .with_header("Authorization", format!("Bearer {}", self.token));

@@ -45,14 +45,14 @@ def execute(self, inputs, outputs, gvm):
 "#;
 
 /// `rafcon serve` on a folder `robots` with the machine `pick`, until dropped.
-struct House {
+struct CliServer {
     place: Place,
     child: Child,
     stdout: BufReader<ChildStdout>,
     port: String,
 }
 
-impl House {
+impl CliServer {
     fn with(machine: &str) -> Self {
         let place = Place::empty();
         let machine = notation::parse(machine).unwrap();
@@ -109,7 +109,7 @@ impl House {
     }
 }
 
-impl Drop for House {
+impl Drop for CliServer {
     /// Runs outlive the server; none outlives the test.
     fn drop(&mut self) {
         let runs = std::fs::read_dir(self.place.path(".local/state/rafcon/runs"));
@@ -126,16 +126,16 @@ fn shown(answer: &Answer) -> String {
     format!("{}\n{}{}", answer.code.unwrap_or(-1), answer.stdout, answer.stderr)
 }
 
-fn check(house: &House, words: &str, expect: &Expect) {
-    expect.assert_eq(&shown(&house.call(words)));
+fn check(server: &CliServer, words: &str, expect: &Expect) {
+    expect.assert_eq(&shown(&server.call(words)));
 }
 
 #[test]
 fn a_run_at_a_server_tells_what_one_on_this_computer_does() {
-    let house = House::with(MACHINE);
+    let server = CliServer::with(MACHINE);
     for words in ["", "--input n=4", "--input n=4 --keep status", "--start-from ROOT/TWOXXX"] {
-        let here = house.place.call(&format!("run robots/pick --output json {words}"));
-        let there = house.call(&format!("run SERVER robots/pick --output json {words}"));
+        let here = server.place.call(&format!("run robots/pick --output json {words}"));
+        let there = server.call(&format!("run SERVER robots/pick --output json {words}"));
         assert_eq!(shown(&there), shown(&here), "{words}");
         assert!(here.stdout.contains("finished"), "{}", shown(&here));
     }
@@ -143,12 +143,12 @@ fn a_run_at_a_server_tells_what_one_on_this_computer_does() {
 
 #[test]
 fn kept_runs_are_read_at_a_server_as_beside_it() {
-    let house = House::with(MACHINE);
+    let server = CliServer::with(MACHINE);
     for words in ["", "--input n=4"] {
-        let answer = house.call(&format!("run SERVER robots/pick --output json {words}"));
+        let answer = server.call(&format!("run SERVER robots/pick --output json {words}"));
         assert_eq!(answer.code, Some(0), "{answer:?}");
     }
-    let runs = house.place.path(".local/state/rafcon/runs");
+    let runs = server.place.path(".local/state/rafcon/runs");
     let runs = std::fs::read_dir(runs).unwrap().map(|run| run.unwrap().file_name());
     let mut runs: Vec<String> = runs.map(|run| run.into_string().unwrap()).collect();
     runs.sort();
@@ -170,45 +170,45 @@ fn kept_runs_are_read_at_a_server_as_beside_it() {
         &format!("compare {one} {other}"),
         &format!("compare {one} {one} --json"),
     ] {
-        let here = shown(&house.place.call(words));
-        let there = shown(&house.place.call(&house.words(&format!("{words} SERVER"))));
+        let here = shown(&server.place.call(words));
+        let there = shown(&server.place.call(&server.words(&format!("{words} SERVER"))));
         assert_eq!(there, here, "{words}");
     }
-    let file = house.place.path("there.jsonl");
+    let file = server.place.path("there.jsonl");
     let to_file = format!("export last --format jsonl -o {} SERVER", file.display());
-    assert_eq!(house.call(&to_file).code, Some(0));
-    let here = house.place.call("export last --format jsonl").stdout;
+    assert_eq!(server.call(&to_file).code, Some(0));
+    let here = server.place.call("export last --format jsonl").stdout;
     assert_eq!(
-        house.without_names(&std::fs::read_to_string(&file).unwrap()),
-        house.without_names(&here)
+        server.without_names(&std::fs::read_to_string(&file).unwrap()),
+        server.without_names(&here)
     );
-    assert_eq!(house.call("runs SERVER").code, Some(0));
-    let broken = house.place.path(".local/state/rafcon/runs").join("20261121-120000-broken");
+    assert_eq!(server.call("runs SERVER").code, Some(0));
+    let broken = server.place.path(".local/state/rafcon/runs").join("20261121-120000-broken");
     std::fs::create_dir(&broken).unwrap();
     std::fs::write(broken.join(ABOUT_FILE), "{").unwrap();
     for words in ["runs", "runs SERVER"] {
-        let answer = house.call(words);
+        let answer = server.call(words);
         assert!(answer.code == Some(1) && answer.stdout.contains("unreadable: "), "{answer:?}");
     }
 }
 
 #[test]
 fn what_is_wrong_with_a_machine_is_told_as_on_this_computer() {
-    let house = House::with(MACHINE);
-    let file = house.place.path("robots/pick/Two_TWOXXX/core_data.json");
+    let server = CliServer::with(MACHINE);
+    let file = server.place.path("robots/pick/Two_TWOXXX/core_data.json");
     std::fs::write(file, "{").unwrap();
     let words = "robots/pick --output json";
-    let here = house.place.call(&format!("run {words}"));
-    let there = house.call(&format!("run SERVER {words}"));
+    let here = server.place.call(&format!("run {words}"));
+    let there = server.call(&format!("run SERVER {words}"));
     assert!(here.stdout.contains("is not JSON"), "{}", shown(&here));
     assert_eq!(shown(&there), shown(&here));
 }
 
 #[test]
 fn a_machine_that_does_not_load_is_told_as_on_this_computer() {
-    let house = House::with(MACHINE);
+    let server = CliServer::with(MACHINE);
     check(
-        &house,
+        &server,
         "run SERVER robots/nothing --output json",
         &expect![[r#"
         1
@@ -220,9 +220,9 @@ fn a_machine_that_does_not_load_is_told_as_on_this_computer() {
 
 #[test]
 fn what_a_server_decides_itself_is_refused() {
-    let house = House::with(MACHINE);
+    let server = CliServer::with(MACHINE);
     check(
-        &house,
+        &server,
         "run SERVER robots/pick --library-path a=b",
         &expect![[r"
         2
@@ -232,7 +232,7 @@ fn what_a_server_decides_itself_is_refused() {
     "]],
     );
     check(
-        &house,
+        &server,
         "run SERVER robots/pick --python python3",
         &expect![[r"
         2
@@ -242,7 +242,7 @@ fn what_a_server_decides_itself_is_refused() {
     "]],
     );
     check(
-        &house,
+        &server,
         "run SERVER robots/pick --keep off",
         &expect![[r"
         2
@@ -252,7 +252,7 @@ fn what_a_server_decides_itself_is_refused() {
     "]],
     );
     check(
-        &house,
+        &server,
         "run SERVER pick",
         &expect![[r"
         2
@@ -262,7 +262,7 @@ fn what_a_server_decides_itself_is_refused() {
     "]],
     );
     check(
-        &house,
+        &server,
         "attach SERVER nobody",
         &expect![[r"
         2
@@ -272,7 +272,7 @@ fn what_a_server_decides_itself_is_refused() {
     "]],
     );
     check(
-        &house,
+        &server,
         "run --server http://rover:1 robots/pick",
         &expect![[r"
         2
@@ -285,13 +285,13 @@ fn what_a_server_decides_itself_is_refused() {
 
 #[test]
 fn a_run_is_joined_stepped_and_followed_to_its_end() {
-    let house = House::with(MACHINE);
-    let mut run = house.start("run SERVER robots/pick --hold --break Two --output json");
+    let server = CliServer::with(MACHINE);
+    let mut run = server.start("run SERVER robots/pick --hold --break Two --output json");
     run.wait_for("\"held\"");
-    let mut guest = house.start("attach SERVER last --from 1 --output json");
+    let mut guest = server.start("attach SERVER last --from 1 --output json");
     guest.wait_for("\"held\"");
     check(
-        &house,
+        &server,
         "tell SERVER last resume",
         &expect![[r"
         0
@@ -300,17 +300,17 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     );
     guest.wait_for("\"hit\"");
     check(
-        &house,
+        &server,
         "tell SERVER last step_back",
         &expect![[r"
         0
         applied
     "]],
     );
-    let control = house.call("control SERVER last").stdout;
+    let control = server.call("control SERVER last").stdout;
     assert!(control.starts_with("owner commands it, heard "), "{control}");
     check(
-        &house,
+        &server,
         "control SERVER last release",
         &expect![[r"
         0
@@ -318,7 +318,7 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     "]],
     );
     check(
-        &house,
+        &server,
         "tell SERVER last force_outcome path=ROOT outcome=7",
         &expect![[r"
         1
@@ -327,7 +327,7 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     );
     guest.wait_for("back");
     check(
-        &house,
+        &server,
         "tell SERVER last resume",
         &expect![[r"
         0
@@ -336,7 +336,7 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     );
     guest.wait_for("\"hit\"");
     check(
-        &house,
+        &server,
         "tell SERVER last resume",
         &expect![[r"
         0
@@ -348,7 +348,7 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     let (code, more, said) = run.end();
     assert_eq!((code, &*said), (Some(0), ""));
     assert_eq!(more.last(), lines.last());
-    let history = house.call("history SERVER last --json").stdout;
+    let history = server.call("history SERVER last --json").stdout;
     let commanded: Vec<_> = history.lines().filter(|line| line.contains("tell-")).collect();
     assert_eq!(commanded.len(), 5, "{history}");
     let never = |line: &&&str| line.contains(r#""expiry":null"#);
@@ -357,22 +357,22 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
 
 #[test]
 fn a_server_that_is_killed_leaves_no_gap_in_what_is_told() {
-    let house = House::with(MACHINE);
-    let mut run = house.start("run SERVER robots/pick --hold --output json");
+    let server = CliServer::with(MACHINE);
+    let mut run = server.start("run SERVER robots/pick --hold --output json");
     let held = run.wait_for("\"held\"");
-    let house = house.again();
-    assert_eq!(shown(&house.call("tell SERVER last step_into")), "0\napplied\n");
+    let server = server.again();
+    assert_eq!(shown(&server.call("tell SERVER last step_into")), "0\napplied\n");
     let mut lines = vec![held];
     let to_two = |line: &String| line.contains("held") && line.contains("TWOXXX");
     while !lines.last().is_some_and(to_two) {
         lines.push(run.next_line().unwrap());
     }
-    let house = house.again();
-    assert_eq!(shown(&house.call("tell SERVER last resume")), "0\napplied\n");
+    let server = server.again();
+    assert_eq!(shown(&server.call("tell SERVER last resume")), "0\napplied\n");
     let (code, rest, said) = run.end();
     lines.extend(rest);
     assert_eq!(code, Some(0), "{said}");
-    let all = house.call("attach SERVER last --from 1 --output json").stdout;
+    let all = server.call("attach SERVER last --from 1 --output json").stdout;
     let from_held: Vec<&str> = all.lines().skip_while(|line| !line.contains("held")).collect();
     assert_eq!(lines, from_held);
     let entries = lines.iter().filter(|line| line.contains("entered"));
@@ -388,8 +388,8 @@ fn a_server_that_is_killed_leaves_no_gap_in_what_is_told() {
 #[test]
 fn ctrl_c_stops_a_run_at_a_server_and_kills_it_the_second_time() {
     use rustix::process::Signal;
-    let house = House::with(&crate::harness::one_script(WAITS));
-    let mut run = house.start("run SERVER robots/pick --output json");
+    let server = CliServer::with(&crate::harness::one_script(WAITS));
+    let mut run = server.start("run SERVER robots/pick --output json");
     run.wait_for("here");
     run.signal(Signal::INT);
     run.wait_for("\"stopping\"");
@@ -403,10 +403,10 @@ fn ctrl_c_stops_a_run_at_a_server_and_kills_it_the_second_time() {
 fn a_run_whose_runner_dies_is_told_with_the_way_out() {
     let script =
         "def execute(self, inputs, outputs, gvm):\n    import os\n    os.kill(os.getpid(), 9)";
-    let house = House::with(&crate::harness::one_script(script));
-    let mut run = house.start("run SERVER robots/pick --hold --output json");
+    let server = CliServer::with(&crate::harness::one_script(script));
+    let mut run = server.start("run SERVER robots/pick --hold --output json");
     run.wait_for("held");
-    house.call("tell SERVER last resume");
+    server.call("tell SERVER last resume");
     let (code, lines, said) = run.end();
     assert_eq!(code, Some(7), "{lines:?} {said}");
     expect![[r#"
@@ -417,8 +417,8 @@ fn a_run_whose_runner_dies_is_told_with_the_way_out() {
           everything up to there is kept; to go on:
             rafcon resume RUN --server http://127.0.0.1:PORT --policy abort   (the recovery transitions of what was running take over)
             rafcon resume RUN --server http://127.0.0.1:PORT                  (nothing moves until you decide)
-    "#]].assert_eq(&house.without_names(&format!("{}\n{said}", lines.last().unwrap())));
-    let answer = house.call("resume SERVER last --policy abort --output json");
+    "#]].assert_eq(&server.without_names(&format!("{}\n{said}", lines.last().unwrap())));
+    let answer = server.call("resume SERVER last --policy abort --output json");
     expect![[r#"
         4
         {"type":"resumed","life":2,"crash":{"reason":"its runner ended before the run did","active":["LONELY"]},"policy":"abort"}
@@ -430,10 +430,10 @@ fn a_run_whose_runner_dies_is_told_with_the_way_out() {
 
 #[test]
 fn only_who_is_known_is_let_in() {
-    let house = House::with(MACHINE);
-    std::fs::write(house.place.path("wrong"), "wrong").unwrap();
+    let server = CliServer::with(MACHINE);
+    std::fs::write(server.place.path("wrong"), "wrong").unwrap();
     check(
-        &house,
+        &server,
         "runs SERVER --token-file wrong",
         &expect![[r"
         1
@@ -441,7 +441,7 @@ fn only_who_is_known_is_let_in() {
     "]],
     );
     check(
-        &house,
+        &server,
         "attach SERVER --token-file nowhere",
         &expect![[r"
         1
@@ -449,10 +449,10 @@ fn only_who_is_known_is_let_in() {
           because: No such file or directory (os error 2)
     "]],
     );
-    let token = std::fs::read_to_string(house.place.path(".local/state/rafcon/server/token"));
-    std::fs::write(house.place.path("right"), token.unwrap()).unwrap();
+    let token = std::fs::read_to_string(server.place.path(".local/state/rafcon/server/token"));
+    std::fs::write(server.place.path("right"), token.unwrap()).unwrap();
     check(
-        &house,
+        &server,
         "runs SERVER --token-file right",
         &expect![[r"
         0
@@ -477,41 +477,43 @@ fn a_server_with_a_certificate_of_its_own_is_known_again_and_lets_users_in() {
     save(&machine, &place.path("robots/pick"), None, Naming::default()).unwrap();
     let added = piped(&place, "user add ana --role operator", "correct horse\n");
     assert_eq!(added.code, Some(0), "{}", shown(&added));
-    let mut house = House::open(place, "--bind 0.0.0.0:0");
-    let fingerprint = fingerprint(&mut house.stdout);
+    let mut server = CliServer::open(place, "--bind 0.0.0.0:0");
+    let fingerprint = fingerprint(&mut server.stdout);
     let words = |words: &str| {
         // Another folder for the server's state: as on another computer.
-        let there = format!("--server https://127.0.0.1:{} --state elsewhere", house.port);
+        let there = format!("--server https://127.0.0.1:{} --state elsewhere", server.port);
         words.replace("SERVER", &there).replace("FINGERPRINT", &fingerprint)
     };
     let hidden = |answer: Answer| {
-        let text = shown(&answer).replace(&house.port, "PORT").replace(&fingerprint, "FINGERPRINT");
+        let text =
+            shown(&answer).replace(&server.port, "PORT").replace(&fingerprint, "FINGERPRINT");
         text.lines()
             .filter(|line| !line.contains(':') || line.contains("error"))
             .collect::<Vec<_>>()
             .join("\n")
     };
-    let unknown = house.place.call(&words("runs SERVER"));
+    let unknown = server.place.call(&words("runs SERVER"));
     expect![[r"
         1
         error: the server at https://127.0.0.1:PORT is not known here; its certificate has the fingerprint
         Compare it with what `rafcon serve` has printed, and name it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(unknown));
-    let wrong = house.place.call(&words(&format!("runs SERVER --fingerprint {}", "ab".repeat(32))));
+    let wrong =
+        server.place.call(&words(&format!("runs SERVER --fingerprint {}", "ab".repeat(32))));
     expect![[r"
         1
         error: THE CERTIFICATE OF https://127.0.0.1:PORT IS NOT THE ONE THAT IT SHOULD BE: somebody may be listening in. Nothing was sent.
         If whoever looks after the server confirms the new one, name it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(wrong));
-    let nobody = house.place.call(&words("runs SERVER --fingerprint FINGERPRINT"));
+    let nobody = server.place.call(&words("runs SERVER --fingerprint FINGERPRINT"));
     expect![[r"
         1
         error: nobody is logged in: send a token, or log in at /api/v1/session (`rafcon login --server URL` gets a token; --token-file and RAFCON_TOKEN name one)"]].assert_eq(&hidden(nobody));
-    let failed = piped(&house.place, &words("login SERVER --user ana"), "wrong horse\n");
+    let failed = piped(&server.place, &words("login SERVER --user ana"), "wrong horse\n");
     expect![[r"
         1
         error: this is not a user and their password: try again, or ask an admin for another (`rafcon login --server URL` gets a token; --token-file and RAFCON_TOKEN name one)"]].assert_eq(&hidden(failed));
-    let known = piped(&house.place, &words("login SERVER --user ana"), "correct horse\n");
+    let known = piped(&server.place, &words("login SERVER --user ana"), "correct horse\n");
     assert_eq!(known.code, Some(0), "{}", shown(&known));
-    let run = house.place.call(&words("run SERVER robots/pick --input n=1 --output json"));
+    let run = server.place.call(&words("run SERVER robots/pick --input n=1 --output json"));
     assert_eq!(
         (run.code, run.last()["outputs"]["n"].as_i64()),
         (Some(0), Some(20)),

@@ -448,13 +448,13 @@ fn a_run_that_somebody_kills_is_left_alone() {
 #[test]
 fn a_run_of_the_command_line_appears_and_is_commanded() {
     let site = Site::new(WAITS);
-    let mut line = site.line(Topic::HouseStatus);
+    let mut line = site.line(Topic::ServerStatus);
     let words = "run project/machine --output json --runs runs";
     let mut console = Run::of(site.place.command(words));
     console.wait_for("\"entered\"");
     let run = loop {
         match line.hear().unwrap() {
-            ToClient::HouseStatus { status, .. } => {
+            ToClient::ServerStatus { status, .. } => {
                 let is_live = |run: &&RunSummary| run.phase == RunPhase::Live;
                 if let Some(run) = status.runs.iter().find(is_live) {
                     break run.clone();

@@ -1,6 +1,6 @@
 //! Machines that change while they run: by their folder, by commands, by their own scripts.
 
-use super::served::{House, Viewer};
+use super::served::{RunFixture, Viewer};
 use expect_test::{Expect, expect};
 use rafcon_protocol::Command;
 
@@ -47,10 +47,10 @@ const MORE_OF_A: &str = "  start -> A
 
 /// Changes the folder of a run whose first state waits, tells the run so, and lets it go on.
 fn check(new: &str, wait: bool, answer: &str, expect: &Expect) {
-    let house = House::new(&machine(OLD));
-    let (mut viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(&machine(OLD));
+    let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/A");
-    house.build(&machine(new));
+    fixture.build(&machine(new));
     assert_eq!(viewer.command("reload", Command::Reload { wait }), answer);
     let go_on = Command::Preempt { path: "ROOT/A".to_owned() };
     assert_eq!(viewer.command("go on", go_on), "applied");
@@ -123,7 +123,7 @@ fn a_change_waits_until_it_can_be_made() {
 
 #[test]
 fn scripts_change_the_machine_that_they_run_in() {
-    let house = House::new(
+    let fixture = RunFixture::new(
         "
 barrier ROOT
   outcome done
@@ -141,7 +141,7 @@ barrier ROOT
     outcome ok
 ",
     );
-    let (viewer, runner) = house.begin(house.launch());
+    let (viewer, runner) = fixture.begin(fixture.launch());
     let text = viewer.into_end();
     for grown in ["ROOT/C/GROWN_A", "ROOT/C/GROWN_B", "ROOT/C/GROWN_D"] {
         assert!(text.contains(&format!("grew {grown}")), "{text}");

@@ -1,6 +1,6 @@
 //! Runs that hold: from the start, by steps, by breakpoints with conditions, with and without anybody who looks.
 
-use super::served::House;
+use super::served::RunFixture;
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Afterwards, Breakpoint, Command, Join, Launch, Scope, Unattended, When};
 use rafcon_storage::journal::Reader;
@@ -35,10 +35,10 @@ fn breakpoint(path: &str, condition: Option<&str>) -> Breakpoint {
 
 /// A run that is begun so, with these commands, each after an event.
 fn check(ask: impl FnOnce(&mut Launch), commands: &[(&str, Command)], expect: &Expect) {
-    let house = House::new(THREE);
-    let mut launch = house.launch();
+    let fixture = RunFixture::new(THREE);
+    let mut launch = fixture.launch();
     ask(&mut launch);
-    let (mut viewer, runner) = house.begin(launch);
+    let (mut viewer, runner) = fixture.begin(launch);
     for (number, (after, command)) in commands.iter().enumerate() {
         viewer.until_text(after);
         assert_eq!(viewer.command(&number.to_string(), command.clone()), "applied");
@@ -180,10 +180,10 @@ fn a_condition_that_cannot_be_told_holds_and_says_why() {
 
 #[test]
 fn a_breakpoint_lets_go_on_when_nobody_looks_any_more_if_it_says_so() {
-    let house = House::new(THREE);
+    let fixture = RunFixture::new(THREE);
     let breakpoint = Breakpoint { unattended: Unattended::Continue, ..breakpoint("ROOT/B", None) };
-    let launch = Launch { breakpoints: vec![breakpoint], ..house.launch() };
-    let (mut viewer, runner) = house.begin(launch);
+    let launch = Launch { breakpoints: vec![breakpoint], ..fixture.launch() };
+    let (mut viewer, runner) = fixture.begin(launch);
     viewer.until_text("ROOT is held before ROOT/B by Breakpoint { id: 1 }");
     drop(viewer);
     runner.join().unwrap();
@@ -202,15 +202,15 @@ barrier ROOT
   decider unique_decider_state_id
     outcome ok
 ";
-    let house = House::new(machine);
+    let fixture = RunFixture::new(machine);
     let breakpoints = vec![breakpoint("ROOT/B", None)];
-    let (mut viewer, runner) = house.begin(Launch { breakpoints, ..house.launch() });
+    let (mut viewer, runner) = fixture.begin(Launch { breakpoints, ..fixture.launch() });
     viewer.until_text("ROOT is held before ROOT/B by Breakpoint { id: 1 }");
     let force = Command::ForceOutcome { path: "ROOT/B".to_owned(), outcome: 0 };
     assert_eq!(viewer.command("force", force), "applied");
-    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
     second.until_text("force_outcome by test: Applied");
-    let mut reader = Reader::open(&house.run_folder()).unwrap();
+    let mut reader = Reader::open(&fixture.run_folder()).unwrap();
     let active = reader.moment(u64::MAX).unwrap().active();
     let ended: Vec<_> = active[0].ended.iter().map(|end| (end.state(), end.outcome)).collect();
     assert_eq!(ended, [("B", 0)]);

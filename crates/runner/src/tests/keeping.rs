@@ -1,7 +1,7 @@
 //! What of a run is kept, when it is safe, and what viewers are told of it.
 
 use super::players::Run;
-use super::served::{House, Viewer};
+use super::served::{RunFixture, Viewer};
 use crate::blocks::Chunk;
 use crate::host::abandon;
 use crate::recorder::{Read, Recorder};
@@ -67,11 +67,11 @@ fn told(viewer: &mut Viewer) -> Vec<(u64, Event)> {
 
 /// Runs the machine to its end and shows what its journal has, but for roots and the end.
 fn check(machine: &str, launch: impl FnOnce(Launch) -> Launch, expect: &Expect) {
-    let house = House::new(machine);
-    let (mut viewer, runner) = house.begin(launch(house.launch()));
+    let fixture = RunFixture::new(machine);
+    let (mut viewer, runner) = fixture.begin(launch(fixture.launch()));
     told(&mut viewer);
     runner.join().unwrap();
-    let events = journal(&house.run_folder(), true);
+    let events = journal(&fixture.run_folder(), true);
     let shown = events
         .iter()
         .filter(|(_, event)| !matches!(event, Event::Root { .. } | Event::Finished { .. }));
@@ -153,23 +153,23 @@ execution ROOT "say"
 
 #[test]
 fn a_run_that_is_not_kept_leaves_no_journal() {
-    let house = House::new(&counting("", "go"));
-    let (mut viewer, runner) = house.begin(Launch { keeping: Keeping::Off, ..house.launch() });
+    let fixture = RunFixture::new(&counting("", "go"));
+    let (mut viewer, runner) = fixture.begin(Launch { keeping: Keeping::Off, ..fixture.launch() });
     assert_eq!(told(&mut viewer).len(), 7);
     runner.join().unwrap();
-    assert!(Reader::open(&house.run_folder()).is_err());
+    assert!(Reader::open(&fixture.run_folder()).is_err());
 }
 
 #[test]
 fn viewers_are_told_what_the_journal_has() {
-    let house = House::new(&counting("", "wait"));
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(&counting("", "wait"));
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/B");
-    let mut second = house.join(Join { from: 1, every_event: true, values: true });
+    let mut second = fixture.join(Join { from: 1, every_event: true, values: true });
     assert_eq!(first.command("stop", Command::Stop), "applied");
     let seen = told(&mut second);
     runner.join().unwrap();
-    assert_eq!(seen, journal(&house.run_folder(), true));
+    assert_eq!(seen, journal(&fixture.run_folder(), true));
 }
 
 #[test]
@@ -182,11 +182,11 @@ hierarchy ROOT
   execution A "fail"
     out way: int = 0
 "#;
-    let house = House::new(machine);
+    let fixture = RunFixture::new(machine);
     let (mut first, runner) =
-        house.begin(Launch { every_event: true, hold: true, ..house.launch() });
+        fixture.begin(Launch { every_event: true, hold: true, ..fixture.launch() });
     first.until_text("ROOT is held before ROOT/A by Start");
-    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
     assert_eq!(first.command("go", Command::Resume { branch: None }), "applied");
     let seen = told(&mut second);
     runner.join().unwrap();
@@ -198,20 +198,20 @@ hierarchy ROOT
         _ => None,
     });
     assert_eq!(ends.collect::<Vec<_>>(), ["ROOT/A aborted no way 200", "ROOT lost no way 200"]);
-    let kept = journal(&house.run_folder(), false);
+    let kept = journal(&fixture.run_folder(), false);
     assert!(seen.iter().all(|told| kept.contains(told)));
 }
 
 #[test]
 fn what_memory_gave_up_is_read_from_the_journal() {
-    let house = House::new(&shouting());
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(&shouting());
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/C");
-    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
     assert_eq!(first.command("stop", Command::Stop), "applied");
     let numbers: Vec<u64> = told(&mut second).into_iter().map(|(number, _)| number).collect();
     runner.join().unwrap();
-    let kept = journal(&house.run_folder(), false);
+    let kept = journal(&fixture.run_folder(), false);
     let scoped = |event: &Event| matches!(event, Event::Scoped { .. });
     let wanted = kept.iter().filter(|(_, event)| !scoped(event)).map(|(number, _)| *number);
     assert_eq!(numbers, wanted.collect::<Vec<u64>>());
@@ -225,8 +225,8 @@ fn with_the_strict_rule_a_script_begins_once_its_entry_is_safe() {
         writeln!(machine, "  S{number}.ok -> {next}").unwrap();
         writeln!(machine, "  execution S{number} \"safe\"\n    outcome ok").unwrap();
     }
-    let house = House::new(&machine);
-    let (viewer, runner) = house.begin(Launch { strict: true, ..house.launch() });
+    let fixture = RunFixture::new(&machine);
+    let (viewer, runner) = fixture.begin(Launch { strict: true, ..fixture.launch() });
     let text = viewer.into_end();
     runner.join().unwrap();
     assert!(text.trim_end().ends_with("finished done"), "{text}");
@@ -364,11 +364,11 @@ fn a_run_that_lacks_a_thread_ends_with_those_it_has() {
 
 #[test]
 fn what_a_run_leaves_is_for_its_owner_only() {
-    let house = House::new(&counting("", "shout"));
-    let (viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(&counting("", "shout"));
+    let (viewer, runner) = fixture.begin(fixture.launch());
     viewer.into_end();
     runner.join().unwrap();
-    for file in fs::read_dir(house.run_folder()).unwrap().map(Result::unwrap) {
+    for file in fs::read_dir(fixture.run_folder()).unwrap().map(Result::unwrap) {
         let metadata = file.metadata().unwrap();
         let others = metadata.permissions().mode() & 0o077;
         assert!(metadata.is_dir() || others == 0, "{:?}: {others:o}", file.file_name());

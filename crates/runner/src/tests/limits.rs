@@ -1,13 +1,13 @@
 //! Deadlines and grace periods on the real clock: short ones, waited for by what they cause.
 
-use super::served::House;
+use super::served::RunFixture;
 use expect_test::{Expect, expect};
 use rafcon_protocol::Command;
 use std::process;
 
 fn check(machine: &str, expect: &Expect) {
-    let house = House::new(machine);
-    let (viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(machine);
+    let (viewer, runner) = fixture.begin(fixture.launch());
     expect.assert_eq(&viewer.into_end());
     runner.join().unwrap();
 }
@@ -59,7 +59,7 @@ fn a_script_that_does_not_end_in_its_grace_period_ends_with_the_process() {
 }
 
 fn be_cut_off() {
-    let house = House::new(
+    let fixture = RunFixture::new(
         "
 hierarchy ROOT
   outcome done
@@ -70,7 +70,7 @@ hierarchy ROOT
     outcome ok
 ",
     );
-    let (mut viewer, runner) = house.begin(house.launch());
+    let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/A");
     assert_eq!(viewer.command("stop", Command::Stop), "applied");
     runner.join().unwrap();

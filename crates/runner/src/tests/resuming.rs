@@ -1,6 +1,6 @@
 //! Runs that are taken up after their runner died, or begun again at an entry of their history.
 
-use super::served::{Actors, House, Viewer};
+use super::served::{Actors, RunFixture, Viewer};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Breakpoint, Command, Event, Launch, OnCrash, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::RECORDER_FILE;
@@ -44,15 +44,15 @@ hierarchy ROOT
     out why: object
 ";
 
-fn died(machine: &str, test: &str) -> House {
-    let house = House::new(machine);
-    house.die(&format!("tests::resuming::{test}"));
-    house
+fn died(machine: &str, test: &str) -> RunFixture {
+    let fixture = RunFixture::new(machine);
+    fixture.die(&format!("tests::resuming::{test}"));
+    fixture
 }
 
 /// The number of the first entry of a state.
-fn entry(house: &House, wanted: &str) -> u64 {
-    let mut reader = Reader::open(&house.run_folder()).unwrap();
+fn entry(fixture: &RunFixture, wanted: &str) -> u64 {
+    let mut reader = Reader::open(&fixture.run_folder()).unwrap();
     let entries = reader.page(1, 100).unwrap();
     let entry = entries.iter().find(|entry| {
         matches!(reader.event(entry, false).unwrap(), Event::Entered { path, .. } if path == wanted)
@@ -62,12 +62,12 @@ fn entry(house: &House, wanted: &str) -> u64 {
 
 /// What the next life of the run tells, with these commands, each after an event.
 fn check(
-    house: &House,
+    fixture: &RunFixture,
     (policy, from): (OnCrash, Option<u64>),
     commands: &[(&str, Command)],
     expect: &Expect,
 ) {
-    let (mut viewer, runner) = house.begin(house.resume(policy, from));
+    let (mut viewer, runner) = fixture.begin(fixture.resume(policy, from));
     for (after, command) in commands {
         viewer.until_text(after);
         assert_eq!(viewer.command(after, command.clone()), "applied");
@@ -83,9 +83,9 @@ fn without_commands(text: &str) -> String {
 
 #[test]
 fn interrupted_states_abort_and_recovery_takes_over() {
-    let house = died(DIES, "interrupted_states_abort_and_recovery_takes_over");
+    let fixture = died(DIES, "interrupted_states_abort_and_recovery_takes_over");
     check(
-        &house,
+        &fixture,
         (OnCrash::Abort, None),
         &[],
         &expect![[r#"
@@ -103,9 +103,9 @@ fn interrupted_states_abort_and_recovery_takes_over() {
 
 #[test]
 fn interrupted_states_run_again_with_the_data_they_had() {
-    let house = died(DIES, "interrupted_states_run_again_with_the_data_they_had");
+    let fixture = died(DIES, "interrupted_states_run_again_with_the_data_they_had");
     check(
-        &house,
+        &fixture,
         (OnCrash::Restart, None),
         &[],
         &expect![[r#"
@@ -144,18 +144,18 @@ hierarchy ROOT
 
 /// A run that died when its journal was made and nothing had happened, taken up; it goes on after it was held with this text.
 fn check_blank(change: impl FnOnce(Launch) -> Launch, held: Option<&str>, expect: &Expect) {
-    let house = House::new(GIVEN);
+    let fixture = RunFixture::new(GIVEN);
     let number = ("number".to_owned(), 6.into());
-    let launch = change(Launch { inputs: vec![number], ..house.launch() });
+    let launch = change(Launch { inputs: vec![number], ..fixture.launch() });
     let about = About {
-        machine: house.machine(),
+        machine: fixture.machine(),
         config: launch.config.clone(),
         beginning: launch.beginning(),
         ..About::default()
     };
-    drop(Journal::create(&house.run_folder(), &about, &Options::default()).unwrap());
+    drop(Journal::create(&fixture.run_folder(), &about, &Options::default()).unwrap());
     let commands = held.map(|held| (held, Command::Resume { branch: None }));
-    check(&house, (OnCrash::Ask, None), commands.as_slice(), expect);
+    check(&fixture, (OnCrash::Ask, None), commands.as_slice(), expect);
 }
 
 #[test]
@@ -227,11 +227,11 @@ fn a_run_that_died_before_anything_had_happened_begins_as_it_was_asked_to() {
 
 #[test]
 fn nothing_moves_until_somebody_decides() {
-    let house = died(DIES, "nothing_moves_until_somebody_decides");
+    let fixture = died(DIES, "nothing_moves_until_somebody_decides");
     let restart = Command::Recover { path: Some("ROOT/B".to_owned()), policy: OnCrash::Restart };
     let resume = Command::Resume { branch: None };
     check(
-        &house,
+        &fixture,
         (OnCrash::Ask, None),
         &[
             (
@@ -257,11 +257,11 @@ fn nothing_moves_until_somebody_decides() {
 
 #[test]
 fn a_run_begins_again_at_an_entry_of_its_history() {
-    let house = died(DIES, "a_run_begins_again_at_an_entry_of_its_history");
+    let fixture = died(DIES, "a_run_begins_again_at_an_entry_of_its_history");
     let resume = Command::Resume { branch: None };
-    let entry = entry(&house, "ROOT/A");
+    let entry = entry(&fixture, "ROOT/A");
     check(
-        &house,
+        &fixture,
         (OnCrash::Ask, Some(entry)),
         &[("ROOT is held before ROOT/A by Start", resume)],
         &expect![[r#"
@@ -295,9 +295,9 @@ hierarchy ROOT \"brief\"
     in number: int = 1
     out number: int
 ";
-    let house = died(machine, "a_run_whose_root_was_left_ends_as_it_did");
+    let fixture = died(machine, "a_run_whose_root_was_left_ends_as_it_did");
     check(
-        &house,
+        &fixture,
         (OnCrash::Abort, None),
         &[],
         &expect![[r#"
@@ -332,8 +332,8 @@ barrier ROOT
 
 #[test]
 fn all_branches_are_taken_up_where_they_were() {
-    let house = died(FORKS, "all_branches_are_taken_up_where_they_were");
-    let (viewer, runner) = house.begin(house.resume(OnCrash::Abort, None));
+    let fixture = died(FORKS, "all_branches_are_taken_up_where_they_were");
+    let (viewer, runner) = fixture.begin(fixture.resume(OnCrash::Abort, None));
     let text = viewer.into_end();
     let mut lines: Vec<&str> = text.lines().collect();
     lines.sort_unstable();
@@ -380,9 +380,9 @@ hierarchy ROOT
 
 #[test]
 fn a_state_that_needs_a_lost_value_aborts_and_names_it() {
-    let house = died(LOSES, "a_state_that_needs_a_lost_value_aborts_and_names_it");
+    let fixture = died(LOSES, "a_state_that_needs_a_lost_value_aborts_and_names_it");
     check(
-        &house,
+        &fixture,
         (OnCrash::Restart, None),
         &[],
         &expect![[r#"
@@ -420,10 +420,10 @@ hierarchy ROOT
 
 #[test]
 fn a_run_that_stands_still_goes_back_to_an_entry_of_its_history() {
-    let house = House::new(THREE);
-    let (mut viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(THREE);
+    let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/C");
-    let entry = entry(&house, "ROOT/B");
+    let entry = entry(&fixture, "ROOT/B");
     let back = Command::StartFromHistory { sequence: entry };
     let refused = viewer.command("running", back.clone());
     assert!(refused.starts_with("refused: "), "{refused}");
@@ -457,10 +457,10 @@ fn a_run_that_stands_still_goes_back_to_an_entry_of_its_history() {
 #[test]
 fn a_refused_way_back_leaves_global_variables_as_they_are() {
     let counts = THREE.replace("execution A", "execution A \"count\"");
-    let house = House::new(&counts.replace("execution B", "execution B \"count\""));
-    let (mut viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(&counts.replace("execution B", "execution B \"count\""));
+    let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/C");
-    let back = Command::StartFromHistory { sequence: entry(&house, "ROOT/B") };
+    let back = Command::StartFromHistory { sequence: entry(&fixture, "ROOT/B") };
     assert!(viewer.command("back", back).starts_with("refused: "));
     assert_eq!(viewer.command("stop", Command::Stop), "applied");
     let count = viewer.until(|message| match message {
@@ -477,26 +477,26 @@ fn a_refused_way_back_leaves_global_variables_as_they_are() {
 
 #[test]
 fn a_run_that_is_over_or_goes_on_is_not_taken_up() {
-    let house = House::new(THREE);
-    let (mut viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(THREE);
+    let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/C");
-    let refused = refusal(&house);
+    let refused = refusal(&fixture);
     assert!(refused.contains("still going on"), "{refused}");
     assert_eq!(viewer.command("stop", Command::Stop), "applied");
     drop(viewer);
     runner.join().unwrap();
     expect!["the run has come to its end; begin a new one, or choose an entry of its history to begin from"]
-        .assert_eq(&refusal(&house));
-    assert!(!house.run_folder().join(RECORDER_FILE).exists());
+        .assert_eq(&refusal(&fixture));
+    assert!(!fixture.run_folder().join(RECORDER_FILE).exists());
 }
 
 /// Why the run is not taken up.
-fn refusal(house: &House) -> String {
+fn refusal(fixture: &RunFixture) -> String {
     let (ours, theirs) = UnixStream::pair().unwrap();
     let runner = std::thread::Builder::new();
     let runner = runner.spawn(move || crate::serve(theirs, Actors)).unwrap();
     let mut viewer = Viewer::new(ours);
-    viewer.send(&ToRunner::Launch(house.resume(OnCrash::Abort, None)));
+    viewer.send(&ToRunner::Launch(fixture.resume(OnCrash::Abort, None)));
     let reason = viewer.until(|message| match message {
         ToViewer::LoadFailed { reason } => Some(reason.clone()),
         _ => None,
@@ -517,12 +517,12 @@ hierarchy ROOT
 
 #[test]
 fn a_command_is_carried_out_once_over_all_lives_of_a_run() {
-    let house = House::new(WAITS);
+    let fixture = RunFixture::new(WAITS);
     let nowhere = Command::RunTo { path: "ROOT/X".to_owned() };
     let commands = [("pause", Command::Pause), ("odd", nowhere)];
     let test = "tests::resuming::a_command_is_carried_out_once_over_all_lives_of_a_run";
-    house.die_after(test, "+ROOT/A", &commands);
-    let (mut viewer, runner) = house.begin(house.resume(OnCrash::Restart, None));
+    fixture.die_after(test, "+ROOT/A", &commands);
+    let (mut viewer, runner) = fixture.begin(fixture.resume(OnCrash::Restart, None));
     viewer.until_text("+ROOT/A");
     assert_eq!(viewer.command("pause", Command::Stop), "applied");
     let refused = viewer.command("odd", Command::Stop);
@@ -536,14 +536,14 @@ fn a_command_is_carried_out_once_over_all_lives_of_a_run() {
 
 #[test]
 fn a_command_and_what_it_leads_to_are_kept_together() {
-    let house = House::new(WAITS);
-    let (mut viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(WAITS);
+    let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/A");
     assert_eq!(viewer.command("pause", Command::Pause), "applied");
     assert_eq!(viewer.command("stop", Command::Stop), "applied");
     drop(viewer.into_end());
     runner.join().unwrap();
-    let mut reader = Reader::open(&house.run_folder()).unwrap();
+    let mut reader = Reader::open(&fixture.run_folder()).unwrap();
     let entries = reader.page(1, 100).unwrap();
     let told = entries.iter().filter_map(|entry| match reader.event(entry, false).unwrap() {
         Event::Commanded { envelope, .. } => Some((entry.t_ns, envelope.id)),
@@ -567,10 +567,10 @@ hierarchy ROOT
   execution B \"stuck\"
     outcome ok
 ";
-    let house = House::new(machine);
+    let fixture = RunFixture::new(machine);
     let test = "a_run_that_was_stopping_when_its_script_was_cut_off_comes_to_its_end";
-    house.die_after(&format!("tests::resuming::{test}"), "+ROOT/B", &[("stop", Command::Stop)]);
-    let (viewer, runner) = house.begin(house.resume(OnCrash::Abort, None));
+    fixture.die_after(&format!("tests::resuming::{test}"), "+ROOT/B", &[("stop", Command::Stop)]);
+    let (viewer, runner) = fixture.begin(fixture.resume(OnCrash::Abort, None));
     let text = viewer.into_end();
     runner.join().unwrap();
     assert!(text.contains("-ROOT/B=aborted\n") && text.contains("\nfinished "), "{text}");
@@ -592,13 +592,13 @@ hierarchy ROOT
 
 #[test]
 fn a_state_that_was_preempted_stays_so_when_it_is_taken_up() {
-    let house = House::new(STUCK);
+    let fixture = RunFixture::new(STUCK);
     let test = "tests::resuming::a_state_that_was_preempted_stays_so_when_it_is_taken_up";
     let preempt = Command::Preempt { path: "ROOT/A".to_owned() };
-    house.die_after(test, "+ROOT/A", &[("preempt", preempt)]);
+    fixture.die_after(test, "+ROOT/A", &[("preempt", preempt)]);
     let resume = Command::Resume { branch: None };
     check(
-        &house,
+        &fixture,
         (OnCrash::Ask, None),
         &[("ROOT is held before ROOT/B by Start", resume)],
         &expect![[r"
@@ -629,18 +629,18 @@ hierarchy ROOT
 
 #[test]
 fn a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up() {
-    let house = House::new(STARTLESS);
+    let fixture = RunFixture::new(STARTLESS);
     let test =
         "tests::resuming::a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up";
     let only = Command::RunOnlySelected { path: "ROOT/B".to_owned(), data: Vec::new() };
-    house.die_after(
+    fixture.die_after(
         test,
         "ROOT waits: there is no start state: connect the income, or stop the run",
         &[("only", only)],
     );
     let preempt = Command::Preempt { path: "ROOT/B".to_owned() };
     check(
-        &house,
+        &fixture,
         (OnCrash::Restart, None),
         &[("+ROOT/B", preempt)],
         &expect![[r"

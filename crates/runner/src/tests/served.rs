@@ -324,18 +324,18 @@ fn until_closed(socket: &str) -> Value {
 }
 
 /// A machine on disk, and a folder for its run.
-pub(super) struct House {
+pub(super) struct RunFixture {
     home: TempDir,
 }
 
-impl House {
+impl RunFixture {
     /// With the machine of this text.
     pub(super) fn new(machine: &str) -> Self {
         let home = tempfile::tempdir().unwrap();
         std::fs::write(home.path().join("config.yaml"), "{}\n").unwrap();
-        let house = Self { home };
-        house.build(machine);
-        house
+        let fixture = Self { home };
+        fixture.build(machine);
+        fixture
     }
 
     /// Puts another machine there.
@@ -364,7 +364,7 @@ impl House {
         Launch { resume, crash: Some(crash), ..self.launch() }
     }
 
-    /// A process of its own begins the run of this house, and dies of it. `test` is the test that calls this, which does nothing
+    /// A process of its own begins the run of this fixture, and dies of it. `test` is the test that calls this, which does nothing
     /// else in that process.
     pub(super) fn die(&self, test: &str) {
         self.die_after(test, "", &[]);

@@ -1,6 +1,6 @@
 //! Viewers: several at once, coming and going, with commands and questions.
 
-use super::served::{House, Viewer};
+use super::served::{RunFixture, Viewer};
 use crate::Clock;
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Answer, Command, Envelope, Expiry, Given, Join, ToRunner, ToViewer};
@@ -57,10 +57,10 @@ fn check(viewer: Viewer, expect: &Expect) {
 
 #[test]
 fn whoever_joins_is_told_what_it_asks_for_and_may_command() {
-    let house = House::new(WAITS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(WAITS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     let from = first.until_text("+ROOT/A");
-    let mut second = house.join(Join { from, every_event: true, values: false });
+    let mut second = fixture.join(Join { from, every_event: true, values: false });
     let name = second.until(|message| match message {
         ToViewer::Loaded { name, run, .. } => Some(format!("{name} {run}")),
         _ => None,
@@ -83,11 +83,11 @@ fn whoever_joins_is_told_what_it_asks_for_and_may_command() {
 
 #[test]
 fn what_a_state_waits_for_is_told_by_names() {
-    let house = House::new(LEADS_NOWHERE);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(LEADS_NOWHERE);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     let reason = "the outcome \"ok\" of \"say\" leads nowhere: connect it, or stop the run";
     first.until_text(&format!("ROOT waits: {reason}"));
-    let mut second = house.join(Join::default());
+    let mut second = fixture.join(Join::default());
     let awaited = second.until(|message| match message {
         ToViewer::Snapshot(now) => now.active.iter().find_map(|state| state.detail.clone()),
         _ => None,
@@ -100,8 +100,8 @@ fn what_a_state_waits_for_is_told_by_names() {
 
 #[test]
 fn snapshots_come_while_events_come_faster_than_they_can_be_told() {
-    let house = House::new(GOES_ON);
-    let (mut viewer, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(GOES_ON);
+    let (mut viewer, runner) = fixture.begin(fixture.launch());
     let (mut snapshots, mut told) = (Vec::new(), 0);
     viewer.until(|message| {
         match message {
@@ -120,10 +120,10 @@ fn snapshots_come_while_events_come_faster_than_they_can_be_told() {
 
 #[test]
 fn an_id_counts_once_for_all_viewers() {
-    let house = House::new(WAITS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(WAITS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/A");
-    let mut second = house.join(Join::default());
+    let mut second = fixture.join(Join::default());
     assert_eq!(first.command("pause", Command::Pause), "applied");
     assert_eq!(second.command("pause", Command::Pause), "applied");
     assert_eq!(
@@ -140,15 +140,15 @@ fn an_id_counts_once_for_all_viewers() {
 
 #[test]
 fn a_run_outlives_its_viewers_and_silent_ones_hold_up_nothing() {
-    let house = House::new(ASKS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(ASKS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("asked 1 by ROOT/A");
     drop(first);
-    let path = house.run_folder().join("socket");
+    let path = fixture.run_folder().join("socket");
     let _silent = UnixStream::connect(&path).unwrap();
     let mut rude = UnixStream::connect(&path).unwrap();
     rude.write_all(b"GET / HTTP/1.1\r\n\r\n").unwrap();
-    let mut second = house.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
     let answer = |button| Command::AnswerQuestion { question: 1, value: json!({"button": button}) };
     assert_eq!(
         second.command("1", answer(5)),
@@ -173,8 +173,8 @@ fn a_run_outlives_its_viewers_and_silent_ones_hold_up_nothing() {
 
 #[test]
 fn the_first_answer_counts_and_a_stop_withdraws_the_question() {
-    let house = House::new(ASKS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(ASKS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("asked 1 by ROOT/A");
     let answer = |question| Command::AnswerQuestion { question, value: json!({"button": 1}) };
     assert_eq!(first.command("1", answer(1)), "applied");
@@ -192,8 +192,8 @@ fn the_first_answer_counts_and_a_stop_withdraws_the_question() {
 
 #[test]
 fn what_an_active_state_holds_can_be_asked() {
-    let house = House::new(WAITS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(WAITS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/A");
     let mut held = |path: &str| {
         first.send(&ToRunner::Inspect { id: "i".to_owned(), path: path.to_owned() });
@@ -212,8 +212,8 @@ fn what_an_active_state_holds_can_be_asked() {
 
 #[test]
 fn what_is_no_command_is_answered_or_noted() {
-    let house = House::new(WAITS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(WAITS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/A");
     first.raw("{\"message\":\"command\",\"id\":\"x\",\"command\":{\"type\":\"dance\"}}\n");
     let answer = first.until(|message| match message {
@@ -231,8 +231,8 @@ fn what_is_no_command_is_answered_or_noted() {
 
 #[test]
 fn a_command_that_nobody_wants_any_more_is_not_carried_out() {
-    let house = House::new(WAITS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(WAITS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/A");
     let mut asked = |id: &str, expiry| {
         first.send(&ToRunner::Command(Envelope {
@@ -256,10 +256,10 @@ fn a_command_that_nobody_wants_any_more_is_not_carried_out() {
 
 #[test]
 fn a_runner_says_that_it_is_there_also_while_a_command_takes_its_time() {
-    let house = House::new(WAITS);
-    let (mut first, runner) = house.begin(house.launch());
+    let fixture = RunFixture::new(WAITS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/A");
-    let socket = house.machine().with_file_name("slow");
+    let socket = fixture.machine().with_file_name("slow");
     let listener = UnixListener::bind(&socket).unwrap();
     let value = json!(format!("until closed: {}", socket.display()));
     let given = Given { path: "ROOT".to_owned(), name: "number".to_owned(), value };

@@ -25,7 +25,7 @@ const TEXT_MAX: usize = 200;
 /// So many lines may wait for the disk.
 const WAITING_MAX: usize = 4096;
 /// How long the end of a server waits for them.
-const PATIENCE: Duration = Duration::from_secs(5);
+const FLUSH_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The record of who did what about access. What was noted is on disk once this is dropped.
 #[derive(Debug)]
@@ -107,7 +107,8 @@ impl Audit {
     pub(crate) fn settle(&self) {
         let (done, settled) = sync_channel(1);
         let asked = self.words.as_ref().map(|words| words.try_send(Word::Settle(done)));
-        if asked.is_none_or(|asked| asked.is_err()) || settled.recv_timeout(PATIENCE).is_err() {
+        if asked.is_none_or(|asked| asked.is_err()) || settled.recv_timeout(FLUSH_TIMEOUT).is_err()
+        {
             log::say("the disk is slow: the record of access may lack its last lines");
         }
     }

@@ -28,7 +28,7 @@ fn seen(server: &Weak<ServerState>, event: notify::Result<Event>) {
     let is_ours = event.is_ok_and(|event| {
         !event.kind.is_access() && event.paths.iter().any(|path| path.ends_with(FILE))
     });
-    if let Some(server) = server.upgrade().filter(|_house| is_ours) {
+    if let Some(server) = server.upgrade().filter(|_server| is_ours) {
         server.people().look();
     }
 }

@@ -31,8 +31,8 @@ const COUNT_MAX: usize = 64;
 /// So many bytes of them, but the last one whatever it takes.
 const BYTES_MAX: usize = 64 << 20;
 /// So long is waited for the machine of a run that has just begun, and looked for it so often.
-const PATIENCE: Duration = Duration::from_secs(10);
-const AGAIN: Duration = Duration::from_millis(50);
+const MACHINE_TIMEOUT: Duration = Duration::from_secs(10);
+const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Machines of runs as JSON.
 #[derive(Debug, Default)]
@@ -97,7 +97,7 @@ async fn machine(
 /// The machine that a run began with. Whoever asks for that of a run that has just begun waits until it is told.
 async fn began_with(server: &ServerState, run: &str, folder: &FilePath) -> Result<Hash, Failure> {
     let run = server.runs.get(run).await?;
-    let patience = Instant::now() + PATIENCE;
+    let patience = Instant::now() + MACHINE_TIMEOUT;
     loop {
         // Asked first: of a run that is over all is told.
         let is_kept = run.is_live() && run.summary().keeping != Keeping::Off;
@@ -105,7 +105,7 @@ async fn began_with(server: &ServerState, run: &str, folder: &FilePath) -> Resul
         let found = server.history.readers.read(folder.to_owned(), first).await?;
         match found {
             Some(hash) => return Ok(hash),
-            None if may_come => sleep(AGAIN).await,
+            None if may_come => sleep(RETRY_INTERVAL).await,
             None => {
                 let message =
                     "the run has not kept its machine: ask for a run that keeps its history";

@@ -15,7 +15,7 @@ use tokio::time::timeout;
 /// So many parts wait to be sent.
 const PARTS: usize = 4;
 /// So long a client may take for one.
-const PATIENCE: Duration = Duration::from_mins(1);
+const CLIENT_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// What is sent next; a failure ends the answer in the middle.
 type SentPart = Result<Bytes, Failure>;
@@ -35,7 +35,7 @@ pub(super) struct Written(mpsc::Receiver<SentPart>);
 /// Both ends. The writer needs a thread that may wait, of the runtime that this is called in.
 pub(super) fn sending() -> (Sending, Written) {
     let (parts, received) = mpsc::channel(PARTS);
-    (Sending { parts, runtime: Handle::current(), patience: PATIENCE }, Written(received))
+    (Sending { parts, runtime: Handle::current(), patience: CLIENT_TIMEOUT }, Written(received))
 }
 
 impl Written {

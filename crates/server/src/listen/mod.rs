@@ -33,10 +33,10 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 
 /// How long requests that are being answered hold the end of the server back.
-const FAREWELL: Duration = Duration::from_secs(3);
+const SHUTDOWN_GRACE: Duration = Duration::from_secs(3);
 
 /// How long a server waits when it cannot accept a connection (no file handle is free, say).
-const BREATH: Duration = Duration::from_millis(100);
+const ACCEPT_BACKOFF: Duration = Duration::from_millis(100);
 
 /// A server that listens.
 #[derive(Debug)]
@@ -109,7 +109,7 @@ pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), Serv
         ready(&server);
         server.run(asked).await
     });
-    runtime.shutdown_timeout(FAREWELL);
+    runtime.shutdown_timeout(SHUTDOWN_GRACE);
     served
 }
 
@@ -172,7 +172,7 @@ impl Server {
         drop(self.listener);
         self.state.close();
         closing.send_replace(true);
-        connections.gone(FAREWELL).await;
+        connections.gone(SHUTDOWN_GRACE).await;
         self.state.audit().settle();
         Ok(self.card.remove()?)
     }
@@ -184,7 +184,7 @@ async fn accept(listener: &TcpListener, connections: &Connections, router: &Rout
     loop {
         match listener.accept().await {
             Ok((stream, peer)) => connections.begin(stream, peer, router.clone()),
-            Err(_no_handle_or_gone) => tokio::time::sleep(BREATH).await,
+            Err(_no_handle_or_gone) => tokio::time::sleep(ACCEPT_BACKOFF).await,
         }
     }
 }

@@ -20,14 +20,14 @@ use std::time::Duration;
 use tokio::time::{sleep, timeout};
 
 /// How long an answer is waited for: a runner whose disk refuses may take long.
-const PATIENCE: Duration = Duration::from_secs(30);
+const COMMAND_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// How long an answer to a stop is waited for; then the process of the run is ended. A runner whose engine does not take a stop
 /// ends itself a little before that.
-const STOP_PATIENCE: Duration = Duration::from_secs(15);
+const STOP_TIMEOUT: Duration = Duration::from_secs(15);
 
 /// A stop whose link was lost is sent again after this time.
-const AGAIN: Duration = Duration::from_millis(100);
+const RETRY_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Gives a command to a run in the name of whoever asks.
 pub(crate) async fn command(
@@ -169,7 +169,7 @@ async fn stop(
     run: &Arc<Run>,
     envelope: Envelope,
 ) -> Result<Answer, Failure> {
-    match timeout(STOP_PATIENCE, until_answered(run, envelope)).await {
+    match timeout(STOP_TIMEOUT, until_answered(run, envelope)).await {
         // It has ended itself: its engine did not take the stop.
         Ok(Err(failure)) if failure.code() == LINK_LOST && !run.is_live() => {
             return Ok(Answer::Applied);
@@ -196,7 +196,9 @@ async fn stop(
 async fn until_answered(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
     loop {
         match send(run, envelope.clone()).await {
-            Err(failure) if failure.code() == LINK_LOST && run.is_live() => sleep(AGAIN).await,
+            Err(failure) if failure.code() == LINK_LOST && run.is_live() => {
+                sleep(RETRY_INTERVAL).await;
+            }
             answer => return answer,
         }
     }
@@ -209,7 +211,7 @@ fn pid(process: u32) -> Option<Pid> {
 async fn send(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
     let link = run.linked().await.ok_or_else(link_lost)?;
     let ends = matches!(envelope.command, Command::Kill);
-    let sent = timeout(PATIENCE, sent(run, &link, envelope));
+    let sent = timeout(COMMAND_TIMEOUT, sent(run, &link, envelope));
     match sent.await {
         Ok(Ok(answer)) => Ok(answer),
         // A runner that is killed has no last word.
@@ -246,7 +248,7 @@ fn link_lost() -> Failure {
 fn late() -> Failure {
     let message = format!(
         "the runner did not answer within {} s: ask again with the same id, it is carried out once at most",
-        PATIENCE.as_secs()
+        COMMAND_TIMEOUT.as_secs()
     );
     Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_answer", message)
 }
@@ -299,7 +301,7 @@ pub(crate) async fn inspect(
         Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_questions", message)
             .with_header("Retry-After", "1".to_owned())
     })?;
-    let asked = timeout(PATIENCE, talk::inspect(run.folder().to_path_buf(), path)).await;
+    let asked = timeout(COMMAND_TIMEOUT, talk::inspect(run.folder().to_path_buf(), path)).await;
     let data = asked.map_err(|_over| late())?.map_err(|error| not_spoken_with(&error))?;
     data.ok_or_else(|| {
         let message =

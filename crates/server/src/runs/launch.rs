@@ -20,7 +20,7 @@ use tokio::sync::oneshot;
 /// What a runner and its scripts write past the capture of script output, in the run's folder.
 pub(super) const OUTPUT_FILE: &str = "output";
 /// How long a machine may take to load.
-const PATIENCE: Duration = Duration::from_mins(2);
+const LOAD_TIMEOUT: Duration = Duration::from_mins(2);
 
 /// A runner whose run begins.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ pub(super) enum LaunchError {
     #[error("the runner ended, and how is not known")]
     Lost,
     /// It said nothing for a long time.
-    #[error("the machine was not loaded within {} s: the runner was ended", PATIENCE.as_secs())]
+    #[error("the machine was not loaded within {} s: the runner was ended", LOAD_TIMEOUT.as_secs())]
     Silent(#[source] io::Error),
     /// It says something else than this protocol.
     #[error("the runner's words make no sense")]
@@ -154,7 +154,7 @@ fn reap(mut child: Child) -> io::Result<oneshot::Receiver<Exit>> {
 }
 
 fn hear(control: &UnixStream) -> Result<FirstMessage, LaunchError> {
-    control.set_read_timeout(Some(PATIENCE)).map_err(LaunchError::Silent)?;
+    control.set_read_timeout(Some(LOAD_TIMEOUT)).map_err(LaunchError::Silent)?;
     let mut lines = BufReader::new(control);
     let Some(hello) = line(&mut lines)? else { return Ok(FirstMessage::Gone) };
     decode::<Hello>(&hello)?.check()?;

@@ -49,10 +49,10 @@ use tokio::time::timeout;
 /// So many runners are started at a time: each holds a thread until its machine is loaded.
 const LAUNCHES: usize = 4;
 /// How long a start waits for its turn.
-const TURN_PATIENCE: Duration = Duration::from_secs(30);
+const TURN_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// How long the disk is asked what runs take.
-const DISK_PATIENCE: Duration = Duration::from_millis(300);
+const DISK_TIMEOUT: Duration = Duration::from_millis(300);
 
 /// What has become of a request; held while something does.
 type Slot = Arc<tokio::sync::Mutex<Option<StartRequestState>>>;
@@ -105,7 +105,7 @@ impl Runs {
         let plain = runs.iter().map(|run| run.summary()).collect();
         let measure = spawn_blocking(move || runs.iter().map(|run| run.measured()).collect());
         // A disk that does not answer keeps nobody from seeing what goes on.
-        timeout(DISK_PATIENCE, measure).await.ok().and_then(Result::ok).unwrap_or(plain)
+        timeout(DISK_TIMEOUT, measure).await.ok().and_then(Result::ok).unwrap_or(plain)
     }
 
     /// Runs that go on, and those that changed since the server began; the newest first.
@@ -154,11 +154,11 @@ impl Runs {
 
     /// The turn of somebody who wants a runner started: as soon as there are few enough before them.
     async fn turn(&self) -> Result<OwnedSemaphorePermit, Failure> {
-        let turn = timeout(TURN_PATIENCE, Arc::clone(&self.launches).acquire_owned()).await;
+        let turn = timeout(TURN_TIMEOUT, Arc::clone(&self.launches).acquire_owned()).await;
         turn.ok().and_then(Result::ok).ok_or_else(|| {
             let message = "too many runs are being started: wait until some of them have begun";
             Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_starts", message)
-                .with_header("Retry-After", TURN_PATIENCE.as_secs().to_string())
+                .with_header("Retry-After", TURN_TIMEOUT.as_secs().to_string())
         })
     }
 

@@ -22,7 +22,7 @@ use tokio::sync::{Semaphore, SemaphorePermit, oneshot, watch};
 use tokio::time::timeout;
 
 /// How long the way to a runner is waited for by those who need it.
-const LINK_PATIENCE: Duration = Duration::from_secs(3);
+const LINK_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// So many look into active states at a time, each over a connection of its own: the runner lets few in, and others need it more.
 const GUESTS: usize = 4;
@@ -167,7 +167,7 @@ impl Run {
         let mut now = self.now();
         let is_up = |now: &Arc<RunNow>| now.link == LinkState::Up || !is_live(&now.run.phase);
         // Too late, or never: there is no link then.
-        drop(timeout(LINK_PATIENCE, now.wait_for(is_up)).await);
+        drop(timeout(LINK_TIMEOUT, now.wait_for(is_up)).await);
         self.link()
     }
 
@@ -175,7 +175,7 @@ impl Run {
     pub(super) async fn wait_settled(&self) {
         let mut now = self.now();
         let is_known = |now: &Arc<RunNow>| now.link == LinkState::Over || is_live(&now.run.phase);
-        drop(timeout(LINK_PATIENCE, now.wait_for(is_known)).await);
+        drop(timeout(LINK_TIMEOUT, now.wait_for(is_known)).await);
     }
 
     /// Lets somebody look into an active state for as long as this is held; nothing if too many do.

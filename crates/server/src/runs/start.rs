@@ -22,7 +22,7 @@ use std::time::Duration;
 use tokio::time::timeout;
 
 /// How long the runner of an earlier server is waited for.
-const PATIENCE: Duration = Duration::from_secs(40);
+const PREVIOUS_RUNNER_TIMEOUT: Duration = Duration::from_secs(40);
 
 /// Starts the run, or finds the one that was started by this id. It goes on also if whoever asks goes away meanwhile.
 pub(crate) async fn start(
@@ -106,8 +106,9 @@ impl StartRequestState {
 
 /// The run in this folder, which a server before this one was asked to start: once it has begun, or is known not to have.
 async fn settled(server: &Arc<ServerState>, folder: &Path) -> Result<Option<Arc<Run>>, Failure> {
-    let run =
-        timeout(PATIENCE, supervise::await_beginning(server, folder)).await.map_err(|_late| {
+    let run = timeout(PREVIOUS_RUNNER_TIMEOUT, supervise::await_beginning(server, folder))
+        .await
+        .map_err(|_late| {
             let message =
                 "the run of this request is still being started: ask again with the same id";
             Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message)

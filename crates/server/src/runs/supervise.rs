@@ -22,11 +22,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// After a link broke, the runner is looked for again after this time, then after twice as much, and so on up to the longest.
-const SHORTEST: Duration = Duration::from_millis(2);
-/// See [`SHORTEST`].
-const LONGEST: Duration = Duration::from_secs(1);
+const RECONNECT_MIN: Duration = Duration::from_millis(2);
+/// See [`RECONNECT_MIN`].
+const RECONNECT_MAX: Duration = Duration::from_secs(1);
 /// How long the exit status of a process of our own is waited for, once it holds its run no more.
-const LAST_BREATH: Duration = Duration::from_secs(1);
+const EXIT_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Looks into a folder and lets everybody know what is there; nothing if there is no run. A run that somebody follows already is
 /// known better than it can be found.
@@ -115,7 +115,7 @@ impl RunSupervisor {
 
     /// Follows the runner for as long as it lives.
     async fn until_it_is_dead(&mut self) {
-        let mut pause = SHORTEST;
+        let mut pause = RECONNECT_MIN;
         loop {
             let held = self.control.take();
             let linked = {
@@ -123,7 +123,7 @@ impl RunSupervisor {
                 let follow = link::follow(&run, || drop(held));
                 follow.await.is_ok()
             };
-            pause = if linked { SHORTEST } else { (pause * 2).min(LONGEST) };
+            pause = if linked { RECONNECT_MIN } else { (pause * 2).min(RECONNECT_MAX) };
             if !self.look_for_writer().await {
                 return;
             }
@@ -199,14 +199,14 @@ impl RunSupervisor {
 
     async fn exit(&self) -> Option<Exit> {
         let exit = self.run.take_exit()?;
-        tokio::time::timeout(LAST_BREATH, exit).await.ok()?.ok()
+        tokio::time::timeout(EXIT_STATUS_TIMEOUT, exit).await.ok()?.ok()
     }
 }
 
 /// Waits until a run begins, or is known not to, that a server before this one was starting when it ended; follows one that
 /// has begun. Nothing if its folder is gone.
 pub(super) async fn await_beginning(server: &Arc<ServerState>, folder: &Path) -> Option<Arc<Run>> {
-    let mut pause = SHORTEST;
+    let mut pause = RECONNECT_MIN;
     loop {
         let run = look(server, folder.to_path_buf()).await?;
         match run.summary().phase {
@@ -220,7 +220,7 @@ pub(super) async fn await_beginning(server: &Arc<ServerState>, folder: &Path) ->
             _ => return Some(run),
         }
         tokio::time::sleep(pause).await;
-        pause = (pause * 2).min(LONGEST);
+        pause = (pause * 2).min(RECONNECT_MAX);
     }
 }
 

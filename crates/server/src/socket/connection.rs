@@ -21,7 +21,7 @@ use tokio::select;
 /// So many commands and edits of one client may be under way; then its frames wait.
 const UNDER_WAY_MAX: usize = 32;
 /// How long a client that is sent away may take for the reason.
-const FAREWELL: Duration = Duration::from_secs(5);
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// A message from the client, or why there is none.
 type Received = Result<Message, axum::Error>;
@@ -56,7 +56,7 @@ where
         let reason = CloseFrame { code, reason: failure.refusal().code.into() };
         outbox.farewell(words::text(&words::refused(None, &failure)), reason);
         // Whoever does not take the reason in time goes without it.
-        drop(tokio::time::timeout(FAREWELL, writer).await);
+        drop(tokio::time::timeout(CLOSE_TIMEOUT, writer).await);
     }
 }
 

@@ -5,7 +5,7 @@ use super::feed::tell;
 use super::history::{Cursor, RunHistory};
 use super::machine::MachineHistory;
 use super::outbox::Outbox;
-use super::server_status::HouseStatus;
+use super::server_status::ServerStatusFeed;
 use super::status::Status;
 use super::words;
 use crate::access::{Who, about};
@@ -172,8 +172,8 @@ impl RequestHandler {
                 };
                 tell(Status::new(subscription, now, frame), outbox).await;
             }
-            Topic::HouseStatus => {
-                tell(HouseStatus::new(Arc::clone(&self.server), subscription), outbox).await;
+            Topic::ServerStatus => {
+                tell(ServerStatusFeed::new(Arc::clone(&self.server), subscription), outbox).await;
             }
         }
         Ok(())

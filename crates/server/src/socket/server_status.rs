@@ -12,7 +12,7 @@ use tokio::sync::watch;
 
 /// The whole server, followed by one client.
 #[derive(Debug)]
-pub(super) struct HouseStatus {
+pub(super) struct ServerStatusFeed {
     server: Arc<ServerState>,
     subscription: u32,
     files: watch::Receiver<u64>,
@@ -20,7 +20,7 @@ pub(super) struct HouseStatus {
     runs: watch::Receiver<u64>,
 }
 
-impl HouseStatus {
+impl ServerStatusFeed {
     /// The first frame tells how things stand now.
     pub(super) fn new(server: Arc<ServerState>, subscription: u32) -> Self {
         let (mut files, machines) = (server.news.of_files(), server.news.of_machines());
@@ -30,7 +30,7 @@ impl HouseStatus {
     }
 }
 
-impl Feed for HouseStatus {
+impl Feed for ServerStatusFeed {
     const EVERY: Duration = Duration::from_millis(100);
     const LANE: Lane = Lane::Status;
 
@@ -48,7 +48,7 @@ impl Feed for HouseStatus {
             news.mark_unchanged();
         }
         let status = self.server.status().await;
-        NextMessage::Now(words::text(&ToClient::HouseStatus {
+        NextMessage::Now(words::text(&ToClient::ServerStatus {
             subscription: self.subscription,
             status,
         }))

@@ -7,7 +7,7 @@ use crate::access::{Who, of_frame};
 use crate::documents::EditOperation;
 use axum::http::StatusCode;
 use rafcon_protocol::Envelope;
-use rafcon_protocol::socket::{ToClient, ToServer, Topic};
+use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
 use std::collections::BTreeSet;
 
 /// So many subscriptions one connection may have at a time.
@@ -147,7 +147,8 @@ fn too_many() -> Failure {
 fn not_a_frame(text: &str, error: &serde_json::Error) -> ToClient {
     let beginning: String = text.chars().take(80).collect();
     let message = format!(
-        "not a frame: {error}, in {beginning:?}; docs/protocol.md lists the frames that there are"
+        "not a frame: {error}, in {beginning:?}; this server speaks version {VERSION} of the frames, which \
+         docs/protocol.md lists: load the page again, or update the program"
     );
     refused(id_in(text), &Failure::bad("bad_frame", message))
 }

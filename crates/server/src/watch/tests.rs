@@ -9,7 +9,7 @@ use tokio::sync::watch::Receiver;
 use tokio::time::timeout;
 
 /// Far more than a change takes to be noticed.
-const PATIENCE: Duration = Duration::from_secs(30);
+const TEST_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A server with a project and a library root below a folder of its own.
 struct Place {
@@ -45,7 +45,7 @@ impl Place {
 
     /// Until something about files is told.
     async fn news(&mut self) {
-        timeout(PATIENCE, self.files.changed()).await.expect("news").unwrap();
+        timeout(TEST_TIMEOUT, self.files.changed()).await.expect("news").unwrap();
     }
 }
 
@@ -98,9 +98,9 @@ async fn what_another_program_does_to_an_open_machine_is_told_and_what_the_serve
     let text = fs::read_to_string(&core).unwrap();
     fs::write(&core, text.replace("Mission", "Errand")).unwrap();
     let is_changed = status.wait_for(|status| status.summary.disk == DiskState::Changed);
-    timeout(PATIENCE, is_changed).await.expect("a change").unwrap();
+    timeout(TEST_TIMEOUT, is_changed).await.expect("a change").unwrap();
 
     fs::remove_dir_all(place.path("project/one")).unwrap();
     let is_missing = status.wait_for(|status| status.summary.disk == DiskState::Missing);
-    timeout(PATIENCE, is_missing).await.expect("a change").unwrap();
+    timeout(TEST_TIMEOUT, is_missing).await.expect("a change").unwrap();
 }

@@ -7,7 +7,7 @@ import time
 import unittest
 from unittest import mock
 
-from house import House, REPOSITORY
+from api_server import ApiServer, REPOSITORY
 
 
 def blocks():
@@ -18,26 +18,26 @@ def blocks():
 
 class TheClientInTheDocument(unittest.TestCase):
     def setUp(self):
-        self.house = House()
-        self.addCleanup(lambda: self.house.end())
+        self.server = ApiServer()
+        self.addCleanup(lambda: self.server.end())
         client, program = blocks()
         for name, text in [("rafcon_client.py", client), ("step.py", program)]:
-            (self.house.folder / name).write_text(text)
+            (self.server.folder / name).write_text(text)
 
     def stepping(self):
-        command = [sys.executable, "step.py", self.house.link]
-        program = subprocess.Popen(command, cwd=self.house.folder, stdout=subprocess.PIPE, text=True)
+        command = [sys.executable, "step.py", self.server.link]
+        program = subprocess.Popen(command, cwd=self.server.folder, stdout=subprocess.PIPE, text=True)
         self.addCleanup(program.stdout.close)
         self.addCleanup(program.kill)
         return program
 
     def check(self, told):
         """What was told is what the run's journal has, from its beginning to its end."""
-        [run] = self.house.request("GET", "/runs")
+        [run] = self.server.request("GET", "/runs")
         self.assertEqual(run["phase"], "finished")
         kept = [
             f"{event['sequence']} {event['type']} {event['path']}\n"
-            for event in map(flat, self.house.history(run["id"]))
+            for event in map(flat, self.server.history(run["id"]))
             if event["type"] in ("entered", "left")
         ]
         self.assertEqual(told, kept)
@@ -54,7 +54,7 @@ class TheClientInTheDocument(unittest.TestCase):
         self.check(told)
 
     def test_its_commands_do_not_go_by_its_own_clock(self):
-        client = runpy.run_path(str(self.house.folder / "rafcon_client.py"))["Rafcon"](self.house.link)
+        client = runpy.run_path(str(self.server.folder / "rafcon_client.py"))["Rafcon"](self.server.link)
         run = client.start("examples", "hierarchy_and_data", hold=True)
         events = client.follow(run)
         self.addCleanup(events.close)
@@ -67,8 +67,8 @@ class TheClientInTheDocument(unittest.TestCase):
     def test_goes_on_after_the_server_was_killed(self):
         program = self.stepping()
         told = [program.stdout.readline() for _ in range(7)]
-        self.house.kill()
-        self.house.again()
+        self.server.kill()
+        self.server.again()
         told += list(program.stdout)
         self.assertEqual(program.wait(), 0)
         self.check(told)

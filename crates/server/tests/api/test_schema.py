@@ -7,7 +7,7 @@ import sys
 import time
 import unittest
 
-from house import House
+from api_server import ApiServer
 
 # A route is asked so often with made-up parameters, and so often with those of things that are there.
 EXAMPLES = 8
@@ -34,29 +34,29 @@ TOOL = pathlib.Path(sys.executable).with_name("st")
 class TheDescription(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.house = House()
-        cls.addClassCleanup(cls.house.end)
+        cls.server = ApiServer()
+        cls.addClassCleanup(cls.server.end)
 
     def started(self, number, **more):
         machine = {"project": "examples", "path": "hierarchy_and_data"}
         body = {"id": f"schema-{number}", "machine": machine, **more}
-        return self.house.request("POST", "/runs", body)["id"]
+        return self.server.request("POST", "/runs", body)["id"]
 
     def finished(self, number):
         run = self.started(number)
-        while self.house.request("GET", f"/runs/{run}")["run"]["phase"] != "finished":
+        while self.server.request("GET", f"/runs/{run}")["run"]["phase"] != "finished":
             time.sleep(0.05)
         return run
 
     def check(self, *options, parameters=""):
-        config = self.house.folder / "schemathesis.toml"
+        config = self.server.folder / "schemathesis.toml"
         config.write_text(parameters)
-        command = [TOOL, f"--config-file={config}", "run", f"{self.house.url}/api/v1/openapi.json"]
-        command += ["--header", f"Authorization: Bearer {self.house.token}"]
+        command = [TOOL, f"--config-file={config}", "run", f"{self.server.url}/api/v1/openapi.json"]
+        command += ["--header", f"Authorization: Bearer {self.server.token}"]
         command += ["--checks", ",".join(CHECKS), "--phases=examples,coverage,fuzzing"]
         command += [f"--max-examples={EXAMPLES}", "--seed=1", "--continue-on-failure", "--no-color"]
         ended = subprocess.run(
-            command + list(options), cwd=self.house.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            command + list(options), cwd=self.server.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         self.assertEqual(ended.returncode, 0, ended.stdout)
 
@@ -67,9 +67,9 @@ class TheDescription(unittest.TestCase):
         first, second = self.finished(1), self.finished(2)
         held = self.started(3, hold=True)
         where = {"project": "examples", "path": "mission"}
-        machine = self.house.request("POST", "/machines/open", {"file": where})["id"]
+        machine = self.server.request("POST", "/machines/open", {"file": where})["id"]
         things = {"other": second, "machine": machine, "project": "examples", "root": "library"}
-        things |= {"path": library(self.house), "value": 1, "sequence": 5}
+        things |= {"path": library(self.server), "value": 1, "sequence": 5}
         without = [f"--exclude-name={name}" for name in DESTRUCTIVE]
         self.check(*without, parameters=given({**things, "run": first}))
         runs = "--include-path-regex=/runs/"
@@ -82,9 +82,9 @@ def given(things):
     return "\n".join(["[parameters]", *lines, ""])
 
 
-def library(house):
+def library(server):
     """The path of a library below its root."""
-    [node] = house.request("GET", "/libraries")
+    [node] = server.request("GET", "/libraries")
     path = []
     while node.get("kind") != "library":
         node = node["children"][0]

@@ -197,10 +197,10 @@ fn a_frame_is_text_and_not_too_large() {
 }
 
 #[test]
-fn the_house_is_told_at_once_and_when_a_run_appears() {
+fn the_server_is_told_at_once_and_when_a_run_appears() {
     let server = server(1);
     let mut client = Client::connect(&server, Role::Viewer);
-    client.subscribe(1, &json!({ "topic": "house_status" }));
+    client.subscribe(1, &json!({ "topic": "server_status" }));
     assert_eq!(client.hear()["status"]["runs"], json!([]));
     let elsewhere = tempfile::tempdir_in(server.state()).unwrap();
     socket_runs::make(elsewhere.path(), "s", 1);
@@ -243,7 +243,7 @@ fn anything() -> impl Strategy<Value = String> {
         r#""subscription":-1"#,
         r#""topic":{"topic":"run_history","run":"r","from":18446744073709551615}"#,
         r#""topic":{"topic":"run_status","run":"r"}"#,
-        r#""topic":{"topic":"house_status"}"#,
+        r#""topic":{"topic":"server_status"}"#,
         r#""run":"r""#,
         r#""envelope":{"id":"","command":{"type":"stop"}}"#,
         r#""envelope":{"id":"1","command":{"type":"kill"}}"#,

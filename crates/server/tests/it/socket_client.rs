@@ -9,7 +9,7 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
 /// Longer than any answer takes on any computer.
-const PATIENCE: Duration = Duration::from_mins(1);
+const TEST_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// One connection.
 pub(crate) struct Client {
@@ -27,7 +27,7 @@ impl Client {
     /// Connects with this token and hears nothing yet.
     pub(crate) fn with(server: &TestServer, token: &str) -> Self {
         let stream = TcpStream::connect(server.address()).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TEST_TIMEOUT)).unwrap();
         let address = server.url().replace("http://", "ws://") + "/api/v1/socket";
         let mut request = address.into_client_request().unwrap();
         let token = format!("Bearer {token}").parse().unwrap();

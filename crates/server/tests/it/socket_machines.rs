@@ -177,7 +177,7 @@ fn who_looks_at_a_machine_is_told_to_others_until_they_go() {
 fn who_gets_another_role_or_is_removed_is_sent_away() {
     let server = TestServer::new();
     let mut client = Client::connect(&server, Role::Operator);
-    client.subscribe(1, &json!({ "topic": "house_status" }));
+    client.subscribe(1, &json!({ "topic": "server_status" }));
     client.hear();
     let role = json!({ "role": "viewer" });
     server.call(Some(Role::Admin), "PATCH", "/api/v1/users/operator", Some(&role));

@@ -831,15 +831,6 @@ export type Holding = {
   /** By what. */
   by: HeldBy, };
 
-/** The latest truth about everything that the server looks after. */
-export type HouseStatus = {
-  /** Changes whenever a file of a project or library does: ask for the trees again. */
-  files_revision: number,
-  /** Open machines. */
-  machines: Array<MachineSummary>,
-  /** Runs that go on, and those that changed since the server began; the newest first. */
-  runs: Array<RunSummary>, };
-
 export type JsonValue = number | string | boolean | Array<JsonValue> | { [key in string]: JsonValue } | null;
 
 /** Makes an open machine what it was at another revision: a step like any other, which its author can take back. */
@@ -1568,6 +1559,15 @@ export type Selection = {
   /** Data flows between the states and variables. */
   data_flows?: Array<DataFlowDocument>, };
 
+/** The latest truth about everything that the server looks after. */
+export type ServerStatus = {
+  /** Changes whenever a file of a project or library does: ask for the trees again. */
+  files_revision: number,
+  /** Open machines. */
+  machines: Array<MachineSummary>,
+  /** Runs that go on, and those that changed since the server began; the newest first. */
+  runs: Array<RunSummary>, };
+
 /** Who somebody is. */
 export type Session = {
   /** The user's name. */
@@ -1766,11 +1766,11 @@ export type ToClient = { "frame": "welcome",
   /** Of this subscription. */
   subscription: number,
   /** The truth. */
-  status: MachineStatus, } | { "frame": "house_status",
+  status: MachineStatus, } | { "frame": "server_status",
   /** Of this subscription. */
   subscription: number,
   /** The truth. */
-  status: HouseStatus, } | { "frame": "ended",
+  status: ServerStatus, } | { "frame": "ended",
   /** Of this subscription. */
   subscription: number,
   /** Why, if it was refused. */
@@ -1856,7 +1856,7 @@ export type Topic = { "topic": "run_history",
   /** The first revision that the client has not seen. */
   from: number, } | { "topic": "machine_status",
   /** The machine's id. */
-  machine: string, } | { "topic": "house_status" };
+  machine: string, } | { "topic": "server_status" };
 
 /** What runs next after an outcome. */
 export type TransitionDocument = {
@@ -1902,3 +1902,6 @@ export type User = {
 
 /** On which side of a state. */
 export type When = "before" | "after";
+
+/** The version of the frames on the socket. */
+export const FRAMES_VERSION = 2;

@@ -56,7 +56,7 @@ fn told(todo: &Todo) -> String {
 /// The server's clock is ahead by 100 s.
 fn welcome(connection: u64) -> Value {
     let session = json!({"user": "ana", "role": "operator", "rights": [], "version": "0.1.0", "expires_ms": null});
-    json!({"frame": "welcome", "protocol": 1, "session": session, "connection": connection, "now_ms": 101_000})
+    json!({"frame": "welcome", "protocol": 2, "session": session, "connection": connection, "now_ms": 101_000})
 }
 
 fn status(phase: &str, link: &str, safe: Option<u64>, events: u64) -> Value {
@@ -335,13 +335,13 @@ fn a_server_of_another_version_is_not_spoken_with() {
         true,
         vec![Hear(frame)],
         &expect![[r#"
-        Hello(Hello { protocol: 2, program: "0.1.0" })
-        --
-        > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
-        --
-        Refused("the server (version 0.1.0) speaks version 9 of the socket's frames, this program 1: install the same version of rafcon on both computers")
-        --
-    "#]],
+            Hello(Hello { protocol: 2, program: "0.1.0" })
+            --
+            > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
+            --
+            Refused("the server (version 0.1.0) speaks version 9 of the socket's frames, this program 2: install the same version of rafcon on both computers")
+            --
+        "#]],
     );
 }
 

@@ -21,7 +21,7 @@ use std::thread;
 use std::time::Duration;
 
 /// For how long a start is asked for again whose answer got lost.
-const PATIENCE: Duration = Duration::from_mins(1);
+const START_RETRY_TIMEOUT: Duration = Duration::from_mins(1);
 /// Between two attempts.
 const PAUSE: Duration = Duration::from_secs(1);
 
@@ -130,7 +130,7 @@ fn machine(raw: &cli::Run) -> Result<MachineFile> {
 
 /// Asks for a run, and again by the same id if the answer got lost.
 fn begun(clock: Clock, ask: impl Fn() -> Result<RunSummary, Fault>) -> Result<RunSummary, Fault> {
-    let (until, mut is_sent) = (clock.now() + PATIENCE, false);
+    let (until, mut is_sent) = (clock.now() + START_RETRY_TIMEOUT, false);
     loop {
         let fault = match ask() {
             Ok(run) => return Ok(run),

@@ -18,7 +18,7 @@ const COMMITS_MAX: usize = 200;
 const BYTES_MAX: u64 = 128 << 20;
 /// So many files may a commit have below the folder.
 const FILES_MAX: usize = 200_000;
-const PATIENCE: Duration = Duration::from_secs(20);
+const GIT_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// One file of a commit.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl GitFolder<'_> {
         input: Vec<u8>,
         output: u64,
     ) -> Result<ChildOutput, ChildError> {
-        ask(self.git(arguments), input, ChildLimits { patience: PATIENCE, output }).await
+        ask(self.git(arguments), input, ChildLimits { patience: GIT_TIMEOUT, output }).await
     }
 
     /// Whether there is a repository and all of it lies in the project. A file `.git`, a link or `commondir` may lead to another.

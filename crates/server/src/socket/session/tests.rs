@@ -31,15 +31,15 @@ fn a_number_is_one_subscription_at_a_time() {
         Role::Viewer,
         r#"
             {"frame":"subscribe","subscription":1,"topic":{"topic":"run_history","run":"r","from":7,"values":true}}
-            {"frame":"subscribe","subscription":1,"topic":{"topic":"house_status"}}
+            {"frame":"subscribe","subscription":1,"topic":{"topic":"server_status"}}
             {"frame":"unsubscribe","subscription":1}
-            {"frame":"subscribe","subscription":1,"topic":{"topic":"house_status"}}
+            {"frame":"subscribe","subscription":1,"topic":{"topic":"server_status"}}
         "#,
         &expect![[r#"
             Begin(1, RunHistory { run: "r", from: 7, values: true })
             {"frame":"refused","id":null,"refusal":{"code":"subscription_in_use","message":"subscription 1 is there already: unsubscribe it first, or choose another number"}}
             GiveUp(1)
-            Begin(1, HouseStatus)
+            Begin(1, ServerStatus)
         "#]],
     );
 }
@@ -49,7 +49,7 @@ fn subscriptions_are_limited() {
     let mut session = Session::default();
     let subscribe = |number: usize| {
         format!(
-            r#"{{"frame":"subscribe","subscription":{number},"topic":{{"topic":"house_status"}}}}"#
+            r#"{{"frame":"subscribe","subscription":{number},"topic":{{"topic":"server_status"}}}}"#
         )
     };
     for number in 0..SUBSCRIPTIONS_MAX {
@@ -61,7 +61,7 @@ fn subscriptions_are_limited() {
     .assert_eq(&hear(&mut session, Role::Viewer, &subscribe(900)));
     session.ended(3);
     expect![["
-        Begin(900, HouseStatus)
+        Begin(900, ServerStatus)
     "]]
     .assert_eq(&hear(&mut session, Role::Viewer, &subscribe(900)));
 }
@@ -102,10 +102,10 @@ fn what_is_no_frame_is_refused_with_its_id() {
             {"frame":"edit","machine":"m","edit":{"id":"e1"}}
         "#,
         &expect![[r#"
-            {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: expected value at line 1 column 1, in \"hallo\"; docs/protocol.md lists the frames that there are"}}
-            {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: unknown variant `dance`, expected one of `subscribe`, `unsubscribe`, `command`, `edit`, `undo`, `redo`, `presence`, `ping` at line 1 column 16, in \"{\\\"frame\\\":\\\"dance\\\"}\"; docs/protocol.md lists the frames that there are"}}
-            {"frame":"refused","id":"c1","refusal":{"code":"bad_frame","message":"not a frame: missing field `path`, in \"{\\\"frame\\\":\\\"command\\\",\\\"run\\\":\\\"r\\\",\\\"envelope\\\":{\\\"id\\\":\\\"c1\\\",\\\"command\\\":{\\\"type\\\":\\\"run_to\\\"}}}\"; docs/protocol.md lists the frames that there are"}}
-            {"frame":"refused","id":"e1","refusal":{"code":"bad_frame","message":"not a frame: missing field `name`, in \"{\\\"frame\\\":\\\"edit\\\",\\\"machine\\\":\\\"m\\\",\\\"edit\\\":{\\\"id\\\":\\\"e1\\\"}}\"; docs/protocol.md lists the frames that there are"}}
+            {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: expected value at line 1 column 1, in \"hallo\"; this server speaks version 2 of the frames, which docs/protocol.md lists: load the page again, or update the program"}}
+            {"frame":"refused","id":null,"refusal":{"code":"bad_frame","message":"not a frame: unknown variant `dance`, expected one of `subscribe`, `unsubscribe`, `command`, `edit`, `undo`, `redo`, `presence`, `ping` at line 1 column 16, in \"{\\\"frame\\\":\\\"dance\\\"}\"; this server speaks version 2 of the frames, which docs/protocol.md lists: load the page again, or update the program"}}
+            {"frame":"refused","id":"c1","refusal":{"code":"bad_frame","message":"not a frame: missing field `path`, in \"{\\\"frame\\\":\\\"command\\\",\\\"run\\\":\\\"r\\\",\\\"envelope\\\":{\\\"id\\\":\\\"c1\\\",\\\"command\\\":{\\\"type\\\":\\\"run_to\\\"}}}\"; this server speaks version 2 of the frames, which docs/protocol.md lists: load the page again, or update the program"}}
+            {"frame":"refused","id":"e1","refusal":{"code":"bad_frame","message":"not a frame: missing field `name`, in \"{\\\"frame\\\":\\\"edit\\\",\\\"machine\\\":\\\"m\\\",\\\"edit\\\":{\\\"id\\\":\\\"e1\\\"}}\"; this server speaks version 2 of the frames, which docs/protocol.md lists: load the page again, or update the program"}}
         "#]],
     );
 }

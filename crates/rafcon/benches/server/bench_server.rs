@@ -20,13 +20,13 @@ pub(crate) const HISTORY: u32 = 1;
 
 /// A server in a folder of its own.
 #[derive(Debug)]
-pub(crate) struct House {
+pub(crate) struct BenchServer {
     folder: TempDir,
     served: Served,
     project: String,
 }
 
-impl House {
+impl BenchServer {
     pub(crate) fn new() -> Result<Self> {
         let folder = tempfile::tempdir()?;
         fs::create_dir(folder.path().join("project"))?;
@@ -91,7 +91,7 @@ impl House {
     }
 }
 
-impl Drop for House {
+impl Drop for BenchServer {
     fn drop(&mut self) {
         let runs = fs::read_dir(self.path("runs")).into_iter().flatten().flatten();
         for run in runs {

@@ -16,7 +16,7 @@ pub struct Health {
 /// The latest truth about everything that the server looks after.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
-pub struct HouseStatus {
+pub struct ServerStatus {
     /// Changes whenever a file of a project or library does: ask for the trees again.
     pub files_revision: u64,
     /// Open machines.

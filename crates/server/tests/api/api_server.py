@@ -14,7 +14,7 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[4]
 BINARY = os.environ["RAFCON_BINARY"]
 
 
-class House:
+class ApiServer:
     """`rafcon serve` on a copy of the examples."""
 
     def __init__(self):
