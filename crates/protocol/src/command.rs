@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Envelope {
-    /// Chosen by the sender; the same id is carried out once.
-    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
+    /// Chosen by the sender, of 128 bytes at most; the same id is carried out once. A server puts the user's name before it.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 193))]
     pub id: String,
     /// Who asks, for the record.
     #[serde(default)]

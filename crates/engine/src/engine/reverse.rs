@@ -1,5 +1,5 @@
 //! One step back: what can go, and what a hierarchy does. Each branch steps back to its own start; how states are entered and
-//! left backwards stands in `back_in.rs` and `back_out.rs`.
+//! left backwards stands in `reverse_enter.rs` and `reverse_leave.rs`.
 
 use super::Refusal;
 use super::frames::{Frame, NONE};

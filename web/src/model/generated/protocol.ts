@@ -510,7 +510,7 @@ export type Element = "state" | "name" | "income" | { "outcome": number } | { "i
 
 /** A command with what law 7 asks for: an id, the moment it was decided on, and an expiry. */
 export type Envelope = {
-  /** Chosen by the sender; the same id is carried out once. */
+  /** Chosen by the sender, of 128 bytes at most; the same id is carried out once. A server puts the user's name before it. */
   id: string,
   /** Who asks, for the record. */
   author: string,
