@@ -33,7 +33,7 @@ pub struct Audit {
     /// Nothing while it is dropped.
     words: Option<SyncSender<Word>>,
     writer: Option<JoinHandle<()>>,
-    seldom: Mutex<RecentNotes>,
+    recent_notes: Mutex<RecentNotes>,
     /// Lines for which there was no room.
     missed: Arc<AtomicU64>,
 }
@@ -74,7 +74,12 @@ impl Audit {
         let writer = thread::Builder::new().name("audit".to_owned()).spawn(write);
         let writer =
             writer.map_err(|source| PrivateError::new("write", &file(folder, 0), source))?;
-        Ok(Self { words: Some(words), writer: Some(writer), seldom: Mutex::default(), missed })
+        Ok(Self {
+            words: Some(words),
+            writer: Some(writer),
+            recent_notes: Mutex::default(),
+            missed,
+        })
     }
 
     /// Notes what a user did: `what` is a stable word, `about` says more to people.
@@ -86,7 +91,7 @@ impl Audit {
     /// the next note.
     pub(super) fn note_often(&self, of: &str, user: &str, what: &str, about: &str) {
         let now_ms = since_1970_ms();
-        match self.seldom.lock().may(&format!("{what} {of}"), now_ms) {
+        match self.recent_notes.lock().may(&format!("{what} {of}"), now_ms) {
             Some(0) => self.note_at(now_ms, user, what, about),
             Some(before) => {
                 self.note_at(now_ms, user, what, &format!("{about}, and {before} times before"));

@@ -62,20 +62,20 @@ mod tests {
 
     #[test]
     fn ten_a_minute_are_told_and_the_others_counted() {
-        let mut seldom = RecentNotes::default();
-        let told = (0..100).filter(|now_ms| seldom.may("refused anna", *now_ms) == Some(0));
+        let mut recent_notes = RecentNotes::default();
+        let told = (0..100).filter(|now_ms| recent_notes.may("refused anna", *now_ms) == Some(0));
         assert_eq!(told.count(), 10);
-        assert_eq!(seldom.may("refused ben", 100), Some(0));
-        assert_eq!(seldom.may("refused anna", MINUTE_MS), Some(90));
-        assert_eq!(seldom.may("refused anna", MINUTE_MS), Some(0));
+        assert_eq!(recent_notes.may("refused ben", 100), Some(0));
+        assert_eq!(recent_notes.may("refused anna", MINUTE_MS), Some(90));
+        assert_eq!(recent_notes.may("refused anna", MINUTE_MS), Some(0));
     }
 
     #[test]
     fn whatever_strangers_are_called_it_is_bounded() {
-        let mut seldom = RecentNotes::default();
-        let told = (0..3 * MAX).filter(|name| seldom.may(&name.to_string(), 7).is_some());
+        let mut recent_notes = RecentNotes::default();
+        let told = (0..3 * MAX).filter(|name| recent_notes.may(&name.to_string(), 7).is_some());
         assert_eq!(told.count(), MAX + 10);
-        assert_eq!(seldom.minutes.len(), MAX + 1);
-        assert_eq!(seldom.may("anna", 7 + MINUTE_MS), Some(0));
+        assert_eq!(recent_notes.minutes.len(), MAX + 1);
+        assert_eq!(recent_notes.may("anna", 7 + MINUTE_MS), Some(0));
     }
 }

@@ -61,7 +61,7 @@ struct PageLimits {
 fn page(
     reader: &mut Reader,
     from: u64,
-    room: PageLimits,
+    limits: PageLimits,
     values: bool,
 ) -> Result<HistoryPage, Failure> {
     let mut page = HistoryPage { entries: Vec::new(), next: from };
@@ -78,7 +78,7 @@ fn page(
             }
             Err(error) => failure = Some(error),
         }
-        let is_full = page.entries.len() >= room.count || bytes >= room.bytes;
+        let is_full = page.entries.len() >= limits.count || bytes >= limits.bytes;
         if is_full || failure.is_some() { ControlFlow::Break(()) } else { go_on(page.next) }
     })?;
     failure.map_or(Ok(page), Err)
@@ -144,8 +144,8 @@ mod tests {
             let mut reader = run(folder.path(), rounds);
             let (mut found, mut from) = (Vec::new(), 0);
             for (count, bytes) in sizes.iter().cycle() {
-                let room = PageLimits { count: *count, bytes: *bytes };
-                let page = page(&mut reader, from, room, values).unwrap();
+                let limits = PageLimits { count: *count, bytes: *bytes };
+                let page = page(&mut reader, from, limits, values).unwrap();
                 prop_assert!(page.entries.len() <= *count);
                 if page.next == from {
                     break;

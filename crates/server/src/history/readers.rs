@@ -35,7 +35,7 @@ pub(crate) struct Readers {
 #[derive(Debug)]
 struct OpenReader {
     folder: PathBuf,
-    mark: JournalVersion,
+    version: JournalVersion,
     reader: Reader,
 }
 
@@ -120,12 +120,12 @@ impl Readers {
 
     fn take(&self, folder: &Path) -> Result<OpenReader, JournalError> {
         // Asked before the journal is opened: what changes in between is noticed next time.
-        let mark = JournalVersion::of(folder)?;
-        let known = self.take_idle(folder).filter(|open| open.mark == mark);
+        let version = JournalVersion::of(folder)?;
+        let known = self.take_idle(folder).filter(|open| open.version == version);
         if let Some(open) = known {
             return Ok(open);
         }
-        Ok(OpenReader { folder: folder.to_owned(), mark, reader: Reader::open(folder)? })
+        Ok(OpenReader { folder: folder.to_owned(), version, reader: Reader::open(folder)? })
     }
 
     fn take_idle(&self, folder: &Path) -> Option<OpenReader> {
