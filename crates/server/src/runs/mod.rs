@@ -73,6 +73,8 @@ pub(crate) struct Runs {
     all: Mutex<BTreeMap<String, Arc<Run>>>,
     requests: Mutex<BTreeMap<String, Slot>>,
     launches: Arc<Semaphore>,
+    /// Taken while the disk is asked what runs take.
+    measuring: Arc<Semaphore>,
     /// Whether the folder was looked through.
     known: tokio_watch::Sender<bool>,
     watch: Mutex<Option<watch::RunFolderWatch>>,
@@ -87,6 +89,7 @@ impl Runs {
             all: Mutex::default(),
             requests: Mutex::default(),
             launches: Arc::new(Semaphore::new(LAUNCHES)),
+            measuring: Arc::new(Semaphore::new(1)),
             known: tokio_watch::Sender::new(false),
             watch: Mutex::default(),
             news: news.counter_of_runs(),
@@ -102,10 +105,15 @@ impl Runs {
     pub(crate) async fn list(&self) -> Vec<RunSummary> {
         self.wait_until_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
-        let plain = runs.iter().map(|run| run.summary()).collect();
-        let measure = spawn_blocking(move || runs.iter().map(|run| run.measured()).collect());
-        // A disk that does not answer keeps nobody from seeing what goes on.
-        timeout(DISK_TIMEOUT, measure).await.ok().and_then(Result::ok).unwrap_or(plain)
+        let plain = || runs.iter().map(|run| run.summary()).collect();
+        // A disk that does not answer keeps nobody from seeing what goes on, and one thread at most.
+        let Ok(turn) = Arc::clone(&self.measuring).try_acquire_owned() else { return plain() };
+        let measured = runs.clone();
+        let measure = spawn_blocking(move || {
+            let _held = turn;
+            measured.iter().map(|run| run.measured()).collect()
+        });
+        timeout(DISK_TIMEOUT, measure).await.ok().and_then(Result::ok).unwrap_or_else(plain)
     }
 
     /// Runs that go on, and those that changed since the server began; the newest first.
