@@ -82,10 +82,7 @@ fn run_part(part: Part, product: &Product) -> Result<()> {
             interface(product)
         }
         Part::Web => web::test(),
-        Part::E2e => {
-            web::build()?;
-            browser(product)
-        }
+        Part::E2e => browser(product),
         Part::Conformance => conformance::run(&conformance::ConformanceOptions::without_build()),
     }
 }
@@ -117,14 +114,10 @@ fn run_beside(part: Part) -> Result<()> {
     let mut command = process::cargo();
     command.args(["xtask", "test", "--no-build", "--only", &name]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
-    let outputs: [Option<Box<dyn Read + Send>>; 2] = [
-        child.stdout.take().map(|output| Box::new(output) as _),
-        child.stderr.take().map(|output| Box::new(output) as _),
-    ];
+    let (output, errors) = (child.stdout.take(), child.stderr.take());
     thread::scope(|scope| {
-        for output in outputs.into_iter().flatten() {
-            scope.spawn(|| show_lines(&name, output));
-        }
+        scope.spawn(|| output.map(|output| show_lines(&name, output)));
+        scope.spawn(|| errors.map(|errors| show_lines(&name, errors)));
     });
     let status = child.wait()?;
     println!("{name} | ended: {status}");
@@ -192,6 +185,7 @@ fn interface(product: &Product) -> Result<()> {
 
 /// `web/e2e`: a browser, the page as it is built, the real server and the reference's core. And a run that is watched for a while.
 fn browser(product: &Product) -> Result<()> {
+    web::build()?;
     let reference = Reference::installed()?;
     let mut journeys = web::program("vitest")?;
     journeys.args(["run", "--config", "e2e/vitest.config.ts"]);

@@ -58,7 +58,6 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             if self.tell_new() {
                 return;
             }
-            self.tell_snapshot();
             self.rest();
         }
     }
@@ -80,10 +79,10 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             if read.closed || self.sender.is_lost() {
                 return true;
             }
+            self.tell_snapshot();
             if caught_up {
                 return false;
             }
-            self.tell_snapshot();
         }
     }
 

@@ -47,7 +47,8 @@ fn findings_in(file: &Path, text: &str) -> Vec<String> {
     findings
 }
 
-fn is_test(file: &Path) -> bool {
+/// Whether a file holds tests and nothing of a product.
+pub(super) fn is_test(file: &Path) -> bool {
     file.ends_with("tests.rs")
         || file.components().any(|part| part == Component::Normal("tests".as_ref()))
 }

@@ -1,10 +1,11 @@
 //! A type's name stands for one thing in its crate, and what is called like a question only answers.
 
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
+use super::modules::is_test;
 use crate::workspace;
 
 /// How a name begins that asks.
@@ -40,12 +41,8 @@ pub(super) fn check() -> Result<Vec<String>> {
 /// The `src` folder that a file of a product lies in; none for tests.
 fn source_folder(file: &Path) -> Option<PathBuf> {
     let parts: Vec<_> = file.components().collect();
-    let is_test = |part: &Component<'_>| {
-        let name = part.as_os_str().to_string_lossy();
-        name == "tests" || name == "tests.rs" || name == "testing.rs" || name.ends_with("_tests.rs")
-    };
     let source = parts.iter().position(|part| part.as_os_str() == "src")?;
-    (!parts.iter().any(is_test)).then(|| parts[..=source].iter().collect())
+    (!is_test(file)).then(|| parts[..=source].iter().collect())
 }
 
 /// The types that a file declares outside functions and tests.
