@@ -1,6 +1,7 @@
 //! All tests: Rust, documentation, Python side with every interpreter found, the server's interface, the page without and with
 //! a browser, conformance with the reference.
 
+use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -58,6 +59,8 @@ enum Part {
 const SIDE_BY_SIDE: [Part; 5] = [Part::E2e, Part::Python, Part::Api, Part::Conformance, Part::Web];
 /// So many at a time.
 const AT_ONCE: usize = 2;
+/// So many lines of a part that failed are shown again.
+const LAST_LINES: usize = 60;
 
 /// Runs them all, or the part asked for, setting up what they need.
 pub(crate) fn run(options: &TestOptions) -> Result<()> {
@@ -88,6 +91,7 @@ fn run_part(part: Part, product: &Product) -> Result<()> {
 }
 
 /// Each part in a process of its own, whose lines begin with its name. All run to their end, whatever fails.
+/// The last lines of those that failed are shown once more, where nothing of another part is between them.
 fn run_side_by_side() -> Result<()> {
     let waiting = Mutex::new(SIDE_BY_SIDE.into_iter());
     let failed = Mutex::new(Vec::new());
@@ -103,7 +107,7 @@ fn run_side_by_side() -> Result<()> {
     thread::scope(|scope| (0..AT_ONCE).for_each(|_| drop(scope.spawn(work))));
     let failed = failed.into_inner().unwrap_or_default();
     if !failed.is_empty() {
-        bail!("{}", failed.join("; "));
+        bail!("{}", failed.join("\n\n"));
     }
     Ok(())
 }
@@ -115,21 +119,30 @@ fn run_beside(part: Part) -> Result<()> {
     command.args(["xtask", "test", "--no-build", "--only", &name]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let (output, errors) = (child.stdout.take(), child.stderr.take());
+    let tail = Mutex::new(VecDeque::with_capacity(LAST_LINES));
     thread::scope(|scope| {
-        scope.spawn(|| output.map(|output| show_lines(&name, output)));
-        scope.spawn(|| errors.map(|errors| show_lines(&name, errors)));
+        scope.spawn(|| output.map(|output| show_lines(&name, output, &tail)));
+        scope.spawn(|| errors.map(|errors| show_lines(&name, errors, &tail)));
     });
     let status = child.wait()?;
     println!("{name} | ended: {status}");
     if !status.success() {
-        bail!("`cargo xtask test --only {name}` failed: {status}");
+        let tail = Vec::from(tail.into_inner().unwrap_or_default()).join("\n");
+        bail!("`cargo xtask test --only {name}` failed: {status}. Its last lines:\n{tail}");
     }
     Ok(())
 }
 
-fn show_lines(name: &str, output: impl Read) {
+fn show_lines(name: &str, output: impl Read, tail: &Mutex<VecDeque<String>>) {
     for line in BufReader::new(output).split(b'\n').map_while(Result::ok) {
-        println!("{name} | {}", String::from_utf8_lossy(&line));
+        let line = format!("{name} | {}", String::from_utf8_lossy(&line));
+        println!("{line}");
+        if let Ok(mut tail) = tail.lock() {
+            if tail.len() == LAST_LINES {
+                tail.pop_front();
+            }
+            tail.push_back(line);
+        }
     }
 }
 
