@@ -137,19 +137,17 @@ export class Firefox {
 
   /** The first thing that is found by these steps, each inside of what the one before found; waits until it is there. */
   async find(steps: readonly Step[]): Promise<Found> {
-    let startNodes: readonly Found[] | undefined;
+    const value = { type: "string", value: JSON.stringify(steps) };
+    const asked = {
+      functionDeclaration: LOOK,
+      arguments: [value],
+      target: { context: this.#context },
+      awaitPromise: false,
+      resultOwnership: "root",
+    };
     const look = async () => {
-      startNodes = undefined;
-      for (const step of steps) {
-        const locator =
-          "css" in step ? { type: "css", value: step.css } : { type: "accessibility", value: step };
-        const inside = startNodes === undefined ? {} : { startNodes };
-        const asked = { context: this.#context, locator, maxNodeCount: 1, ...inside };
-        const { nodes } = await this.#ask("browsingContext.locateNodes", asked);
-        startNodes = nodes as Found[];
-        if (startNodes.length === 0) return undefined;
-      }
-      return startNodes?.[0];
+      const { result } = (await this.#ask("script.callFunction", asked)) as { result?: Found };
+      return result?.sharedId === undefined ? undefined : result;
     };
     return vi.waitUntil(look, PATIENCE);
   }
@@ -234,6 +232,33 @@ function move(at: Found | Point) {
   }
   return { type: "pointerMove", x: Math.round(at.x), y: Math.round(at.y) };
 }
+
+/** Looks things up in the page: Firefox builds its tree of roles and names anew for each question, which takes up to a second. */
+const LOOK = `(json) => {
+  const native = {
+    button: "button",
+    dialog: "dialog",
+    region: "section",
+    textbox: "textarea, input:not([type]), input[type=text], input[type=password]",
+  };
+  const text = (element) => (element?.textContent ?? "").trim().replaceAll(/\\s+/g, " ");
+  const named = (element) => {
+    const by = element.getAttribute("aria-labelledby");
+    if (by) return by.split(" ").map((id) => text(document.getElementById(id))).join(" ");
+    const label = element.getAttribute("aria-label");
+    return label ?? (element.labels?.length ? text(element.labels[0]) : text(element));
+  };
+  const found = (inside, { css, role, name }) => {
+    if (css) return inside.querySelector(css);
+    const all = [...inside.querySelectorAll('[role="' + role + '"], ' + (native[role] ?? "_"))];
+    const fits = (element) =>
+      (element.getAttribute("role") ?? role) === role &&
+      element.checkVisibility() &&
+      (name === undefined || named(element) === name);
+    return all.find(fits) ?? null;
+  };
+  return JSON.parse(json).reduce((inside, step) => inside && found(inside, step), document);
+}`;
 
 const BOX = `(element) => {
   const { x, y, width, height } = element.getBoundingClientRect();
