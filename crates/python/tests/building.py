@@ -56,6 +56,11 @@ def refused(change, *arguments, **named):
 
 def call(program, python=sys.executable, prologue=None, **environment):
     """What a program prints; ``OUT`` names a folder of its own."""
+    return called(program, python, prologue, **environment)[0]
+
+
+def called(program, python=sys.executable, prologue=None, **environment):
+    """What a program prints, and what it says on stderr."""
     prologue = PROLOGUE % (str(PACKAGE), EXTENSION) if prologue is None else prologue
     with tempfile.TemporaryDirectory() as home:
         ended = subprocess.run(
@@ -67,7 +72,7 @@ def call(program, python=sys.executable, prologue=None, **environment):
             env={**os.environ, "HOME": home, "RAFCON_LIBRARY_PATH": "", "OUT": home, **environment},
         )
     assert ended.returncode == 0, ended.stderr
-    return ended.stdout
+    return ended.stdout, ended.stderr
 
 
 def shown(output):

@@ -3,7 +3,7 @@
 import textwrap
 import unittest
 
-from building import call
+from building import called
 
 #: A machine of one state whose script is given.
 ONE = '''
@@ -22,7 +22,8 @@ def one(text, **ports):
 
 class Embedding(unittest.TestCase):
     def check(self, program, expected):
-        self.assertEqual(call(ONE + textwrap.dedent(program)), textwrap.dedent(expected).lstrip("\n"))
+        printed, errors = called(ONE + textwrap.dedent(program))
+        self.assertEqual(printed, textwrap.dedent(expected).lstrip("\n"), errors)
 
     def test_a_machine_runs_where_it_was_built(self):
         self.check(
@@ -169,6 +170,32 @@ class Embedding(unittest.TestCase):
             """
             interrupted
             True preempted
+            """,
+        )
+
+    def test_a_start_that_is_interrupted_leaves_a_run_that_can_be_waited_for(self):
+        self.check(
+            """
+            import threading
+
+            start_thread = threading.Thread.start
+
+            def interrupted(thread):
+                start_thread(thread)
+                if thread.name == "rafcon run":
+                    raise KeyboardInterrupt
+
+            threading.Thread.start = interrupted
+            machine = one("return 0")
+            try:
+                machine.start()
+            except KeyboardInterrupt:
+                print("interrupted")
+            print(engine.join(), machine.root_state.final_outcome.name)
+            """,
+            """
+            interrupted
+            True success
             """,
         )
 

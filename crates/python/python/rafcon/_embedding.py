@@ -27,7 +27,7 @@ _TRIES = 100
 
 
 class Run:
-    """One run. Making it sends it off; :meth:`begin` waits until it has begun.
+    """One run. :meth:`begin` sends it off and waits until it has begun.
 
     The ``engine`` learns of each branch that is held, and of the end. ``wanted`` are words of
     the launch; ``folder`` is that of the journal, if one is to be kept.
@@ -43,19 +43,21 @@ class Run:
         self._error = None
         self._ending = None
         self._is_last = True
+        self._is_sent = False
         self._begun = threading.Event()
+        self._over = threading.Event()
         _objects.forget_machine()
         ours, theirs = socket.socketpair()
         document = None if "resume" in wanted else machine._document
-        given = (theirs.detach(), document, library_manager._roots(), list((inputs or {}).items()))
+        given = (theirs, document, library_manager._roots(), list((inputs or {}).items()))
         self._send(ours, library_manager, wanted)
         self._host = threading.Thread(target=self._serve, args=given, name="rafcon run")
         self._reader = threading.Thread(target=self._read, args=(ours,), name="rafcon run's log")
-        self._reader.start()
-        self._host.start()
 
     def begin(self):
-        """Waits until the machine runs; ``RuntimeError`` if it cannot."""
+        """Lets the machine run, and waits until it does; ``RuntimeError`` if it cannot."""
+        self._is_sent = True
+        self._host.start()
         self._begun.wait()
         if self._error is not None:
             self.join()
@@ -80,9 +82,10 @@ class Run:
 
         return state_machine_execution_engine.breakpoint_manager._launched(self.machine)
 
-    def _serve(self, *given):
+    def _serve(self, theirs, *given):
+        self._reader.start()
         try:
-            native.host(*given)
+            native.host(theirs.detach(), *given)
             self._ending = native.ending()
         except Exception as error:
             self._error = self._error or str(error)
@@ -91,6 +94,7 @@ class Run:
             self._reader.join()
             self._engine._ended(self)
             self._begun.set()
+            self._over.set()
 
     def _read(self, ours):
         with ours, ours.makefile("rb") as lines:
@@ -118,15 +122,16 @@ class Run:
 
     def join(self, timeout=None):
         """Waits for the end; False if the time (s) ran out."""
-        self._host.join(timeout)
-        if self._host.is_alive():
+        if not self._is_sent:
+            return True
+        if not self._over.wait(timeout):
             return False
-        self._reader.join()
+        self._host.join()
         return True
 
     def is_over(self):
         """Whether it has ended."""
-        return not self._host.is_alive()
+        return not self._is_sent or self._over.is_set()
 
     def retire(self):
         """Another run follows in this process: from now on only the end of this one is known."""
