@@ -27,7 +27,7 @@ pub(crate) fn edit(py: Python<'_>, changes: Vec<Change<'_>>) -> PyResult<()> {
     let mut tried = driver.machine().as_ref().clone();
     apply(&mut tried, edit.clone(), &PythonTypes).map_err(|error| refused(&error))?;
     let answer = thread::leave(py, || driver.edit(&[edit], &what.join(", "), false));
-    answer.map(drop).or_else(|reason| Err(in_use(py, reason)?))
+    answer.map(drop).or_else(|refused| Err(in_use(py, refused.to_string())?))
 }
 
 /// The exception for a change that the running machine refuses.

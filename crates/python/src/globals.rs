@@ -7,6 +7,7 @@ use crate::{current, thread};
 use pyo3::prelude::*;
 use rafcon_engine::Globals;
 use rafcon_protocol::LogLevel;
+use rafcon_runner::ValueError;
 
 /// The global variables as the engine reads them.
 #[derive(Debug, Clone, Copy)]
@@ -35,9 +36,9 @@ fn resolve(py: Python<'_>, name: &str) -> PyResult<Option<Handle>> {
 }
 
 /// Puts a variable back as it was kept.
-pub(crate) fn restore(py: Python<'_>, name: &str, value: &Handle) -> Result<(), String> {
+pub(crate) fn restore(py: Python<'_>, name: &str, value: &Handle) -> Result<(), ValueError> {
     let put = || Runtime::get(py)?.restore_global.bind(py).call1((name, value.bind(py)));
-    put().map(drop).map_err(|error| error.value(py).to_string())
+    put().map(drop).map_err(|error| error.value(py).to_string().into())
 }
 
 /// Keeps every change of a variable from now on.

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyString, PyTuple};
 use rafcon_engine::{Literals, failed};
 use rafcon_model::{Conversion, DataType, Value, convert, convert_runtime_value, json};
+use rafcon_runner::ValueError;
 use smol_str::SmolStr;
 
 /// Makes Python objects of the values in files; text that only Python can read is read by it.
@@ -59,11 +60,11 @@ fn by_python<'py>(
 
 /// The Python object for a value that a client sends, as `docs/protocol.md` encodes values. Imports nothing: what names a class
 /// that is no plain data is an error.
-pub(crate) fn from_json(json: &serde_json::Value) -> Result<Handle, String> {
+pub(crate) fn from_json(json: &serde_json::Value) -> Result<Handle, ValueError> {
     Python::attach(|py| {
         let value = Runtime::get(py)
             .and_then(|runtime| runtime.decode_plain.bind(py).call1((json.to_string(),)));
-        value.map(kept).map_err(|error| error.value(py).to_string())
+        value.map(kept).map_err(|error| error.value(py).to_string().into())
     })
 }
 

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyModule;
 use rafcon_engine::Literals;
 use rafcon_protocol::{Launch, LogLevel};
-use rafcon_runner::{Built, Driver, Host, Opening, ServeError, serve};
+use rafcon_runner::{Built, Driver, Host, Opening, ServeError, ValueError, serve};
 use smol_str::SmolStr;
 use std::os::fd::{FromRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
@@ -37,7 +37,7 @@ impl Host for PythonHost {
         &mut self.literals
     }
 
-    fn value(&mut self, json: &serde_json::Value) -> Result<Handle, String> {
+    fn value(&mut self, json: &serde_json::Value) -> Result<Handle, ValueError> {
         from_json(json)
     }
 

@@ -26,7 +26,9 @@ pub(crate) fn ask(
     let form: Form = serde_json::from_str(form).map_err(wrong)?;
     let default = default.map(serde_json::from_str::<Value>).transpose().map_err(wrong)?;
     let asked = Asked { message, form, timeout_ms, default };
-    let closed = current::driver()?.ask(&place, asked).map_err(PyValueError::new_err)?;
+    let closed = current::driver()?
+        .ask(&place, asked)
+        .map_err(|why| PyValueError::new_err(why.to_string()))?;
     let how = match closed.how {
         Closing::Answered => "answered",
         Closing::TimedOut => "timed_out",

@@ -5,6 +5,7 @@ use crate::runtime::Runtime;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBytes, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use rafcon_runner::ValueError;
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{Kept, Stored};
 use serde_json::{Map, Value};
@@ -12,21 +13,25 @@ use std::fs;
 use std::path::Path;
 
 /// The value that stands in an event.
-pub(crate) fn plain(py: Python<'_>, kept: &Kept) -> Result<Handle, String> {
+pub(crate) fn plain(py: Python<'_>, kept: &Kept) -> Result<Handle, ValueError> {
     let object = match kept {
         Kept::None => return Ok(Handle::default()),
         Kept::Bool(truth) => PyBool::new(py, *truth).to_owned().into_any(),
         Kept::Int(number) => PyInt::new(py, *number).into_any(),
         Kept::Float(number) => PyFloat::new(py, *number).into_any(),
         Kept::Text(text) => PyString::new(py, text).into_any(),
-        Kept::Absent => return Err("there is no value: its script left the port out".to_owned()),
-        Kept::Value(number) => return Err(format!("value {} stands elsewhere", number.0)),
+        Kept::Absent => return Err("there is no value: its script left the port out".into()),
+        Kept::Value(number) => return Err(format!("value {} stands elsewhere", number.0).into()),
     };
     Ok(Handle::new(object))
 }
 
 /// A value that was kept by number; `values` is the folder of large ones.
-pub(crate) fn restore(py: Python<'_>, stored: &Stored, values: &Path) -> Result<Handle, String> {
+pub(crate) fn restore(
+    py: Python<'_>,
+    stored: &Stored,
+    values: &Path,
+) -> Result<Handle, ValueError> {
     let made = match &stored.content {
         Content::View => from_view(py, &stored.view),
         Content::Pickle(pickle) => unpickled(py, pickle),
@@ -42,7 +47,8 @@ pub(crate) fn restore(py: Python<'_>, stored: &Stored, values: &Path) -> Result<
             shown(&stored.view),
             stored.type_name,
             error.value(py)
-        )),
+        )
+        .into()),
     }
 }
 

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use rafcon_engine::{Check, Finish, Globals, Job, Literals, Program, Returned, ScriptResult};
 use rafcon_model::{KindName, Machine};
 use rafcon_protocol::{Keeping, LogLevel};
-use rafcon_runner::{Keep, Opening, Place, Scripts, StateFiles};
+use rafcon_runner::{Keep, Opening, Place, Scripts, StateFiles, ValueError};
 use rafcon_storage::Config;
 use rafcon_storage::journal::{Kept, Stored};
 use serde_json::{Map, Value};
@@ -137,7 +137,7 @@ impl Scripts for PythonScripts {
         })
     }
 
-    fn value(&self, json: &Value) -> Result<Handle, String> {
+    fn value(&self, json: &Value) -> Result<Handle, ValueError> {
         literals::from_json(json)
     }
 
@@ -149,15 +149,15 @@ impl Scripts for PythonScripts {
         value.keep()
     }
 
-    fn plain(&self, kept: &Kept) -> Result<Handle, String> {
+    fn plain(&self, kept: &Kept) -> Result<Handle, ValueError> {
         Python::attach(|py| restore::plain(py, kept))
     }
 
-    fn restore(&self, stored: &Stored, values: &Path) -> Result<Handle, String> {
+    fn restore(&self, stored: &Stored, values: &Path) -> Result<Handle, ValueError> {
         Python::attach(|py| restore::restore(py, stored, values))
     }
 
-    fn restore_persistent(&self, path: &str, value: Handle) -> Result<(), String> {
+    fn restore_persistent(&self, path: &str, value: Handle) -> Result<(), ValueError> {
         self.seating.restore_persistent(path, value);
         Ok(())
     }
@@ -170,7 +170,7 @@ impl Scripts for PythonScripts {
         value.why_lost()
     }
 
-    fn restore_global(&self, name: &str, value: Handle) -> Result<(), String> {
+    fn restore_global(&self, name: &str, value: Handle) -> Result<(), ValueError> {
         Python::attach(|py| globals::restore(py, name, &value))
     }
 

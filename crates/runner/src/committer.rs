@@ -2,7 +2,7 @@
 //! means to a run; must never know how a journal is written.
 
 use crate::driver::Driver;
-use crate::prepare::reason;
+use crate::error::CommitError;
 use crate::recorder::Recorder;
 use crate::safety::{CommitterWork, RunAction};
 use crate::{Scripts, roots, tell};
@@ -43,7 +43,7 @@ fn serve(recorder: &Recorder) {
                     safety.thinned(before);
                 }
             }
-            Err(problem) => safety.failed(&problem),
+            Err(problem) => safety.failed(&problem.to_string()),
         }
         if work == CommitterWork::Last {
             break;
@@ -60,10 +60,10 @@ fn serve(recorder: &Recorder) {
 }
 
 /// Does something with the journal. A defect of ours is a problem like any other: the run must not wait for ever.
-fn attempt<T>(act: impl FnOnce() -> Result<T, JournalError>) -> Result<T, String> {
+fn attempt<T>(act: impl FnOnce() -> Result<T, JournalError>) -> Result<T, CommitError> {
     match catch_unwind(AssertUnwindSafe(act)) {
-        Ok(done) => done.map_err(|error| reason(&error)),
-        Err(_panic) => Err("a defect of RAFCON, please report it".to_owned()),
+        Ok(done) => done.map_err(|error| CommitError::Journal(Box::new(error))),
+        Err(_panic) => Err(CommitError::Defect),
     }
 }
 
@@ -123,12 +123,12 @@ impl<S: Scripts> DiskReporter<'_, S> {
 
 #[cfg(test)]
 mod tests {
-    use super::attempt;
+    use super::{CommitError, attempt};
     use rafcon_storage::journal::JournalError;
 
     #[test]
     fn a_panic_in_the_journal_is_a_problem_that_is_named() {
         let problem = attempt(|| -> Result<(), JournalError> { panic!("as the test wants it") });
-        assert_eq!(problem, Err("a defect of RAFCON, please report it".to_owned()));
+        assert!(matches!(problem, Err(CommitError::Defect)));
     }
 }

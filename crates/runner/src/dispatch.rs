@@ -1,7 +1,7 @@
 //! What a command comes to: inputs of the engine, answers to questions. Knows the vocabulary of commands; must never know
 //! who sends them.
 
-use crate::driver::NotTaken;
+use crate::error::CommandError;
 use crate::record_events::ExtraRecords;
 use crate::{Clock, Driver, Scripts, tell};
 use rafcon_engine::{Input, Interrupted, Start, Stride, Then};
@@ -64,17 +64,17 @@ impl<S: Scripts> Driver<S> {
         let answer = match self.carry_out_command(envelope) {
             Ok(Executed::Noted) => return Answer::Applied,
             Ok(Executed::Unnoted) => Answer::Applied,
-            Err(NotTaken::Late) => Answer::Expired,
-            Err(NotTaken::Refused(reason)) => Answer::Refused { reason },
+            Err(CommandError::Late) => Answer::Expired,
+            Err(refused) => Answer::Refused { reason: refused.to_string() },
         };
         self.tell_in_time(commanded(envelope, answer.clone()));
         answer
     }
 
-    fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<Executed, NotTaken> {
+    fn carry_out_command(self: &Arc<Self>, envelope: &Envelope) -> Result<Executed, CommandError> {
         let order = Order::of(envelope);
         if order.is_late() {
-            return Err(NotTaken::Late);
+            return Err(CommandError::Late);
         }
         match &envelope.command {
             Command::Kill => self.kill(envelope),
@@ -101,7 +101,7 @@ impl<S: Scripts> Driver<S> {
         self: &Arc<Self>,
         command: &Command,
         order: &Order<'_>,
-    ) -> Result<(), NotTaken> {
+    ) -> Result<(), CommandError> {
         let beside = || ExtraRecords { first: None, last: order.note() };
         if *command == Command::Stop {
             self.reach_for_stop(|why| self.tell_briefly(tell::defect(&why)));
@@ -136,7 +136,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// The input that a command stands for.
-    fn input_of(&self, command: &Command) -> Result<Input<S::Value>, String> {
+    fn input_of(&self, command: &Command) -> Result<Input<S::Value>, CommandError> {
         let begin = |path: &str, data, then| self.start(Some(path), data, then);
         Ok(match command {
             Command::Start { from, data } => self.start(from.as_deref(), data, Then::GoOn)?,
@@ -165,7 +165,7 @@ impl<S: Scripts> Driver<S> {
             | Command::AnswerQuestion { .. }
             | Command::Reload { .. }
             | Command::EditScript { .. }
-            | Command::Control { .. } => return Err("this command is no input".to_owned()),
+            | Command::Control { .. } => return Err(CommandError::NotAnInput),
         })
     }
 
@@ -174,15 +174,17 @@ impl<S: Scripts> Driver<S> {
         from: Option<&str>,
         data: &[Given],
         then: Then,
-    ) -> Result<Input<S::Value>, String> {
+    ) -> Result<Input<S::Value>, CommandError> {
         let given = data.iter().map(|given| self.given(given)).collect::<Result<_, _>>()?;
         let start_from = from.map(StatePath::parse);
         Ok(Input::Start(Start { start_from, given, then, ..Start::default() }))
     }
 
-    fn given(&self, given: &Given) -> Result<(StatePath, SmolStr, S::Value), String> {
-        let value = self.scripts().value(&given.value).map_err(|why| {
-            format!("the value for \"{}\" of {} cannot be used: {why}", given.name, given.path)
+    fn given(&self, given: &Given) -> Result<(StatePath, SmolStr, S::Value), CommandError> {
+        let value = self.scripts().value(&given.value).map_err(|why| CommandError::Value {
+            name: given.name.clone(),
+            path: given.path.clone(),
+            why,
         })?;
         Ok((StatePath::parse(&given.path), given.name.as_str().into(), value))
     }
@@ -191,10 +193,6 @@ impl<S: Scripts> Driver<S> {
     fn kill(self: &Arc<Self>, envelope: &Envelope) -> ! {
         self.tell_briefly(commanded(envelope, Answer::Applied));
         signal_hook::low_level::exit(KILLED)
-    }
-
-    pub(crate) fn input(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), String> {
-        self.command(input).map_err(|refusal| refusal.to_string())
     }
 }
 
@@ -216,12 +214,10 @@ fn state(path: Option<&String>) -> Option<StatePath> {
     path.map(|path| StatePath::parse(path))
 }
 
-fn recovery(policy: OnCrash) -> Result<Interrupted, String> {
+fn recovery(policy: OnCrash) -> Result<Interrupted, CommandError> {
     match policy {
         OnCrash::Abort => Ok(Interrupted::Abort),
         OnCrash::Restart => Ok(Interrupted::Again),
-        OnCrash::Ask => {
-            Err("to ask decides nothing; choose to abort the states or to restart them".to_owned())
-        }
+        OnCrash::Ask => Err(CommandError::Undecided),
     }
 }

@@ -2,9 +2,10 @@
 //! all. Knows roots; must never know who changes them.
 
 use crate::core::Core;
+use crate::error::ChangeError;
 use crate::prepare::Source;
 use crate::{Driver, Scripts};
-use rafcon_engine::{Change, Input, PathId, Program};
+use rafcon_engine::{Change, Input, PathId, Program, Refusal};
 use rafcon_locks::{Condvar, Mutex, RwLock};
 use rafcon_model::edit::{Edit, StateEdit, apply};
 use rafcon_model::{BuiltinTypes, Machine, StatePath};
@@ -122,7 +123,7 @@ impl<D> Drop for Taken<'_, D> {
 
 impl<S: Scripts> Driver<S> {
     /// Changes the machine that is run: all edits or none. `what` says it to people. A change that would pull the ground
-    /// from under an active state is refused, or waits until that state is left. The error is for people.
+    /// from under an active state is refused, or waits until that state is left.
     ///
     /// The structure is the new one as soon as this returns [`Edited::Applied`], also if the caller is a script of the run.
     pub fn edit(
@@ -130,29 +131,34 @@ impl<S: Scripts> Driver<S> {
         edits: &[Edit],
         what: &str,
         wait: bool,
-    ) -> Result<Edited, String> {
+    ) -> Result<Edited, ChangeError> {
         self.change(what, wait, |machine| {
             let mut machine = machine.clone();
             for edit in edits {
-                apply(&mut machine, edit.clone(), &BuiltinTypes).map_err(|why| why.to_string())?;
+                apply(&mut machine, edit.clone(), &BuiltinTypes)
+                    .map_err(|why| ChangeError::Edit(Box::new(why)))?;
             }
             Ok(machine)
         })
     }
 
     /// Changes the script of a state, in the run only.
-    pub(crate) fn edit_script(self: &Arc<Self>, path: &str, script: &str) -> Result<(), String> {
+    pub(crate) fn edit_script(
+        self: &Arc<Self>,
+        path: &str,
+        script: &str,
+    ) -> Result<(), ChangeError> {
         let edit = Edit::State(StatePath::parse(path), StateEdit::SetScript(Some(script.into())));
         self.edit(&[edit], &format!("the script of {path}"), false).map(drop)
     }
 
     /// Reads the machine's folder again and goes by what is there.
-    pub(crate) fn reload(self: &Arc<Self>, wait: bool) -> Result<(), String> {
+    pub(crate) fn reload(self: &Arc<Self>, wait: bool) -> Result<(), ChangeError> {
         let source = self.document().source.as_ref();
-        let source = source.ok_or("the machine of this run was not read from a folder")?;
+        let source = source.ok_or(ChangeError::NotFromFolder)?;
         let mut saved = None;
         self.change("its folder was read again", wait, |_| {
-            let loaded = source.read()?;
+            let loaded = source.read().map_err(|why| ChangeError::Load(Box::new(why)))?;
             saved = Some(loaded.saved);
             Ok(loaded.machine)
         })?;
@@ -167,8 +173,8 @@ impl<S: Scripts> Driver<S> {
         self: &Arc<Self>,
         what: &str,
         wait: bool,
-        make: impl FnOnce(&Machine) -> Result<Machine, String>,
-    ) -> Result<Edited, String> {
+        make: impl FnOnce(&Machine) -> Result<Machine, ChangeError>,
+    ) -> Result<Edited, ChangeError> {
         let mut taken = self.take_newest()?;
         let Some(old) = &taken.root else { return Ok(Edited::Applied) };
         let machine = make(&old.machine)?;
@@ -185,10 +191,10 @@ impl<S: Scripts> Driver<S> {
         Ok(edited)
     }
 
-    fn take_newest(&self) -> Result<Taken<'_, S::Value>, String> {
+    fn take_newest(&self) -> Result<Taken<'_, S::Value>, ChangeError> {
         let mut root = None;
         self.scripts().park(&mut || root = Some(self.document().take()));
-        let root = root.ok_or("the machine cannot be had now")?;
+        let root = root.ok_or(ChangeError::Unavailable)?;
         Ok(Taken { document: self.document(), root: Some(root) })
     }
 
@@ -196,18 +202,18 @@ impl<S: Scripts> Driver<S> {
         &self,
         old: &Program<S::Value>,
         machine: &Machine,
-    ) -> Result<Arc<Program<S::Value>>, String> {
+    ) -> Result<Arc<Program<S::Value>>, ChangeError> {
         let mut program = None;
         self.scripts().with_literals(&mut |literals| {
             program = Some(Arc::new(old.change(machine, literals)));
         });
-        program.ok_or_else(|| "the host made no values for the changed machine".to_owned())
+        program.ok_or(ChangeError::NoLiterals)
     }
 
-    fn give_to_engine(self: &Arc<Self>, root: &Root<S::Value>, wait: bool) -> Result<(), String> {
+    fn give_to_engine(self: &Arc<Self>, root: &Root<S::Value>, wait: bool) -> Result<(), Refusal> {
         self.document().coming.lock().push(root.clone());
         let change = Change { program: Arc::clone(&root.program), wait };
-        let answer = self.input(Input::Change(change));
+        let answer = self.command(Input::Change(change));
         let is_new = |other: &Root<S::Value>| Arc::ptr_eq(&other.program, &root.program);
         let mut coming = self.document().coming.lock();
         match &answer {

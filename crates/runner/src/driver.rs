@@ -5,6 +5,7 @@ use crate::active::Active;
 use crate::branch::{self, BranchWork, Worker};
 use crate::core::{Core, InputOutcome, Next};
 use crate::document::Document;
+use crate::error::CommandError;
 use crate::points::Points;
 use crate::pulse::Pulse;
 use crate::questions::Questions;
@@ -33,21 +34,6 @@ pub(crate) enum RunEnd<D> {
     CutOff,
     /// The engine failed: nothing that it says can be trusted any more, and the process has to end.
     Broken,
-}
-
-/// Why the engine did not get an input.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum NotTaken {
-    /// It is not wanted any more.
-    Late,
-    /// It cannot be done; why, for people.
-    Refused(String),
-}
-
-impl From<String> for NotTaken {
-    fn from(why: String) -> Self {
-        Self::Refused(why)
-    }
 }
 
 /// A run in progress.
@@ -274,22 +260,21 @@ impl<S: Scripts> Driver<S> {
         input: Input<S::Value>,
         late: impl FnOnce() -> bool + Send,
         then: impl FnOnce() -> ExtraRecords + Send,
-    ) -> Result<(), NotTaken> {
+    ) -> Result<(), CommandError> {
         if matches!(input, Input::Stop) {
             // Whoever holds the engine may wait for a disk that refuses.
             self.recorder.safety().end();
         }
         let take = |core: &mut Core<S::Value>| {
             if late() {
-                return Err(NotTaken::Late);
+                return Err(CommandError::Late);
             }
             let driven = self.drive_beside(core, input, None, then);
-            driven.map(drop).map_err(|refusal| NotTaken::Refused(refusal.to_string()))
+            driven.map(drop).map_err(CommandError::Engine)
         };
         let taken = self.with_core(take);
         self.scripts.settle();
-        let unreached = || Err(NotTaken::Refused("the run cannot be reached".to_owned()));
-        taken.unwrap_or_else(unreached)
+        taken.unwrap_or(Err(CommandError::Unreachable))
     }
 
     /// There are stand-ins for lost values from now on, if that is so.

@@ -5,8 +5,9 @@ use crate::commands::Answers;
 use crate::connection::{self, Line, Socket, TalkError};
 use crate::document::Document;
 use crate::driver::{Driver, RunEnd};
+use crate::error::{CommandError, LoadFailure};
 use crate::listener::{ListenerCloser, ViewerListener};
-use crate::prepare::{Prepared, prepare, reason};
+use crate::prepare::{Prepared, prepare};
 use crate::recorder::Recorder;
 use crate::resume::{Resumed, ResumedPast};
 use crate::viewer_set::ViewerSet;
@@ -36,8 +37,8 @@ pub enum ServeError {
     #[error("the viewer's first message is not a launch")]
     NoLaunch,
     /// The machine cannot be run; the viewer was told.
-    #[error("{0}")]
-    Load(String),
+    #[error(transparent)]
+    Load(#[from] LoadFailure),
     /// The system refused what every run needs.
     #[error("the system refused a thread or a signal handler")]
     System(#[from] io::Error),
@@ -67,16 +68,15 @@ fn begin<H: Host>(
 ) -> Result<Begun<H::Scripts>, ServeError> {
     host.launched(launch);
     let resumed = launch.resume.map(|resume| Resumed::take_up(launch, resume));
-    let resumed = resumed.transpose().map_err(ServeError::Load)?;
+    let resumed = resumed.transpose().map_err(LoadFailure::from)?;
     let prepared = match &resumed {
         Some(resumed) => resumed.prepare(&mut host, launch),
-        None => prepare(&mut host, launch, None),
+        None => prepare(&mut host, launch, None).map_err(LoadFailure::from),
     };
-    let Prepared { machine, files, problems, start, config, source } =
-        prepared.map_err(ServeError::Load)?;
+    let Prepared { machine, files, problems, start, config, source } = prepared?;
     let program = Arc::new(Program::compile(&machine, host.literals()));
     if let Some(path) = &start.start_from {
-        program.find(path).map_err(|unknown| ServeError::Load(unknown.to_string()))?;
+        program.find(path).map_err(LoadFailure::from)?;
     }
     let loaded = loaded(launch, &machine, problems);
     let document = Document::new(machine.clone(), Arc::clone(&program), source);
@@ -105,8 +105,8 @@ fn begin<H: Host>(
             // A run that never began leaves no journal.
             let journal = begun.driver.recorder().journal().filter(|_| is_new);
             Err(ServeError::Load(match journal.map(|journal| journal.discard()) {
-                Some(Err(error)) => format!("{why}; its journal stays: {}", reason(&error)),
-                Some(Ok(())) | None => why,
+                Some(Err(error)) => LoadFailure::JournalStays { why, journal: Box::new(error) },
+                Some(Ok(())) | None => why.into(),
             }))
         }
     }
@@ -133,7 +133,8 @@ fn record(
         return Ok((recorder, Some(past)));
     }
     let recorder = journal::begin(launch, machine, clock);
-    Ok((recorder.map_err(|error| ServeError::Load(reason(&error)))?, None))
+    let failed = |error| ServeError::Load(LoadFailure::Journal(Box::new(error)));
+    Ok((recorder.map_err(failed)?, None))
 }
 
 /// The run's id: the name of its folder.
@@ -220,13 +221,13 @@ fn open_door(launch: &Launch) -> io::Result<Option<(ViewerListener, ListenerClos
     folder.map(ViewerListener::open).transpose()
 }
 
-/// Sets the breakpoints and lets the run begin, or go on; the error is for people.
+/// Sets the breakpoints and lets the run begin, or go on.
 fn set_out<S: Scripts>(
     driver: &Arc<Driver<S>>,
     launch: &Launch,
     start: Start<S::Value>,
     past: Option<ResumedPast>,
-) -> Result<(), String> {
+) -> Result<(), CommandError> {
     if let Some(past) = past {
         past.go_on(driver, start, launch.hold)?;
         driver.scripts().note_globals();
@@ -235,7 +236,7 @@ fn set_out<S: Scripts>(
     launch.breakpoints.iter().try_for_each(|breakpoint| driver.set_breakpoint(breakpoint))?;
     driver.set_globals(&launch.globals)?;
     driver.scripts().note_globals();
-    driver.input(Input::Start(start))
+    Ok(driver.command(Input::Start(start))?)
 }
 
 /// Waits for the end of the run, and notes it down; breaks off if a script does not end. Then the interpreter is not entered

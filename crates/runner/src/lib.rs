@@ -17,6 +17,7 @@ mod dispatch;
 mod document;
 mod driver;
 mod due;
+mod error;
 mod files;
 mod host;
 mod inquiry;
@@ -60,6 +61,9 @@ pub use clock::Clock;
 pub use connection::{TalkError, descriptors};
 pub use document::Edited;
 pub use driver::Driver;
+pub use error::{
+    ChangeError, CommandError, LoadFailure, PrepareError, QuestionError, ResumeError, ValueError,
+};
 pub use files::StateFiles;
 pub use host::{ServeError, serve};
 pub use keep::{Keep, KeptValue};

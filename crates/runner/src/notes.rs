@@ -2,6 +2,7 @@
 //! it takes the lock of the record, and nothing that whoever writes a record waits for.
 
 use crate::driver::Driver;
+use crate::error::CommandError;
 use crate::{Place, Scripts, tell};
 use rafcon_engine::PathId;
 use rafcon_protocol::{Event, Keeping, LogLevel, Stream};
@@ -39,17 +40,17 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// Sets global variables before anything runs, and notes them down; the error is for people.
+    /// Sets global variables before anything runs, and notes them down.
     pub(crate) fn set_globals(
         &self,
         globals: &[(String, serde_json::Value)],
-    ) -> Result<(), String> {
+    ) -> Result<(), CommandError> {
         for (name, json) in globals {
             let set = self.scripts().value(json).and_then(|value| {
                 self.global(name, Some(&value));
                 self.scripts().restore_global(name, value)
             });
-            set.map_err(|why| format!("the global variable \"{name}\" cannot be set: {why}"))?;
+            set.map_err(|why| CommandError::Global { name: name.clone(), why })?;
         }
         Ok(())
     }

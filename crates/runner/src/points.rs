@@ -1,6 +1,6 @@
 //! The breakpoints of a run in the words of viewers. Knows both vocabularies; what holds where, the engine knows.
 
-use crate::driver::NotTaken;
+use crate::error::CommandError;
 use crate::record_events::ExtraRecords;
 use crate::{Driver, Scripts, tell};
 use rafcon_engine as engine;
@@ -26,8 +26,11 @@ impl Points {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Sets a breakpoint; the error is for people.
-    pub(crate) fn set_breakpoint(self: &Arc<Self>, breakpoint: &Breakpoint) -> Result<(), String> {
+    /// Sets a breakpoint.
+    pub(crate) fn set_breakpoint(
+        self: &Arc<Self>,
+        breakpoint: &Breakpoint,
+    ) -> Result<(), CommandError> {
         let set = || {
             self.points().list.lock().insert(breakpoint.id, breakpoint.clone());
             tell::told(Event::BreakpointSet { breakpoint: breakpoint.clone() })
@@ -35,8 +38,8 @@ impl<S: Scripts> Driver<S> {
         self.change_points(Input::Break(for_engine(breakpoint)), set)
     }
 
-    /// Removes a breakpoint; the error is for people.
-    pub(crate) fn remove_breakpoint(self: &Arc<Self>, id: u64) -> Result<(), String> {
+    /// Removes a breakpoint.
+    pub(crate) fn remove_breakpoint(self: &Arc<Self>, id: u64) -> Result<(), CommandError> {
         let remove = || {
             self.points().list.lock().remove(&id);
             tell::told(Event::BreakpointRemoved { id })
@@ -49,12 +52,9 @@ impl<S: Scripts> Driver<S> {
         self: &Arc<Self>,
         input: Input<S::Value>,
         note: impl FnOnce() -> Record + Send,
-    ) -> Result<(), String> {
+    ) -> Result<(), CommandError> {
         let beside = || ExtraRecords { first: Some(note()), last: None };
-        self.input_beside(input, || false, beside).map_err(|not_taken| match not_taken {
-            NotTaken::Refused(why) => why,
-            NotTaken::Late => "it came too late".to_owned(),
-        })
+        self.input_beside(input, || false, beside)
     }
 }
 

@@ -1,11 +1,14 @@
 //! From a launch to a machine that can be run. Knows where machines, libraries and the config come from.
 
+use crate::error::PrepareError;
 use crate::{Built, Host, StateFiles, limits};
 use rafcon_engine::{Start, Then};
 use rafcon_model::{BuiltinTypes, Machine, Severity, StatePath, problems};
 use rafcon_protocol::{Afterwards, Launch};
 use rafcon_storage::journal::Packed;
-use rafcon_storage::{Config, Libraries, Loaded, Saved, config, load, load_packed, roots};
+use rafcon_storage::{
+    Config, Libraries, LoadError, Loaded, Saved, config, load, load_packed, roots,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -32,10 +35,10 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Reads the machine as it is there now; the error is for people.
-    pub(crate) fn read(&self) -> Result<Loaded, String> {
+    /// Reads the machine as it is there now.
+    pub(crate) fn read(&self) -> Result<Loaded, LoadError> {
         self.libraries.refresh();
-        load(&self.folder, &self.libraries).map_err(|error| reason(&error))
+        load(&self.folder, &self.libraries)
     }
 
     /// This is the machine that is run from now on, or as soon as it can be.
@@ -44,15 +47,15 @@ impl Source {
     }
 }
 
-/// Reads config, libraries and machine, from what the run has kept of them if it has; the error is for people.
+/// Reads config, libraries and machine, from what the run has kept of them if it has.
 pub(crate) fn prepare<H: Host>(
     host: &mut H,
     launch: &Launch,
     packed: Option<Packed>,
-) -> Result<Prepared<crate::HostValue<H>>, String> {
+) -> Result<Prepared<crate::HostValue<H>>, PrepareError> {
     let environment = |name: &str| std::env::var_os(name)?.into_string().ok();
-    let (config, _file) =
-        config::find(launch.config.as_deref(), &environment).map_err(|error| reason(&error))?;
+    let (config, _file) = config::find(launch.config.as_deref(), &environment)
+        .map_err(|error| PrepareError::Config(Box::new(error)))?;
     if let Some(built) = host.built().filter(|_| packed.is_none()) {
         return ready(host, launch, built, config);
     }
@@ -69,7 +72,7 @@ pub(crate) fn prepare<H: Host>(
         }
         None => (load(&launch.machine, &own), Arc::clone(&own)),
     };
-    let loaded = loaded.map_err(|error| reason(&error))?;
+    let loaded = loaded.map_err(|error| PrepareError::Load(Box::new(error)))?;
     let problems = lines(&config.notes)
         .chain(lines(&notes))
         .chain(lines(&loaded.problems))
@@ -83,11 +86,11 @@ pub(crate) fn prepare<H: Host>(
 }
 
 /// The folder of a machine from anywhere; that of a machine that no file has is empty.
-fn absolute(folder: &Path) -> Result<PathBuf, String> {
+fn absolute(folder: &Path) -> Result<PathBuf, PrepareError> {
     if folder.as_os_str().is_empty() {
         return Ok(PathBuf::new());
     }
-    std::path::absolute(folder).map_err(|error| reason(&error))
+    std::path::absolute(folder).map_err(PrepareError::Folder)
 }
 
 /// Everything for a machine that the host has already.
@@ -96,7 +99,7 @@ fn ready<H: Host>(
     launch: &Launch,
     built: Built,
     config: Config,
-) -> Result<Prepared<crate::HostValue<H>>, String> {
+) -> Result<Prepared<crate::HostValue<H>>, PrepareError> {
     let Built { machine, saved, libraries } = built;
     let problems =
         lines(&config.notes).chain(faults(&machine)).chain(limits::faults(&machine)).collect();
@@ -104,7 +107,10 @@ fn ready<H: Host>(
     Ok(Prepared { machine, files, problems, start, config, source: None })
 }
 
-fn start<H: Host>(host: &mut H, launch: &Launch) -> Result<Start<crate::HostValue<H>>, String> {
+fn start<H: Host>(
+    host: &mut H,
+    launch: &Launch,
+) -> Result<Start<crate::HostValue<H>>, PrepareError> {
     Ok(Start {
         inputs: inputs(host, launch)?,
         start_from: launch.start_from.as_deref().map(StatePath::parse),
@@ -115,11 +121,9 @@ fn start<H: Host>(host: &mut H, launch: &Launch) -> Result<Start<crate::HostValu
 }
 
 /// What happens after the state at which the run begins.
-fn then(launch: &Launch) -> Result<Then, String> {
+fn then(launch: &Launch) -> Result<Then, PrepareError> {
     if launch.afterwards != Afterwards::GoOn && launch.start_from.is_none() {
-        return Err("the start says what happens after its first state, but not which that is: \
-                    name it in `start_from`, or leave `afterwards` out"
-            .to_owned());
+        return Err(PrepareError::NoFirstState);
     }
     Ok(behind(launch.afterwards))
 }
@@ -146,13 +150,13 @@ fn lines<T: ToString>(notes: &[T]) -> impl Iterator<Item = String> {
 
 type Inputs<H> = Vec<(smol_str::SmolStr, crate::HostValue<H>)>;
 
-fn inputs<H: Host>(host: &mut H, launch: &Launch) -> Result<Inputs<H>, String> {
+fn inputs<H: Host>(host: &mut H, launch: &Launch) -> Result<Inputs<H>, PrepareError> {
     let mut given = host.inputs();
     let decode = |(name, json): &(String, serde_json::Value)| match host.value(json) {
         Ok(value) => Ok((name.as_str().into(), value)),
-        Err(why) => Err(format!("the value for input \"{name}\" cannot be used: {why}")),
+        Err(why) => Err(PrepareError::Input { name: name.clone(), why }),
     };
-    given.extend(launch.inputs.iter().map(decode).collect::<Result<Vec<_>, String>>()?);
+    given.extend(launch.inputs.iter().map(decode).collect::<Result<Vec<_>, _>>()?);
     Ok(given)
 }
 

@@ -1,6 +1,7 @@
 //! Questions of states to people: open until somebody answers, their time is over, or their state is to end. Knows who waits
 //! for an answer; must never know how people see a question.
 
+use crate::error::QuestionError;
 use crate::signals::PREEMPTED;
 use crate::{Clock, Driver, Place, Scripts};
 use rafcon_engine::PathId;
@@ -68,11 +69,11 @@ struct QuestionEnd {
 
 impl<S: Scripts> Driver<S> {
     /// Asks people, and waits for the end of the question. Called on a thread of the state's script; the interpreter is left
-    /// meanwhile. The error says why the question cannot be asked.
-    pub fn ask(&self, place: &Arc<Place>, asked: Asked) -> Result<Closed, String> {
-        asked.form.check()?;
+    /// meanwhile.
+    pub fn ask(&self, place: &Arc<Place>, asked: Asked) -> Result<Closed, QuestionError> {
+        asked.form.check().map_err(QuestionError::Form)?;
         if let Some(default) = &asked.default {
-            asked.form.takes(default).map_err(|why| format!("the default is no answer: {why}"))?;
+            asked.form.takes(default).map_err(QuestionError::Default)?;
         }
         let timeout = asked.timeout_ms.map(Duration::from_millis);
         let question = self.questions().open(place, asked);
@@ -94,18 +95,24 @@ impl Questions {
         self.list.lock().last = last;
     }
 
-    /// Answers a question; the first answer counts. The error is for people.
-    pub(crate) fn answer(&self, id: u64, answer: &Value, author: &str) -> Result<(), String> {
+    /// Answers a question; the first answer counts.
+    pub(crate) fn answer(
+        &self,
+        id: u64,
+        answer: &Value,
+        author: &str,
+    ) -> Result<(), QuestionError> {
         let mut list = self.list.lock();
         let last = list.last;
         let Some(open) = list.open.get_mut(&id).filter(|open| open.end.is_none()) else {
-            return Err(if id > 0 && id <= last {
-                format!("question {id} is closed already")
+            let is_closed = id > 0 && id <= last;
+            return Err(if is_closed {
+                QuestionError::Closed(id)
             } else {
-                format!("there is no question {id}; a snapshot lists those that are open")
+                QuestionError::Unknown(id)
             });
         };
-        open.question.form.takes(answer)?;
+        open.question.form.takes(answer).map_err(QuestionError::Answer)?;
         let closed = Closed { how: Closing::Answered, answer: Some(answer.clone()) };
         open.end = Some(QuestionEnd { closed, author: author.to_owned() });
         self.closed.notify_all();

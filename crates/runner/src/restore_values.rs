@@ -1,6 +1,7 @@
 //! A moment of a journal made into what an engine goes on from. Knows both; what cannot be made again is a stand-in that no
 //! script ever gets.
 
+use crate::error::ValueError;
 use crate::{Scripts, level};
 use rafcon_engine::{Restored, RestoredEnd, RestoredVariable};
 use rafcon_model::{Machine, OutcomeId, PortId, StateId, StatePath};
@@ -163,7 +164,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
 
     /// A value again, or what stands for it.
     fn value(&mut self, kept: &Kept, name: &str, place: &Place) -> S::Value {
-        self.make(kept).unwrap_or_else(|why| self.stand_in(name, place, &why))
+        self.make(kept).unwrap_or_else(|why| self.stand_in(name, place, &why.0))
     }
 
     fn unkept(&mut self, name: &str, place: &Place) -> S::Value {
@@ -176,7 +177,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
             .lost(&format!("the value of \"{name}\" of {} cannot be made again: {why}", place.path))
     }
 
-    fn make(&mut self, kept: &Kept) -> Result<S::Value, String> {
+    fn make(&mut self, kept: &Kept) -> Result<S::Value, ValueError> {
         let Kept::Value(number) = kept else { return self.scripts.plain(kept) };
         if let Some(value) = self.made.get(&number.0) {
             return Ok(value.clone());

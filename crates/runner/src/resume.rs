@@ -4,9 +4,9 @@
 use crate::begun::begun_at;
 use crate::commands::Answers;
 use crate::dispatch::Order;
-use crate::driver::NotTaken;
+use crate::error::{CommandError, LoadFailure, ResumeError};
 use crate::journal::options;
-use crate::prepare::{Prepared, prepare, reason};
+use crate::prepare::{Prepared, prepare};
 use crate::record_events::ExtraRecords;
 use crate::recorder::Recorder;
 use crate::restore_values::{RestoreContext, ValueRestorer};
@@ -49,12 +49,11 @@ struct From {
 }
 
 impl Resumed {
-    /// Takes the journal of the run over; the error is for people.
-    pub(crate) fn take_up(launch: &Launch, resume: Resume) -> Result<Self, String> {
-        let folder = launch.run_folder.as_deref().ok_or("a run is taken up by its folder")?;
+    /// Takes the journal of the run over.
+    pub(crate) fn take_up(launch: &Launch, resume: Resume) -> Result<Self, ResumeError> {
+        let folder = launch.run_folder.as_deref().ok_or(ResumeError::NoFolder)?;
         let crash = launch.crash.clone().unwrap_or_else(|| crash(folder));
-        let (journal, taken_up) =
-            Journal::take_up(folder, &options(launch.size_max)).map_err(|error| reason(&error))?;
+        let (journal, taken_up) = Journal::take_up(folder, &options(launch.size_max))?;
         match look(folder, taken_up.sequence, resume.from) {
             Ok((reader, last, from)) => {
                 Ok(Self { taken_up, journal, reader, last, from, crash, policy: resume.policy })
@@ -72,7 +71,7 @@ impl Resumed {
         &self,
         host: &mut H,
         launch: &Launch,
-    ) -> Result<Prepared<crate::HostValue<H>>, String> {
+    ) -> Result<Prepared<crate::HostValue<H>>, LoadFailure> {
         let about = &self.taken_up.about;
         let has_entered = self.last.entries() > 0;
         // Its first state may be gone since it was entered.
@@ -90,11 +89,10 @@ impl Resumed {
             ..launch.clone()
         };
         let packed = self.kept_machine().map(|hash| {
-            let hash =
-                Hash::parse(hash).ok_or_else(|| format!("{hash} is no hash of a machine"))?;
-            Packed::read(self.reader.folder(), hash).map_err(|error| reason(&error))
+            let hash = Hash::parse(hash).ok_or_else(|| ResumeError::NotAHash(hash.to_owned()))?;
+            Packed::read(self.reader.folder(), hash).map_err(ResumeError::from)
         });
-        prepare(host, launch, packed.transpose()?)
+        Ok(prepare(host, launch, packed.transpose()?)?)
     }
 
     /// The hash of the machine that the run goes by, if it was kept.
@@ -111,27 +109,27 @@ impl Resumed {
     }
 }
 
-/// How the run stood after its last event, and where it is to go back to; the error is for people.
+/// How the run stood after its last event, and where it is to go back to.
 fn look(
     folder: &Path,
     last: u64,
     from: Option<u64>,
-) -> Result<(Reader, Moment, Option<From>), String> {
-    let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
-    let last = reader.moment(last).map_err(|error| reason(&error))?;
+) -> Result<(Reader, Moment, Option<From>), ResumeError> {
+    let mut reader = Reader::open(folder)?;
+    let last = reader.moment(last)?;
     if from.is_none() {
-        reader.check_values(&last).map_err(|error| not_from(&error))?;
+        reader.check_values(&last).map_err(damaged_value)?;
     }
     let from = from.map(|sequence| From::find(&mut reader, sequence)).transpose()?;
     if from.is_none() && last.whole().status == RunStatus::Finished {
-        return Err("the run has come to its end; begin a new one, or choose an entry of its history to begin from".to_owned());
+        return Err(ResumeError::Ended);
     }
     Ok((reader, last, from))
 }
 
-/// No script gets a value that is not as it was written; the error is for people.
-fn not_from(error: &JournalError) -> String {
-    format!("{}: go on from an entry of its history where it was not needed", reason(error))
+/// No script gets a value that is not as it was written.
+fn damaged_value(error: JournalError) -> ResumeError {
+    ResumeError::DamagedValue(Box::new(error))
 }
 
 /// What a run that is taken up has behind it.
@@ -150,14 +148,13 @@ impl ResumedPast {
         self.last.whole().answers.clone()
     }
 
-    /// Puts everything back and lets the run go on, or begin by `start` if its first state was not entered; the error is for
-    /// people.
+    /// Puts everything back and lets the run go on, or begin by `start` if its first state was not entered.
     pub(crate) fn go_on<S: Scripts>(
         mut self,
         driver: &Arc<Driver<S>>,
         start: Start<S::Value>,
         hold: bool,
-    ) -> Result<(), String> {
+    ) -> Result<(), CommandError> {
         let whole = self.last.whole();
         // There are fewer questions than events.
         driver.questions().go_on_after(self.taken_up.sequence);
@@ -174,11 +171,7 @@ impl ResumedPast {
             .chain(whole.breakpoints.values())
             .try_for_each(|point| driver.set_breakpoint(point))?;
         if let Some(from) = &self.from {
-            let gone = driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
-            return gone.map_err(|why| match why {
-                NotTaken::Refused(why) => why,
-                NotTaken::Late => "it came too late".to_owned(),
-            });
+            return driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
         }
         if let Some(finish) = driver.ending(&mut self.reader, &self.last) {
             driver.finish(finish);
@@ -196,7 +189,7 @@ impl ResumedPast {
                 driver.set_globals(&self.taken_up.about.beginning.globals)?;
             }
             let hold = hold || held || start.hold;
-            return driver.input(Input::Start(Start { hold, ..start }));
+            return Ok(driver.command(Input::Start(Start { hold, ..start }))?);
         };
         let crash = driver.scripts().failure(&crash_text(&self.crash)).error;
         let interrupted = match policy {
@@ -209,7 +202,7 @@ impl ResumedPast {
         let stopping = stopping(&self.last);
         let begun_at = begun_at(&mut self.reader, &self.last, &self.taken_up.about.beginning);
         let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
-        driver.input(Input::Restore(Box::new(restore)))
+        Ok(driver.command(Input::Restore(Box::new(restore)))?)
     }
 }
 
@@ -259,17 +252,14 @@ fn counted(last: &Moment) -> Counted {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Begins again at an entry of the history of this run, which has to stand still; the error is for people.
+    /// Begins again at an entry of the history of this run, which has to stand still.
     pub(crate) fn start_from_history(
         self: &Arc<Self>,
         sequence: u64,
         order: &Order<'_>,
-    ) -> Result<(), NotTaken> {
-        let folder = self.recorder().folder().ok_or_else(|| {
-            "this run keeps no journal, so it has no history to begin from; run it with one"
-                .to_owned()
-        })?;
-        let mut reader = Reader::open(folder).map_err(|error| reason(&error))?;
+    ) -> Result<(), CommandError> {
+        let folder = self.recorder().folder().ok_or(CommandError::NoJournal)?;
+        let mut reader = Reader::open(folder).map_err(ResumeError::from)?;
         let from = From::find(&mut reader, sequence)?;
         self.go_back(&reader, &from, Counted::default(), order)
     }
@@ -310,7 +300,7 @@ impl<S: Scripts> Driver<S> {
         from: &From,
         counted: Counted,
         order: &Order<'_>,
-    ) -> Result<(), NotTaken> {
+    ) -> Result<(), CommandError> {
         let (root, around) = self.revive(reader, &from.before);
         let input = match root {
             Some(root) => Input::Restore(Box::new(Restore {
@@ -381,24 +371,20 @@ impl<S: Scripts> Driver<S> {
 }
 
 impl From {
-    /// Finds the entry; the error is for people.
-    fn find(reader: &mut Reader, sequence: u64) -> Result<Self, String> {
-        let page = reader.page(sequence, 1).map_err(|error| reason(&error))?;
+    /// Finds the entry.
+    fn find(reader: &mut Reader, sequence: u64) -> Result<Self, ResumeError> {
+        let page = reader.page(sequence, 1)?;
         let entry = page.first().filter(|entry| entry.sequence == sequence);
         let Some(Record::Entered { place, inputs, undoes: None }) =
             entry.map(|entry| &entry.record)
         else {
-            return Err(format!(
-                "event {sequence} is no entry of a state that is safe on disk; the history says which are"
-            ));
+            return Err(ResumeError::NotAnEntry(sequence));
         };
         let (place, inputs) = (*place, inputs.clone());
-        let moment =
-            |reader: &mut Reader, sequence| reader.moment(sequence).map_err(|error| reason(&error));
-        let before = moment(reader, sequence - 1)?;
-        reader.check_values(&before).map_err(|error| not_from(&error))?;
+        let before = reader.moment(sequence - 1)?;
+        reader.check_values(&before).map_err(damaged_value)?;
         let root = if before.active().is_empty() {
-            moment(reader, sequence)?.places().get(place).map(|place| (Arc::clone(place), inputs))
+            reader.moment(sequence)?.places().get(place).map(|place| (Arc::clone(place), inputs))
         } else {
             None
         };

@@ -1,5 +1,6 @@
 //! The port through which a run reaches whatever runs its scripts. Knows values as handles; must never know an interpreter.
 
+use crate::error::ValueError;
 use crate::keep::Keep;
 use crate::{Driver, Place, StateFiles};
 use rafcon_engine::{Check, Datum, Finish, Globals, Job, Literals, Program, ScriptResult};
@@ -59,8 +60,8 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// All global variables, encoded.
     fn encode_globals(&self) -> serde_json::Map<String, serde_json::Value>;
 
-    /// A value from JSON as `docs/protocol.md` encodes it; the error is for people.
-    fn value(&self, json: &serde_json::Value) -> Result<Self::Value, String>;
+    /// A value from JSON as `docs/protocol.md` encodes it.
+    fn value(&self, json: &serde_json::Value) -> Result<Self::Value, ValueError>;
 
     /// Lends what makes values of what files hold, for a machine that changes while it runs.
     fn with_literals(&self, make: &mut dyn FnMut(&mut dyn Literals<Self::Value>));
@@ -76,14 +77,14 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     }
 
     /// The value that an event names without a number.
-    fn plain(&self, kept: &Kept) -> Result<Self::Value, String> {
-        Err(format!("this host cannot make {kept:?} again"))
+    fn plain(&self, kept: &Kept) -> Result<Self::Value, ValueError> {
+        Err(format!("this host cannot make {kept:?} again").into())
     }
 
-    /// A value that was kept; `values` is the folder of large ones. The error is for people.
-    fn restore(&self, stored: &Stored, values: &Path) -> Result<Self::Value, String> {
+    /// A value that was kept; `values` is the folder of large ones.
+    fn restore(&self, stored: &Stored, values: &Path) -> Result<Self::Value, ValueError> {
         let _ = values;
-        Err(format!("this host cannot make a value of type {} again", stored.type_name))
+        Err(format!("this host cannot make a value of type {} again", stored.type_name).into())
     }
 
     /// Stands for a value that cannot be made again; `why` says which, and why. It is passed on like any other, it is kept as
@@ -94,16 +95,16 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     fn is_lost(&self, value: &Self::Value) -> Option<String>;
 
     /// Sets a global variable before anything runs: one of the launch, or one of a run that is taken up again.
-    fn restore_global(&self, name: &str, value: Self::Value) -> Result<(), String> {
+    fn restore_global(&self, name: &str, value: Self::Value) -> Result<(), ValueError> {
         let _ = (name, value);
-        Err("this host keeps no global variables".to_owned())
+        Err("this host keeps no global variables".into())
     }
 
     /// Puts back what the state at `path` (ids joined by `/`) keeps from one of its runs to the next, before anything of a
     /// run that is taken up again runs.
-    fn restore_persistent(&self, path: &str, value: Self::Value) -> Result<(), String> {
+    fn restore_persistent(&self, path: &str, value: Self::Value) -> Result<(), ValueError> {
         let _ = (path, value);
-        Err("this host keeps nothing from one run of a state to the next".to_owned())
+        Err("this host keeps nothing from one run of a state to the next".into())
     }
 
     /// Evaluates the condition of a breakpoint on this thread; the error says why it cannot.
@@ -127,8 +128,8 @@ pub trait Host {
     /// Makes values from what files hold.
     fn literals(&mut self) -> &mut dyn Literals<HostValue<Self>>;
 
-    /// Makes a value from JSON; the error is for people.
-    fn value(&mut self, json: &serde_json::Value) -> Result<HostValue<Self>, String>;
+    /// Makes a value from JSON.
+    fn value(&mut self, json: &serde_json::Value) -> Result<HostValue<Self>, ValueError>;
 
     /// Learns what it is going to run, before anything is loaded.
     fn launched(&mut self, _launch: &Launch) {}

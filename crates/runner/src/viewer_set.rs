@@ -4,6 +4,7 @@
 use crate::commands::{Answers, CommandDispatcher};
 use crate::connection::{IncomingLine, Line, Receiver, Sender, Socket};
 use crate::driver::Driver;
+use crate::error::AdmitError;
 use crate::viewer::Viewer;
 use crate::{Clock, Scripts, viewer_reader};
 use rafcon_engine::Input;
@@ -17,7 +18,7 @@ use std::time::Duration;
 /// How long viewers that do not read may hold up the end of the process, after the run is over.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
 /// Viewers at most.
-const GUESTS_MAX: usize = 64;
+pub(crate) const GUESTS_MAX: usize = 64;
 
 /// The viewers of a run.
 #[derive(Debug)]
@@ -87,8 +88,8 @@ impl<S: Scripts> ViewerSet<S> {
         let guest =
             ViewerConnection { sender, socket, answering: Mutex::new(()), told: Mutex::new(false) };
         let guest = Arc::new(guest);
-        if let Err(reason) = self.admit(&guest) {
-            guest.sender.send(&ToViewer::LoadFailed { reason });
+        if let Err(refused) = self.admit(&guest) {
+            guest.sender.send(&ToViewer::LoadFailed { reason: refused.to_string() });
             return Ok(());
         }
         let seated = self.seat(scope, &guest, receiver, join);
@@ -119,13 +120,13 @@ impl<S: Scripts> ViewerSet<S> {
         Ok(())
     }
 
-    fn admit(&self, guest: &Arc<ViewerConnection>) -> Result<(), String> {
+    fn admit(&self, guest: &Arc<ViewerConnection>) -> Result<(), AdmitError> {
         let mut present = self.present.lock();
         if present.closed {
-            return Err("the run is over; its journal tells how it went".to_owned());
+            return Err(AdmitError::RunOver);
         }
         if present.guests.len() >= GUESTS_MAX {
-            return Err(format!("{GUESTS_MAX} viewers are connected; let one of them leave"));
+            return Err(AdmitError::Full);
         }
         present.guests.push(Arc::clone(guest));
         let first = present.guests.len() == 1;

@@ -5,6 +5,7 @@ use crate::archive::Archive;
 use crate::blocks::Chunk;
 use crate::document::Document;
 use crate::driver::RunEnd;
+use crate::error::ValueError;
 use crate::record_renderer::RecordRenderer;
 use crate::recorder::Recorder;
 use crate::signals::PREEMPTED;
@@ -86,7 +87,7 @@ impl Scripts for Players {
         serde_json::Value::Null
     }
 
-    fn value(&self, _json: &serde_json::Value) -> Result<Value, String> {
+    fn value(&self, _json: &serde_json::Value) -> Result<Value, ValueError> {
         Ok(Value::None)
     }
 

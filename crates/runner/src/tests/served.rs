@@ -1,5 +1,6 @@
 //! Whole runs over real sockets: a host with scripts of plain Rust, and viewers that speak the protocol.
 
+use crate::error::ValueError;
 use crate::keep::Keep;
 use crate::signals::PREEMPTED;
 use crate::{Asked, Driver, Host, Opening, Place, Scripts, serve};
@@ -51,7 +52,7 @@ impl Host for Actors {
         Box::leak(Box::new(LITERALS))
     }
 
-    fn value(&mut self, json: &serde_json::Value) -> Result<Value, String> {
+    fn value(&mut self, json: &serde_json::Value) -> Result<Value, ValueError> {
         from_json(json)
     }
 
@@ -225,7 +226,7 @@ impl Scripts for Cast {
         globals.iter().map(|(name, value)| (name.clone(), to_json(value))).collect()
     }
 
-    fn value(&self, json: &serde_json::Value) -> Result<Value, String> {
+    fn value(&self, json: &serde_json::Value) -> Result<Value, ValueError> {
         from_json(json)
     }
 
@@ -243,22 +244,22 @@ impl Scripts for Cast {
         })
     }
 
-    fn plain(&self, kept: &Kept) -> Result<Value, String> {
+    fn plain(&self, kept: &Kept) -> Result<Value, ValueError> {
         match kept {
             Kept::None => Ok(Value::None),
             Kept::Bool(value) => Ok(Value::Bool(*value)),
             Kept::Int(value) => Ok(Value::Int(*value)),
             Kept::Float(value) => Ok(Value::Float(*value)),
-            Kept::Text(text) if text == "lost" => Err("it was lost".to_owned()),
+            Kept::Text(text) if text == "lost" => Err("it was lost".into()),
             Kept::Text(text) => Ok(Value::str(text)),
-            Kept::Absent | Kept::Value(_) => Err("it is not plain".to_owned()),
+            Kept::Absent | Kept::Value(_) => Err("it is not plain".into()),
         }
     }
 
-    fn restore(&self, stored: &Stored, _values: &Path) -> Result<Value, String> {
+    fn restore(&self, stored: &Stored, _values: &Path) -> Result<Value, ValueError> {
         match &stored.content {
             Content::View => from_json(&stored.view),
-            _ => Err("it was not kept".to_owned()),
+            _ => Err("it was not kept".into()),
         }
     }
 
@@ -273,7 +274,7 @@ impl Scripts for Cast {
         }
     }
 
-    fn restore_global(&self, name: &str, value: Value) -> Result<(), String> {
+    fn restore_global(&self, name: &str, value: Value) -> Result<(), ValueError> {
         self.globals.lock().push((name.to_owned(), value));
         Ok(())
     }
@@ -301,18 +302,18 @@ fn to_json(value: &Value) -> serde_json::Value {
     }
 }
 
-fn from_json(json: &serde_json::Value) -> Result<Value, String> {
+fn from_json(json: &serde_json::Value) -> Result<Value, ValueError> {
     match json {
         serde_json::Value::Null => Ok(Value::None),
         serde_json::Value::Bool(value) => Ok(Value::Bool(*value)),
         serde_json::Value::Number(number) => {
-            number.as_i64().map(Value::Int).ok_or_else(|| format!("{number} is no integer"))
+            number.as_i64().map(Value::Int).ok_or_else(|| format!("{number} is no integer").into())
         }
         serde_json::Value::String(text) => match text.strip_prefix("until closed: ") {
             Some(socket) => Ok(until_closed(socket)),
             None => Ok(Value::str(text)),
         },
-        other => Err(format!("this host has no value for {other}")),
+        other => Err(format!("this host has no value for {other}").into()),
     }
 }
 
