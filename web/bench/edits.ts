@@ -20,9 +20,9 @@ function one(sheet: Sheet, turn: number): Promise<number> {
   return sheet.evaluate(
     ([step, frame]) =>
       new Promise<number>((done, failed) => {
-        const room = window.__rafcon.context().tab?.room;
-        const path = room?.machine.children(room.machine.root)[0];
-        if (!room || path === undefined) throw new Error("no machine is open");
+        const session = window.__rafcon.context().tab?.session;
+        const path = session?.machine.children(session.machine.root)[0];
+        if (!session || path === undefined) throw new Error("no machine is open");
         const seen = new PerformanceObserver((list) => {
           const picture = list.getEntriesByName(frame).find(({ startTime }) => startTime >= begun);
           if (!picture) return;
@@ -32,7 +32,12 @@ function one(sheet: Sheet, turn: number): Promise<number> {
         seen.observe({ type: "measure" });
         const position: [number, number] = [50 + (step % 7) * 10, 60];
         const begun = performance.now();
-        const made = room.edit("Move", { edit: "set_position", path, element: "state", position });
+        const made = session.edit("Move", {
+          edit: "set_position",
+          path,
+          element: "state",
+          position,
+        });
       }),
     [turn, FRAME] as const,
   );
@@ -41,9 +46,9 @@ function one(sheet: Sheet, turn: number): Promise<number> {
 /** The ms from an undo, and from a redo, to the picture after it: with the way to the server, in the middle of many. */
 export async function undoAndRedo(sheet: Sheet): Promise<{ undo: number; redo: number }> {
   const times = await sheet.evaluate(async (count) => {
-    const room = window.__rafcon.context().tab?.room;
-    const path = room?.machine.children(room.machine.root)[0];
-    if (!room || path === undefined) throw new Error("no machine is open");
+    const session = window.__rafcon.context().tab?.session;
+    const path = session?.machine.children(session.machine.root)[0];
+    if (!session || path === undefined) throw new Error("no machine is open");
     const timed = async (act: () => Promise<unknown>) => {
       const begun = performance.now();
       await act();
@@ -52,12 +57,12 @@ export async function undoAndRedo(sheet: Sheet): Promise<{ undo: number; redo: n
     };
     for (let turn = 0; turn < count; turn++) {
       const position: [number, number] = [50 + turn * 10, 60];
-      await room.edit("Move", { edit: "set_position", path, element: "state", position });
+      await session.edit("Move", { edit: "set_position", path, element: "state", position });
     }
     const undo: number[] = [];
     const redo: number[] = [];
-    for (let turn = 0; turn < count; turn++) undo.push(await timed(() => room.undo()));
-    for (let turn = 0; turn < count; turn++) redo.push(await timed(() => room.redo()));
+    for (let turn = 0; turn < count; turn++) undo.push(await timed(() => session.undo()));
+    for (let turn = 0; turn < count; turn++) redo.push(await timed(() => session.redo()));
     return { undo, redo };
   }, EDITS);
   return { undo: median(times.undo), redo: median(times.redo) };
@@ -80,13 +85,13 @@ function megabytes(bytes: number): number {
 
 function editAndUndo(sheet: Sheet, times: number): Promise<void> {
   return sheet.evaluate(async (count) => {
-    const room = window.__rafcon.context().tab?.room;
-    const path = room?.machine.children(room.machine.root)[0];
-    if (!room || path === undefined) throw new Error("no machine is open");
+    const session = window.__rafcon.context().tab?.session;
+    const path = session?.machine.children(session.machine.root)[0];
+    if (!session || path === undefined) throw new Error("no machine is open");
     for (let turn = 0; turn < count; turn++) {
       const position: [number, number] = [50 + (turn % 7) * 10, 60 + (turn % 5)];
-      await room.edit("Move", { edit: "set_position", path, element: "state", position });
-      await room.undo();
+      await session.edit("Move", { edit: "set_position", path, element: "state", position });
+      await session.undo();
     }
   }, times);
 }

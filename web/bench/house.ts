@@ -113,7 +113,7 @@ export async function open(sheet: Sheet, size: Size): Promise<number> {
 
 /** Closes the machine here and on the server, so that it is read from disk when it is opened again. */
 export async function forget(sheet: Sheet, server: Server): Promise<void> {
-  const id = await sheet.evaluate(() => window.__rafcon.page.active.value?.room.id);
+  const id = await sheet.evaluate(() => window.__rafcon.page.active.value?.session.id);
   await sheet.context().close();
   await server.ask("POST", `/machines/${id}/close`, { discard: true });
 }

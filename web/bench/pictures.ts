@@ -48,7 +48,7 @@ async function lookAtWork(sheet: Sheet): Promise<void> {
   await sheet.evaluate(() => {
     const { tab, canvas } = window.__rafcon.context();
     if (!tab || !canvas) return;
-    const { machine } = tab.room;
+    const { machine } = tab.session;
     const part = [...machine.paths()].find(
       (path) => machine.state(path)?.name === "Fetch the battery",
     );
@@ -67,7 +67,7 @@ async function lookInto(sheet: Sheet, depth: number): Promise<void> {
   await sheet.evaluate(
     ([number, count]) => {
       const { tab, canvas } = window.__rafcon.context();
-      const paths = [...(tab?.room.machine.paths() ?? [])].map((path) => path.split("/"));
+      const paths = [...(tab?.session.machine.paths() ?? [])].map((path) => path.split("/"));
       const deepest = paths.reduce((one, other) => (other.length > one.length ? other : one), []);
       const levels = Math.max(1, deepest.length - 1);
       const level = 1 + Math.round(((levels - 1) * (number - 1)) / (count - 1));

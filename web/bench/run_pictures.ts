@@ -175,7 +175,7 @@ async function showEnd(sheet: Sheet, names: readonly string[]): Promise<void> {
 /** The path of a state by the names from the root on. */
 function pathOf(sheet: Sheet, names: readonly string[]): Promise<string> {
   return sheet.evaluate((wanted) => {
-    const machine = window.__rafcon.context().tab?.room.machine;
+    const machine = window.__rafcon.context().tab?.session.machine;
     const root = machine ? [...machine.paths()][0]?.split("/")[0] : undefined;
     if (!machine || root === undefined) throw new Error("no machine is open");
     return wanted.reduce((around, name) => {

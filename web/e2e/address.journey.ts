@@ -44,7 +44,7 @@ journey(
       await come(app, `?run=${run}`);
       await showsRun(app, run);
       await app.until(
-        ({ tab, canvas }) => canvas !== null && tab?.room.machine.root === "MISSIO",
+        ({ tab, canvas }) => canvas !== null && tab?.session.machine.root === "MISSIO",
         null,
       );
       expect(await missionOf(app).count()).toBe(0);

@@ -64,7 +64,7 @@ journey(
   async ({ app }) => {
     const { layout } = await app.state(PART);
     await app.press("Control+Shift+l");
-    await app.until(({ tab }) => (tab?.room.steps.value.steps.length ?? 0) > 0, null);
+    await app.until(({ tab }) => (tab?.session.steps.value.steps.length ?? 0) > 0, null);
     await app.settled();
     expect((await app.state(PART)).layout).not.toEqual(layout);
     await app.press("Control+z");
@@ -83,11 +83,11 @@ journey(
     await dialog.getByPlaceholder("Find a library").fill("announce");
     await dialog.getByRole("treeitem", { name: "announce" }).click();
     await dialog.getByRole("button", { name: "Substitute" }).click();
-    await app.until(({ tab }, path) => tab?.room.machine.state(path)?.kind === "library", LABEL);
+    await app.until(({ tab }, path) => tab?.session.machine.state(path)?.kind === "library", LABEL);
     await app.settled();
     expect((await app.state(LABEL)).library).toEqual({ path: "examples/speech", name: "announce" });
     await app.command("Substitute by the library's content: Keep the state's name");
-    await app.until(({ tab }, path) => tab?.room.machine.state(path)?.kind !== "library", LABEL);
+    await app.until(({ tab }, path) => tab?.session.machine.state(path)?.kind !== "library", LABEL);
     expect((await app.state(LABEL)).name).toBe("Label the box");
   },
 );

@@ -13,7 +13,7 @@ journey("a state is copied with all inside, and pasted", HERE, async ({ app }) =
   await app.click(await app.spot(ROOT, 100, 300));
   await app.press("Control+v");
   await app.until(
-    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 4,
+    ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 4,
     null,
   );
   await app.settled();
@@ -31,13 +31,13 @@ journey(
     await app.select(FULL);
     await app.press("Control+x");
     await app.until(
-      ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 2,
+      ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 2,
       null,
     );
     await app.click(await app.spot(ROOT, 100, 300));
     await app.press("Control+v");
     await app.until(
-      ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 3,
+      ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 3,
       null,
     );
     expect(await app.children()).toContain("Is the box full");
@@ -50,7 +50,7 @@ journey("a copy is pasted into another machine", HERE, async ({ app }) => {
   await app.open("error_recovery");
   await app.press("Control+v");
   await app.until(
-    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 5,
+    ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 5,
     null,
   );
   expect(await app.children()).toContain("Pack one part");
@@ -64,7 +64,7 @@ journey("a copy is pasted in another tab of the browser", HERE, async ({ app, ta
   await other.sheet.bringToFront();
   await other.press("Control+v");
   await other.until(
-    (at) => at.tab?.room.machine.children(at.tab.room.machine.root).length === 5,
+    (at) => at.tab?.session.machine.children(at.tab.session.machine.root).length === 5,
     null,
   );
   expect(await other.children()).toContain("Pack one part");
@@ -74,7 +74,7 @@ journey("a state is duplicated", HERE, async ({ app }) => {
   await app.select(FULL);
   await app.press("Control+d");
   await app.until(
-    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 4,
+    ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 4,
     null,
   );
 });
@@ -97,7 +97,7 @@ journey(
     const before = (await app.state(ROOT)).scoped_variables ?? [];
     await app.until(
       ({ tab }, [path, many]) =>
-        (tab?.room.machine.state(String(path))?.scoped_variables ?? []).length >= Number(many),
+        (tab?.session.machine.state(String(path))?.scoped_variables ?? []).length >= Number(many),
       [ROOT, count],
     );
     await app.settled();
@@ -118,13 +118,13 @@ journey(
     await app.press("Control+c");
     await app.open("error_recovery");
     const root = await app.sheet.evaluate(
-      () => window.__rafcon.context().tab?.room.machine.root ?? "",
+      () => window.__rafcon.context().tab?.session.machine.root ?? "",
     );
     await app.select(root);
     await app.press("Control+v");
     await app.until(
       ({ tab }, path) =>
-        tab?.room.steps.value.steps.at(-1)?.name.startsWith("Paste") === true && path !== "",
+        tab?.session.steps.value.steps.at(-1)?.name.startsWith("Paste") === true && path !== "",
       root,
     );
     const names = (await app.state(root)).outcomes?.map((outcome) => outcome.name) ?? [];
@@ -139,7 +139,7 @@ journey("a duplicate keeps the way of a connection among its states", HERE, asyn
   );
   await app.sheet.evaluate(
     ([path, id]) =>
-      window.__rafcon.context().tab?.room.edit("Bend", {
+      window.__rafcon.context().tab?.session.edit("Bend", {
         edit: "set_waypoints",
         path: String(path),
         element: { transition: Number(id) },
@@ -151,7 +151,7 @@ journey("a duplicate keeps the way of a connection among its states", HERE, asyn
   await app.press("Control+a");
   await app.press("Control+d");
   await app.until(
-    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 6,
+    ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 6,
     null,
   );
   await app.settled();

@@ -214,7 +214,7 @@ journey("a state is put into the selected transition by the menu", HERE, async (
   await app.sheet.getByRole("menuitem", { name: "Insert into transition" }).click();
   await app.sheet.getByRole("menuitem", { name: "Hierarchy" }).last().click();
   await app.until(
-    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 4,
+    ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 4,
     null,
   );
   expect(await app.lastStep()).toBe("Insert state into transition");

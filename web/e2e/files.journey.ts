@@ -9,7 +9,10 @@ const HERE = { open: "hierarchy_and_data" };
 const FULL = "PACKER/ISFULL";
 
 async function isChanged(app: App, wanted: boolean): Promise<void> {
-  await app.until(({ tab }, value) => tab?.room.status.value?.summary.is_changed === value, wanted);
+  await app.until(
+    ({ tab }, value) => tab?.session.status.value?.summary.is_changed === value,
+    wanted,
+  );
 }
 
 /** The description of the root as it lies on disk. */
@@ -31,7 +34,7 @@ journey("a machine is saved in another folder, where it stays", HERE, async ({ a
   const dialog = app.sheet.getByRole("dialog", { name: "Save as" });
   await dialog.getByLabel(/name/i).last().fill("packing");
   await dialog.getByRole("button", { name: "Save" }).click();
-  await app.until(({ tab }) => tab?.room.status.value?.summary.file?.path === "packing", null);
+  await app.until(({ tab }) => tab?.session.status.value?.summary.file?.path === "packing", null);
   expect(onDisk(server.place.project, "packing")).toContain("PACKER");
 });
 
@@ -73,10 +76,10 @@ journey(
   async ({ app, server }) => {
     const file = join(server.place.project, "hierarchy_and_data", "core_data.json");
     writeFileSync(file, readFileSync(file, "utf8").replace("Pack an order", "Pack two orders"));
-    await app.until(({ tab }) => tab?.room.status.value?.summary.disk !== "same", null);
+    await app.until(({ tab }) => tab?.session.status.value?.summary.disk !== "same", null);
     await app.command("Reload from disk");
     await app.until(
-      ({ tab }) => tab?.room.machine.state(tab.room.machine.root)?.name === "Pack two orders",
+      ({ tab }) => tab?.session.machine.state(tab.session.machine.root)?.name === "Pack two orders",
       null,
     );
   },
@@ -122,7 +125,7 @@ journey(
 journey("the page that is loaded again comes back as it was", HERE, async ({ app }) => {
   await app.select(FULL);
   await app.sheet.reload();
-  await app.until(({ tab }) => tab?.room.machine.root === "PACKER", null);
+  await app.until(({ tab }) => tab?.session.machine.root === "PACKER", null);
 });
 
 journey("edits outlive a server that was killed", HERE, async ({ app, server }) => {
@@ -133,7 +136,7 @@ journey("edits outlive a server that was killed", HERE, async ({ app, server }) 
   await app.until(({ page }) => page.server.link.value.state === "down", null);
   await server.restart();
   await app.connected();
-  await app.until(({ tab }) => tab?.room.machine.state("PACKER/ISFULL") === undefined, null);
+  await app.until(({ tab }) => tab?.session.machine.state("PACKER/ISFULL") === undefined, null);
   expect(await app.children()).toEqual(["Label the box", "Pack one part"]);
 });
 
@@ -145,7 +148,7 @@ journey(
     await server.end();
     await app.until(({ page }) => page.server.link.value.state === "down", null);
     await app.press("Delete");
-    await app.until(({ tab }) => (tab?.room.pending.value.length ?? 0) > 0, null);
+    await app.until(({ tab }) => (tab?.session.pending.value.length ?? 0) > 0, null);
     await server.restart();
     await app.settled();
     expect(await app.children()).toEqual(["Label the box", "Pack one part"]);
@@ -159,7 +162,7 @@ journey(
     await app.select(FULL);
     server.freeze();
     await app.press("Control+d");
-    await app.until(({ tab }) => (tab?.room.pending.value.length ?? 0) > 0, null);
+    await app.until(({ tab }) => (tab?.session.pending.value.length ?? 0) > 0, null);
     await server.end("SIGKILL");
     await server.restart();
     await app.connected();

@@ -49,7 +49,7 @@ journey(
     };
     await grasp.dragTo(app.canvas, { targetPosition });
     await app.until(
-      ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 6,
+      ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 6,
       null,
     );
     expect(await app.children()).toContain("Grasp");
@@ -93,7 +93,7 @@ journey("a machine is compared with what git has", HERE, async ({ app, server })
   writeFileSync(file, readFileSync(file, "utf8").replace("Pack an order", "Pack two orders"));
   await app.command("Reload from disk");
   await app.until(
-    ({ tab }) => tab?.room.machine.state(tab.room.machine.root)?.name === "Pack two orders",
+    ({ tab }) => tab?.session.machine.state(tab.session.machine.root)?.name === "Pack two orders",
     null,
   );
   await app.panel("Differences");

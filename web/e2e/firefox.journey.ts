@@ -37,13 +37,15 @@ async function go(app: App, server: Server): Promise<void> {
   await app.drawn();
 
   // Two states, the first with another name, one after the other.
-  const root = await sheet.evaluate(() => window.__rafcon.context().tab?.room.machine.root ?? "");
+  const root = await sheet.evaluate(
+    () => window.__rafcon.context().tab?.session.machine.root ?? "",
+  );
   const [one, two] = [await add(app, root, 15, 25), await add(app, root, 60, 60)];
   await app.select(one);
   await app.press("F2");
   await sheet.keyboard.press("Control+a");
   await sheet.keyboard.type("Look\n");
-  await app.until(({ tab }, path) => tab?.room.machine.state(path)?.name === "Look", one);
+  await app.until(({ tab }, path) => tab?.session.machine.state(path)?.name === "Look", one);
   await app.drag(await app.port(root, "income"), await app.port(one, "income"));
   await app.drag(await app.port(one, "outcome", "success"), await app.port(two, "income"));
   await app.settled();
@@ -57,13 +59,13 @@ async function go(app: App, server: Server): Promise<void> {
   await sheet.keyboard.type("\nself.preemptive_wait(600)");
   await sheet.keyboard.press("Control+Enter");
   await app.until(
-    ({ tab }, path) => tab?.room.machine.state(path)?.script?.includes("wait(600)") === true,
+    ({ tab }, path) => tab?.session.machine.state(path)?.script?.includes("wait(600)") === true,
     two,
   );
 
   // It is saved, and runs.
   await app.press("Control+s");
-  await app.until(({ tab }) => tab?.room.status.value?.summary.is_changed === false, null);
+  await app.until(({ tab }) => tab?.session.status.value?.summary.is_changed === false, null);
   const folders = readdirSync(join(server.place.project, "fetch"));
   expect(folders.filter((name) => name.startsWith("Look_"))).toHaveLength(1);
   await app.press("Shift+F7");

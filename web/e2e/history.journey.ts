@@ -10,8 +10,8 @@ const FULL = "PACKER/ISFULL";
 async function rename(app: App, path: string, name: string): Promise<void> {
   await app.sheet.evaluate(
     ([at, text]) => {
-      const room = window.__rafcon?.page.active.value?.room;
-      return room?.edit(`Rename to ${text}`, { edit: "set_name", path: at, name: text });
+      const session = window.__rafcon?.page.active.value?.session;
+      return session?.edit(`Rename to ${text}`, { edit: "set_name", path: at, name: text });
     },
     [path, name] as const,
   );
@@ -59,8 +59,8 @@ journey("what differs from the disk is listed, and marked on the canvas", HERE, 
 
 journey("a problem leads to its place, and goes when it is mended", HERE, async ({ app }) => {
   await app.sheet.evaluate((path) => {
-    const room = window.__rafcon?.page.active.value?.room;
-    return room?.edit("Take the start away", { edit: "set_start", path, to: null });
+    const session = window.__rafcon?.page.active.value?.session;
+    return session?.edit("Take the start away", { edit: "set_start", path, to: null });
   }, ROOT);
   await app.panel("Problems");
   await app.sheet.getByText("no child is where it starts").click();

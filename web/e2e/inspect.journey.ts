@@ -67,7 +67,8 @@ journey("a script is written and applied as one step", HERE, async ({ app }) => 
   await app.sheet.keyboard.type("# written here\n");
   await app.sheet.keyboard.press("Control+Enter");
   await app.until(
-    ({ tab }, path) => tab?.room.machine.state(path)?.script?.startsWith("# written here") === true,
+    ({ tab }, path) =>
+      tab?.session.machine.state(path)?.script?.startsWith("# written here") === true,
     LABEL,
   );
 });

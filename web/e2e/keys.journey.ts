@@ -14,7 +14,7 @@ journey("a command gets another key", HERE, async ({ app }) => {
   await app.select(FULL);
   await app.press("Alt+j");
   await app.until(
-    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 4,
+    ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 4,
     null,
   );
 });

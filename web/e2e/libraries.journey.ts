@@ -19,7 +19,7 @@ journey("a library is put in the place of a state, which keeps its name", HERE, 
   await menuOf(app, "grasp");
   await app.sheet.getByRole("menuitem", { name: "Substitute selected state" }).click();
   await app.sheet.getByRole("menuitem", { name: "By the library, keep its name" }).click();
-  await app.until(({ tab }, at) => tab?.room.machine.state(at)?.library?.name === "grasp", path);
+  await app.until(({ tab }, at) => tab?.session.machine.state(at)?.library?.name === "grasp", path);
   await app.settled();
   expect((await app.state(path)).name).toBe("Announce the patrol");
 });
@@ -28,7 +28,7 @@ journey("a copy of a library comes with its states", HERE, async ({ app }) => {
   await menuOf(app, "grasp");
   await app.sheet.getByRole("menuitem", { name: "Add as copy" }).click();
   await app.until(
-    ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 6,
+    ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 6,
     null,
   );
   await app.settled();
@@ -77,11 +77,11 @@ journey(
     const own = changed.getByRole("listitem").filter({ hasText: "“Announce the patrol”: " });
     await own.getByText(/the input `loudness: object` is new/).waitFor();
     await own.getByRole("button", { name: /^Take/ }).click();
-    await app.until(({ tab }, at) => tab?.room.machine.state(at)?.inputs?.length === 3, path);
+    await app.until(({ tab }, at) => tab?.session.machine.state(at)?.inputs?.length === 3, path);
     expect(await inputs()).toEqual(["message", "subject", "loudness"]);
     await own.waitFor({ state: "detached" });
     await app.press("Control+z");
-    await app.until(({ tab }, at) => tab?.room.machine.state(at)?.inputs?.length === 2, path);
+    await app.until(({ tab }, at) => tab?.session.machine.state(at)?.inputs?.length === 2, path);
     await own.getByText(/is new/).waitFor();
   },
 );

@@ -88,7 +88,7 @@ journey("the content of a library shows in place", { open: "library_reuse" }, as
   await app.press("Shift+l");
   await app.until(
     ({ tab }, path) =>
-      (tab?.room.machine.children(path).length ?? 0) === 1 &&
+      (tab?.session.machine.children(path).length ?? 0) === 1 &&
       tab?.view.contents.value.get(path) === true,
     square,
   );

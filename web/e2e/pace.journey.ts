@@ -40,14 +40,16 @@ function seen(sheet: Sheet, deed: Deed): Promise<Pace> {
         const mine = window.__rafcon.context().tab;
         const hasCount = (tab: typeof mine) =>
           "children" in wanted &&
-          tab?.room.machine.children(tab.room.machine.root).length === wanted.children;
+          tab?.session.machine.children(tab.session.machine.root).length === wanted.children;
         const isDone = () =>
           "selected" in wanted
             ? theirs?.view.selection.value.has(`state:${wanted.selected}` as ElementKey)
             : hasCount(theirs);
         const isSeen = () =>
           "selected" in wanted
-            ? mine?.room.people.value.some(({ selection }) => selection.includes(wanted.selected))
+            ? mine?.session.people.value.some(({ selection }) =>
+                selection.includes(wanted.selected),
+              )
             : hasCount(mine);
         let begun: number | null = null;
         let frames = 0;

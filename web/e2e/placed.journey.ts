@@ -60,7 +60,7 @@ function alone(boxes: readonly Box[], away: number): readonly Box[] {
 
 /** Looks at each child of the root, and counts those that could be looked at. */
 async function look(app: App, machine: string): Promise<number> {
-  const root = await app.sheet.evaluate(() => window.__rafcon.context().tab?.room.machine.root);
+  const root = await app.sheet.evaluate(() => window.__rafcon.context().tab?.session.machine.root);
   await app.press("t");
   await app.until(({ tab }) => tab?.view.modes.value.transitions === false, null);
   await app.drawn();

@@ -247,8 +247,8 @@ journey(
       await app.sheet.keyboard.press("Enter");
       await app.until(
         ({ tab }, wanted) =>
-          tab?.room.machine.state("PACKER/LABELS")?.name === wanted &&
-          tab.room.status.value?.summary.is_changed === true,
+          tab?.session.machine.state("PACKER/LABELS")?.name === wanted &&
+          tab.session.status.value?.summary.is_changed === true,
         name,
       );
     };
@@ -317,7 +317,7 @@ journey(
       .getByRole("button", { name: new RegExp(`done with the run ${second}`) })
       .click();
     await app.sheet.getByRole("menuitem", { name: "Show the machine as it ran" }).click();
-    await app.until(({ tab }) => tab?.room.fixed !== null, null);
+    await app.until(({ tab }) => tab?.session.fixed !== null, null);
     await app.sheet
       .getByRole("button", { name: new RegExp(`done with the run ${second}`) })
       .click();

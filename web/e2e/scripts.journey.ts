@@ -50,7 +50,7 @@ journey("Tab leads from cell to cell", HERE, async ({ app }) => {
   await app.sheet.keyboard.type("1.5");
   await app.sheet.keyboard.press("Enter");
   await app.until(({ tab }, path) => {
-    const port = tab?.room.machine.state(path)?.inputs?.find(({ name }) => name === "count");
+    const port = tab?.session.machine.state(path)?.inputs?.find(({ name }) => name === "count");
     return port?.data_type === "object" && port.default === 1.5;
   }, LABEL);
 });
@@ -73,7 +73,7 @@ journey("a script outlives a reload and is saved with the machine", HERE, async 
   await app.sheet.getByText("Not applied yet").waitFor();
   expect(await script(app)).not.toContain("# not applied");
   await app.sheet.keyboard.press("Control+s");
-  await app.until(({ tab }) => tab?.room.status.value?.summary.is_changed === false, null);
+  await app.until(({ tab }) => tab?.session.status.value?.summary.is_changed === false, null);
   expect(await script(app)).toContain("# not applied");
 });
 

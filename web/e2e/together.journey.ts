@@ -11,12 +11,12 @@ journey("two engineers see each other's selection and edits", HERE, async ({ app
   await anna.select(LABEL);
   await app.until(
     ({ tab }, key) =>
-      tab?.room.people.value.some(({ selection }) => selection.includes(key)) === true,
+      tab?.session.people.value.some(({ selection }) => selection.includes(key)) === true,
     LABEL,
   );
   await app.select(FULL);
   await app.press("Delete");
-  await anna.until(({ tab }, path) => tab?.room.machine.state(path) === undefined, FULL);
+  await anna.until(({ tab }, path) => tab?.session.machine.state(path) === undefined, FULL);
   expect(await anna.children()).toEqual(["Label the box", "Pack one part"]);
 });
 
@@ -35,12 +35,12 @@ journey(
     await name.press("Enter");
     await anna.settled();
     await app.until(
-      ({ tab }, path) => tab?.room.machine.state(path)?.name === "Write the label",
+      ({ tab }, path) => tab?.session.machine.state(path)?.name === "Write the label",
       LABEL,
     );
     await app.press("Control+z");
     await app.until(
-      ({ tab }) => tab?.room.machine.children(tab.room.machine.root).length === 3,
+      ({ tab }) => tab?.session.machine.children(tab.session.machine.root).length === 3,
       null,
     );
     expect((await app.state(LABEL)).name).toBe("Write the label");
@@ -55,7 +55,7 @@ journey(
     await anna.open("hierarchy_and_data");
     await anna.select(FULL);
     await anna.press("Delete");
-    await app.until(({ tab }, path) => tab?.room.machine.state(path) === undefined, FULL);
+    await app.until(({ tab }, path) => tab?.session.machine.state(path) === undefined, FULL);
     await app.panel("Edits");
     const steps = app.sheet.getByRole("grid", { name: "Steps, the newest first" });
     await steps.getByText("As it was opened").click();
@@ -64,8 +64,8 @@ journey(
     expect((await app.children()).length).toBe(2);
     await app.sheet.getByRole("button", { name: "Go to this step" }).click();
     await app.sheet.getByRole("button", { name: "Go there anyway" }).click();
-    await app.until(({ tab }, path) => tab?.room.machine.state(path) !== undefined, FULL);
+    await app.until(({ tab }, path) => tab?.session.machine.state(path) !== undefined, FULL);
     await app.press("Control+z");
-    await app.until(({ tab }, path) => tab?.room.machine.state(path) === undefined, FULL);
+    await app.until(({ tab }, path) => tab?.session.machine.state(path) === undefined, FULL);
   },
 );

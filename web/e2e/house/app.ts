@@ -72,7 +72,7 @@ export class App {
     await dialog.getByRole("treeitem", { name, exact: true }).dblclick();
     await this.until(
       ({ tab, canvas }, file) =>
-        canvas !== null && tab?.room.status.value?.summary.file?.path === file,
+        canvas !== null && tab?.session.status.value?.summary.file?.path === file,
       name,
     );
     await this.drawn();
@@ -127,7 +127,7 @@ export class App {
   /** The names of the children of a state, or of the root. */
   async children(path?: string): Promise<readonly string[]> {
     return this.sheet.evaluate((at) => {
-      const machine = window.__rafcon.context().tab?.room.machine;
+      const machine = window.__rafcon.context().tab?.session.machine;
       if (!machine) return [];
       return machine.children(at ?? machine.root).map((child) => machine.state(child)?.name ?? "");
     }, path);
@@ -136,7 +136,7 @@ export class App {
   /** The path of the only state with this name. */
   async path(name: string): Promise<string> {
     return this.sheet.evaluate((wanted) => {
-      const machine = window.__rafcon.context().tab?.room.machine;
+      const machine = window.__rafcon.context().tab?.session.machine;
       const found = [...(machine?.paths() ?? [])].filter(
         (path) => machine?.state(path)?.name === wanted,
       );
@@ -148,7 +148,7 @@ export class App {
 
   async state(path: string): Promise<StateDocument> {
     const found = await this.sheet.evaluate(
-      (at) => window.__rafcon.context().tab?.room.machine.state(at),
+      (at) => window.__rafcon.context().tab?.session.machine.state(at),
       path,
     );
     if (!found) throw new Error(`there is no state ${path}`);
@@ -195,7 +195,7 @@ export class App {
 
   /** Waits until everything that was done has its answer. */
   async settled(): Promise<void> {
-    await this.until(({ tab }) => tab?.room.pending.value.length === 0, null);
+    await this.until(({ tab }) => tab?.session.pending.value.length === 0, null);
   }
 
   /** The middle of a state on the screen. */
@@ -240,7 +240,7 @@ export class App {
   async lastStep(): Promise<string> {
     await this.settled();
     return this.sheet.evaluate(
-      () => window.__rafcon.context().tab?.room.steps.value.steps.at(-1)?.name ?? "",
+      () => window.__rafcon.context().tab?.session.steps.value.steps.at(-1)?.name ?? "",
     );
   }
 
@@ -257,7 +257,7 @@ export class App {
   private async worldBox(path: string): Promise<Box> {
     const found: readonly Found[] = await this.sheet.evaluate(
       (paths) => {
-        const machine = window.__rafcon.context().tab?.room.machine;
+        const machine = window.__rafcon.context().tab?.session.machine;
         return paths.map((at, level) => {
           const state = machine?.state(at);
           const above = paths[level - 1];

@@ -41,7 +41,7 @@ export function Bars({ tab }: { tab: OpenTab }) {
 function LinkBar({ tab }: { tab: OpenTab }) {
   const { page } = useSession();
   const link = useSignal(page.server.link);
-  const pending = useSignal(tab.room.pending);
+  const pending = useSignal(tab.session.pending);
   const now_ms = useNow(link.state === "down");
   if (link.state !== "down") return null;
   const waiting =
@@ -89,7 +89,7 @@ function ReadOnlyBar({ tab }: { tab: OpenTab }) {
 
 function DiskBar({ tab }: { tab: OpenTab }) {
   const { page, commands, context } = useSession();
-  const status = useSignal(tab.room.status);
+  const status = useSignal(tab.session.status);
   const may = useDerived(() => mayEdit(page), [page]);
   const disk = status?.summary.disk ?? "same";
   if (disk === "same") return null;
@@ -125,7 +125,7 @@ function DiskBar({ tab }: { tab: OpenTab }) {
 
 function RecoveredBar({ tab }: { tab: OpenTab }) {
   const { commands, context } = useSession();
-  const status = useSignal(tab.room.status);
+  const status = useSignal(tab.session.status);
   const [closed, setClosed] = useState(false);
   if (closed || !status?.summary.is_recovered || !status.summary.is_changed) return null;
   return (

@@ -54,7 +54,7 @@ function keyOfHeld(watch: Watch): string {
 
 function Steps({ tab, lane }: { readonly tab: OpenTab; readonly lane: Active }) {
   const { commands, context } = useSession();
-  const name = namesTo(tab.room.machine, lane.branch).at(-1) ?? lane.branch;
+  const name = namesTo(tab.session.machine, lane.branch).at(-1) ?? lane.branch;
   return (
     <div className="branch-steps" role="toolbar" aria-label={`Step ${name}`}>
       {STEPS.map(([id, Icon]) => (

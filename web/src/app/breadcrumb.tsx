@@ -14,7 +14,7 @@ import { useDerived, useSession } from "./provided.tsx";
 
 export function Breadcrumb({ tab }: { tab: OpenTab }) {
   const { canvas } = useSession();
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const place = useRef<HTMLElement>(null);
   const [room_px, setRoom] = useState(0);
   useEffect(() => {
@@ -24,7 +24,7 @@ export function Breadcrumb({ tab }: { tab: OpenTab }) {
     sizes.observe(nav);
     return () => sizes.disconnect();
   }, []);
-  useSignal(tab.room.version);
+  useSignal(tab.session.version);
   const path = useDerived(() => {
     const [key] = tab.view.selection.value;
     const selected = key === undefined ? undefined : elementOf(key)?.path;

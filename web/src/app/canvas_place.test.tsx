@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { act } from "react";
 import { afterEach, expect, test, vi } from "vitest";
-import { ARM, PlainRoom } from "../canvas/testing/driver.ts";
+import { ARM, PlainMachineSession } from "../canvas/testing/driver.ts";
 import { click, unmount } from "../ui/mounted.tsx";
 import { CanvasPlace } from "./canvas_place.tsx";
 import { shown } from "./shown.tsx";
@@ -36,7 +36,9 @@ test("a picture that cannot be drawn is grey and says why, until it can be drawn
   vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockReturnValue(context as never);
   vi.spyOn(HTMLElement.prototype, "clientWidth", "get").mockReturnValue(400);
   vi.spyOn(console, "error").mockImplementation(() => {});
-  const { place } = shown((tab) => <CanvasPlace tab={tab} />, { room: new PlainRoom(ARM) });
+  const { place } = shown((tab) => <CanvasPlace tab={tab} />, {
+    session: new PlainMachineSession(ARM),
+  });
   const look = () => {
     const canvas = place.querySelector(".canvas-mount");
     const said = place.querySelector(".canvas-fault[role=alert] span")?.textContent;

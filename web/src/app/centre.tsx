@@ -18,7 +18,7 @@ export function Centre() {
   const draws = useDerived(
     () =>
       mayEdit(page) &&
-      page.active.value?.room.fixed === null &&
+      page.active.value?.session.fixed === null &&
       !dock.value.isInSight(MISSION_PANEL),
     [page, dock],
   );
@@ -31,7 +31,7 @@ export function Centre() {
         <CanvasTools tab={tab} />
       </div>
       <Bars tab={tab} />
-      <CanvasPlace key={tab.room.id} tab={tab} />
+      <CanvasPlace key={tab.session.id} tab={tab} />
     </main>
   );
 }

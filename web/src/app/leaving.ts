@@ -4,7 +4,7 @@ import type { AppSession } from "./session.ts";
 
 /** Whether an edit waits for its answer. What was answered is kept by the server. */
 export function isUnsent({ page }: AppSession): boolean {
-  return page.tabs.peek().some(({ room }) => room.pending.peek().length > 0);
+  return page.tabs.peek().some(({ session }) => session.pending.peek().length > 0);
 }
 
 export function guardLeaving(session: AppSession, view: Window): () => void {

@@ -37,7 +37,7 @@ export function MachineTabs() {
         }}
       >
         {tabs.map((tab) => (
-          <MachineTab key={tab.room.id} tab={tab} active={tab === active} />
+          <MachineTab key={tab.session.id} tab={tab} active={tab === active} />
         ))}
       </div>
       <IconButton
@@ -52,11 +52,11 @@ export function MachineTabs() {
 
 function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
   const { page, commands, context } = useSession();
-  const { machine } = tab.room;
-  useSignal(tab.room.version);
+  const { machine } = tab.session;
+  useSignal(tab.session.version);
   const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
   const changed = useDerived(() => isChanged(tab), [tab]);
-  const file = useDerived(() => tab.room.status.value?.summary.file ?? null, [tab]);
+  const file = useDerived(() => tab.session.status.value?.summary.file ?? null, [tab]);
   const name = machine.state(machine.root)?.name ?? "";
   const close = () => commands.run("file.close", context(), tab);
   return (

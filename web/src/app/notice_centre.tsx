@@ -118,7 +118,11 @@ function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
   const { action, about, level, at_ms } = notice;
   const Sign = SIGNS[level];
   const close = () => closeNotices(session, [notice]);
-  const tab = about && session.page.tabs.peek().find(({ room }) => room.id === about.machine);
+  const tab =
+    about &&
+    session.page.tabs
+      .peek()
+      .find(({ session: machineSession }) => machineSession.id === about.machine);
   const element = about?.element;
   return (
     <li className={`notice notice-${level}`}>

@@ -157,7 +157,7 @@ function Sign({ item }: { item: PaletteItem }) {
   if (found.kind === "command") return <CommandSign size={14} aria-hidden />;
   if (found.kind === "library") return <Library size={14} aria-hidden />;
   if (found.kind === "machine") return <Workflow size={14} aria-hidden />;
-  const kind = page.active.peek()?.room.machine.state(found.path)?.kind ?? "execution";
+  const kind = page.active.peek()?.session.machine.state(found.path)?.kind ?? "execution";
   const Icon = KIND_ICONS[kind];
   return <Icon size={14} aria-hidden />;
 }
@@ -219,7 +219,7 @@ function commandItems(
 /** The states of the machine in front; without a text those that stand first. */
 function useFindStates({ page }: AppSession): FindStates {
   return useMemo(() => {
-    const machine = page.active.peek()?.room.machine;
+    const machine = page.active.peek()?.session.machine;
     if (!machine) return () => [];
     const item = (path: string): PaletteItem => ({
       found: { kind: "state", path },

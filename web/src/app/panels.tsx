@@ -109,7 +109,7 @@ export const PANELS: readonly Panel[] = [
     icon: CircleAlert,
     component: Problems,
     side: "bottom",
-    count: (tab) => (tab ? countProblems(tab.room.problems.value) : 0),
+    count: (tab) => (tab ? countProblems(tab.session.problems.value) : 0),
   },
   {
     id: "differences",

@@ -9,12 +9,12 @@ import { useSession } from "./provided.tsx";
 export function People() {
   const { page } = useSession();
   const tab = useSignal(page.active);
-  return tab && <InRoom tab={tab} />;
+  return tab && <InSession tab={tab} />;
 }
 
-function InRoom({ tab }: { tab: OpenTab }) {
+function InSession({ tab }: { tab: OpenTab }) {
   const { canvas } = useSession();
-  const people = useSignal(tab.room.people);
+  const people = useSignal(tab.session.people);
   if (people.length === 0) return null;
   const go = ({ selection }: Presence) => {
     if (selection.length === 0) return;

@@ -32,7 +32,7 @@ export function runExtras(page: Page, tab: OpenTab): RunExtras {
   const extras = computed((): Extras => {
     const watch = tab.run.value;
     if (!watch) return { breakpoints: breakpoints.value };
-    const { states, lines, visits } = runMarks(watch, tab.room);
+    const { states, lines, visits } = runMarks(watch, tab.session);
     return {
       runs: states,
       taken: lines,
@@ -83,15 +83,15 @@ function countsShown({ journal, grown, moment }: Watch): Iterable<CountUntil> {
   return journal.counts.all();
 }
 
-function valuesOf({ run, view, room }: OpenTab): ReadonlySignal<ReadonlyMap<string, ValueChip>> {
+function valuesOf({ run, view, session }: OpenTab): ReadonlySignal<ReadonlyMap<string, ValueChip>> {
   return computed(() => {
     const watch = run.value;
     if (!watch || !view.modes.value.values) return NO_VALUES;
     const picture = watch.seen.value?.picture;
-    room.version.value;
+    session.version.value;
     if (!picture) return NO_VALUES;
     return new Map(
-      [...portValues(picture, room.machine)].map(([key, value]) => [
+      [...portValues(picture, session.machine)].map(([key, value]) => [
         key,
         { short: shortValue(value, CHIP), full: shortValue(value, FULL) },
       ]),

@@ -78,7 +78,7 @@ function placesInWords(tab: OpenTab, watch: Watch): string {
   const leaves = active.filter(
     ({ path }) => !active.some((other) => other.path.startsWith(`${path}/`)),
   );
-  return fewInWords(leaves.map(({ path }) => namesTo(tab.room.machine, path).at(-1) ?? path));
+  return fewInWords(leaves.map(({ path }) => namesTo(tab.session.machine, path).at(-1) ?? path));
 }
 
 /** The last line that the program wrote, if it wrote any. */
@@ -116,7 +116,7 @@ function InterruptedBar({ tab, watch }: RunBarProps) {
       kind="warning"
       icon={<TriangleAlert size={16} aria-hidden />}
       actions={paths.map((path) => {
-        const name = namesTo(tab.room.machine, path).at(-1) ?? path;
+        const name = namesTo(tab.session.machine, path).at(-1) ?? path;
         return (
           <span key={path} className="bar-choice">
             “{name}”<Button onClick={decide(path, "restart")}>Run again</Button>

@@ -60,7 +60,7 @@ function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void 
     const isSeen = page.active.peek()?.run.peek() === watch && dock.peek().isInSight(MISSION_PANEL);
     if (isSeen) return;
     const action = { title, command: "mission.show", argument: watch.id };
-    const passing = { topic: `${watch.id} ${topic}`, machine: tab.room.id };
+    const passing = { topic: `${watch.id} ${topic}`, machine: tab.session.id };
     page.tell({ level, text, action, passing });
   };
   const name = () => summaryOf(page, watch)?.name ?? watch.id;
@@ -77,13 +77,13 @@ function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void 
   };
 }
 
-function tellQuestions(watch: Watch, { room }: OpenTab, tell: Tell): () => void {
+function tellQuestions(watch: Watch, { session }: OpenTab, tell: Tell): () => void {
   const known = new Set<number>();
   return effect(() => {
     for (const { id, path, message } of openQuestions(watch)) {
       if (known.has(id)) continue;
       known.add(id);
-      void nameSoon(room, path).then((name) => {
+      void nameSoon(session, path).then((name) => {
         const text = `${name} asks: ${message}`;
         tell({ topic: `question ${id}`, level: "warning", text, title: "Answer" });
       });
@@ -92,7 +92,7 @@ function tellQuestions(watch: Watch, { room }: OpenTab, tell: Tell): () => void 
 }
 
 /** What happened before the page had caught up is no news. */
-function tellFailures(watch: Watch, { room }: OpenTab, tell: Tell): () => void {
+function tellFailures(watch: Watch, { session }: OpenTab, tell: Tell): () => void {
   let from = Number.POSITIVE_INFINITY;
   let told = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -102,7 +102,7 @@ function tellFailures(watch: Watch, { room }: OpenTab, tell: Tell): () => void {
     const last = newest(fresh);
     if (!last || last.sequence === told) return;
     told = last.sequence;
-    const name = last.path === "" ? "" : await nameSoon(room, last.path);
+    const name = last.path === "" ? "" : await nameSoon(session, last.path);
     const text = failuresInWords(last, fresh.length, name);
     tell({ topic: "failures", level: "error", text, title: "Look" });
   };
@@ -147,13 +147,13 @@ export function failuresInWords(
 }
 
 /** Once for each time that a state takes longer than ever: it may hang. It is kept in the log, whatever is in sight. */
-function tellLonger({ page }: AppSession, watch: Watch, { room }: OpenTab): () => void {
+function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): () => void {
   let before: ReadonlySet<string> = new Set();
   return effect(() => {
     const all = longerThanEver(page, watch);
     for (const longer of all) {
       if (before.has(longer.path)) continue;
-      void nameSoon(room, longer.path).then((name) => {
+      void nameSoon(session, longer.path).then((name) => {
         const text = longerInWords(name, longer);
         const action = { title: "Mission control", command: "mission.show", argument: watch.id };
         page.tell({ level: "warning", text, action });

@@ -6,8 +6,8 @@ import { allCommands } from "../commands/all.ts";
 import { stand } from "../commands/stand.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
 import { PanelHostProvider } from "../panels/context.tsx";
+import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
-import type { Room } from "../store/room.ts";
 import type { Watch } from "../store/run.ts";
 import { mount } from "../ui/mounted.tsx";
 import { SessionProvider } from "./provided.tsx";
@@ -17,7 +17,7 @@ import { type AppSession, newSession } from "./session.ts";
 const RIGHTS = ["observe", "command", "start", "edit"] as const;
 
 export interface Beside {
-  readonly room?: Room;
+  readonly session?: MachineSession;
   readonly watch?: Watch | null;
   readonly runs?: readonly RunSummary[];
 }
@@ -29,8 +29,8 @@ export interface Shown {
 
 export function shown(part: (tab: OpenTab) => ReactElement, beside: Beside = {}): Shown {
   const { page: plain, tab: alone } = stand("R hierarchy", { rights: RIGHTS });
-  const room = beside.room ?? alone.room;
-  const tab: OpenTab = { ...alone, room, run: signal(beside.watch ?? null) };
+  const machineSession = beside.session ?? alone.session;
+  const tab: OpenTab = { ...alone, session: machineSession, run: signal(beside.watch ?? null) };
   const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, ahead_ms: 0 };
   const page = {
     ...plain,

@@ -21,7 +21,7 @@ const SIGNS: Readonly<Partial<Record<RunWord, string>>> = {
 export function titleOf(page: Page): string {
   const tab = page.active.value;
   if (!tab) return "RAFCON";
-  const name = tab.room.status.value?.summary.name ?? tab.run.value?.now.value?.run.name;
+  const name = tab.session.status.value?.summary.name ?? tab.run.value?.now.value?.run.name;
   return `${signOf(tab.run.value)}${isChanged(tab) ? "• " : ""}${name ?? "machine"} – RAFCON`;
 }
 

@@ -22,7 +22,7 @@ export function Toasts() {
   const closed = useSignal(session.closedNotices);
   /** The machine whose run mission control shows: its news stands there. */
   const told = useDerived(() => {
-    const machine = page.active.value?.room.id ?? null;
+    const machine = page.active.value?.session.id ?? null;
     return dock.value.isInSight(MISSION_PANEL) ? machine : null;
   }, [page, dock]);
   const isAside = useDerived(() => dock.value.isInSight(MISSION_PANEL), [dock]);
@@ -66,7 +66,7 @@ function machineOf({ about, passing }: Notice): string | undefined {
 /** Tells which machine was in front when another comes there: what was said about it would stand over the other one. */
 function useLeaving(left: (machine: string) => void): void {
   const { page } = useSession();
-  const machine = useSignal(page.active)?.room.id;
+  const machine = useSignal(page.active)?.session.id;
   const before = useRef(machine);
   useEffect(() => {
     const was = before.current;

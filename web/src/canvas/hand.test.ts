@@ -63,7 +63,7 @@ test("any drag can be cancelled without an edit", () => {
       const canvas = driver().press(from, held).drag(to);
       canvas.hand.cancel();
       canvas.release();
-      expect([canvas.room.made, canvas.isClear()]).toEqual([[], true]);
+      expect([canvas.session.made, canvas.isClear()]).toEqual([[], true]);
     }),
     { numRuns: 200 },
   );
@@ -71,7 +71,7 @@ test("any drag can be cancelled without an edit", () => {
 
 test("what cannot be foretold shows as it was left until the server answers", async () => {
   const canvas = driver().press("A").drag({ x: 450, y: 500 }).release();
-  const foretold = canvas.room.version.value > 0;
+  const foretold = canvas.session.version.value > 0;
   expect(canvas.isClear()).toBe(foretold);
   await canvas.answered();
   expect(canvas.isClear()).toBe(true);
@@ -103,7 +103,7 @@ test("what may not be edited says so at the pointer and when it is let go, and n
   canvas.select("state:R/A").key("ArrowRight", { ctrl: true });
   canvas.bring({ insert: "execution" }, { x: 500, y: 300 }).drop();
   canvas.hand.rename("R/A");
-  expect([canvas.room.made, canvas.renamed]).toEqual([[], []]);
+  expect([canvas.session.made, canvas.renamed]).toEqual([[], []]);
   expect(canvas.refusals).toEqual([fixed, fixed, fixed, fixed]);
 });
 
@@ -134,17 +134,17 @@ test("nudges in a row are one step, and end before anything else is done", async
   const canvas = driver().select("state:R/A");
   const from = canvas.box("A");
   for (let count = 0; count < 10; count += 1) canvas.key("ArrowRight", { ctrl: true });
-  expect(canvas.room.made).toEqual([]);
+  expect(canvas.session.made).toEqual([]);
   expect(canvas.box("A")).toBe(from);
   expect(canvas.hand.overlay.value.boxes.size).toBe(1);
   vi.advanceTimersByTime(1_000);
-  expect(canvas.room.made.map(({ name }) => name)).toEqual(["Move Scan"]);
+  expect(canvas.session.made.map(({ name }) => name)).toEqual(["Move Scan"]);
   await canvas.answered();
   canvas.key("ArrowDown", { alt: true });
   canvas.hand.flush();
-  expect(canvas.room.made.length).toBe(2);
+  expect(canvas.session.made.length).toBe(2);
   canvas.key("ArrowDown", { alt: true }).press("B");
-  expect(canvas.room.made.length).toBe(3);
+  expect(canvas.session.made.length).toBe(3);
   canvas.release();
   vi.useRealTimers();
 });

@@ -15,8 +15,8 @@ import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned, refused } from "../plan/plan.ts";
 import { rename as renamePlan } from "../plan/states.ts";
 import type { Dragged } from "../store/dragged.ts";
+import { wasRefused } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
-import { wasRefused } from "../store/room.ts";
 import { type Camera, select, selected, toggle } from "../store/view.ts";
 import { visibleBox, zoomedAt } from "./camera.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
@@ -92,9 +92,9 @@ export class Hand {
 
   constructor(desk: Desk) {
     this.#desk = desk;
-    const { room, view } = desk.tab;
+    const { session, view } = desk.tab;
     this.stage = computed(() => {
-      room.version.value;
+      session.version.value;
       view.contents.value;
       return this.#stageAt(view.camera.value);
     });
@@ -112,7 +112,7 @@ export class Hand {
     if (before && !isSame) this.flush();
     const from = isSame && before ? before.by : { x: 0, y: 0 };
     const total = { x: from.x + by.x, y: from.y + by.y };
-    const plan = movePlan(this.#desk.tab.room.machine, paths, total);
+    const plan = movePlan(this.#desk.tab.session.machine, paths, total);
     clearTimeout(before?.timer);
     if (isRefused(plan) || this.#desk.whyFixed() !== null) {
       this.#nudging = null;
@@ -133,25 +133,25 @@ export class Hand {
     const { overlay } = this;
     const shown = overlay.peek();
     overlay.value = NO_OVERLAY;
-    this.apply(movePlan(this.#desk.tab.room.machine, nudging.paths, nudging.by), shown);
+    this.apply(movePlan(this.#desk.tab.session.machine, nudging.paths, nudging.by), shown);
   }
 
   /** Where everything is without the gesture. */
   places(): Placed {
-    const { room, view } = this.#desk.tab;
+    const { session, view } = this.#desk.tab;
     const [modes, contents] = [view.modes.peek(), view.contents.peek()];
-    const key = [room.machine.version, modes, contents];
+    const key = [session.machine.version, modes, contents];
     if (!this.#kept || this.#kept.key.some((part, index) => part !== key[index])) {
-      const places = placesOf(room.machine, { modes, contents }, NO_OVERLAY);
+      const places = placesOf(session.machine, { modes, contents }, NO_OVERLAY);
       this.#kept = { key, places };
     }
     return this.#kept.places;
   }
 
   around(): Around {
-    const { room, view } = this.#desk.tab;
+    const { session, view } = this.#desk.tab;
     return {
-      machine: room.machine,
+      machine: session.machine,
       places: this.places(),
       camera: view.camera.peek(),
       size: this.#desk.size(),
@@ -258,18 +258,18 @@ export class Hand {
 
   /** Goes to a state so that it fills the view; a library shows what is inside. */
   drill(path: string): void {
-    const { room, view } = this.#desk.tab;
+    const { session, view } = this.#desk.tab;
     const isClosed = this.places().children(path).length === 0;
-    if (isClosed && room.machine.state(path)?.kind === "library") {
+    if (isClosed && session.machine.state(path)?.kind === "library") {
       view.contents.value = new Map(view.contents.peek()).set(path, true);
-      void room.loadLibrary(path);
+      void session.loadLibrary(path);
     }
     this.fit([path]);
   }
 
   /** Whether a name is not in the way of what one would drill into: that of a closed container fills it. */
   #isOnlyName(path: string): boolean {
-    const state = this.#desk.tab.room.machine.state(path);
+    const state = this.#desk.tab.session.machine.state(path);
     const box = this.places().box(path);
     if (!state || !box) return false;
     if (!isContainer(state) && state.kind !== "library") return true;
@@ -335,11 +335,11 @@ export class Hand {
 
   /** Begins to change the name of a state, in place; brings it into sight if it is not. */
   rename(path: string): void {
-    const { room, view } = this.#desk.tab;
-    const [state, box] = [room.machine.state(path), this.places().box(path)];
+    const { session, view } = this.#desk.tab;
+    const [state, box] = [session.machine.state(path), this.places().box(path)];
     if (!state || !box) return;
-    const same = renamePlan(room.machine, path, state.name);
-    const isInner = isRefused(same) && room.machine.isInLibrary(path);
+    const same = renamePlan(session.machine, path, state.name);
+    const isInner = isRefused(same) && session.machine.isInLibrary(path);
     const why = this.#desk.whyFixed() ?? (isInner ? same.refused : null);
     if (why !== null) {
       this.#desk.refuse(why);
@@ -360,7 +360,7 @@ export class Hand {
   /** Begins a connection at what is selected, by keyboard. */
   connect(): void {
     const [from] = selected(this.#desk.tab.view);
-    const port = from && firstPort(this.#desk.tab.room.machine, from);
+    const port = from && firstPort(this.#desk.tab.session.machine, from);
     const why =
       this.#desk.whyFixed() ??
       (port ? null : "Select a state or a port first: there the connection begins.");
@@ -373,7 +373,7 @@ export class Hand {
 
   /** Flies so that these states, or the root, fill the view. */
   fit(paths: readonly string[]): void {
-    const { machine } = this.#desk.tab.room;
+    const { machine } = this.#desk.tab.session;
     const wanted = paths.length === 0 ? [machine.root] : paths;
     const boxes = wanted.flatMap((path) => this.places().box(path) ?? []);
     const camera = filling(boxes, this.#desk.size());
@@ -470,10 +470,10 @@ export class Hand {
       this.#desk.refuse(why ?? "");
       return;
     }
-    const { room, view } = this.#desk.tab;
-    const before = room.version.peek();
-    const answer = room.edit(plan.name, plan.edit);
-    const isShown = room.version.peek() !== before;
+    const { session, view } = this.#desk.tab;
+    const before = session.version.peek();
+    const answer = session.edit(plan.name, plan.edit);
+    const isShown = session.version.peek() !== before;
     if (isShown && plan.select) select(view, plan.select);
     const settling = ++this.#settling;
     if (!isShown)

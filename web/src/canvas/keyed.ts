@@ -73,7 +73,7 @@ function enter(hand: Hand, { tab }: Desk): boolean {
   const [path] = selectedStates(tab.view);
   if (path === undefined) return false;
   hand.drill(path);
-  const inside = entrance(tab.room.machine, hand.places(), path);
+  const inside = entrance(tab.session.machine, hand.places(), path);
   if (inside) select(tab.view, [inside]);
   return true;
 }
@@ -88,7 +88,7 @@ function portStep(hand: Hand, { tab }: Desk, by: 1 | -1): boolean {
 
 /** Selects what follows in a direction, and brings it into sight. */
 function walk(hand: Hand, { tab }: Desk, direction: Direction): boolean {
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const from = selected(tab.view).at(-1);
   const stage: ElementRef = { kind: "state", path: hand.stage.peek() };
   const to = from

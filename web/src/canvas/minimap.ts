@@ -61,7 +61,7 @@ export function minimapIn(
     if (!folded.peek()) paintMap(map, whole, tab, picture);
   });
   const stopFollowing = effect(() => {
-    tab.room.version.value;
+    tab.session.version.value;
     tab.view.contents.value;
     picture.theme.value;
     soon();

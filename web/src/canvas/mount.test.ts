@@ -9,14 +9,14 @@ import { FIRST_SETTINGS } from "../store/settings.ts";
 import { newView, select } from "../store/view.ts";
 import { type Mounted, mountCanvas } from "./mount.ts";
 import type { Extras } from "./picture.ts";
-import { ARM, PlainRoom } from "./testing/driver.ts";
+import { ARM, PlainMachineSession } from "./testing/driver.ts";
 
 const SIZE = { width: 1000, height: 800 };
 
 function mount(view = newView(), extras: () => Extras = () => ({})) {
   const place = document.createElement("div");
   document.body.append(place);
-  const room = new PlainRoom(ARM);
+  const session = new PlainMachineSession(ARM);
   const told: string[] = [];
   const menus: string[] = [];
   const page = {
@@ -25,7 +25,7 @@ function mount(view = newView(), extras: () => Extras = () => ({})) {
     tell: ({ text }: { readonly text: string }) => told.push(text),
   } as unknown as Page;
   const mounted = mountCanvas(place, {
-    tab: { room, view, run: signal(null) },
+    tab: { session, view, run: signal(null) },
     page,
     run: () => {},
     extras,
@@ -33,7 +33,7 @@ function mount(view = newView(), extras: () => Extras = () => ({})) {
   });
   const root = place.querySelector<HTMLElement>("[role=application]");
   if (!root) throw new Error("no canvas");
-  return { place, room, view, told, menus, mounted, root };
+  return { place, session, view, told, menus, mounted, root };
 }
 
 type At = { readonly x: number; readonly y: number };
@@ -97,12 +97,12 @@ test("a canvas that comes back in another size has the same in its middle, and f
 });
 
 test("a press that is dragged moves a state", () => {
-  const { root, room, view } = mounting();
+  const { root, session, view } = mounting();
   view.camera.value = { x: 0, y: 0, scale: 1 };
   send(root, "pointerdown", { x: 120, y: 230 });
   send(root, "pointermove", { x: 153, y: 287 });
   send(root, "pointerup", { x: 153, y: 287 });
-  expect(room.made.map(({ name }) => name)).toEqual(["Move Scan"]);
+  expect(session.made.map(({ name }) => name)).toEqual(["Move Scan"]);
 });
 
 test("two taps of a finger drill into a state", () => {
@@ -150,17 +150,17 @@ test("the menu is about what is under the pointer, by key about the selection", 
 });
 
 test("something that is dragged in from a panel is dropped", () => {
-  const { root, room, view } = mounting();
+  const { root, session, view } = mounting();
   view.camera.value = { x: 0, y: 0, scale: 1 };
   dragged.value = { insert: "hierarchy" };
   expect(send(root, "dragover", { x: 700, y: 300 }).defaultPrevented).toBe(true);
   send(root, "drop", { x: 700, y: 300 });
   dragged.value = null;
-  expect(room.made).toHaveLength(1);
+  expect(session.made).toHaveLength(1);
 });
 
 test("a name is changed in place; what is refused is said and stays open, Escape leaves it", () => {
-  const { mounted, place, room } = mounting();
+  const { mounted, place, session } = mounting();
   mounted.control.rename("R/A");
   const field = () => place.querySelector("input");
   const type = (key: string) => field()?.dispatchEvent(new KeyboardEvent("keydown", { key }));
@@ -173,10 +173,10 @@ test("a name is changed in place; what is refused is said and stays open, Escape
   first.value = "Look";
   type("Enter");
   expect(field()).toBeNull();
-  expect(room.machine.state("R/A")?.name).toBe("Look");
+  expect(session.machine.state("R/A")?.name).toBe("Look");
   mounted.control.rename("R/A");
   type("Escape");
-  expect([field(), room.made.length]).toEqual([null, 1]);
+  expect([field(), session.made.length]).toEqual([null, 1]);
 });
 
 test("why something is not possible is told and said to screen readers", () => {
@@ -267,18 +267,18 @@ test("a picture that cannot be drawn says so, and that it can again", () => {
 });
 
 test("a name that somebody else changes meanwhile is said, and only Enter overwrites it", () => {
-  const { mounted, place, room } = mounting();
+  const { mounted, place, session } = mounting();
   mounted.control.rename("R/A");
   const field = place.querySelector<HTMLInputElement>("input");
   if (!field) throw new Error("no field");
   field.value = "Mine";
-  void room.edit("Rename", { edit: "set_name", path: "R/A", name: "Theirs" });
+  void session.edit("Rename", { edit: "set_name", path: "R/A", name: "Theirs" });
   const said = () => place.querySelector("[role=alert]")?.textContent;
   expect(said()).toBe(
     "It was renamed to “Theirs” meanwhile: Enter takes your name, Escape theirs.",
   );
   field.dispatchEvent(new FocusEvent("blur"));
-  expect(room.machine.state("R/A")?.name).toBe("Theirs");
+  expect(session.machine.state("R/A")?.name).toBe("Theirs");
 });
 
 test("after a press in the overview keys are for the canvas", () => {

@@ -58,7 +58,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     heading: () => flight.goal,
     run: options.run,
     whyFixed: () => whyFixed(page, tab),
-    refuse: (text) => page.tell({ level: "warning", text: tab.room.named(text) }),
+    refuse: (text) => page.tell({ level: "warning", text: tab.session.named(text) }),
     rename: (path) => {
       closeField();
       closeField = openField(root, place, hand, tab, path);
@@ -189,10 +189,10 @@ function openField(
   root: HTMLElement,
   place: HTMLElement,
   hand: Hand,
-  { room, view }: OpenTab,
+  { session, view }: OpenTab,
   path: string,
 ): () => void {
-  const [state, box] = [room.machine.state(path), hand.places().box(path)];
+  const [state, box] = [session.machine.state(path), hand.places().box(path)];
   if (!state || !box) return () => {};
   const camera = view.camera.peek();
   const isOpen = hand.places().children(path).length > 0;
@@ -201,7 +201,7 @@ function openField(
     box: nameArea(screenBox(camera, box), extentOn(camera, box), isOpen),
     name: state.name,
     take: (name) => {
-      const plan = rename(room.machine, path, name);
+      const plan = rename(session.machine, path, name);
       if (isRefused(plan)) return plan.refused;
       hand.apply(plan);
       return null;
@@ -215,8 +215,8 @@ function openField(
     if (view.camera.value !== camera) field.close();
   });
   const stopWatching = effect(() => {
-    room.version.value;
-    const now = room.machine.state(path)?.name;
+    session.version.value;
+    const now = session.machine.state(path)?.name;
     if (now === undefined || now === state.name) return;
     field.warn(`It was renamed to “${now}” meanwhile: Enter takes your name, Escape theirs.`);
   });
@@ -234,7 +234,7 @@ const READ_RUN_MS = 1_000;
 function keepReading(
   reader: Reader,
   hand: Hand,
-  { room, view }: OpenTab,
+  { session, view }: OpenTab,
   picture: Picture,
 ): () => void {
   let frame = 0;
@@ -246,14 +246,14 @@ function keepReading(
   });
   const tell = () => {
     const [path = "", ...more] = selectedStates(view);
-    const words = more.length > 0 ? "" : urgentWords(room.machine, path, signsOf(path));
+    const words = more.length > 0 ? "" : urgentWords(session.machine, path, signsOf(path));
     if (path === before.path && words !== before.words) reader.say(words);
     before = { path, words };
   };
   const show = () => {
     frame = 0;
     const [places, stage] = [hand.places(), hand.stage.peek()];
-    reader.show(treeLines(room.machine, places, stage, selected(view), signsOf));
+    reader.show(treeLines(session.machine, places, stage, selected(view), signsOf));
     tell();
   };
   const showRun = () => {
@@ -261,7 +261,7 @@ function keepReading(
     show();
   };
   const stop = effect(() => {
-    room.version.value;
+    session.version.value;
     view.selection.value;
     hand.stage.value;
     if (frame === 0) frame = requestAnimationFrame(show);

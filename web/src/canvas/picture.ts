@@ -5,8 +5,8 @@ import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
 import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
 import type { Size } from "../model/geometry.ts";
+import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
-import type { Room } from "../store/room.ts";
 import { Ahead } from "./ahead.ts";
 import type { Overlay } from "./overlay.ts";
 import { type Colours, coloursOf } from "./paint/colours.ts";
@@ -71,7 +71,7 @@ const EMPTY: DrawList = { layers: [], wanted: [], soon: [], unfinished: false };
 
 /** Puts a picture into an element, and keeps it true. */
 export function pictureIn(place: HTMLElement, options: PictureOptions): Picture {
-  const { room, view } = options.tab;
+  const { session, view } = options.tab;
   const canvas = document.createElement("canvas");
   canvas.style.cssText = "display:block;width:100%;height:100%";
   place.append(canvas);
@@ -90,7 +90,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
 
   const places = () => {
     const shown = { modes: view.modes.peek(), contents: view.contents.peek() };
-    return placesOf(room.machine, shown, options.overlay());
+    return placesOf(session.machine, shown, options.overlay());
   };
   const draw = () => {
     if (!context || !measure || size.width === 0 || size.height === 0) return;
@@ -125,7 +125,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   const redraw = () => {
     if (frame === 0) frame = requestAnimationFrame(drawOrTell);
   };
-  const libraries = loader(room, () => redraw());
+  const libraries = loader(session, () => redraw());
   const stop = watch(place, options, {
     changed: redraw,
     themed: () => {
@@ -175,15 +175,15 @@ interface Loader {
 }
 
 /** Gets the content of libraries, each once; those that may have changed once more. */
-function loader(room: Room, came: () => void): Loader {
+function loader(session: MachineSession, came: () => void): Loader {
   let asked = new Set<string>();
-  const stop = room.onChange((touched) => {
+  const stop = session.onChange((touched) => {
     if (touched === null) asked = new Set();
   });
   const load = (path: string) => {
     if (asked.has(path)) return;
     asked.add(path);
-    room.loadLibrary(path).then(came, () => undefined);
+    session.loadLibrary(path).then(came, () => undefined);
   };
   return { load, stop };
 }
@@ -201,7 +201,7 @@ function watch(place: HTMLElement, options: PictureOptions, tell: Watched): () =
     follow(options);
     tell.changed();
   });
-  const stopHearing = options.tab.room.onChange(tell.changed);
+  const stopHearing = options.tab.session.onChange(tell.changed);
   const stopTheme = onTheme(place, tell.themed);
   const resized = new ResizeObserver(tell.sized);
   resized.observe(place);
@@ -217,10 +217,10 @@ function watch(place: HTMLElement, options: PictureOptions, tell: Watched): () =
 
 /** Reads all signals that the picture depends on. */
 function follow({ tab, overlay, extras }: PictureOptions): void {
-  const { room, view } = tab;
-  room.version.value;
-  room.people.value;
-  room.problems.value;
+  const { session, view } = tab;
+  session.version.value;
+  session.people.value;
+  session.problems.value;
   view.camera.value;
   view.selection.value;
   view.hovered.value;
@@ -238,7 +238,7 @@ function inputOf(
   measure: SceneInput["measure"],
   mayRoute: () => boolean,
 ): SceneInput {
-  const { room, view } = tab;
+  const { session, view } = tab;
   return {
     ...PLAIN,
     placed,
@@ -248,8 +248,8 @@ function inputOf(
     selection: view.selection.peek(),
     hovered: view.hovered.peek(),
     overlay: overlay(),
-    people: onlookers(room.people.peek()),
-    problems: worst(room.problems.peek()),
+    people: onlookers(session.people.peek()),
+    problems: worst(session.problems.peek()),
     differences: view.marks.peek() ?? PLAIN.differences,
     measure,
     mayRoute,
@@ -257,7 +257,7 @@ function inputOf(
   };
 }
 
-function onlookers(people: OpenTab["room"]["people"]["value"]): readonly Onlooker[] {
+function onlookers(people: OpenTab["session"]["people"]["value"]): readonly Onlooker[] {
   return people.map(({ user, connection, selection }) => ({
     name: user,
     colour: connection,

@@ -7,7 +7,7 @@ import { driver } from "./testing/driver.ts";
 function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): readonly TreeLine[] {
   const selection = keys.flatMap((key) => elementOf(key) ?? []);
   return treeLines(
-    canvas.room.machine,
+    canvas.session.machine,
     canvas.hand.places(),
     canvas.hand.stage.value,
     selection,

@@ -8,13 +8,13 @@ import { isChanged, saveTab } from "./save.ts";
 /** Closes the tab; what is not saved is asked for. True if it is closed. */
 export async function closeTab(context: Context, tab: OpenTab): Promise<boolean> {
   const { page, shell } = context;
-  const others = tab.room.people.peek().length > 0;
+  const others = tab.session.people.peek().length > 0;
   if (!isChanged(tab) || others || !mayEdit(page)) {
     if (!isChanged(tab) && !others) await closeOnServer(context, tab, false);
     page.leave(tab);
     return true;
   }
-  const name = tab.room.machine.state(tab.room.machine.root)?.name ?? "this machine";
+  const name = tab.session.machine.state(tab.session.machine.root)?.name ?? "this machine";
   const choice = await shell.choose({
     title: `Save “${name}” before it is closed?`,
     text: "It has edits that do not lie on disk.",
@@ -42,5 +42,5 @@ export async function closeTab(context: Context, tab: OpenTab): Promise<boolean>
 /** Others may have the machine open: then it stays on the server. */
 async function closeOnServer({ page }: Context, tab: OpenTab, discard: boolean): Promise<void> {
   if (!mayEdit(page)) return;
-  await page.server.request("POST", `/machines/${tab.room.id}/close`, { discard });
+  await page.server.request("POST", `/machines/${tab.session.id}/close`, { discard });
 }

@@ -3,25 +3,25 @@ import type { Edit } from "../model/generated/protocol.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import { type Draft, openDrafts } from "../store/drafts.ts";
+import type { EditAnswer } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
-import type { EditAnswer } from "../store/room.ts";
 import { applyDrafts } from "./drafts.ts";
 
 function house(answer: EditAnswer = { revision: 1 }) {
   const machine = machineOf(sketch('R hierarchy\n  A "Scan" execution\n  B execution'));
   const [edits, told]: [Edit[], string[]] = [[], []];
-  const room = {
+  const session = {
     id: "m",
     machine,
     edit: async (_: string, edit: Edit) => {
       edits.push(edit);
       return answer;
     },
-  } as unknown as OpenTab["room"];
+  } as unknown as OpenTab["session"];
   const page = { tell: ({ text }: { text: string }) => void told.push(text) };
   const drafts = openDrafts(null);
   const draft: Draft = { machine: "m", path: "R/A", field: "script", text: "new", base: "" };
-  return { edits, told, drafts, draft, apply: () => applyDrafts(page, { room }, drafts) };
+  return { edits, told, drafts, draft, apply: () => applyDrafts(page, { session }, drafts) };
 }
 
 test("drafts of the machine are applied and gone", async () => {

@@ -4,20 +4,20 @@ import type { Planned } from "../plan/plan.ts";
 import { isRefused } from "../plan/plan.ts";
 import { setDescription, setScript } from "../plan/states.ts";
 import { type Draft, type Drafts, draftKey, drafts } from "../store/drafts.ts";
+import { wasRefused } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
-import { wasRefused } from "../store/room.ts";
 
 /** Applies the drafts of a machine. Those that cannot be applied stay drafts, and the user is told why; false if there are any.
  * Drafts of states that are gone wait for an undo: the inspector lists them. */
 export async function applyDrafts(
   page: Pick<Page, "tell">,
-  { room }: Pick<OpenTab, "room">,
+  { session }: Pick<OpenTab, "session">,
   kept: Drafts = drafts,
 ): Promise<boolean> {
   let isDone = true;
   for (const draft of kept.all.peek().values()) {
-    if (draft.machine !== room.id) continue;
-    const refusal = await apply(room, draft, kept);
+    if (draft.machine !== session.id) continue;
+    const refusal = await apply(session, draft, kept);
     if (refusal === null) continue;
     isDone = false;
     page.tell({ level: "warning", text: refusal });
@@ -25,28 +25,32 @@ export async function applyDrafts(
   return isDone;
 }
 
-async function apply(room: OpenTab["room"], draft: Draft, kept: Drafts): Promise<string | null> {
+async function apply(
+  session: OpenTab["session"],
+  draft: Draft,
+  kept: Drafts,
+): Promise<string | null> {
   const { path, field, text, base } = draft;
-  const state = room.machine.state(path);
+  const state = session.machine.state(path);
   if (!state) return null;
   const now = (field === "script" ? state.script : state.description) ?? "";
   if (now !== base && now !== text) {
     return `The ${field} of ${state.name} was changed by somebody else: yours is kept in the inspector, compare both there.`;
   }
   if (now !== text) {
-    const refusal = await send(room, planOf(draft, room));
+    const refusal = await send(session, planOf(draft, session));
     if (refusal !== null) return refusal;
   }
   if (kept.all.peek().get(draftKey(draft))?.text === text) kept.drop(draft);
   return null;
 }
 
-function planOf({ path, field, text }: Draft, { machine }: OpenTab["room"]): Planned {
+function planOf({ path, field, text }: Draft, { machine }: OpenTab["session"]): Planned {
   return field === "script" ? setScript(machine, path, text) : setDescription(machine, path, text);
 }
 
-async function send(room: OpenTab["room"], planned: Planned): Promise<string | null> {
+async function send(session: OpenTab["session"], planned: Planned): Promise<string | null> {
   if (isRefused(planned)) return planned.refused;
-  const answer = await room.edit(planned.name, planned.edit);
+  const answer = await session.edit(planned.name, planned.edit);
   return wasRefused(answer) ? answer.refused : null;
 }

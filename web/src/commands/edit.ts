@@ -28,7 +28,7 @@ export const EDIT: readonly Command[] = [
     keys: ["Ctrl+Z"],
     menu: "Edit/1",
     enabled: canEdit,
-    run: ({ tab }) => tab?.room.undo(),
+    run: ({ tab }) => tab?.session.undo(),
   },
   {
     id: "edit.redo",
@@ -36,7 +36,7 @@ export const EDIT: readonly Command[] = [
     keys: ["Ctrl+Y", "Ctrl+Shift+Z"],
     menu: "Edit/1",
     enabled: canEdit,
-    run: ({ tab }) => tab?.room.redo(),
+    run: ({ tab }) => tab?.session.redo(),
   },
   {
     id: "edit.cut",
@@ -112,7 +112,7 @@ export const EDIT: readonly Command[] = [
       const { tab } = context;
       const around = stageOf(context);
       if (!tab || around === null) return;
-      const paths = tab.room.machine.children(around);
+      const paths = tab.session.machine.children(around);
       select(
         tab.view,
         paths.map((path) => ({ kind: "state" as const, path })),
@@ -182,7 +182,7 @@ export function besides(machine: Machine, paths: readonly string[]): Point {
 async function copy(context: Context, argument: unknown): Promise<boolean> {
   const { page, tab } = context;
   if (!tab) return false;
-  const refusal = await copyElements(tab.room.machine, selected(tab.view), transferOf(argument));
+  const refusal = await copyElements(tab.session.machine, selected(tab.view), transferOf(argument));
   if (refusal !== null) page.tell({ level: "warning", text: refusal });
   return refusal === null;
 }
@@ -195,7 +195,7 @@ export function stageOf(context: Context): string | null {
 function selectStart(context: Context): void {
   const { tab, canvas } = context;
   const path = stageOf(context);
-  const container = path === null ? undefined : tab?.room.machine.state(path);
+  const container = path === null ? undefined : tab?.session.machine.state(path);
   const start = container && startOf(container)?.to_state;
   if (!tab || path === null || !start) {
     context.page.tell({ level: "info", text: `${container?.name ?? "This state"} has no start.` });
@@ -216,7 +216,7 @@ function nameable(context: Context): ElementRef | null {
 
 async function rename(context: Context): Promise<void> {
   const element = nameable(context);
-  const state = element && context.tab?.room.machine.state(element.path);
+  const state = element && context.tab?.session.machine.state(element.path);
   if (!element || !state) return;
   if (element.kind === "state") {
     context.canvas?.rename(element.path);
@@ -234,7 +234,7 @@ async function rename(context: Context): Promise<void> {
     initial: before,
     check: (text) => {
       const { tab } = context;
-      const planned = tab && text !== before ? plan(text)(tab.room.machine) : null;
+      const planned = tab && text !== before ? plan(text)(tab.session.machine) : null;
       return planned && isRefused(planned) ? planned.refused : null;
     },
   });

@@ -124,7 +124,7 @@ export const FILE: readonly Command[] = [
     enabled: canEdit,
     run: ({ page, tab }) =>
       tab
-        ? page.server.request("POST", `/machines/${tab.room.id}/reload`, { id: requestId() })
+        ? page.server.request("POST", `/machines/${tab.session.id}/reload`, { id: requestId() })
         : undefined,
   },
   {

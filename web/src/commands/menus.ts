@@ -216,7 +216,7 @@ function entriesOf(source: MenuSource, part: Recipe[number][number]): readonly E
 function recipeFor({ tab }: Context, elements: readonly ElementRef[]): Recipe {
   const [first] = elements;
   if (!first || !tab) return CANVAS;
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   if (machine.isInLibrary(first.path)) return IN_LIBRARY;
   switch (first.kind) {
     case "state": {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { EditAnswer } from "../store/room.ts";
+import type { EditAnswer } from "../store/machine_session.ts";
 import { select } from "../store/view.ts";
 import { ARRANGE } from "./arrange.ts";
 import { stand } from "./stand.ts";
@@ -12,10 +12,10 @@ async function settle(): Promise<void> {
 
 test("a hurried second command waits for what the first one makes, instead of naming what is gone", async () => {
   const context = stand("R hierarchy\n  A execution", { selected: ["state:R/A"] });
-  const { room, view } = context.tab;
+  const { session, view } = context.tab;
   const answers: ((answer: EditAnswer) => void)[] = [];
   const sent: string[] = [];
-  Object.assign(room, {
+  Object.assign(session, {
     edit: (name: string) => {
       sent.push(name);
       return new Promise<EditAnswer>((answer) => answers.push(answer));

@@ -2,15 +2,15 @@
 
 import type { Machine } from "../model/machine.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
+import { type MachineSession, wasRefused } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import { whyFixed } from "../store/rights.ts";
-import { type Room, wasRefused } from "../store/room.ts";
 import { isThere } from "../store/selection.ts";
 import { select } from "../store/view.ts";
 import type { Context } from "./command.ts";
 
 /** Edits that are not shown before they are answered, by machine: until then the selection names what they are about to change. */
-const UNSHOWN = new WeakMap<Room, Promise<unknown>>();
+const UNSHOWN = new WeakMap<MachineSession, Promise<unknown>>();
 
 /** Makes the edit in the machine in front; false if it was refused, which the user is told. What was done in a hurry after an
  * edit that is not shown yet waits for it, and is planned by what is selected then. */
@@ -20,37 +20,37 @@ export async function perform(
 ): Promise<boolean> {
   const { page, tab } = context;
   if (!tab) return false;
-  const { room } = tab;
-  while (UNSHOWN.has(room)) await UNSHOWN.get(room);
-  return performIn(page, tab, plan(room.machine));
+  const { session } = tab;
+  while (UNSHOWN.has(session)) await UNSHOWN.get(session);
+  return performIn(page, tab, plan(session.machine));
 }
 
 export async function performIn(page: Page, tab: OpenTab, planned: Planned): Promise<boolean> {
   const why = whyFixed(page, tab) ?? (isRefused(planned) ? planned.refused : null);
   if (why !== null || isRefused(planned)) {
-    page.tell({ level: "warning", text: tab.room.named(why ?? "") });
+    page.tell({ level: "warning", text: tab.session.named(why ?? "") });
     return false;
   }
-  const { room, view } = tab;
+  const { session, view } = tab;
   const wanted = planned.select;
-  const answered = room.edit(planned.name, planned.edit);
-  const early = wanted?.every((each) => isThere(room.machine, each));
+  const answered = session.edit(planned.name, planned.edit);
+  const early = wanted?.every((each) => isThere(session.machine, each));
   if (wanted && early) select(view, wanted);
   const taken = answered.then((answer) => {
     if (wasRefused(answer)) return false;
     if (wanted && !early) {
       select(
         view,
-        wanted.filter((each) => isThere(room.machine, each)),
+        wanted.filter((each) => isThere(session.machine, each)),
       );
     }
     return true;
   });
   if (wanted && !early) {
     const unshown = taken.finally(() => {
-      if (UNSHOWN.get(room) === unshown) UNSHOWN.delete(room);
+      if (UNSHOWN.get(session) === unshown) UNSHOWN.delete(session);
     });
-    UNSHOWN.set(room, unshown);
+    UNSHOWN.set(session, unshown);
   }
   return taken;
 }

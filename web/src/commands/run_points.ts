@@ -149,7 +149,7 @@ async function editBreakpoint(context: Context, argument: unknown): Promise<void
   const { tab, shell } = context;
   if (!tab) return;
   const given = isObject(argument) ? (argument as Breakpoint) : null;
-  const path = given?.path ?? pathFor(context, argument) ?? tab.room.machine.root;
+  const path = given?.path ?? pathFor(context, argument) ?? tab.session.machine.root;
   const [there] = pointsAt(context, path);
   const asks = given ?? there ?? newBreakpoint(freshId(tab), path);
   const wanted = await shell.dialog("breakpoint", asks);
@@ -174,7 +174,7 @@ function forcible(context: Context): string | null {
 
 function outcomeChoices(context: Context): readonly Choice[] {
   const path = forcible(context);
-  const state = path === null ? undefined : context.tab?.room.machine.state(path);
+  const state = path === null ? undefined : context.tab?.session.machine.state(path);
   if (path === null || !state) return [];
   return outcomesOf(state).map(({ id, name }) => ({
     title: name,

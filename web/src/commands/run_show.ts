@@ -39,7 +39,7 @@ export const RUN_SHOW: readonly Command[] = [
     detail: "Takes the run off this tab; it goes on.",
     menu: "Run/7",
     refusal: ({ page, tab }) => {
-      if (tab?.room.fixed != null) return "this tab is the run's own: close it";
+      if (tab?.session.fixed != null) return "this tab is the run's own: close it";
       return runOf(page) ? null : NONE;
     },
     run: ({ tab }) => {
@@ -190,7 +190,7 @@ async function remove({ page, shell }: Context, argument: unknown): Promise<void
   await page.runs.remove(id);
   for (const tab of page.tabs.peek()) {
     if (tab.run.peek()?.id !== id) continue;
-    if (tab.room.fixed === null) tab.run.value = null;
+    if (tab.session.fixed === null) tab.run.value = null;
     else page.leave(tab);
   }
 }

@@ -45,7 +45,7 @@ async function mayBeAnother({ page, shell }: Context, tab: OpenTab): Promise<boo
 
 /** A machine with errors is started only if that is meant. */
 async function mayHaveErrors({ shell }: Context, tab: OpenTab): Promise<boolean> {
-  const problems = tab.room.fixed === null ? await tab.room.check() : null;
+  const problems = tab.session.fixed === null ? await tab.session.check() : null;
   const errors = (problems ?? []).filter(({ severity }) => severity === "error");
   if (errors.length === 0) return true;
   const shown = errors.slice(0, ERRORS_SHOWN).map(({ message }) => message);
@@ -71,7 +71,7 @@ const START_ANYWAY = {
 
 /** The folder of the machine, saved if the user wants; null if nothing is to be started. */
 async function asOnDisk(context: Context, tab: OpenTab): Promise<MachineFile | null> {
-  if (tab.room.fixed !== null) {
+  if (tab.session.fixed !== null) {
     const file = fileOfTab(tab);
     if (!file) throw new Error("the machine of this run lies in none of the projects");
     return file;
@@ -95,13 +95,15 @@ const AS_IS = {
 } as const;
 
 function hasUnsaved(tab: OpenTab): boolean {
-  const hasDrafts = [...drafts.all.peek().values()].some(({ machine }) => machine === tab.room.id);
-  return isChanged(tab) || hasDrafts || tab.room.pending.peek().length > 0;
+  const hasDrafts = [...drafts.all.peek().values()].some(
+    ({ machine }) => machine === tab.session.id,
+  );
+  return isChanged(tab) || hasDrafts || tab.session.pending.peek().length > 0;
 }
 
 async function savedFirst(context: Context, tab: OpenTab): Promise<MachineFile | null> {
   const isSaved = await saveTab(context, tab);
-  return isSaved ? until(() => tab.room.status.value?.summary.file ?? null) : null;
+  return isSaved ? until(() => tab.session.status.value?.summary.file ?? null) : null;
 }
 
 /** Waits until a function of signals gives something. */

@@ -10,7 +10,7 @@ import { onlyState } from "./subject.ts";
 
 /** Whether the machine has edits that do not lie on disk. */
 export function isChanged(tab: OpenTab): boolean {
-  return tab.room.status.value?.summary.is_changed ?? false;
+  return tab.session.status.value?.summary.is_changed ?? false;
 }
 
 /** An id for a request, as the server wants one with whatever changes something. */
@@ -26,11 +26,11 @@ export async function saveTab(
   overwrite = false,
 ): Promise<boolean> {
   if (!tab) return false;
-  if (tab.room.status.peek()?.summary.file === null) return saveElsewhere(context, false);
+  if (tab.session.status.peek()?.summary.file === null) return saveElsewhere(context, false);
   const { page, shell } = context;
   if (!(await applyDrafts(page, tab))) return false;
   try {
-    await page.server.request("POST", `/machines/${tab.room.id}/save`, { overwrite });
+    await page.server.request("POST", `/machines/${tab.session.id}/save`, { overwrite });
     return true;
   } catch (error) {
     if (!(error instanceof RefusalError) || error.code !== "changed_on_disk") throw error;
@@ -50,7 +50,7 @@ export async function saveTab(
   });
   if (choice === "compare") await compare(context);
   if (choice === "theirs") {
-    await page.server.request("POST", `/machines/${tab.room.id}/reload`, { id: requestId() });
+    await page.server.request("POST", `/machines/${tab.session.id}/reload`, { id: requestId() });
   }
   return choice === "mine" ? saveTab(context, tab, true) : false;
 }
@@ -69,11 +69,11 @@ export async function saveElsewhere(context: Context, copy: boolean): Promise<bo
   if (!tab || !(await applyDrafts(page, tab))) return false;
   const file = await shell.dialog("save-as", {
     title: copy ? "Save a copy" : "Save as",
-    name: folderName(tab.room.machine.state(tab.room.machine.root)?.name ?? "machine"),
+    name: folderName(tab.session.machine.state(tab.session.machine.root)?.name ?? "machine"),
     yes: copy ? "Save copy" : "Save",
   });
   if (!file) return false;
-  await page.server.request("POST", `/machines/${tab.room.id}/save`, { file, copy });
+  await page.server.request("POST", `/machines/${tab.session.id}/save`, { file, copy });
   if (copy) {
     page.tell({
       level: "info",
@@ -89,7 +89,7 @@ export async function saveState(context: Context): Promise<void> {
   const { page, tab, shell } = context;
   const path = onlyState(context);
   if (!tab || path === null) return;
-  const name = tab.room.machine.state(path)?.name ?? "state";
+  const name = tab.session.machine.state(path)?.name ?? "state";
   const file = await shell.dialog("save-as", {
     title: `Save “${name}” as a machine or library`,
     name: folderName(name),
@@ -98,7 +98,7 @@ export async function saveState(context: Context): Promise<void> {
   if (!file) return;
   const saved = await page.server.request<SavedState>(
     "POST",
-    `/machines/${tab.room.id}/save_state`,
+    `/machines/${tab.session.id}/save_state`,
     { path, file },
   );
   const what = saved.library ? `library ${saved.library.path}/${saved.library.name}` : "machine";

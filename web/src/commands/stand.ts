@@ -5,8 +5,8 @@ import { type ElementKey, elementOf } from "../model/element.ts";
 import type { Edit, MachineProblem, MachineStatus, Right } from "../model/generated/protocol.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
+import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
-import type { Room } from "../store/room.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
 import { newView, select } from "../store/view.ts";
 import type { Context, Shell } from "./command.ts";
@@ -37,7 +37,7 @@ export function stand(text: string, options: StandOptions = {}): Stand {
     view,
     (options.selected ?? []).flatMap((key) => elementOf(key) ?? []),
   );
-  const room = {
+  const session = {
     id: "m1",
     fixed: null,
     machine,
@@ -52,8 +52,8 @@ export function stand(text: string, options: StandOptions = {}): Stand {
       record.push(`edit ${name} (${edit.edit})`);
       return Promise.resolve({ revision: 2 });
     },
-  } as unknown as Room;
-  const tab: OpenTab = { room, view, run: signal(null) };
+  } as unknown as MachineSession;
+  const tab: OpenTab = { session, view, run: signal(null) };
   const page = pageOf(tab, record, options);
   return { page, tab, canvas: null, shell: shellOf(record, options.answers ?? []), record };
 }

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import { PlainRoom } from "../canvas/testing/driver.ts";
+import { PlainMachineSession } from "../canvas/testing/driver.ts";
 import { elementOf } from "../model/element.ts";
 import { newView, select } from "../store/view.ts";
 import type { Context } from "./command.ts";
@@ -23,7 +23,7 @@ function chosen(key: string): Context {
   select(view, element ? [element] : []);
   return {
     ...stand(MACHINE),
-    tab: { room: new PlainRoom(MACHINE, CONTENT), view, run: signal(null) },
+    tab: { session: new PlainMachineSession(MACHINE, CONTENT), view, run: signal(null) },
   };
 }
 

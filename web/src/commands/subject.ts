@@ -13,18 +13,18 @@ import type { Context } from "./command.ts";
 
 /** Whether the machine in front can be edited. */
 export function canEdit(context: Context): boolean {
-  return context.tab !== null && context.tab.room.fixed === null && mayEdit(context.page);
+  return context.tab !== null && context.tab.session.fixed === null && mayEdit(context.page);
 }
 
 export function machineOf(context: Context): Machine | null {
-  return context.tab?.room.machine ?? null;
+  return context.tab?.session.machine ?? null;
 }
 
 /** All that is selected and may be changed: nothing inside libraries. */
 export function elements(context: Context): readonly ElementRef[] {
   const { tab } = context;
   if (!tab) return [];
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   return selected(tab.view).filter((element) => !machine.isInLibrary(element.path));
 }
 
@@ -44,7 +44,7 @@ export function anyOnlyState(context: Context): { path: string; state: StateDocu
   const { tab } = context;
   const paths = tab ? selectedStates(tab.view) : [];
   const [path] = paths;
-  const state = path === undefined ? undefined : tab?.room.machine.state(path);
+  const state = path === undefined ? undefined : tab?.session.machine.state(path);
   return paths.length === 1 && path !== undefined && state ? { path, state } : null;
 }
 

@@ -158,7 +158,7 @@ const MODES: readonly Command[] = [
       if (!tab || !library) return;
       const shown = !isContentShown(context);
       tab.view.contents.value = new Map(tab.view.contents.peek()).set(library.path, shown);
-      if (shown) await tab.room.loadLibrary(library.path);
+      if (shown) await tab.session.loadLibrary(library.path);
     },
   },
 ];

@@ -9,7 +9,7 @@ import type { PanelHost } from "./context.tsx";
 export function reveal(host: PanelHost, element: ElementRef): void {
   const { tab, canvas } = host.context();
   if (!tab) return;
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   let found: ElementRef = element;
   while (!isThere(machine, found)) {
     const isInside = found.kind !== "state" && machine.state(found.path) !== undefined;

@@ -5,15 +5,15 @@ import type { ReactElement } from "react";
 import { allCommands } from "../commands/all.ts";
 import { stand } from "../commands/stand.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
+import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
-import type { Room } from "../store/room.ts";
 import type { Watch } from "../store/run.ts";
 import { mount } from "../ui/mounted.tsx";
 import { PanelHostProvider } from "./context.tsx";
 
 export interface Beside {
   readonly machine?: string;
-  readonly room?: Partial<Room>;
+  readonly session?: Partial<MachineSession>;
   readonly watch?: Watch | null;
   readonly runs?: readonly RunSummary[];
   /** How far the server's clock is ahead of this one. */
@@ -22,8 +22,8 @@ export interface Beside {
 
 export function shown(panel: ReactElement, beside: Beside): HTMLElement {
   const { page: plain, tab: alone, shell } = stand(beside.machine ?? "R hierarchy");
-  const room: Room = { ...alone.room, ...beside.room };
-  const tab: OpenTab = { ...alone, room, run: signal(beside.watch ?? null) };
+  const session: MachineSession = { ...alone.session, ...beside.session };
+  const tab: OpenTab = { ...alone, session, run: signal(beside.watch ?? null) };
   const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, delay_ms: 3 };
   const page = {
     ...plain,

@@ -212,8 +212,10 @@ function pasted(
   const copies = separate(selection.states ?? []);
   const old = copies.map(([first]) => first?.path ?? "");
   const ids = arrivingIds(machine, container, old);
-  const room = roomFor(machine, container, copies, wanted);
-  const states = room ? copies.flatMap((copy, index) => into(copy, index, room)) : copies.flat();
+  const placement = placementFor(machine, container, copies, wanted);
+  const states = placement
+    ? copies.flatMap((copy, index) => into(copy, index, placement))
+    : copies.flat();
   const count = copies.length + (selection.scoped_variables?.length ?? 0);
   if (count === 0) return refused("Nothing was copied yet: select states and copy them first.");
   const what = copies.length > 0 ? counted(copies.length, "state") : "scoped variables";
@@ -223,7 +225,7 @@ function pasted(
       ...pins(machine, container, new Set()),
       { edit: "paste", path: container, selection: { ...selection, states }, ids: [...ids] },
       ...firstStart(machine, container, target, ids[0]),
-      ...(room && ways ? bends(container, target, ways, room) : []),
+      ...(placement && ways ? bends(container, target, ways, placement) : []),
     ]),
     select: ids.map((id) => ({ kind: "state", path: childPath(container, id) })),
   };
@@ -243,19 +245,19 @@ function firstStart(
 }
 
 /** From where copies stood to where they come to stand. */
-interface Room {
+interface Placement {
   readonly from: Point;
   readonly to: Point;
   readonly factor: number;
 }
 
-/** The place of copies, as large as there is room; null if nothing of them is drawn. */
-function roomFor(
+/** The place of copies, as large as fits; null if nothing of them is drawn. */
+function placementFor(
   machine: Machine,
   container: string,
   copies: readonly StateDocument[][],
   wanted: Wanted,
-): Room | null {
+): Placement | null {
   const bounds = around(copies.flatMap(([first], index) => (first ? drawnBox(first, index) : [])));
   if (!bounds) return null;
   const size = sizeIn(machine, container);
@@ -273,20 +275,24 @@ function roomFor(
   return { from: bounds, to: inside({ ...whole, ...at }, size), factor };
 }
 
-function moved({ x, y }: Point, { from, to, factor }: Room): Point {
+function moved({ x, y }: Point, { from, to, factor }: Placement): Point {
   return { x: to.x + (x - from.x) * factor, y: to.y + (y - from.y) * factor };
 }
 
-function into(states: readonly StateDocument[], index: number, room: Room): StateDocument[] {
+function into(
+  states: readonly StateDocument[],
+  index: number,
+  placement: Placement,
+): StateDocument[] {
   const [first] = states;
   if (!first) return [];
   const box = drawnBox(first, index);
-  const size = { width: box.width * room.factor, height: box.height * room.factor };
-  return drawnInto(states, { ...moved(box, room), ...size });
+  const size = { width: box.width * placement.factor, height: box.height * placement.factor };
+  return drawnInto(states, { ...moved(box, placement), ...size });
 }
 
 /** Waypoints of what a paste connects: it numbers connections from the last one on, in their order. */
-function bends(path: string, target: StateDocument, ways: Ways, room: Room): Edit[] {
+function bends(path: string, target: StateDocument, ways: Ways, placement: Placement): Edit[] {
   const lists = [
     ["transition", target.kind === "hierarchy" ? ways.transitions : [], transitionsOf(target)],
     ["data_flow", ways.data_flows, dataFlowsOf(target)],
@@ -296,7 +302,7 @@ function bends(path: string, target: StateDocument, ways: Ways, room: Room): Edi
     return lines.flatMap((points, index) => {
       const element =
         kind === "transition" ? { transition: next + index } : { data_flow: next + index };
-      const way = points.map((point) => moved(point, room));
+      const way = points.map((point) => moved(point, placement));
       return way.length > 0 ? [waypointsEdit(path, element, way)] : [];
     });
   });

@@ -15,7 +15,7 @@ function tabWith(path: string, ofRun: readonly Breakpoint[] | null = null): Open
   const now = { run: { phase: "live" }, snapshot: { breakpoints: ofRun } };
   const summary = { file: { project: "p", path } };
   return {
-    room: { id: "m", status: signal({ summary }) },
+    session: { id: "m", status: signal({ summary }) },
     run: signal(ofRun && { now: signal(now) }),
   } as unknown as OpenTab;
 }

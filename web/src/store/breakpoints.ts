@@ -40,7 +40,7 @@ function followingShed(shed: Shed, key: string): Kept {
 
 function keyOf(tab: OpenTab): string {
   const file = fileOfTab(tab);
-  return `rafcon.breakpoints ${file ? `${file.project}/${file.path}` : tab.room.id}`;
+  return `rafcon.breakpoints ${file ? `${file.project}/${file.path}` : tab.session.id}`;
 }
 
 const NONE: readonly Breakpoint[] = [];

@@ -19,8 +19,13 @@ function setUp(answers: Readonly<Record<string, Document>>) {
     listeners.add(listener);
     return () => void listeners.delete(listener);
   };
-  const room = { id: "m", machine, onChange, status: signal(null) } as unknown as OpenTab["room"];
-  const tab: OpenTab = { room, view: newView(), run: signal(null) };
+  const session = {
+    id: "m",
+    machine,
+    onChange,
+    status: signal(null),
+  } as unknown as OpenTab["session"];
+  const tab: OpenTab = { session, view: newView(), run: signal(null) };
   const request = async (_: string, path: string) => {
     const found = answers[path];
     if (found) return found;

@@ -54,7 +54,7 @@ function newComparison(tab: OpenTab, server: Server): Comparison {
   let stops: readonly (() => void)[] = [];
 
   const compare = () => {
-    const { machine } = tab.room;
+    const { machine } = tab.session;
     const all = other.value ? differences(other.value, machine) : [];
     batch(() => {
       found.value = all;
@@ -84,7 +84,7 @@ function newComparison(tab: OpenTab, server: Server): Comparison {
       refusal.value = null;
       compare();
     });
-    stops = next ? [tab.room.onChange(soon), follow(tab, next, soon, refresh)] : [];
+    stops = next ? [tab.session.onChange(soon), follow(tab, next, soon, refresh)] : [];
     await refresh();
   };
   return { against, other, found, refusal, choose, refresh };
@@ -97,11 +97,11 @@ function follow(
   changed: () => void,
   refresh: () => Promise<void>,
 ): () => void {
-  if (against.kind === "tab") return against.tab.room.onChange(changed);
+  if (against.kind === "tab") return against.tab.session.onChange(changed);
   if (against.kind === "version") return () => {};
-  const summary = () => tab.room.status.peek()?.summary;
+  const summary = () => tab.session.status.peek()?.summary;
   let known = `${summary()?.saved_revision} ${summary()?.disk}`;
-  return tab.room.status.subscribe(() => {
+  return tab.session.status.subscribe(() => {
     const now = `${summary()?.saved_revision} ${summary()?.disk}`;
     if (now === known) return;
     known = now;
@@ -111,8 +111,8 @@ function follow(
 
 /** The machine to compare with, or why it cannot be had. */
 async function sideOf(tab: OpenTab, server: Server, against: Against): Promise<Machine | string> {
-  if (against.kind === "tab") return against.tab.room.machine;
-  const path = `/machines/${encodeURIComponent(tab.room.id)}`;
+  if (against.kind === "tab") return against.tab.session.machine;
+  const path = `/machines/${encodeURIComponent(tab.session.id)}`;
   const from = against.kind === "saved" ? "saved" : `versions/${against.commit}`;
   try {
     const answer = await server.request<Document | MachineDocument>("GET", `${path}/${from}`);

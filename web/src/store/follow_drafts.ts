@@ -4,16 +4,16 @@ import type { StateDocument } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
 import { idOf } from "../model/path.ts";
 import type { Draft, Drafts } from "./drafts.ts";
-import type { Room } from "./room.ts";
+import type { MachineSession } from "./machine_session.ts";
 
 /** Listens until the returned function is called. */
 export function followDrafts(
-  room: Pick<Room, "id" | "machine" | "onChange">,
+  session: Pick<MachineSession, "id" | "machine" | "onChange">,
   kept: Drafts,
 ): () => void {
-  const { id, machine } = room;
+  const { id, machine } = session;
   let known = new Set(machine.paths());
-  return room.onChange((touched) => {
+  return session.onChange((touched) => {
     const before = known;
     const paths = [...(touched ?? machine.paths())];
     const came = paths.filter((path) => !before.has(path) && machine.state(path));

@@ -10,7 +10,7 @@ import { openFailures } from "./acknowledged.ts";
 import { type Active, activeStates, lanes } from "./active.ts";
 import { countsUntil } from "./counts_until.ts";
 import { type Failure, isEnd } from "./failures.ts";
-import type { Room } from "./room.ts";
+import type { MachineSession } from "./machine_session.ts";
 import type { Watch } from "./run.ts";
 import { type Goal, type Taken, Trail } from "./trail.ts";
 
@@ -75,30 +75,30 @@ const LOUDNESS: readonly MarkPhase[] = [
   "failed",
 ];
 
-const KNOWN = new WeakMap<Watch, WeakMap<Room, ReadonlySignal<RunMarks>>>();
+const KNOWN = new WeakMap<Watch, WeakMap<MachineSession, ReadonlySignal<RunMarks>>>();
 
 /** The marks of a run on a machine. A signal's reader. */
-export function runMarks(watch: Watch, room: Room): RunMarks {
-  const rooms = KNOWN.get(watch) ?? new WeakMap<Room, ReadonlySignal<RunMarks>>();
-  KNOWN.set(watch, rooms);
-  const known = rooms.get(room) ?? following(watch, room);
-  rooms.set(room, known);
+export function runMarks(watch: Watch, session: MachineSession): RunMarks {
+  const ofWatch = KNOWN.get(watch) ?? new WeakMap<MachineSession, ReadonlySignal<RunMarks>>();
+  KNOWN.set(watch, ofWatch);
+  const known = ofWatch.get(session) ?? following(watch, session);
+  ofWatch.set(session, known);
   return known.value;
 }
 
-function following(watch: Watch, room: Room): ReadonlySignal<RunMarks> {
+function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMarks> {
   const isConcurrentAt = (path: string) => {
-    const state = room.machine.state(path);
+    const state = session.machine.state(path);
     return state !== undefined && isConcurrent(state);
   };
   const newTrail = () => new Trail(isConcurrentAt);
   let live = newTrail();
-  let version = room.machine.version;
+  let version = session.machine.version;
   return computed(() => {
     watch.grown.value;
-    room.version.value;
-    if (version !== room.machine.version) live = newTrail();
-    version = room.machine.version;
+    session.version.value;
+    if (version !== session.machine.version) live = newTrail();
+    version = session.machine.version;
     const { journal } = watch;
     const until = shownUntil(watch);
     const trail = until === null ? live : newTrail();
@@ -107,7 +107,7 @@ function following(watch: Watch, room: Room): ReadonlySignal<RunMarks> {
     const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);
     return {
       states: stateMarks(activeStates(watch), trail, failed),
-      lines: lineMarks(activeStates(watch), trail, room.machine),
+      lines: lineMarks(activeStates(watch), trail, session.machine),
       visits:
         until === null
           ? (path) => journal.counts.get(path)?.entries ?? 0

@@ -10,7 +10,7 @@ const WHOLE = `R hierarchy
       C "Close the gripper" execution`;
 
 /** A machine of which one library is loaded at a time. */
-function room(...stages: readonly string[]) {
+function session(...stages: readonly string[]) {
   const machines = stages.map((text) => machineOf(sketch(text)));
   const asked: string[] = [];
   const machine = { state: (path: string) => machines[asked.length]?.state(path) };
@@ -21,12 +21,12 @@ function room(...stages: readonly string[]) {
 }
 
 test("a state in a library has its name once the library is here", async () => {
-  const here = room(OUTER, WHOLE);
+  const here = session(OUTER, WHOLE);
   expect(await nameSoon(here, "R/L/G/C")).toBe("Close the gripper");
   expect(here.asked).toEqual(["R/L"]);
 });
 
 test("a state that no library brings is called by its id", async () => {
-  expect(await nameSoon(room(OUTER), "R/L/G/C")).toBe("C");
-  expect(await nameSoon(room(WHOLE), "R/X")).toBe("X");
+  expect(await nameSoon(session(OUTER), "R/L/G/C")).toBe("C");
+  expect(await nameSoon(session(WHOLE), "R/X")).toBe("X");
 });

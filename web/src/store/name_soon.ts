@@ -2,14 +2,17 @@
 
 import type { Machine } from "../model/machine.ts";
 import { idOf, lineage } from "../model/path.ts";
-import type { Room } from "./room.ts";
+import type { MachineSession } from "./machine_session.ts";
 
 /** The name of a state; its id if the machine does not have it, with all libraries around it loaded. */
 export async function nameSoon(
-  room: { readonly machine: Pick<Machine, "state">; readonly loadLibrary: Room["loadLibrary"] },
+  session: {
+    readonly machine: Pick<Machine, "state">;
+    readonly loadLibrary: MachineSession["loadLibrary"];
+  },
   path: string,
 ): Promise<string> {
-  const { machine } = room;
+  const { machine } = session;
   const asked = new Set<string>();
   for (;;) {
     const state = machine.state(path);
@@ -17,6 +20,6 @@ export async function nameSoon(
     const library = lineage(path).findLast((outer) => machine.state(outer)?.kind === "library");
     if (library === undefined || asked.has(library)) return idOf(path);
     asked.add(library);
-    await room.loadLibrary(library);
+    await session.loadLibrary(library);
   }
 }

@@ -9,15 +9,15 @@ import type {
   Revision,
   ServerStatus,
 } from "../model/generated/protocol.ts";
-import type { Room } from "./room.ts";
+import type { MachineSession } from "./machine_session.ts";
 import type { Runs, Watch } from "./run.ts";
 import type { Server } from "./server.ts";
-import type { RoomView } from "./view.ts";
+import type { SessionView } from "./view.ts";
 
 /** A machine that is open in this page, as a tab. */
 export interface OpenTab {
-  readonly room: Room;
-  readonly view: RoomView;
+  readonly session: MachineSession;
+  readonly view: SessionView;
   /** The run that is shown on it; null if none is. */
   readonly run: Signal<Watch | null>;
 }

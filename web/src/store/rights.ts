@@ -13,5 +13,5 @@ export function mayEdit({ server }: { readonly server: Pick<Page["server"], "lin
 
 /** Why nothing of a machine can be edited; null if it can be. */
 export function whyFixed(page: Page, tab: OpenTab): string | null {
-  return mayEdit(page) ? tab.room.fixed : MAY_ONLY_LOOK;
+  return mayEdit(page) ? tab.session.fixed : MAY_ONLY_LOOK;
 }

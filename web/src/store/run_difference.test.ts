@@ -16,7 +16,7 @@ afterEach(() => void vi.useRealTimers());
 /** A tab whose machine is this text, beside a run that goes by `RAN` and, from root `h` on, by `reloaded`. */
 function setUp(text: string, reloaded = RAN, hasBegun = true) {
   let changed = () => {};
-  const room = {
+  const session = {
     fixed: null,
     machine: machineOf(sketch(text)),
     onChange: (listener: () => void) => {
@@ -48,9 +48,9 @@ function setUp(text: string, reloaded = RAN, hasBegun = true) {
     grown.value = journal.length;
   };
   if (hasBegun) begin();
-  const differs = differsFromRun({ room } as unknown as OpenTab, watch, runs);
+  const differs = differsFromRun({ session } as unknown as OpenTab, watch, runs);
   const edit = (next: string) => {
-    room.machine = machineOf(sketch(next));
+    session.machine = machineOf(sketch(next));
     changed();
   };
   const reload = () => {

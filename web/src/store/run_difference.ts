@@ -28,7 +28,7 @@ export function differsFromRun(tab: OpenTab, watch: Watch, runs: Runs): Readonly
   return known;
 }
 
-function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
+function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
   let ran: Machine | null = null;
   /** The machine that is here, and the one that was asked for last; null: none. */
   let known: string | null = null;
@@ -38,7 +38,7 @@ function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<b
   let stops: readonly (() => void)[] = [];
   const compare = () => {
     differs.value =
-      ran !== null && differences(ran, room.machine).some(({ isLayout }) => !isLayout);
+      ran !== null && differences(ran, session.machine).some(({ isLayout }) => !isLayout);
   };
   const soon = () => {
     clearTimeout(timer);
@@ -71,8 +71,8 @@ function followed({ room }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<b
   };
   const differs = signal(false, {
     watched: () => {
-      if (room.fixed !== null) return;
-      stops = [room.onChange(soon), effect(look)];
+      if (session.fixed !== null) return;
+      stops = [session.onChange(soon), effect(look)];
       soon();
     },
     unwatched: () => {

@@ -7,7 +7,7 @@ import type { Watch } from "./run.ts";
 
 /** The folder of the machine of a tab; of a machine as it ran that which the run was started from. */
 export function fileOfTab(tab: OpenTab): MachineFile | null {
-  const own = tab.room.status.value?.summary.file;
+  const own = tab.session.status.value?.summary.file;
   return own ?? tab.run.value?.now.value?.run.machine ?? null;
 }
 

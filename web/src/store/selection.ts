@@ -2,7 +2,7 @@
 
 import { type ElementRef, elementOf } from "../model/element.ts";
 import { type Machine, outcomesOf, portsOf } from "../model/machine.ts";
-import type { RoomView } from "./view.ts";
+import type { SessionView } from "./view.ts";
 
 /** Whether the machine has the element. */
 export function isThere(machine: Machine, element: ElementRef): boolean {
@@ -24,7 +24,7 @@ export function isThere(machine: Machine, element: ElementRef): boolean {
 }
 
 /** Takes out of the selection what is gone. */
-export function forgetGone(view: RoomView, machine: Machine): void {
+export function forgetGone(view: SessionView, machine: Machine): void {
   const before = view.selection.peek();
   const kept = [...before].filter((key) => {
     const element = elementOf(key);
@@ -36,7 +36,7 @@ export function forgetGone(view: RoomView, machine: Machine): void {
 }
 
 /** Paths of all states that are selected, or have something selected. */
-export function touchedStates(view: RoomView): readonly string[] {
+export function touchedStates(view: SessionView): readonly string[] {
   const paths = [...view.selection.value].flatMap((key) => elementOf(key)?.path ?? []);
   return [...new Set(paths)];
 }

@@ -5,7 +5,7 @@ import type { MachineFile } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
 import type { OpenTab } from "./page.ts";
 import { kept, type Shed } from "./shed.ts";
-import { type Camera, FIRST_CAMERA, MODES, type RoomView, type ViewModes } from "./view.ts";
+import { type Camera, FIRST_CAMERA, MODES, type SessionView, type ViewModes } from "./view.ts";
 
 export interface KeptTab {
   /** Null of a machine as a run went by it. */
@@ -49,20 +49,23 @@ export function readSession(shed: Shed): Session | null {
 }
 
 /** Looks at a machine as it was looked at before. */
-export function restoreView(view: RoomView, { camera, selection, modes, contents }: KeptTab): void {
+export function restoreView(
+  view: SessionView,
+  { camera, selection, modes, contents }: KeptTab,
+): void {
   view.camera.value = camera;
   view.selection.value = new Set(selection);
   view.modes.value = modes;
   view.contents.value = new Map(contents);
 }
 
-function fileOf({ room }: OpenTab): MachineFile | null {
-  return room.status.value?.summary.file ?? null;
+function fileOf({ session }: OpenTab): MachineFile | null {
+  return session.status.value?.summary.file ?? null;
 }
 
 function keptTab(tab: OpenTab): KeptTab | null {
   const [file, run] = [fileOf(tab), tab.run.value?.id ?? null];
-  if (!file && (tab.room.fixed === null || run === null)) return null;
+  if (!file && (tab.session.fixed === null || run === null)) return null;
   const { camera, selection, modes, contents } = tab.view;
   return {
     file,

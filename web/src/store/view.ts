@@ -32,7 +32,7 @@ export type Mark = "added" | "removed" | "changed";
 /** Where a view looks before anybody has chosen: the canvas fits the root then. */
 export const FIRST_CAMERA: Camera = { x: 0, y: 0, scale: 1 };
 
-export interface RoomView {
+export interface SessionView {
   readonly camera: Signal<Camera>;
   readonly selection: Signal<ReadonlySet<ElementKey>>;
   readonly hovered: Signal<ElementRef | null>;
@@ -54,7 +54,7 @@ export const MODES: ViewModes = {
   grid: false,
 };
 
-export function newView(): RoomView {
+export function newView(): SessionView {
   return {
     camera: signal(FIRST_CAMERA),
     selection: signal<ReadonlySet<ElementKey>>(new Set()),
@@ -67,12 +67,12 @@ export function newView(): RoomView {
 }
 
 /** Selects these and nothing else. An element and a state around it are never selected together: the outer one stays. */
-export function select(view: RoomView, elements: Iterable<ElementRef>): void {
+export function select(view: SessionView, elements: Iterable<ElementRef>): void {
   view.selection.value = withoutInner([...elements]);
 }
 
 /** Adds the element to the selection, or takes it out. */
-export function toggle(view: RoomView, element: ElementRef): void {
+export function toggle(view: SessionView, element: ElementRef): void {
   const key = keyOf(element);
   const before = [...view.selection.value];
   const kept = before.filter(
@@ -84,12 +84,12 @@ export function toggle(view: RoomView, element: ElementRef): void {
 }
 
 /** The selected elements in the order in which they were selected. */
-export function selected(view: RoomView): readonly ElementRef[] {
+export function selected(view: SessionView): readonly ElementRef[] {
   return [...view.selection.value].flatMap((key) => elementOf(key) ?? []);
 }
 
 /** The paths of the selected states. */
-export function selectedStates(view: RoomView): readonly string[] {
+export function selectedStates(view: SessionView): readonly string[] {
   return selected(view).flatMap((element) => (element.kind === "state" ? [element.path] : []));
 }
 

@@ -13,7 +13,7 @@ const X = { kind: "input", path: "R/A", name: "x" } as const;
 function tab(path: string): OpenTab {
   const file = { project: "arm", path };
   return {
-    room: { id: path, status: signal({ summary: { file } }) },
+    session: { id: path, status: signal({ summary: { file } }) },
     run: signal(null),
   } as unknown as OpenTab;
 }

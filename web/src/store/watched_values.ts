@@ -93,9 +93,9 @@ function put(tab: OpenTab, all: readonly Watched[]): void {
   }
 }
 
-function machineKey({ room, run }: OpenTab): string {
-  const file = room.status.value?.summary.file ?? run.value?.now.value?.run.machine;
-  return file ? `${file.project}/${file.path}` : room.id;
+function machineKey({ session, run }: OpenTab): string {
+  const file = session.status.value?.summary.file ?? run.value?.now.value?.run.machine;
+  return file ? `${file.project}/${file.path}` : session.id;
 }
 
 function kept(): Kept {

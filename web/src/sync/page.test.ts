@@ -152,7 +152,7 @@ describe("the page", () => {
     const again = setUp({ own: memoryShed(), shared: sheds.shared }, [RUN]).page;
     await settle();
     expect(again.tabs.value.map(({ run }) => run.value?.id)).toEqual(["r", "r"]);
-    expect(again.tabs.value.map(({ room }) => room.fixed !== null)).toEqual([false, true]);
+    expect(again.tabs.value.map(({ session }) => session.fixed !== null)).toEqual([false, true]);
     expect(again.active.value).toBe(again.tabs.value[0]);
     const later = setUp({ own: memoryShed(), shared: sheds.shared }).page;
     await settle();
@@ -236,10 +236,10 @@ describe("a page that is loaded again", () => {
     const again = setUp({ own: before.sheds.own, shared: before.sheds.shared });
     again.server.hasMany = true;
     const fronts: string[] = [];
-    again.page.active.subscribe((tab) => tab && fronts.push(tab.room.id));
+    again.page.active.subscribe((tab) => tab && fronts.push(tab.session.id));
     await settle();
     await settle();
     expect(fronts).toEqual(["b"]);
-    expect(again.page.tabs.value.map(({ room }) => room.id)).toEqual(["a", "b", "c"]);
+    expect(again.page.tabs.value.map(({ session }) => session.id)).toEqual(["a", "b", "c"]);
   });
 });

@@ -24,9 +24,9 @@ import { type Clock, WALL_CLOCK } from "./clock.ts";
 import { connect } from "./connect.ts";
 import type { Address } from "./http.ts";
 import { newIds } from "./ids.ts";
+import { OpenMachineSession, type OpenMachineSessionPorts } from "./machine_session.ts";
 import { tellPresence } from "./presence.ts";
-import { OpenRoom, type RoomPorts } from "./room.ts";
-import { RunRoom, runRoomId } from "./run_room.ts";
+import { RunMachineSession, runSessionId } from "./run_machine_session.ts";
 import { followRuns } from "./runs.ts";
 import { followSession } from "./session.ts";
 import { Shelf } from "./shelf.ts";
@@ -117,7 +117,7 @@ function followFiles(server: Server, house: Signal<ServerStatus | null>, shelf: 
 }
 
 /** How machines and runs come into the tabs. */
-function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) {
+function openMachines(ports: OpenMachineSessionPorts, settings: Signal<Settings>, runs: Runs) {
   const { request } = ports.server;
   const { tabs, active, front, enter, leave } = newTabs();
 
@@ -126,9 +126,13 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) 
     if (file) settings.value = withRecent(settings.peek(), file);
     const get = async () => {
       const path = `/machines/${encodeURIComponent(id)}/document`;
-      const room = new OpenRoom(summary, await request<MachineDocument>("GET", path), ports);
-      followDrafts(room, drafts);
-      return room;
+      const session = new OpenMachineSession(
+        summary,
+        await request<MachineDocument>("GET", path),
+        ports,
+      );
+      followDrafts(session, drafts);
+      return session;
     };
     return enter(id, get, null, isBehind);
   };
@@ -143,14 +147,19 @@ function openMachines(ports: RoomPorts, settings: Signal<Settings>, runs: Runs) 
 
   const showAsRan = (id: string, isBehind = false) => {
     const watch = runs.watch(id);
-    return enter(runRoomId(id), () => RunRoom.enter(watch, runs, ports), watch, isBehind);
+    return enter(
+      runSessionId(id),
+      () => RunMachineSession.enter(watch, runs, ports),
+      watch,
+      isBehind,
+    );
   };
 
   const toTab = async (id: string) => {
     const file = runs.all.peek().find((run) => run.id === id)?.machine;
-    const isOf = ({ room }: OpenTab) => {
-      const own = room.status.peek()?.summary.file;
-      return room.fixed === null && file != null && own != null && isSame(own, file);
+    const isOf = ({ session }: OpenTab) => {
+      const own = session.status.peek()?.summary.file;
+      return session.fixed === null && file != null && own != null && isSame(own, file);
     };
     const there = tabs.peek().find(isOf);
     if (!there) return showAsRan(id);

@@ -12,7 +12,7 @@ function setUp() {
   const server = new FakeServer(sketch("R hierarchy"));
   const clock = new FakeClock();
   const status = signal<MachineStatus>({ summary: MACHINE, people: [] });
-  const tab = { room: { id: "m", status }, view: newView() } as unknown as OpenTab;
+  const tab = { session: { id: "m", status }, view: newView() } as unknown as OpenTab;
   const active = signal<OpenTab | null>(tab);
   tellPresence(server, () => active.value, clock);
   const listed = (connection: number) => {

@@ -46,13 +46,13 @@ export function tellPresence(
 function presence(server: Server, tab: OpenTab | null) {
   if (server.link.value.state !== "up" || !tab) return null;
   const selection = [...bounded(touchedStates(tab.view))];
-  return { frame: "presence", machine: tab.room.id, selection } as const;
+  return { frame: "presence", machine: tab.session.id, selection } as const;
 }
 
 /** Whether the server has this connection among those who look: it forgets them when a machine is closed and opened again. */
 function isListed(server: Server, tab: OpenTab | null): boolean {
   const link = server.link.value;
-  const people = tab?.room.status.value?.people ?? [];
+  const people = tab?.session.status.value?.people ?? [];
   return link.state === "up" && people.some(({ connection }) => connection === link.connection);
 }
 

@@ -79,7 +79,7 @@ async function restore(ports: SessionPorts, session: Session | null): Promise<vo
     ports.tabs.value = inPlace(ports.tabs.peek(), places);
     if (isThere(ports, kept)) tab.run.value ??= ports.runs.watch(kept.run);
     restoreView(tab.view, kept);
-    forgetGone(tab.view, tab.room.machine);
+    forgetGone(tab.view, tab.session.machine);
     // With nothing in front before, this is it; with something there, the user has gone elsewhere meanwhile.
     ports.active.value ??= tab;
   }

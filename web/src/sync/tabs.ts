@@ -1,8 +1,8 @@
 /** The tabs of the page: each machine comes into one, however often it is wanted. Knows nothing of how machines are got. */
 
 import { batch, signal } from "@preact/signals-core";
+import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
-import type { Room } from "../store/room.ts";
 import type { Watch } from "../store/run.ts";
 import { forgetGone } from "../store/selection.ts";
 import { newView } from "../store/view.ts";
@@ -12,9 +12,9 @@ export function newTabs() {
   const active = signal<OpenTab | null>(null);
   const coming = new Map<string, Promise<OpenTab>>();
 
-  const put = (room: Room, run: Watch | null, isBehind: boolean): OpenTab => {
-    const tab: OpenTab = { room, view: newView(), run: signal(run) };
-    room.onChange(() => forgetGone(tab.view, room.machine));
+  const put = (session: MachineSession, run: Watch | null, isBehind: boolean): OpenTab => {
+    const tab: OpenTab = { session, view: newView(), run: signal(run) };
+    session.onChange(() => forgetGone(tab.view, session.machine));
     batch(() => {
       tabs.value = [...tabs.peek(), tab];
       if (!isBehind) active.value = tab;
@@ -30,16 +30,16 @@ export function newTabs() {
   /** Brings the tab of a machine to the front, or makes one, with the run that is shown on it; `isBehind`: what is in front stays. */
   const enter = (
     id: string,
-    get: () => Promise<Room>,
+    get: () => Promise<MachineSession>,
     run: Watch | null = null,
     isBehind = false,
   ): Promise<OpenTab> => {
-    const there = tabs.peek().find(({ room }) => room.id === id);
+    const there = tabs.peek().find(({ session }) => session.id === id);
     if (there) return Promise.resolve(isBehind ? there : front(there));
     const before = coming.get(id);
     if (before) return before;
     const entering = get()
-      .then((room) => put(room, run, isBehind))
+      .then((session) => put(session, run, isBehind))
       .finally(() => coming.delete(id));
     coming.set(id, entering);
     return entering;
@@ -49,7 +49,7 @@ export function newTabs() {
     const before = tabs.peek();
     const at = before.indexOf(tab);
     if (at < 0) return;
-    tab.room.close();
+    tab.session.close();
     const kept = before.filter((other) => other !== tab);
     batch(() => {
       tabs.value = kept;

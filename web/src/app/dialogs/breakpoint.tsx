@@ -16,7 +16,7 @@ export function BreakpointDialog({ asks, answer }: DialogProps<Breakpoint>) {
   const [wanted, setWanted] = useState(asks);
   const [count, setCount] = useState(String(Math.max(1, asks.hit_count)));
   const put = (change: Partial<Breakpoint>) => setWanted({ ...wanted, ...change });
-  const machine = now.tab?.room.machine;
+  const machine = now.tab?.session.machine;
   const isCount = /^[1-9]\d*$/.test(count.trim());
   const done = () => {
     if (isCount) answer({ ...wanted, hit_count: Number(count) });

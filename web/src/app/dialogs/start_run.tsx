@@ -29,13 +29,13 @@ const SHED = shedOf(() => window.localStorage);
 
 function keyOf(tab: OpenTab): string {
   const file = fileOfTab(tab);
-  return `rafcon.start ${file ? `${file.project}/${file.path}` : tab.room.id}`;
+  return `rafcon.start ${file ? `${file.project}/${file.path}` : tab.session.id}`;
 }
 
 export function StartRunDialog({ asks: tab, answer }: DialogProps<OpenTab>) {
   const key = keyOf(tab);
   const [given, setGiven] = useState<Given>(() => ({ ...FIRST, ...kept<Given>(SHED, key) }));
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const root = machine.state(machine.root);
   const ports = root ? portsOf(root, "input") : [];
   const put = (change: Partial<Given>) => setGiven({ ...given, ...change });

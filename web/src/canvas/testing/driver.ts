@@ -8,10 +8,10 @@ import { centre, type Point } from "../../model/geometry.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/sketch.ts";
 import type { Dragged } from "../../store/dragged.ts";
+import type { EditAnswer, MachineSession, PendingEdit } from "../../store/machine_session.ts";
 import { Mirror } from "../../store/mirror.ts";
 import { foretell } from "../../store/predict/foretell.ts";
-import type { EditAnswer, PendingEdit, Room } from "../../store/room.ts";
-import { newView, type RoomView, select, selected } from "../../store/view.ts";
+import { newView, type SessionView, select, selected } from "../../store/view.ts";
 import { screenFromWorld } from "../camera.ts";
 import { Hand } from "../hand.ts";
 import { NO_OVERLAY } from "../overlay.ts";
@@ -26,8 +26,8 @@ interface Keys {
   readonly alt?: boolean;
 }
 
-/** A room without a server: what can be foretold is done at once, the rest is only kept. */
-export class PlainRoom implements Room {
+/** A machine session without a server: what can be foretold is done at once, the rest is only kept. */
+export class PlainMachineSession implements MachineSession {
   readonly id = "test";
   readonly fixed = null;
   readonly machine: Mirror;
@@ -35,10 +35,10 @@ export class PlainRoom implements Room {
   readonly status = signal(null);
   readonly people = signal([]);
   readonly pending = signal<readonly PendingEdit[]>([]);
-  readonly steps: Room["steps"] = signal({
+  readonly steps: MachineSession["steps"] = signal({
     now: 0,
     steps: [],
-  } as unknown as Room["steps"]["value"]);
+  } as unknown as MachineSession["steps"]["value"]);
   readonly revision = signal(0);
   readonly problems = signal([]);
   readonly isChecked = signal(true);
@@ -70,8 +70,8 @@ export class PlainRoom implements Room {
 }
 
 export class Driver {
-  readonly room: PlainRoom;
-  readonly view: RoomView = newView();
+  readonly session: PlainMachineSession;
+  readonly view: SessionView = newView();
   readonly hand: Hand;
   readonly refusals: string[] = [];
   readonly commands: string[] = [];
@@ -82,9 +82,9 @@ export class Driver {
   #keys: Keys = {};
 
   constructor(text: string, library: string | null) {
-    this.room = new PlainRoom(text, library);
+    this.session = new PlainMachineSession(text, library);
     this.hand = new Hand({
-      tab: { room: this.room, view: this.view, run: signal(null) },
+      tab: { session: this.session, view: this.view, run: signal(null) },
       size: () => ({ width: 1000, height: 800 }),
       wheel: () => this.wheel,
       fly: (to) => {
@@ -104,7 +104,7 @@ export class Driver {
   point(where: Where): Point {
     if (typeof where !== "string") return where;
     const [name = "", port] = where.split(".");
-    const { machine } = this.room;
+    const { machine } = this.session;
     const paths = [name, ...machine.paths()];
     const path = paths.find(
       (each) => machine.state(each) && (each === name || each.endsWith(`/${name}`)),
@@ -219,7 +219,7 @@ export class Driver {
 
   /** Where a state is in its container now: `20 30 80 60`. */
   box(id: string): string {
-    const { machine } = this.room;
+    const { machine } = this.session;
     const path = [...machine.paths()].find((each) => each === id || each.endsWith(`/${id}`));
     const box = path && this.hand.places().box(path);
     if (!box) return "none";
@@ -232,7 +232,7 @@ export class Driver {
 
   /** What was made, what is selected, what was refused: one line each. */
   text(): string {
-    const lines = this.room.made.map(({ name, edit }) => `${name}: ${editsText(edit)}`);
+    const lines = this.session.made.map(({ name, edit }) => `${name}: ${editsText(edit)}`);
     for (const reason of this.refusals) lines.push(`refused: ${reason}`);
     for (const command of this.commands) lines.push(`run: ${command}`);
     lines.push(`selected: ${this.selection() || "nothing"}`);

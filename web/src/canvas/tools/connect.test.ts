@@ -58,7 +58,7 @@ test("what is not legal is said at the pointer, and refused when it is let go", 
   const { message, line } = canvas.hand.overlay.value;
   expect([line?.legal, message?.bad]).toEqual([false, true]);
   canvas.release();
-  expect(canvas.room.made).toEqual([]);
+  expect(canvas.session.made).toEqual([]);
   expect(canvas.refusals).toEqual([message?.text]);
   expect(canvas.isClear()).toBe(true);
 });

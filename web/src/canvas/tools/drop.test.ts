@@ -7,7 +7,7 @@ test("a state from the palette shows where it will stand", () => {
   expect(ghosts).toEqual([{ x: 680, y: 330, width: 140, height: 140 }]);
   expect([drop, message?.text]).toEqual(["state:R", "Into “Root”"]);
   canvas.drop();
-  expect(canvas.room.made.map(({ name }) => name)).toEqual(["Add execution state"]);
+  expect(canvas.session.made.map(({ name }) => name)).toEqual(["Add execution state"]);
   expect(canvas.selection()).toMatch(/^state:R\/[A-Z]+$/);
   expect(canvas.isClear()).toBe(true);
 });
@@ -48,7 +48,7 @@ test("outside of all containers it is refused", () => {
   const canvas = driver().bring({ insert: "execution" }, { x: 980, y: 780 });
   expect(canvas.hand.overlay.value.message?.bad).toBe(true);
   canvas.drop();
-  expect([canvas.room.made, canvas.refusals.length]).toEqual([[], 1]);
+  expect([canvas.session.made, canvas.refusals.length]).toEqual([[], 1]);
 });
 
 test("dragged away again nothing stays", () => {

@@ -35,7 +35,7 @@ test("a waypoint near the straight line goes away", () => {
     .release();
   canvas.press({ x, y: y + 80 }).drag({ x, y: y + 2 });
   canvas.release();
-  expect(canvas.room.made.at(-1)?.edit).toMatchObject({ waypoints: [] });
+  expect(canvas.session.made.at(-1)?.edit).toMatchObject({ waypoints: [] });
 });
 
 test("with Shift a waypoint keeps an even direction", () => {
@@ -55,7 +55,7 @@ test("Escape leaves the line as it was", () => {
     .drag({ x, y: y + 80 })
     .key("Escape")
     .release();
-  expect([canvas.room.made, canvas.isClear()]).toEqual([[], true]);
+  expect([canvas.session.made, canvas.isClear()]).toEqual([[], true]);
 });
 
 test("the end of a selected line is led to another state", () => {
@@ -70,7 +70,7 @@ test("the end of a selected line is led to another state", () => {
 test("let go over nothing the end stays where it was", () => {
   const canvas = driver(MACHINE).select("transition:R:1").press("B.income");
   canvas.drag({ x: 400, y: 600 }).release();
-  expect([canvas.room.made, canvas.refusals, canvas.isClear()]).toEqual([[], [], true]);
+  expect([canvas.session.made, canvas.refusals, canvas.isClear()]).toEqual([[], [], true]);
 });
 
 test("with Ctrl a port slides along the border, around corners", () => {

@@ -4,7 +4,7 @@ import { driver } from "../testing/driver.ts";
 test("a state is dragged, and shows where it will be", () => {
   const canvas = driver().press("A").by(33, 37);
   expect(canvas.hand.overlay.value.boxes.get("R/A")).toMatchObject({ x: 83, y: 137 });
-  expect(canvas.room.made).toEqual([]);
+  expect(canvas.session.made).toEqual([]);
   canvas.release();
   expect(canvas.text()).toBe("Move Scan: set_position R/A state [83,137]\nselected: state:R/A");
   expect(canvas.isClear()).toBe(true);
@@ -36,7 +36,7 @@ test("with Alt a copy is made", () => {
   const canvas = driver().press("A").by(33, 57, { alt: true });
   expect(canvas.hand.overlay.value.ghosts).toEqual([{ x: 83, y: 157, width: 200, height: 150 }]);
   canvas.release();
-  expect(canvas.room.made.map(({ name }) => name)).toEqual(["Duplicate Scan"]);
+  expect(canvas.session.made.map(({ name }) => name)).toEqual(["Duplicate Scan"]);
   expect(canvas.box("A")).toBe("50 100 200 150");
 });
 
@@ -64,7 +64,7 @@ test("a state that is dropped on a transition is inserted there", () => {
   canvas.press("N").drag({ x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 });
   expect(canvas.hand.overlay.value.drop).toBe("transition:R:1");
   canvas.release();
-  const [made] = canvas.room.made;
+  const [made] = canvas.session.made;
   expect(JSON.stringify(made?.edit)).toContain('"set_transition_target"');
   expect(canvas.box("N").split(" ").slice(2)).toEqual(["100", "100"]);
   expect(canvas.box("N")).not.toBe("300 400 100 100");

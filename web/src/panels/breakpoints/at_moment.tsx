@@ -18,7 +18,7 @@ export function AtMoment({ tab, watch }: AtMomentProps) {
   if (moment === null) return null;
   const isHere = seen?.picture.sequence === moment;
   const all = isHere ? seen.picture.breakpoints : [];
-  const nameOf = namesOf(tab.room);
+  const nameOf = namesOf(tab.session);
   return (
     <Section title={`At event ${moment}`} count={isHere ? all.length : undefined}>
       {!isHere && <p className="breakpoints-whose">On their way.</p>}

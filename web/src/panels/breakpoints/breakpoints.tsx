@@ -28,7 +28,7 @@ import "./breakpoints.css";
 export function Breakpoints() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty title="No machine is open" text="Breakpoints of the machine in front stand here." />
   );
@@ -45,7 +45,7 @@ function OfTab({ tab }: { tab: OpenTab }) {
   const live = useComputed(() => liveRun(tab), [tab]);
   const refusal = useComputed(() => cannotSetBreakpoints(host.context()), [host]);
   const shown = useSignal(tab.run);
-  useSignal(tab.room.version);
+  useSignal(tab.session.version);
   return (
     <div className="breakpoints">
       <Bar tab={tab} all={all} refusal={refusal} />
@@ -127,7 +127,7 @@ interface RowProps {
 function Row({ tab, breakpoint, refusal }: RowProps) {
   const host = useHost();
   const run = useCommand();
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const { id, path, enabled, condition } = breakpoint;
   const watch = useSignal(tab.run);
   const hits = useComputed(() => (watch ? (hitsOf(watch).get(id) ?? 0) : null), [watch, id]);

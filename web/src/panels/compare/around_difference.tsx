@@ -42,8 +42,8 @@ interface ColumnProps {
 
 function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
   useSignal(watch.grown);
-  useSignal(tab.room.version);
-  const nameOf = namesOf(tab.room);
+  useSignal(tab.session.version);
+  const nameOf = namesOf(tab.session);
   const { journal } = watch;
   return (
     <div className="compare-column">

@@ -29,7 +29,7 @@ import "./compare.css";
 export function Compare() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty
       title="No machine is open"

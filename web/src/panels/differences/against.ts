@@ -41,10 +41,10 @@ export function optionOf(against: Against | null): string {
     case "version":
       return against.commit;
     case "tab":
-      return `tab ${against.tab.room.id}`;
+      return `tab ${against.tab.session.id}`;
   }
 }
 
-function nameOf({ room }: OpenTab): string {
-  return room.machine.state(room.machine.root)?.name ?? room.id;
+function nameOf({ session }: OpenTab): string {
+  return session.machine.state(session.machine.root)?.name ?? session.id;
 }

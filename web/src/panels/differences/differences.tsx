@@ -20,7 +20,7 @@ import "./differences.css";
 export function Differences() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty
       title="No machine is open"
@@ -113,7 +113,7 @@ function Found({ tab, comparison, shown }: FoundProps) {
       label="Differences"
       all={shown}
       old={other}
-      now={tab.room.machine}
+      now={tab.session.machine}
       onReveal={({ element }) => reveal(host, element)}
     />
   );
@@ -122,12 +122,12 @@ function Found({ tab, comparison, shown }: FoundProps) {
 /** What git knows of the machine; asked for again when it is saved. */
 function useVersions(tab: OpenTab): MachineVersions | null {
   const { server } = useHost().context().page;
-  const saved = useSignal(tab.room.status)?.summary.saved_revision;
+  const saved = useSignal(tab.session.status)?.summary.saved_revision;
   const [versions, setVersions] = useState<MachineVersions | null>(null);
   // biome-ignore lint/correctness/useExhaustiveDependencies: a save may have brought a commit along
   useEffect(() => {
     let isGone = false;
-    const path = `/machines/${encodeURIComponent(tab.room.id)}/versions`;
+    const path = `/machines/${encodeURIComponent(tab.session.id)}/versions`;
     server.request<MachineVersions>("GET", path).then(
       (answer) => {
         if (!isGone) setVersions(answer);

@@ -20,7 +20,7 @@ import "./edits.css";
 export function Edits() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty title="No machine is open" text="Every step of the machine in front stands here." />
   );
@@ -29,8 +29,8 @@ export function Edits() {
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const host = useHost();
   const run = useCommand();
-  const steps = useSignal(tab.room.steps);
-  const saved = useSignal(tab.room.status)?.summary.saved_revision;
+  const steps = useSignal(tab.session.steps);
+  const saved = useSignal(tab.session.status)?.summary.saved_revision;
   const [hasBranches, setBranches] = useState(true);
   const [chosen, setChosen] = useState<number | null>(null);
   const tree = useMemo(() => stepTree(steps), [steps]);

@@ -5,7 +5,7 @@ import type { PanelHost } from "../context.tsx";
 
 export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): Promise<void> {
   const { page, shell } = host.context();
-  const answer = await tab.room.jump(revision, false);
+  const answer = await tab.session.jump(revision, false);
   if (!("refused" in answer)) return;
   if (answer.code !== "others_edits") {
     page.tell({ level: "warning", text: `Not gone to that step: ${answer.refused}` });
@@ -19,7 +19,7 @@ export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): P
     danger: true,
   });
   if (!yes) return;
-  const again = await tab.room.jump(revision, true);
+  const again = await tab.session.jump(revision, true);
   if ("refused" in again) {
     page.tell({ level: "warning", text: `Not gone to that step: ${again.refused}` });
   }

@@ -10,7 +10,7 @@ import { reveal } from "../reveal.ts";
 
 export function StepDetail({ tab, node }: { readonly tab: OpenTab; readonly node: StepNode }) {
   const host = useHost();
-  const trace = tab.room.trace(node.revision);
+  const trace = tab.session.trace(node.revision);
   const all = useMemo(() => (trace ? differences(trace.before, trace.after) : []), [trace]);
   if (!trace) {
     const text =

@@ -29,7 +29,7 @@ const PATIENCE_MS = 200;
 export function Globals() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty title="No machine is open" text="Global variables of the machine in front stand here." />
   );
@@ -96,19 +96,19 @@ function OfTab({ tab }: { tab: OpenTab }) {
 }
 
 /** The variables once edits have settled; null before the scripts were read for the first time. */
-function useGlobals({ room }: OpenTab): readonly GlobalVariable[] | null {
+function useGlobals({ session }: OpenTab): readonly GlobalVariable[] | null {
   const [all, setAll] = useState<readonly GlobalVariable[] | null>(null);
   useEffect(() => {
     let timer = 0;
-    const stop = room.version.subscribe(() => {
+    const stop = session.version.subscribe(() => {
       window.clearTimeout(timer);
-      timer = window.setTimeout(() => setAll(globalsOf(room.machine)), PATIENCE_MS);
+      timer = window.setTimeout(() => setAll(globalsOf(session.machine)), PATIENCE_MS);
     });
     return () => {
       stop();
       window.clearTimeout(timer);
     };
-  }, [room]);
+  }, [session]);
   return all;
 }
 
@@ -122,7 +122,7 @@ interface VariablesProps {
 
 function Variables({ tab, variables, chosen, onChoose, onRename }: VariablesProps) {
   const host = useHost();
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const [expanded, setExpanded] = useState<ReadonlySet<string>>(new Set());
   const roots = useMemo<readonly Node[]>(
     () => variables.map((variable) => ({ id: variable.name, variable })),

@@ -20,7 +20,7 @@ export interface RenameGlobalProps {
 }
 
 export function RenameGlobal({ page, tab, variable, taken, onClose }: RenameGlobalProps) {
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const [name, setName] = useState(variable.name);
   const wanted = name.trim();
   const own = variable.uses.filter(({ path }) => !machine.isInLibrary(path));
@@ -80,7 +80,7 @@ function Place({ tab, use }: { tab: OpenTab; use: GlobalUse }) {
   return (
     <li>
       <span className="globals-soft">
-        {namesTo(tab.room.machine, use.path).join(" / ")}
+        {namesTo(tab.session.machine, use.path).join(" / ")}
         {use.line !== null && `, line ${use.line}`}
       </span>
       <code>{use.text}</code>

@@ -29,7 +29,7 @@ import "./history.css";
 export function RunHistory() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty title="No machine is open" text="What its runs did stands here, call by call." />
   );
@@ -50,7 +50,7 @@ function OfRun({ tab, watch }: OfRunProps) {
   const [query, setQuery] = useState("");
   const [menu, setMenu] = useState<OpenMenu | null>(null);
   useSignal(watch.grown);
-  useSignal(tab.room.version);
+  useSignal(tab.session.version);
   const show = useShow(tab, watch);
   const open = (index: number, at: OpenMenu["at"]) => setMenu({ index, at });
   return (
@@ -86,7 +86,7 @@ function useShow(tab: OpenTab, watch: Watch): Show {
   return (index, far = false) => {
     showIndex(watch, index);
     const path = pathAt(watch, index);
-    if (path === "" || !tab.room.machine.state(path)) return;
+    if (path === "" || !tab.session.machine.state(path)) return;
     if (far) reveal(host, { kind: "state", path });
     else select(tab.view, [{ kind: "state", path }]);
   };
@@ -128,7 +128,7 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   const roots = useMemo(() => nodes.roots(), [nodes, grown]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
   const childrenOf = useMemo(() => (node: Node) => nodes.inside(node), [nodes, grown]);
-  const nameOf = namesOf(tab.room);
+  const nameOf = namesOf(tab.session);
   const at = shown === NONE ? null : isHere ? chosen.id : `c${shown}`;
   const begin = (node: Node) => calls.begin(ends(node).first);
   return (
@@ -252,11 +252,11 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
 }
 
 function Hits({ tab, watch, query, show, onMenu }: ListProps & { readonly query: string }) {
-  const nameOf = namesOf(tab.room);
+  const nameOf = namesOf(tab.session);
   // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
   const found = useMemo(
-    () => new Found(watch.journal, query, namesOf(tab.room)),
-    [watch, query, tab.room.version.peek()],
+    () => new Found(watch.journal, query, namesOf(tab.session)),
+    [watch, query, tab.session.version.peek()],
   );
   found.follow();
   const { hits } = found;
@@ -325,7 +325,7 @@ function Menu({ index, at, tab, watch, onClose }: OpenMenu & OfRunProps & { onCl
         {
           id: "reveal",
           title: "Show the state on the canvas",
-          disabled: !tab.room.machine.state(path),
+          disabled: !tab.session.machine.state(path),
           run: () => reveal(host, { kind: "state", path }),
         },
         "separator",

@@ -14,7 +14,7 @@ import type { SeenState } from "./seen.ts";
 export function Description({ seen }: { seen: SeenState }) {
   const { path, state, tab, readOnly } = seen;
   const text = state.description ?? "";
-  const place: DraftPlace = { machine: tab.room.id, path, field: "description" };
+  const place: DraftPlace = { machine: tab.session.id, path, field: "description" };
   useSignal(drafts.all);
   const draft = drafts.get(place);
   const [isWriting, setWriting] = useState(false);

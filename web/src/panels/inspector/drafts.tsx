@@ -9,7 +9,7 @@ import type { Seen } from "./seen.ts";
 
 export function Drafts({ seen }: { seen: Seen }) {
   const all = useSignal(drafts.all);
-  const own = [...all.values()].filter(({ machine }) => machine === seen.tab.room.id);
+  const own = [...all.values()].filter(({ machine }) => machine === seen.tab.session.id);
   if (own.length === 0) return null;
   return (
     <Fold title="Not applied yet" count={own.length}>

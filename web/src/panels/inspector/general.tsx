@@ -102,7 +102,7 @@ function LibraryOf({ seen, run }: PartProps) {
   if (!library) return null;
   const show = async (shown: boolean) => {
     tab.view.contents.value = new Map(tab.view.contents.peek()).set(path, shown);
-    if (shown) await tab.room.loadLibrary(path);
+    if (shown) await tab.session.loadLibrary(path);
     return readOnly ? null : edit((machine) => showContent(machine, path, shown));
   };
   const open = () => {

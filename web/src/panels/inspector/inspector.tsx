@@ -43,7 +43,7 @@ export function Inspector() {
       />
     );
   }
-  return <OfTab key={tab.room.id} tab={tab} pinned={kept} onPin={setPinned} />;
+  return <OfTab key={tab.session.id} tab={tab} pinned={kept} onPin={setPinned} />;
 }
 
 interface OfTabProps {
@@ -54,7 +54,7 @@ interface OfTabProps {
 
 /** The canvas shows what is selected or edited at once; all this follows without holding it up. */
 function OfTab({ tab, pinned, onPin }: OfTabProps) {
-  const version = useSignal(tab.room.version);
+  const version = useSignal(tab.session.version);
   const selection = useSignal(tab.view.selection);
   const shown = useMemo(
     () => ({ version, elements: pinned?.elements ?? elementsOf(selection) }),
@@ -99,7 +99,7 @@ function useSeen(tab: OpenTab): Seen {
   return {
     page,
     tab,
-    machine: tab.room.machine,
+    machine: tab.session.machine,
     run,
     edit: (plan) => makeEdit(page, tab, plan),
     hover: (element) => {

@@ -18,7 +18,7 @@ import type { SeenState } from "./seen.ts";
 
 export function MachineView({ seen }: { seen: SeenState }) {
   const { machine, tab, readOnly, edit } = seen;
-  const status = useSignal(tab.room.status);
+  const status = useSignal(tab.session.status);
   const { header } = machine;
   const file = status?.summary.file;
   return (
@@ -28,7 +28,7 @@ export function MachineView({ seen }: { seen: SeenState }) {
       <Fold title="Machine">
         <div className="inspector-fields">
           <TextField
-            key={tab.room.id}
+            key={tab.session.id}
             label="Version"
             value={header.version ?? ""}
             readOnly={readOnly}
@@ -56,7 +56,7 @@ export function MachineView({ seen }: { seen: SeenState }) {
       </Fold>
       <Drafts seen={seen} />
       <Counts tab={tab} />
-      <Description key={`description ${tab.room.id}`} seen={seen} />
+      <Description key={`description ${tab.session.id}`} seen={seen} />
       <Ports seen={seen} kind="input" />
       <Ports seen={seen} kind="output" />
       <Outcomes seen={seen} />
@@ -66,10 +66,10 @@ export function MachineView({ seen }: { seen: SeenState }) {
 
 const PATIENCE_MS = 200;
 
-function Counts({ tab: { room } }: { tab: OpenTab }) {
-  const version = useSettled(useSignal(room.version), PATIENCE_MS);
+function Counts({ tab: { session } }: { tab: OpenTab }) {
+  const version = useSettled(useSignal(session.version), PATIENCE_MS);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
-  const counts = useMemo(() => countsOf(room.machine), [room, version]);
+  const counts = useMemo(() => countsOf(session.machine), [session, version]);
   const [states] = counts;
   return (
     <Fold title="Contents" count={states?.[1]}>

@@ -61,7 +61,7 @@ export function useRenaming(
 }
 
 function draftOf({ tab, path }: SeenState): Draft | undefined {
-  return drafts.get({ machine: tab.room.id, path, field: "script" });
+  return drafts.get({ machine: tab.session.id, path, field: "script" });
 }
 
 /** The places in the script as the user sees it. */
@@ -75,7 +75,7 @@ function renameInDraft(seen: SeenState, element: ElementRef, from: string, to: s
   const draft = draftOf(seen);
   if (!draft) return;
   const { uses } = calls(seen, element, from);
-  const base = seen.tab.room.machine.state(seen.path)?.script ?? "";
+  const base = seen.tab.session.machine.state(seen.path)?.script ?? "";
   drafts.keep({ ...draft, base, text: renameInScript(draft.text, uses, to) });
 }
 

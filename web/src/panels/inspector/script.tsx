@@ -22,7 +22,7 @@ export function Script({ seen }: { seen: SeenState }) {
   const [refusal, run] = useRefusal();
   useSignal(drafts.all);
   const base = state.script ?? "";
-  const place: DraftPlace = { machine: tab.room.id, path, field: "script" };
+  const place: DraftPlace = { machine: tab.session.id, path, field: "script" };
   const draft = readOnly ? undefined : drafts.get(place);
   const text = draft?.text ?? base;
   const isConflict = draft !== undefined && draft.base !== base && draft.text !== base;
@@ -87,7 +87,7 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
   latest.current = { seen, onType, onApply, text };
   const { page, path, tab } = seen;
   const check = useMemo(() => {
-    const state = tab.room.fixed === null ? { machine: tab.room.id, path } : null;
+    const state = tab.session.fixed === null ? { machine: tab.session.id, path } : null;
     return checkScript(page, state);
   }, [page, path, tab]);
   useEffect(() => {
@@ -99,7 +99,7 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
       names: () => namesOf(latest.current.seen),
       check,
       onRepair: async ({ name, edit }) => {
-        await latest.current.seen.tab.room.edit(name, edit);
+        await latest.current.seen.tab.session.edit(name, edit);
       },
       onType: (typed) => latest.current.onType(typed),
       onApply: () => latest.current.onApply(),

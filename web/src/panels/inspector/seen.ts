@@ -4,9 +4,9 @@ import type { ElementRef } from "../../model/element.ts";
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
+import { wasRefused } from "../../store/machine_session.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
 import { mayEdit, whyFixed } from "../../store/rights.ts";
-import { wasRefused } from "../../store/room.ts";
 
 /** What becomes of an edit: refused at once, or what the server answers. Null is well. */
 export type Made = string | Promise<string | null>;
@@ -36,9 +36,9 @@ export interface SeenState extends Seen {
 export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => Planned): Made {
   const why = whyFixed(page, tab);
   if (why !== null) return why;
-  const planned = plan(tab.room.machine);
+  const planned = plan(tab.session.machine);
   if (isRefused(planned)) return planned.refused;
-  return tab.room
+  return tab.session
     .edit(planned.name, planned.edit)
     .then((answer) => (wasRefused(answer) ? answer.refused : null));
 }
@@ -46,6 +46,6 @@ export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => P
 export function seenState(seen: Seen, path: string): SeenState | null {
   const state = seen.machine.state(path);
   if (!state) return null;
-  const isFixed = seen.tab.room.fixed !== null || !mayEdit(seen.page);
+  const isFixed = seen.tab.session.fixed !== null || !mayEdit(seen.page);
   return { ...seen, path, state, readOnly: isFixed || seen.machine.isInLibrary(path) };
 }

@@ -12,7 +12,7 @@ import { useHost } from "../context.tsx";
 import { reveal } from "../reveal.ts";
 
 export function Changed({ tab }: { readonly tab: OpenTab }) {
-  const problems = useSignal(tab.room.problems).filter(isAboutLibrary);
+  const problems = useSignal(tab.session.problems).filter(isAboutLibrary);
   if (problems.length === 0) return null;
   return (
     <Section title="Changed libraries" count={problems.length}>
@@ -32,8 +32,8 @@ function isAboutLibrary({ rule }: MachineProblem): boolean {
 }
 
 /** With the path of the state in front, as problems have it, for its name. */
-function inWords({ room }: OpenTab, { path, message }: MachineProblem): string {
-  const name = room.machine.state(path)?.name;
+function inWords({ session }: OpenTab, { path, message }: MachineProblem): string {
+  const name = session.machine.state(path)?.name;
   const [, rest] = /^[^:]*: (.*)$/s.exec(message) ?? [];
   return name && rest && message.startsWith(path) ? `“${name}”: ${rest}` : message;
 }
@@ -48,14 +48,14 @@ function OneChanged({ tab, problem }: { readonly tab: OpenTab; readonly problem:
         className="libraries-link"
         onClick={() => reveal(host, elementOfProblem(problem))}
       >
-        {tab.room.named(inWords(tab, problem))}
+        {tab.session.named(inWords(tab, problem))}
       </button>
       {(problem.repairs ?? []).map(({ name, edit }) => (
         <Button
           key={name}
           icon={<Wrench size={14} />}
           disabled={!may}
-          onClick={() => void tab.room.edit(name, edit)}
+          onClick={() => void tab.session.edit(name, edit)}
         >
           {name}
         </Button>

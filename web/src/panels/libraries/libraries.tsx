@@ -84,7 +84,7 @@ export function Libraries() {
           onClick={() => setOpen(new Set())}
         />
       </div>
-      {tab && <Changed key={tab.room.id} tab={tab} />}
+      {tab && <Changed key={tab.session.id} tab={tab} />}
       {shown.length === 0 ? (
         <Empty title="No library" text={`No library or folder has “${query}” in its name.`} />
       ) : (

@@ -78,7 +78,7 @@ async function putInPlace(
   if (!tab || path === null) return;
   try {
     const states = await libraryStates(context, library);
-    const { machine } = tab.room;
+    const { machine } = tab.session;
     const comers = copy ? states : asLibrary(states, path, library, boxIn(machine, path));
     await performIn(page, tab, substitute(machine, path, comers, keepName));
   } catch (error) {

@@ -110,7 +110,7 @@ function UsageRow({ usage }: { readonly usage: LibraryUsage }) {
 async function goToUsage(host: PanelHost, { machine, file, path }: LibraryUsage): Promise<void> {
   const { page } = host.context();
   try {
-    const there = page.tabs.peek().find(({ room }) => room.id === machine);
+    const there = page.tabs.peek().find(({ session }) => session.id === machine);
     const tab = there ?? (machine !== null ? await page.join(machine) : null);
     const found = tab ?? (file ? await page.open(file) : null);
     if (found) goTo(host, found, { kind: "state", path });

@@ -160,7 +160,7 @@ function useWanted(tab: OpenTab | null, filter: typeof FIRST_FILTER): Wanted {
 /** Selects what a line is about. */
 function show(host: PanelHost, tab: OpenTab | null, { line, about }: Entry): void {
   const { page } = host.context();
-  if (about && page.active.peek()?.room.id === about.machine) reveal(host, about.element);
+  if (about && page.active.peek()?.session.id === about.machine) reveal(host, about.element);
   if (!line || line.path === "" || !tab) return;
   const element: ElementRef = { kind: "state", path: line.path };
   goTo(host, tab, element);

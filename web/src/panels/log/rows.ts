@@ -33,7 +33,7 @@ export function useRows(
   const notices = useSignal(page.notices);
   usePaced(watch?.grown ?? NEVER, PACE_MS);
   const nameOf = useCallback(
-    (path: string) => tab?.room.machine.state(path)?.name ?? idOf(path),
+    (path: string) => tab?.session.machine.state(path)?.name ?? idOf(path),
     [tab],
   );
   const ofPage = useMemo(() => {

@@ -17,7 +17,7 @@ export function Identity() {
   const session = useComputed(() => sessionOfPage(page), [page]);
   const tab = useActiveTab();
   const others = useComputed(
-    () => [...new Set(tab?.room.people.value.map(({ user }) => user) ?? [])].join(", "),
+    () => [...new Set(tab?.session.people.value.map(({ user }) => user) ?? [])].join(", "),
     [tab],
   );
   return (

@@ -13,8 +13,8 @@ const NEVER = signal(0);
 
 export function useMachineNames(): Names {
   const tab = useActiveTab();
-  useSignal(tab?.room.version ?? NEVER);
-  return (path) => (tab ? namesTo(tab.room.machine, path) : lineage(path).map(idOf));
+  useSignal(tab?.session.version ?? NEVER);
+  return (path) => (tab ? namesTo(tab.session.machine, path) : lineage(path).map(idOf));
 }
 
 /** The way to a state without the root, which is the mission: `Assemble › Find object`. */

@@ -3,31 +3,33 @@
 import type { Event } from "../../model/generated/protocol.ts";
 import { idOf, lineage } from "../../model/path.ts";
 import type { Happening } from "../../store/journal.ts";
-import type { Room } from "../../store/room.ts";
+import type { MachineSession } from "../../store/machine_session.ts";
 
 export type NameOf = (path: string) => string;
 
 /** Libraries whose content was asked for, for the names in it. */
-const ASKED = new WeakMap<Room, Set<string>>();
+const ASKED = new WeakMap<MachineSession, Set<string>>();
 
 /** Names of states of a machine; the id of one that the machine has no more. What lies in a library is asked for, and has its name when
  * it is here. */
-export function namesOf(room: Room): NameOf {
+export function namesOf(session: MachineSession): NameOf {
   return (path) => {
-    const state = room.machine.state(path);
-    if (!state) askFor(room, path);
+    const state = session.machine.state(path);
+    if (!state) askFor(session, path);
     return state?.name ?? idOf(path);
   };
 }
 
-function askFor(room: Room, path: string): void {
-  const library = lineage(path).findLast((outer) => room.machine.state(outer)?.kind === "library");
+function askFor(session: MachineSession, path: string): void {
+  const library = lineage(path).findLast(
+    (outer) => session.machine.state(outer)?.kind === "library",
+  );
   if (library === undefined) return;
-  const asked = ASKED.get(room) ?? new Set();
-  ASKED.set(room, asked);
+  const asked = ASKED.get(session) ?? new Set();
+  ASKED.set(session, asked);
   if (asked.has(library)) return;
   asked.add(library);
-  void room.loadLibrary(library);
+  void session.loadLibrary(library);
 }
 
 /** `Look entered`, `Look ended by seen`, `Look: careful`. */

@@ -19,10 +19,10 @@ export interface MomentWords {
 export function useMoment(tab: OpenTab, watch: Watch): MomentWords {
   useSignal(watch.grown);
   useSignal(watch.moment);
-  useSignal(tab.room.version);
+  useSignal(tab.session.version);
   const index = shownIndex(watch);
   const happening = watch.journal.at(index);
   if (!happening) return { index, when: "", what: "Nothing has happened yet" };
   const when = sinceStart(happening.t_ns / 1e6, 1);
-  return { index, when, what: happenedInWords(happening, namesOf(tab.room)) };
+  return { index, when, what: happenedInWords(happening, namesOf(tab.session)) };
 }

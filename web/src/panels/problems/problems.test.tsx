@@ -12,7 +12,7 @@ afterEach(unmount);
 test("before a machine was checked nothing is said to be without problems", () => {
   const isChecked = signal(false);
   const problems = signal<readonly MachineProblem[]>([]);
-  const place = shown(<Problems />, { room: { isChecked, problems } });
+  const place = shown(<Problems />, { session: { isChecked, problems } });
   expect(place.textContent).toBe("Checking…Rules, files and scripts are being checked.");
   act(() => {
     isChecked.value = true;

@@ -20,7 +20,7 @@ import "./problems.css";
 export function Problems() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty title="No machine is open" text="What is wrong with the machine in front stands here." />
   );
@@ -32,10 +32,10 @@ function idOf({ path, part, rule, message }: MachineProblem): string {
 
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const host = useHost();
-  const problems = useSignal(tab.room.problems);
+  const problems = useSignal(tab.session.problems);
   const [query, setQuery] = useState("");
   const [chosen, setChosen] = useState<string | null>(null);
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const rows = useMemo(() => byWeight(problems).filter(matching(query)), [problems, query]);
   const columns = useMemo(() => columnsOf(machine), [machine]);
   if (problems.length === 0) return <NoneFound tab={tab} />;
@@ -74,8 +74,8 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
 
 /** Nothing was found, which means something only once the machine was checked. */
 function NoneFound({ tab }: { readonly tab: OpenTab }) {
-  const isChecked = useSignal(tab.room.isChecked);
-  if (tab.room.fixed !== null) {
+  const isChecked = useSignal(tab.session.isChecked);
+  if (tab.session.fixed !== null) {
     return (
       <Empty
         title="Not checked"
@@ -99,7 +99,7 @@ function Chosen({ tab, problem }: { readonly tab: OpenTab; readonly problem: Mac
   const [isBusy, setBusy] = useState(false);
   const mend = async ({ name, edit }: Repair) => {
     setBusy(true);
-    await tab.room.edit(name, edit);
+    await tab.session.edit(name, edit);
     setBusy(false);
   };
   return (

@@ -107,7 +107,7 @@ function Row({ tab, watch, lane, later_ms, isLive }: RowProps) {
   const host = useHost();
   const place = placeOfLane(lane);
   const { word, Sign } = PHASES[lane.phase];
-  const around = namesTo(tab.room.machine, place).slice(1);
+  const around = namesTo(tab.session.machine, place).slice(1);
   const name = around.pop() ?? lane.name;
   return (
     <li className={`running-row running-phase-${lane.phase}`}>
@@ -172,7 +172,7 @@ function Before({
   const tone = id === ABORTED ? "running-aborted" : id === PREEMPTED ? "running-preempted" : "";
   return (
     <span className="running-before">
-      before: {namesTo(tab.room.machine, last.path).at(-1)}
+      before: {namesTo(tab.session.machine, last.path).at(-1)}
       <span className={tone}> → {name}</span>
     </span>
   );

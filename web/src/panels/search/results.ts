@@ -24,7 +24,7 @@ export function resultsIn(
 ): Results {
   const found = tabs.map((tab) => ({
     tab,
-    ...search(tab.room.machine, text, { scope, count: SHOWN_MAX }),
+    ...search(tab.session.machine, text, { scope, count: SHOWN_MAX }),
   }));
   const results = found.flatMap(({ tab, hits }) => hits.map((hit) => ({ tab, hit })));
   if (tabs.length > 1) results.sort((one, other) => other.hit.score - one.hit.score);

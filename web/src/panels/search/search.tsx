@@ -117,7 +117,7 @@ function useKeyboard(place: { readonly current: HTMLElement | null }): void {
 function useVersions(tabs: readonly OpenTab[]): number {
   const [version, setVersion] = useState(0);
   useEffect(() => {
-    const stops = tabs.map((tab) => tab.room.onChange(() => setVersion((before) => before + 1)));
+    const stops = tabs.map((tab) => tab.session.onChange(() => setVersion((before) => before + 1)));
     return () => {
       for (const stop of stops) stop();
     };
@@ -243,7 +243,7 @@ const WORDS: Readonly<Record<SearchField, string>> = {
 };
 
 function inWords({ tab, hit }: Result): string {
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const state = machine.state(hit.element.path)?.name ?? "";
   return hit.field === "name" ? state : `${WORDS[hit.field]} ${hit.text}, ${state}`;
 }
@@ -256,7 +256,7 @@ function Row({
   readonly several: boolean;
 }): ReactNode {
   const { tab, hit } = result;
-  const { machine } = tab.room;
+  const { machine } = tab.session;
   const state = machine.state(hit.element.path);
   if (!state) return null;
   const Icon = KIND_ICONS[state.kind];

@@ -19,7 +19,7 @@ import "./statistics.css";
 
 export function Statistics() {
   const tab = useActiveTab();
-  return tab ? <OfTab key={tab.room.id} tab={tab} /> : <NoRun />;
+  return tab ? <OfTab key={tab.session.id} tab={tab} /> : <NoRun />;
 }
 
 function NoRun() {

@@ -60,9 +60,9 @@ export function useStatistics(
 /** What had happened until the moment that is shown; null while live. */
 export function useStatisticsUntil(tab: OpenTab, { journal, moment }: Watch): Counted | null {
   const sequence = useSignal(moment);
-  const version = useSignal(tab.room.version);
+  const version = useSignal(tab.session.version);
   // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
-  const nameOf = useMemo(() => namesOf(tab.room), [tab.room, version]);
+  const nameOf = useMemo(() => namesOf(tab.session), [tab.session, version]);
   const states = useMemo(() => {
     if (sequence === null) return null;
     const names = (path: string) => lineage(path).map(nameOf).join("/");

@@ -87,7 +87,7 @@ class Chart {
     model.hit.value;
     model.pointed.value;
     tab.view.selection.value;
-    tab.room.version.value;
+    tab.session.version.value;
     parted_ns();
   }
 
@@ -125,7 +125,7 @@ class Chart {
       hovered: model.pointed.peek()?.call ?? null,
       parted_ns: parted_ns(),
       gaps: gaps(),
-      nameOf: namesOf(tab.room),
+      nameOf: namesOf(tab.session),
       ...this.#looks,
     };
     const above = sized(ruler, scene.scale.width, RULER_PX);
@@ -236,7 +236,7 @@ class Chart {
     else this.#showIn(call, event.offsetX);
     if (call === null) return;
     const path = calls.path(call);
-    if (tab.room.machine.state(path)) select(tab.view, [{ kind: "state", path }]);
+    if (tab.session.machine.state(path)) select(tab.view, [{ kind: "state", path }]);
   }
 
   /** Shows a moment within a call, however narrow its bar is. */

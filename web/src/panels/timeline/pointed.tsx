@@ -31,7 +31,7 @@ export function Pointed({ tab, model }: PointedProps) {
       style={{ top: pointed.y + 14, width: WIDTH_PX, ...side }}
       aria-hidden
     >
-      <strong>{namesOf(tab.room)(calls.path(call))}</strong>
+      <strong>{namesOf(tab.session)(calls.path(call))}</strong>
       {many > 1 && (
         <span>
           and {many - 1} more here{failed > 0 ? `, ${failed} of them failed` : ""}: zoom in

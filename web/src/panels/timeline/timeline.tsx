@@ -39,7 +39,7 @@ import "./timeline.css";
 export function Timeline() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty title="No machine is open" text="What its runs do, and did, stands here over time." />
   );
@@ -166,7 +166,7 @@ function SearchField({ tab, model }: Pick<OfRunProps, "tab" | "model">) {
         type="search"
         placeholder="State, outcome, text"
         value={query}
-        onInput={(text) => model.search(text, namesOf(tab.room))}
+        onInput={(text) => model.search(text, namesOf(tab.session))}
         onKeyDown={(event) => {
           if (event.key === "Enter") model.toHit(event.shiftKey ? "before" : "after");
         }}
@@ -255,9 +255,9 @@ function Labels({ tab, watch, model }: OfRunProps) {
   useSignal(model.isOnlyInSight);
   useSignal(model.wanted);
   useSignal(watch.grown);
-  useSignal(tab.room.version);
+  useSignal(tab.session.version);
   const { layout } = model;
-  const nameOf = namesOf(tab.room);
+  const nameOf = namesOf(tab.session);
   return (
     <ul className="timeline-labels" aria-label="Branches" style={{ height: layout.height }}>
       {layout.lanes.map(({ lane, y, height, isFolded }) => (

@@ -26,7 +26,7 @@ import "./tree.css";
 export function StateTree() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty
       icon={<ListTree size={22} />}
@@ -41,8 +41,8 @@ const OPEN = new WeakMap<OpenTab, ReadonlySet<string>>();
 
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const host = useHost();
-  const { machine } = tab.room;
-  const version = useSignal(tab.room.version);
+  const { machine } = tab.session;
+  const version = useSignal(tab.session.version);
   const selection = useSignal(tab.view.selection);
   const [query, setQuery] = useState("");
   const [menu, setMenu] = useState<Point | null>(null);
@@ -106,7 +106,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
 
 /** What is open in the tree: what the user opened, and what stands around the selected states. */
 function useOpen(tab: OpenTab): [ReadonlySet<string>, (path: string, open: boolean) => void] {
-  const [open, setOpen] = useState(() => OPEN.get(tab) ?? new Set([tab.room.machine.root]));
+  const [open, setOpen] = useState(() => OPEN.get(tab) ?? new Set([tab.session.machine.root]));
   const change = useCallback(
     (next: (before: ReadonlySet<string>) => ReadonlySet<string>) =>
       setOpen((before) => {

@@ -65,7 +65,7 @@ function refusalOf(text: string): string | null {
 function Head({ tab, watched }: Omit<WatchCardProps, "watch">) {
   const host = useHost();
   const { kind, path, name } = watched.target;
-  const names = path === "" ? [] : namesTo(tab.room.machine, path);
+  const names = path === "" ? [] : namesTo(tab.session.machine, path);
   return (
     <div className="watches-head">
       <strong>{name}</strong>

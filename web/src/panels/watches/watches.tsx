@@ -16,7 +16,7 @@ import "./watches.css";
 export function Watches() {
   const tab = useActiveTab();
   return tab ? (
-    <OfTab key={tab.room.id} tab={tab} />
+    <OfTab key={tab.session.id} tab={tab} />
   ) : (
     <Empty title="No machine is open" text="Values of its runs that you watch stand here." />
   );
@@ -71,8 +71,8 @@ const KIND_TITLES = { input: "Input", output: "Output", scoped_variable: "Scoped
 /** Values of the selected state can be watched before they are there. */
 function Adding({ tab }: { tab: OpenTab }) {
   const selection = useSignal(tab.view.selection);
-  const version = useSignal(tab.room.version);
-  const { machine } = tab.room;
+  const version = useSignal(tab.session.version);
+  const { machine } = tab.session;
   // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
   const targets = useMemo(() => {
     const [path = machine.root] = selectedStates(tab.view);

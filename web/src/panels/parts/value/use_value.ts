@@ -68,10 +68,10 @@ function find(tab: OpenTab, watch: Watch, target: Target): Found {
   return { state: "there", value: values[name], sequence: turn.sequence };
 }
 
-function writtenAt({ room }: OpenTab, watch: Watch, { path, name }: Target): number | null {
-  const state = room.machine.state(path);
+function writtenAt({ session }: OpenTab, watch: Watch, { path, name }: Target): number | null {
+  const state = session.machine.state(path);
   const port = state && portsOf(state, "scoped_variable").find((each) => each.name === name);
   if (!port) return null;
   const ref = { kind: "scoped_variable", path, id: port.id } as const;
-  return originOf(room.machine, visitsOf(watch), ref, watch.moment.value)?.sequence ?? null;
+  return originOf(session.machine, visitsOf(watch), ref, watch.moment.value)?.sequence ?? null;
 }

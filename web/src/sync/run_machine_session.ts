@@ -10,8 +10,8 @@ import type {
 } from "../model/generated/protocol.ts";
 import { type LibraryKey, libraryKey } from "../store/graft.ts";
 import { OTHER } from "../store/journal.ts";
+import type { MachineSession, PendingEdit } from "../store/machine_session.ts";
 import { Mirror, type Touched } from "../store/mirror.ts";
-import type { PendingEdit, Room } from "../store/room.ts";
 import type { Runs, Watch } from "../store/run.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
@@ -25,8 +25,8 @@ interface Ports {
 /** A machine that could not be had is asked for again after so long. */
 const AGAIN_MS = 1_000;
 
-/** The id of the room of a run's machine. */
-export function runRoomId(run: string): string {
+/** The id of the session of a run's machine. */
+export function runSessionId(run: string): string {
   return `run ${run}`;
 }
 
@@ -34,7 +34,7 @@ const FIXED =
   "This is the machine as the run went by it: edit the machine itself, it lies in its project.";
 const REFUSED = { refused: FIXED };
 
-export class RunRoom implements Room {
+export class RunMachineSession implements MachineSession {
   readonly id: string;
   readonly fixed = FIXED;
   readonly machine: Mirror;
@@ -60,11 +60,11 @@ export class RunRoom implements Room {
   /** Gets the machine that the run began with. Throws a `RefusalError`. */
   static async enter(watch: Watch, runs: Runs, ports: Ports) {
     const document = await runs.get<Document>(watch.id, "machine");
-    return new RunRoom(watch, runs, ports, document);
+    return new RunMachineSession(watch, runs, ports, document);
   }
 
   private constructor(watch: Watch, runs: Runs, ports: Ports, document: Document) {
-    this.id = runRoomId(watch.id);
+    this.id = runSessionId(watch.id);
     this.#ports = ports;
     const run = encodeURIComponent(watch.id);
     this.#shelf = new Shelf(ports.server.request, (key: LibraryKey) => {

@@ -30,7 +30,7 @@ export type JumpAnswer =
   | { readonly revision: number }
   | { readonly refused: string; readonly code: string };
 
-export interface Room {
+export interface MachineSession {
   /** The server's id of the open machine; another one if it had to be opened anew in another folder. */
   readonly id: string;
   /** Why nothing of it can be edited; null if it can be, as far as rights go. */

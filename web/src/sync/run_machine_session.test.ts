@@ -4,7 +4,7 @@ import type { Picture } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { FakeRun } from "./fake_run.ts";
-import { RunRoom } from "./run_room.ts";
+import { RunMachineSession } from "./run_machine_session.ts";
 import { followRuns } from "./runs.ts";
 
 const FIRST = sketch("R hierarchy\n  A execution");
@@ -14,17 +14,17 @@ async function setUp() {
   const [server, clock] = [new FakeRun(), new FakeClock()];
   const runs = followRuns({ server, clock, newId: () => "id" }, signal(null));
   const watch = runs.watch("r");
-  const entered = RunRoom.enter(watch, runs, { server, clock });
+  const entered = RunMachineSession.enter(watch, runs, { server, clock });
   server.first().answer(FIRST);
-  const room = await entered;
-  const children = () => room.machine.children("R").join(" ");
+  const session = await entered;
+  const children = () => session.machine.children("R").join(" ");
   /** The run goes by another machine from now on, and the page is told. */
   const goBy = (hash: string) => {
     server.happen({ type: "root", hash, change: "" });
     server.tell(1);
     clock.pass(100);
   };
-  return { server, clock, runs, watch, room, children, goBy };
+  return { server, clock, runs, watch, session, children, goBy };
 }
 
 async function settle(): Promise<void> {
@@ -33,10 +33,10 @@ async function settle(): Promise<void> {
 
 describe("the machine of a run", () => {
   it("is the one that the run began with, and is not edited", async () => {
-    const { room, children, server } = await setUp();
+    const { session, children, server } = await setUp();
     expect(children()).toBe("R/A");
     expect(server.asked).toEqual(["GET /runs/r/machine"]);
-    expect(await room.undo()).toHaveProperty("refused");
+    expect(await session.undo()).toHaveProperty("refused");
   });
 
   it("is another one as soon as the run goes by that", async () => {
@@ -52,8 +52,8 @@ describe("the machine of a run", () => {
   });
 
   it("is the one that the run went by last, however much it has told since", async () => {
-    const { server, clock, watch, room, runs } = await setUp();
-    room.close();
+    const { server, clock, watch, session, runs } = await setUp();
+    session.close();
     server.happen({ type: "root", hash: "h1", change: "" });
     const message = { level: "info", stream: "stdout", message: "a" } as const;
     for (let count = 0; count < 20_001; count += 1) {
@@ -61,7 +61,7 @@ describe("the machine of a run", () => {
     }
     server.tell(30_000);
     clock.pass(100);
-    const entered = RunRoom.enter(watch, runs, { server, clock });
+    const entered = RunMachineSession.enter(watch, runs, { server, clock });
     server.first().answer(FIRST);
     await entered;
     expect(server.first().path).toBe("/runs/r/machine?root=h1");
@@ -103,12 +103,12 @@ describe("the machine of a run", () => {
     expect(children()).toBe("R/A R/B");
   });
 
-  it("is not asked for any more once the room is closed", async () => {
-    const { server, clock, room, goBy } = await setUp();
+  it("is not asked for any more once the session is closed", async () => {
+    const { server, clock, session, goBy } = await setUp();
     goBy("h1");
     server.first().refuse(0);
     await settle();
-    room.close();
+    session.close();
     const count = server.asked.length;
     clock.pass(60_000);
     goBy("h2");

@@ -6,7 +6,7 @@ import type { Telling } from "../store/notices.ts";
 import { anyEdit } from "../store/predict/any_edit.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { FakeServer, MACHINE } from "./fake_server.ts";
-import { OpenRoom } from "./room.ts";
+import { OpenMachineSession } from "./machine_session.ts";
 import { Shelf } from "./shelf.ts";
 
 const TEXT = `
@@ -26,7 +26,7 @@ function setUp(document: Document = sketch(TEXT)) {
   const shelf = new Shelf(server.request);
   const clock = new FakeClock();
   let count = 0;
-  const room = new OpenRoom(
+  const session = new OpenMachineSession(
     MACHINE,
     { revision: 1, document },
     {
@@ -37,7 +37,7 @@ function setUp(document: Document = sketch(TEXT)) {
       tell: (notice) => notices.push(notice),
     },
   );
-  return { server, room, notices, shelf, clock };
+  return { server, session, notices, shelf, clock };
 }
 
 /** Lets everything that was resolved go on. */
@@ -45,7 +45,7 @@ async function settle(): Promise<void> {
   for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();
 }
 
-function documentOf({ machine }: OpenRoom): Document {
+function documentOf({ machine }: OpenMachineSession): Document {
   const states = [...machine.paths()].flatMap((path) => machine.state(path) ?? []);
   return { header: machine.header, states };
 }
@@ -54,42 +54,42 @@ const RENAME: Edit = { edit: "set_name", path: "R/A", name: "Look" };
 
 describe("an open machine", () => {
   it("shows an edit at once, and keeps it when it is answered", async () => {
-    const { server, room } = setUp();
-    const answer = room.edit("Rename", RENAME);
-    expect(room.machine.state("R/A")?.name).toBe("Look");
-    expect(room.pending.value.map(({ name }) => name)).toEqual(["Rename"]);
+    const { server, session } = setUp();
+    const answer = session.edit("Rename", RENAME);
+    expect(session.machine.state("R/A")?.name).toBe("Look");
+    expect(session.pending.value.map(({ name }) => name)).toEqual(["Rename"]);
     server.take();
     server.answer();
     await settle();
-    expect(room.pending.value).toHaveLength(1);
+    expect(session.pending.value).toHaveLength(1);
     server.tell(1);
     expect(await answer).toEqual({ revision: 2 });
-    expect(room.pending.value).toEqual([]);
-    expect(room.machine.state("R/A")?.name).toBe("Look");
+    expect(session.pending.value).toEqual([]);
+    expect(session.machine.state("R/A")?.name).toBe("Look");
   });
 
   it("tells which states are different, and nothing when a prediction comes true", async () => {
-    const { server, room } = setUp();
+    const { server, session } = setUp();
     const told: (string[] | null)[] = [];
-    room.onChange((touched) => told.push(touched && [...touched]));
-    void room.edit("Rename", RENAME);
-    const shown = room.machine.state("R/A");
+    session.onChange((touched) => told.push(touched && [...touched]));
+    void session.edit("Rename", RENAME);
+    const shown = session.machine.state("R/A");
     server.take();
     server.tell(1);
     expect(told).toEqual([["R/A"]]);
-    expect(room.machine.state("R/A")).toBe(shown);
+    expect(session.machine.state("R/A")).toBe(shown);
   });
 
   it("takes a refused edit back and says why", async () => {
-    const { server, room, notices } = setUp();
-    const before = documentOf(room);
-    const answer = room.edit("Start", { edit: "remove_state", path: "R", state: "A" });
-    expect(room.machine.state("R/A")).toBeUndefined();
+    const { server, session, notices } = setUp();
+    const before = documentOf(session);
+    const answer = session.edit("Start", { edit: "remove_state", path: "R", state: "A" });
+    expect(session.machine.state("R/A")).toBeUndefined();
     server.make("x", { edit: "remove_state", path: "R", state: "A" });
     server.take();
     server.answer();
     expect(await answer).toEqual({ refused: "it breaks a rule" });
-    expect(documentOf(room)).toEqual(before);
+    expect(documentOf(session)).toEqual(before);
     expect(notices).toEqual([
       {
         level: "warning",
@@ -100,8 +100,8 @@ describe("an open machine", () => {
   });
 
   it("is opened again when the server has forgotten it, and asks for its edits again", async () => {
-    const { server, room, notices } = setUp();
-    const answer = room.edit("Rename", RENAME);
+    const { server, session, notices } = setUp();
+    const answer = session.edit("Rename", RENAME);
     server.isOpen = false;
     server.take();
     server.answer();
@@ -115,26 +115,26 @@ describe("an open machine", () => {
   });
 
   it("gets the whole machine when its history is gone", async () => {
-    const { server, room } = setUp();
+    const { server, session } = setUp();
     server.make("x", { edit: "remove_state", path: "R", state: "A" });
-    void room.edit("Rename", { edit: "set_name", path: "R/B", name: "Wait" });
+    void session.edit("Rename", { edit: "set_name", path: "R/B", name: "Wait" });
     server.news({ frame: "reset", subscription: 1, revision: 2 });
     await settle();
-    expect(room.machine.state("R/A")).toBeUndefined();
-    expect(room.machine.state("R/B")?.name).toBe("Wait");
-    expect(room.revision.value).toBe(2);
+    expect(session.machine.state("R/A")).toBeUndefined();
+    expect(session.machine.state("R/B")?.name).toBe("Wait");
+    expect(session.revision.value).toBe(2);
   });
 
   it("shows the content of a library once it was asked for, or says once why not", async () => {
     const text = "R hierarchy\n  L library library=tools/grip\n  M library library=tools/none";
-    const { server, room, notices } = setUp(sketch(text));
+    const { server, session, notices } = setUp(sketch(text));
     server.libraries.set("/libraries/tools/grip", sketch("G hierarchy\n  A execution"));
     const touched: (readonly string[] | null)[] = [];
-    room.onChange((paths) => touched.push(paths && [...paths]));
-    await room.loadLibrary("R/L");
-    expect(room.machine.children("R/L/G")).toEqual(["R/L/G/A"]);
+    session.onChange((paths) => touched.push(paths && [...paths]));
+    await session.loadLibrary("R/L");
+    expect(session.machine.children("R/L/G")).toEqual(["R/L/G/A"]);
     expect(touched).toEqual([null]);
-    for (const path of ["R/M", "R/M"]) await room.loadLibrary(path);
+    for (const path of ["R/M", "R/M"]) await session.loadLibrary(path);
     expect(notices.map((notice) => notice.text)).toEqual([
       "R: what is inside tools/none cannot be shown: there is no such library",
     ]);
@@ -153,12 +153,12 @@ describe("an open machine", () => {
   });
 
   it("is checked once its problems were told, and not any more after an edit", async () => {
-    const { server, room, clock } = setUp();
+    const { server, session, clock } = setUp();
     const isChecked = async () => {
-      const before = room.isChecked.value;
+      const before = session.isChecked.value;
       clock.pass(1_000);
       await settle();
-      return [before, room.isChecked.value];
+      return [before, session.isChecked.value];
     };
     expect(await isChecked()).toEqual([false, true]);
     server.make("x", RENAME);
@@ -172,9 +172,9 @@ describe("an open machine", () => {
       seed: fc.nat(),
     });
     const check = async (steps: readonly { readonly what: string; readonly seed: number }[]) => {
-      const { server, room } = setUp();
+      const { server, session } = setUp();
       for (const { what, seed } of steps) {
-        act(server, room, what, seed);
+        act(server, session, what, seed);
         await settle();
       }
       for (let turn = 0; turn < 500 && (turn === 0 || !server.isIdle); turn += 1) {
@@ -183,21 +183,21 @@ describe("an open machine", () => {
         server.tell(10);
         await settle();
       }
-      expect(room.pending.value).toEqual([]);
-      expect(documentOf(room)).toEqual(server.document());
+      expect(session.pending.value).toEqual([]);
+      expect(documentOf(session)).toEqual(server.document());
     };
     const steps = fc.array(step, { maxLength: 40 });
     await fc.assert(fc.asyncProperty(steps, check), { numRuns: 300 });
   });
 });
 
-function act(server: FakeServer, room: OpenRoom, what: string, seed: number): void {
+function act(server: FakeServer, session: OpenMachineSession, what: string, seed: number): void {
   let state = seed;
   const pick = (bound: number) => {
     state = (Math.imul(state, 1_103_515_245) + 12_345) >>> 0;
     return (state >>> 8) % bound;
   };
-  if (what === "edit") void room.edit("Edit", anyEdit(room.machine, pick));
+  if (what === "edit") void session.edit("Edit", anyEdit(session.machine, pick));
   else if (what === "foreign") server.make(`foreign-${seed}`, anyEdit(server.model, pick));
   else if (what === "take") server.take();
   else if (what === "answer") server.answer();

@@ -14,11 +14,16 @@ import type {
   Revision,
 } from "../model/generated/protocol.ts";
 import { type LibraryKey, libraryKey } from "../store/graft.ts";
+import type {
+  EditAnswer,
+  JumpAnswer,
+  MachineSession,
+  PendingEdit,
+} from "../store/machine_session.ts";
 import { Mirror, type Touched } from "../store/mirror.ts";
 import { GoneStates } from "../store/names_in.ts";
 import type { Notice, Page } from "../store/page.ts";
 import { foretell } from "../store/predict/foretell.ts";
-import type { EditAnswer, JumpAnswer, PendingEdit, Room } from "../store/room.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import { type Trace, Traces, traceOf } from "../store/trace.ts";
 import type { Clock } from "./clock.ts";
@@ -26,7 +31,7 @@ import { Following } from "./following.ts";
 import { Pending } from "./pending.ts";
 import type { Shelf } from "./shelf.ts";
 
-export interface RoomPorts {
+export interface OpenMachineSessionPorts {
   readonly server: Server;
   readonly shelf: Shelf;
   readonly clock: Clock;
@@ -41,7 +46,7 @@ const STEPS_MAX = 10_000;
 /** Problems are asked for when nothing has changed for so long. */
 const SETTLED_MS = 300;
 
-export class OpenRoom implements Room {
+export class OpenMachineSession implements MachineSession {
   readonly fixed = null;
   readonly machine: Mirror;
   readonly version: Signal<number>;
@@ -52,7 +57,7 @@ export class OpenRoom implements Room {
   readonly steps: Signal<MachineSteps>;
   readonly problems = signal<readonly MachineProblem[]>([]);
   readonly isChecked = signal(false);
-  readonly #ports: RoomPorts;
+  readonly #ports: OpenMachineSessionPorts;
   readonly #onItsWay = new Pending();
   readonly #traces = new Traces();
   readonly #gone = new GoneStates();
@@ -66,7 +71,11 @@ export class OpenRoom implements Room {
   #unsettled: () => void = () => {};
   #toldOfRecovery = false;
 
-  constructor(summary: MachineSummary, { revision, document }: MachineDocument, ports: RoomPorts) {
+  constructor(
+    summary: MachineSummary,
+    { revision, document }: MachineDocument,
+    ports: OpenMachineSessionPorts,
+  ) {
     this.#ports = ports;
     this.machine = new Mirror(document, (key) => ports.shelf.get(key));
     this.version = signal(this.machine.version);
