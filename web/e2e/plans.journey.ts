@@ -5,7 +5,7 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import type { ElementRef } from "../src/model/element.ts";
 import { endsOf, isConnection } from "../src/model/ends.ts";
 import type { Document, Edit } from "../src/model/generated/protocol.ts";
-import { around, type Box, contains } from "../src/model/geometry.ts";
+import { type Box, boundsOf, contains } from "../src/model/geometry.ts";
 import type { Machine } from "../src/model/machine.ts";
 import { dataFlowsOf, outcomesOf, portsOf, transitionsOf } from "../src/model/machine.ts";
 import { childPath, idOf, lineage, parentOf } from "../src/model/path.ts";
@@ -273,7 +273,7 @@ function boundsIfSmaller(before: Machine, now: Machine, group: string): Box | nu
     is: boxInRoot(now, path),
   }));
   const isSmaller = boxes.some(({ was, is }) => is.width < was.width * 0.999);
-  return isSmaller ? around(boxes.map(({ was }) => was)) : null;
+  return isSmaller ? boundsOf(boxes.map(({ was }) => was)) : null;
 }
 
 interface Place {

@@ -4,7 +4,7 @@ import type { Box, Size } from "../model/geometry.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Camera, SessionView } from "../store/view.ts";
 import { screenBox } from "./camera.ts";
-import type { Hand } from "./hand.ts";
+import type { InteractionController } from "./interaction.ts";
 import { filling } from "./looks.ts";
 
 /** Views whose camera has been set once, and how large their canvas was last: they keep it when that comes back. */
@@ -12,10 +12,14 @@ const LOOKED = new WeakMap<SessionView, Size>();
 
 /** Sets the camera as soon as the place has a size, keeps the middle of the view or the whole machine in it when that changes, and
  * remembers the camera when the page is left. Returns the way to stop. */
-export function firstLook(root: HTMLElement, tab: OpenTab, hand: Hand): () => void {
+export function firstLook(
+  root: HTMLElement,
+  tab: OpenTab,
+  controller: InteractionController,
+): () => void {
   const { view, session } = tab;
   const key = `rafcon.camera.${session.id}`;
-  const box = () => hand.places().box(session.machine.root) ?? null;
+  const box = () => controller.places().box(session.machine.root) ?? null;
   const sized = () => {
     const size = { width: root.clientWidth, height: root.clientHeight };
     if (size.width === 0 || size.height === 0) return;

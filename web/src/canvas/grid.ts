@@ -1,6 +1,6 @@
 /** Boxes by where they are: finds those in an area without a look at all of them. */
 
-import { around, type Box } from "../model/geometry.ts";
+import { type Box, boundsOf } from "../model/geometry.ts";
 
 /** Fewer are looked at one by one. */
 const FEW = 48;
@@ -84,7 +84,7 @@ export class Grid {
   }
 
   #fill(): void {
-    this.#bounds = around(this.boxes) ?? this.#bounds;
+    this.#bounds = boundsOf(this.boxes) ?? this.#bounds;
     this.#side = Math.max(1, Math.ceil(Math.sqrt(this.boxes.length / PER_CELL)));
     this.boxes.forEach((box, index) => {
       const [left, right] = this.#range(box.x, box.width, this.#bounds.x, this.#bounds.width);

@@ -4,7 +4,7 @@ import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
 import { parentOf } from "../model/path.ts";
 import { select, selected, selectedStates } from "../store/view.ts";
-import type { Desk, Hand } from "./hand.ts";
+import type { InteractionController, InteractionHost } from "./interaction.ts";
 import { filling } from "./looks.ts";
 import { filledBy } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
@@ -33,82 +33,96 @@ export function isNudge({ key, ctrl, alt, shift }: Key): boolean {
 }
 
 /** Does what the key is for; false if the canvas has no use for it. */
-export function keyed(hand: Hand, desk: Desk, key: Key): boolean {
-  if (key.key === "Escape") return leaveLevel(hand, desk);
-  if (key.key === "Enter") return enter(hand, desk);
-  if (key.key === "Tab") return portStep(hand, desk, key.shift ? -1 : 1);
+export function keyed(controller: InteractionController, host: InteractionHost, key: Key): boolean {
+  if (key.key === "Escape") return leaveLevel(controller, host);
+  if (key.key === "Enter") return enter(controller, host);
+  if (key.key === "Tab") return portStep(controller, host, key.shift ? -1 : 1);
   const arrow = ARROWS[key.key];
   if (!arrow || key.shift) return false;
-  if (key.ctrl || key.alt) return nudge(hand, desk, arrow.by, key.alt);
-  return walk(hand, desk, arrow.direction);
+  if (key.ctrl || key.alt) return nudge(controller, host, arrow.by, key.alt);
+  return walk(controller, host, arrow.direction);
 }
 
 /** First the selection goes, then one is one level farther out. */
-function leaveLevel(hand: Hand, desk: Desk): boolean {
-  const { view } = desk.tab;
+function leaveLevel(controller: InteractionController, host: InteractionHost): boolean {
+  const { view } = host.tab;
   if (view.selection.peek().size > 0) {
     select(view, []);
     return true;
   }
-  const outer = farther(hand, desk);
+  const outer = farther(controller, host);
   if (outer === null) return false;
-  hand.fit([outer]);
+  controller.fit([outer]);
   return true;
 }
 
 /** The nearest state around where one is that is seen from farther away: a library and its content fill the same room. */
-function farther(hand: Hand, desk: Desk): string | null {
-  const camera = desk.heading();
-  let outer = parentOf(filledBy({ ...hand.around(), camera }));
-  while (outer !== null && !isFarther(hand.places().box(outer), desk)) outer = parentOf(outer);
+function farther(controller: InteractionController, host: InteractionHost): string | null {
+  const camera = host.heading();
+  let outer = parentOf(filledBy({ ...controller.toolContext(), camera }));
+  while (outer !== null && !isFarther(controller.places().box(outer), host))
+    outer = parentOf(outer);
   return outer;
 }
 
-function isFarther(box: Box | undefined, desk: Desk): boolean {
-  const fit = box && filling([box], desk.size());
-  return !!fit && fit.scale < desk.heading().scale * 0.95;
+function isFarther(box: Box | undefined, host: InteractionHost): boolean {
+  const fit = box && filling([box], host.size());
+  return !!fit && fit.scale < host.heading().scale * 0.95;
 }
 
-function enter(hand: Hand, { tab }: Desk): boolean {
+function enter(controller: InteractionController, { tab }: InteractionHost): boolean {
   const [path] = selectedStates(tab.view);
   if (path === undefined) return false;
-  hand.drill(path);
-  const inside = entrance(tab.session.machine, hand.places(), path);
+  controller.drill(path);
+  const inside = entrance(tab.session.machine, controller.places(), path);
   if (inside) select(tab.view, [inside]);
   return true;
 }
 
-function portStep(hand: Hand, { tab }: Desk, by: 1 | -1): boolean {
+function portStep(
+  controller: InteractionController,
+  { tab }: InteractionHost,
+  by: 1 | -1,
+): boolean {
   const [from] = selected(tab.view);
-  const to = from && portWalk(hand.places(), from, by);
+  const to = from && portWalk(controller.places(), from, by);
   if (!to) return false;
   select(tab.view, [to]);
   return true;
 }
 
 /** Selects what follows in a direction, and brings it into sight. */
-function walk(hand: Hand, { tab }: Desk, direction: Direction): boolean {
+function walk(
+  controller: InteractionController,
+  { tab }: InteractionHost,
+  direction: Direction,
+): boolean {
   const { machine } = tab.session;
   const from = selected(tab.view).at(-1);
-  const stage: ElementRef = { kind: "state", path: hand.stage.peek() };
+  const stage: ElementRef = { kind: "state", path: controller.stage.peek() };
   const to = from
-    ? walked(machine, hand.places(), from, direction)
-    : (entrance(machine, hand.places(), stage.path) ?? stage);
+    ? walked(machine, controller.places(), from, direction)
+    : (entrance(machine, controller.places(), stage.path) ?? stage);
   if (to) {
     select(tab.view, [to]);
-    hand.reveal(to);
+    controller.reveal(to);
   }
   return true;
 }
 
 /** Moves the selected states by a step, with Alt by a tenth of it. */
-function nudge(hand: Hand, { tab }: Desk, by: Point, isFine: boolean): boolean {
+function nudge(
+  controller: InteractionController,
+  { tab }: InteractionHost,
+  by: Point,
+  isFine: boolean,
+): boolean {
   const paths = selectedStates(tab.view);
   const parent = paths[0] === undefined ? null : parentOf(paths[0]);
-  const box = parent === null ? undefined : hand.places().box(parent);
+  const box = parent === null ? undefined : controller.places().box(parent);
   if (!box || parent === null) return false;
-  const whole = Math.min(box.width, box.height) / hand.places().unit(parent);
+  const whole = Math.min(box.width, box.height) / controller.places().unit(parent);
   const step = whole / (isFine ? 500 : 50);
-  hand.nudge(paths, { x: by.x * step, y: by.y * step });
+  controller.nudge(paths, { x: by.x * step, y: by.y * step });
   return true;
 }

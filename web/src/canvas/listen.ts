@@ -1,14 +1,14 @@
-/** What browsers tell about pointer, wheel, keys and drags, as the hand understands it. */
+/** What browsers tell about pointer, wheel, keys and drags, as the interaction controller understands it. */
 
 import type { ElementRef } from "../model/element.ts";
 import { distance, type Point } from "../model/geometry.ts";
 import type { Dragged } from "../store/dragged.ts";
-import type { Hand } from "./hand.ts";
+import type { InteractionController } from "./interaction.ts";
 import type { Reader } from "./reader.ts";
 import type { Pointer } from "./tools/gesture.ts";
 
 export interface Hearers {
-  readonly hand: Hand;
+  readonly controller: InteractionController;
   readonly reader: Reader;
   /** What is being dragged onto the canvas. */
   readonly dragged: () => Dragged | null;
@@ -50,7 +50,7 @@ const SPACE = new WeakSet<HTMLElement>();
 
 function pointers(
   root: HTMLElement,
-  { hand, interrupt, menu }: Hearers,
+  { controller, interrupt, menu }: Hearers,
   signal: AbortSignal,
 ): void {
   const on = <K extends keyof HTMLElementEventMap>(
@@ -59,7 +59,7 @@ function pointers(
     options: AddEventListenerOptions = {},
   ) => root.addEventListener(name, hear, { ...options, signal });
   const rest = longPress((at) => {
-    hand.cancel();
+    controller.cancel();
     menu(at);
   });
   signal.addEventListener("abort", rest.end);
@@ -72,29 +72,29 @@ function pointers(
     root.setPointerCapture(event.pointerId);
     const pans = event.button === MIDDLE || SPACE.has(root);
     const press = { ...pointerOf(root, event), isTouch: event.pointerType === "touch" };
-    hand.press(press, { pans, ...fingerOf(event) });
+    controller.press(press, { pans, ...fingerOf(event) });
   });
   on("pointermove", (event) => {
     rest.moved(pointerOf(root, event));
-    hand.move(pointerOf(root, event), fingerOf(event).finger);
+    controller.move(pointerOf(root, event), fingerOf(event).finger);
   });
   const isSecondTap = doubleTap();
   on("pointerup", (event) => {
     const pointer = pointerOf(root, event);
     rest.end();
-    hand.release(pointer, fingerOf(event).finger);
+    controller.release(pointer, fingerOf(event).finger);
     if (event.pointerType === "touch" && isSecondTap(pointer, event.timeStamp)) {
-      hand.doubleClick(pointer);
+      controller.doubleClick(pointer);
     }
   });
   on("pointercancel", (event) => {
     rest.end();
-    hand.cancel();
-    hand.release(pointerOf(root, event), fingerOf(event).finger);
+    controller.cancel();
+    controller.release(pointerOf(root, event), fingerOf(event).finger);
   });
-  on("pointerleave", () => hand.leave());
+  on("pointerleave", () => controller.leave());
   on("dblclick", (event) => {
-    if (event.button === LEFT) hand.doubleClick(pointerOf(root, event));
+    if (event.button === LEFT) controller.doubleClick(pointerOf(root, event));
   });
   on("contextmenu", (event) => {
     event.preventDefault();
@@ -109,7 +109,7 @@ function pointers(
       interrupt();
       const { deltaX, deltaY, deltaMode } = event;
       const { ctrl, shift } = modifiers(event);
-      hand.turn(pointerOf(root, event), { deltaX, deltaY, deltaMode, ctrl, shift });
+      controller.turn(pointerOf(root, event), { deltaX, deltaY, deltaMode, ctrl, shift });
     },
     { passive: false },
   );
@@ -163,14 +163,14 @@ const MODIFIERS = new Set(["Shift", "Control", "Alt", "Meta"]);
 
 function keys(
   root: HTMLElement,
-  { hand, reader, choose, menu }: Hearers,
+  { controller, reader, choose, menu }: Hearers,
   signal: AbortSignal,
 ): void {
   root.addEventListener(
     "keydown",
     (event) => {
-      if (MODIFIERS.has(event.key)) changeModifiers(hand, event);
-      const isUsed = hand.key({ key: event.key, ...modifiers(event) });
+      if (MODIFIERS.has(event.key)) changeModifiers(controller, event);
+      const isUsed = controller.key({ key: event.key, ...modifiers(event) });
       const isMenu = event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey);
       if (!isUsed && isMenu) menu(null);
       const pans = !isUsed && event.key === " ";
@@ -186,7 +186,7 @@ function keys(
     "keyup",
     (event) => {
       if (event.key === " ") SPACE.delete(root);
-      if (MODIFIERS.has(event.key)) changeModifiers(hand, event);
+      if (MODIFIERS.has(event.key)) changeModifiers(controller, event);
     },
     { signal },
   );
@@ -202,18 +202,18 @@ function keys(
 }
 
 /** During a gesture Alt is for the gesture, and not for the browser's menu. */
-function changeModifiers(hand: Hand, event: KeyboardEvent): void {
-  if (hand.doing !== null) event.preventDefault();
-  hand.modifiers(modifiers(event));
+function changeModifiers(controller: InteractionController, event: KeyboardEvent): void {
+  if (controller.doing !== null) event.preventDefault();
+  controller.modifiers(modifiers(event));
 }
 
-function drags(root: HTMLElement, { hand, dragged }: Hearers, signal: AbortSignal): void {
+function drags(root: HTMLElement, { controller, dragged }: Hearers, signal: AbortSignal): void {
   const over = (event: DragEvent) => {
     const what = dragged();
     if (!what) return;
     event.preventDefault();
     if (event.dataTransfer) event.dataTransfer.dropEffect = "copy";
-    hand.bring(what, pointerOf(root, event));
+    controller.bring(what, pointerOf(root, event));
   };
   root.addEventListener("dragenter", over, { signal });
   root.addEventListener("dragover", over, { signal });
@@ -221,7 +221,7 @@ function drags(root: HTMLElement, { hand, dragged }: Hearers, signal: AbortSigna
     "dragleave",
     (event) => {
       const to = event.relatedTarget;
-      if (!(to instanceof Node && root.contains(to))) hand.cancel();
+      if (!(to instanceof Node && root.contains(to))) controller.cancel();
     },
     { signal },
   );
@@ -231,7 +231,7 @@ function drags(root: HTMLElement, { hand, dragged }: Hearers, signal: AbortSigna
       if (!dragged()) return;
       event.preventDefault();
       root.focus({ preventScroll: true });
-      hand.drop();
+      controller.drop();
     },
     { signal },
   );

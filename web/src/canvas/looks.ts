@@ -1,6 +1,6 @@
 /** Where the camera goes to show something. */
 
-import { around, type Box, type Size } from "../model/geometry.ts";
+import { type Box, boundsOf, type Size } from "../model/geometry.ts";
 import type { Camera } from "../store/view.ts";
 import { fitted, screenBox } from "./camera.ts";
 
@@ -9,7 +9,7 @@ const MARGIN = 40;
 
 /** Everything in these boxes, as large as it fits. */
 export function filling(boxes: readonly Box[], size: Size): Camera | null {
-  const box = around(boxes);
+  const box = boundsOf(boxes);
   return box && fitted(box, size, Math.min(MARGIN, size.width / 8, size.height / 8));
 }
 

@@ -1,4 +1,4 @@
-/** The canvas in the document: the picture, the hand that draws on it, and all that browsers tell about pointer, wheel, keys and
+/** The canvas in the document: the picture, the interaction controller, and all that browsers tell about pointer, wheel, keys and
  * drags. After `dispose` nothing of it is left. */
 
 import { effect } from "@preact/signals-core";
@@ -16,9 +16,9 @@ import { urgentWords } from "./describe.ts";
 import { firstLook } from "./first_look.ts";
 import { Flight, WINDOW_FRAMES } from "./flight.ts";
 import { followRun } from "./follow.ts";
-import { Hand } from "./hand.ts";
 import { nameArea } from "./hit/hit.ts";
 import { extentOn } from "./hit/shown.ts";
+import { InteractionController } from "./interaction.ts";
 import { listen } from "./listen.ts";
 import { minimapIn } from "./minimap.ts";
 import { type Extras, type Picture, pictureIn } from "./picture.ts";
@@ -50,7 +50,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   const root = application(place);
   const flight = new Flight(tab.view.camera, WINDOW_FRAMES);
   let closeField = () => {};
-  const hand: Hand = new Hand({
+  const controller: InteractionController = new InteractionController({
     tab,
     size: () => picture.size(),
     wheel: () => page.settings.peek().wheel,
@@ -61,24 +61,24 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     refuse: (text) => page.tell({ level: "warning", text: tab.session.named(text) }),
     rename: (path) => {
       closeField();
-      closeField = openField(root, place, hand, tab, path);
+      closeField = openField(root, place, controller, tab, path);
     },
   });
   const picture = pictureIn(root, {
     tab,
-    overlay: () => hand.overlay.value,
+    overlay: () => controller.overlay.value,
     ...(options.extras ? { extras: options.extras } : {}),
   });
   picture.canvas.setAttribute("aria-hidden", "true");
   const pulses = pulsesOver(root, picture, tab.run);
   const minimap = minimapIn(place, tab, picture, () => root.focus({ preventScroll: true }));
   // Where the camera stands at first is nobody's move.
-  const stopLooking = firstLook(root, tab, hand);
+  const stopLooking = firstLook(root, tab, controller);
   const stopFollowing = followRun(tab, page, picture, flight);
   const reader = new Reader(root, `rafcon-canvas-${++mounted}`);
-  const stopReading = keepReading(reader, hand, tab, picture);
+  const stopReading = keepReading(reader, controller, tab, picture);
   const stopCursor = effect(() => {
-    root.style.cursor = hand.cursor.value;
+    root.style.cursor = controller.cursor.value;
   });
   const openMenu = (at: Point) => {
     const elements = selected(tab.view);
@@ -86,24 +86,24 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
     options.menuAt({ x: at.x + left, y: at.y + top }, elements);
   };
   const stopListening = listen(root, {
-    hand,
+    controller,
     reader,
     dragged: () => dragged.peek(),
     interrupt: () => flight.stop(),
     choose: (element) => select(tab.view, [element]),
     menu: (at) => {
-      if (at) choosesForMenu(hand, tab, at);
-      openMenu(at ?? placeOfSelection(hand, tab, picture));
+      if (at) choosesForMenu(controller, tab, at);
+      openMenu(at ?? placeOfSelection(controller, tab, picture));
     },
   });
   return {
     picture,
-    control: controlOf(root, hand, tab, picture, flight, () =>
-      openMenu(placeOfSelection(hand, tab, picture)),
+    control: controlOf(root, controller, tab, picture, flight, () =>
+      openMenu(placeOfSelection(controller, tab, picture)),
     ),
     dispose: () => {
-      hand.flush();
-      hand.cancel();
+      controller.flush();
+      controller.cancel();
       flight.stop();
       closeField();
       stopListening();
@@ -134,7 +134,7 @@ function application(place: HTMLElement): HTMLElement {
 
 function controlOf(
   root: HTMLElement,
-  hand: Hand,
+  controller: InteractionController,
   tab: OpenTab,
   picture: Picture,
   flight: Flight,
@@ -142,39 +142,43 @@ function controlOf(
 ): CanvasControl {
   const { camera } = tab.view;
   return {
-    fit: (paths) => hand.fit(paths),
-    reveal: (element) => hand.reveal(element),
-    zoom: (factor) => hand.zoom(factor),
+    fit: (paths) => controller.fit(paths),
+    reveal: (element) => controller.reveal(element),
+    zoom: (factor) => controller.zoom(factor),
     pan: (by) => {
       flight.stop();
       camera.value = panned(camera.peek(), by);
     },
     visible: () => visibleBox(camera.peek(), picture.size()),
-    pointer: () => hand.pointer(),
+    pointer: () => controller.pointer(),
     beginConnection: () => {
       root.focus({ preventScroll: true });
-      hand.connect();
+      controller.connect();
     },
-    rename: (path) => hand.rename(path),
-    cancel: () => hand.cancel(),
+    rename: (path) => controller.rename(path),
+    cancel: () => controller.cancel(),
     openMenu,
-    flush: () => hand.flush(),
+    flush: () => controller.flush(),
     focus: () => root.focus({ preventScroll: true }),
-    stage: hand.stage,
+    stage: controller.stage,
   };
 }
 
 /** The menu is about what is under the pointer, unless that is selected already. */
-function choosesForMenu(hand: Hand, { view }: OpenTab, at: Point): void {
-  hand.cancel();
-  const element = hand.at(at)?.element;
+function choosesForMenu(controller: InteractionController, { view }: OpenTab, at: Point): void {
+  controller.cancel();
+  const element = controller.at(at)?.element;
   if (!element) select(view, []);
   else if (!view.selection.peek().has(keyOf(element))) select(view, [element]);
 }
 
-function placeOfSelection(hand: Hand, { view }: OpenTab, picture: Picture): Point {
+function placeOfSelection(
+  controller: InteractionController,
+  { view }: OpenTab,
+  picture: Picture,
+): Point {
   const element = selected(view).at(-1);
-  const box = element && hand.places().box(element.path);
+  const box = element && controller.places().box(element.path);
   const { width, height } = picture.size();
   if (!box) return { x: width / 2, y: height / 2 };
   const on = screenBox(view.camera.peek(), box);
@@ -188,14 +192,14 @@ function placeOfSelection(hand: Hand, { view }: OpenTab, picture: Picture): Poin
 function openField(
   root: HTMLElement,
   place: HTMLElement,
-  hand: Hand,
+  controller: InteractionController,
   { session, view }: OpenTab,
   path: string,
 ): () => void {
-  const [state, box] = [session.machine.state(path), hand.places().box(path)];
+  const [state, box] = [session.machine.state(path), controller.places().box(path)];
   if (!state || !box) return () => {};
   const camera = view.camera.peek();
-  const isOpen = hand.places().children(path).length > 0;
+  const isOpen = controller.places().children(path).length > 0;
   const field = renameField({
     place,
     box: nameArea(screenBox(camera, box), extentOn(camera, box), isOpen),
@@ -203,7 +207,7 @@ function openField(
     take: (name) => {
       const plan = rename(session.machine, path, name);
       if (isRefused(plan)) return plan.refused;
-      hand.apply(plan);
+      controller.apply(plan);
       return null;
     },
     done: () => {
@@ -233,7 +237,7 @@ const READ_RUN_MS = 1_000;
 /** Keeps the hidden tree as the canvas is, once a frame at most. */
 function keepReading(
   reader: Reader,
-  hand: Hand,
+  controller: InteractionController,
   { session, view }: OpenTab,
   picture: Picture,
 ): () => void {
@@ -252,7 +256,7 @@ function keepReading(
   };
   const show = () => {
     frame = 0;
-    const [places, stage] = [hand.places(), hand.stage.peek()];
+    const [places, stage] = [controller.places(), controller.stage.peek()];
     reader.show(treeLines(session.machine, places, stage, selected(view), signsOf));
     tell();
   };
@@ -263,7 +267,7 @@ function keepReading(
   const stop = effect(() => {
     session.version.value;
     view.selection.value;
-    hand.stage.value;
+    controller.stage.value;
     if (frame === 0) frame = requestAnimationFrame(show);
   });
   const stopRunning = effect(() => {
@@ -271,7 +275,7 @@ function keepReading(
     if (rest === 0) rest = window.setTimeout(showRun, READ_RUN_MS);
   });
   const stopSaying = effect(() => {
-    reader.say(hand.overlay.value.message?.text ?? "");
+    reader.say(controller.overlay.value.message?.text ?? "");
   });
   return () => {
     cancelAnimationFrame(frame);

@@ -8,8 +8,8 @@ function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): r
   const selection = keys.flatMap((key) => elementOf(key) ?? []);
   return treeLines(
     canvas.session.machine,
-    canvas.hand.places(),
-    canvas.hand.stage.value,
+    canvas.controller.places(),
+    canvas.controller.stage.value,
     selection,
     () => ({}),
   );

@@ -2,7 +2,7 @@
  * new or gone beside its way, stays as it was. */
 
 import { type PortPlace, waypointsOf } from "../model/drawing.ts";
-import { around, type Box, type Point } from "../model/geometry.ts";
+import { type Box, boundsOf, type Point } from "../model/geometry.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { curve } from "./curve.ts";
 import { Grid, same, touches } from "./grid.ts";
@@ -142,7 +142,7 @@ class Past {
     }
     if (this.#places.length > 0) {
       this.#grid = new Grid(this.#places);
-      this.#bounds = around(this.#places);
+      this.#bounds = boundsOf(this.#places);
     }
   }
 

@@ -1,7 +1,7 @@
 /** What the Edit menu does: back and on, the clipboard, what is selected. */
 
 import type { ElementRef } from "../model/element.ts";
-import { around, intersects, type Point } from "../model/geometry.ts";
+import { boundsOf, intersects, type Point } from "../model/geometry.ts";
 import { type Machine, outcomesOf, portsOf, startOf } from "../model/machine.ts";
 import { childPath, parentOf } from "../model/path.ts";
 import { boxIn, childBoxes, sizeIn } from "../plan/boxes.ts";
@@ -161,7 +161,7 @@ export const EDIT: readonly Command[] = [
 
 /** How far duplicates stand from their originals: beside them or below where there is room, else a little shifted. */
 export function besides(machine: Machine, paths: readonly string[]): Point {
-  const own = around(paths.map((path) => boxIn(machine, path)));
+  const own = boundsOf(paths.map((path) => boxIn(machine, path)));
   const container = parentOf(paths[0] ?? "");
   if (!own || container === null) return { x: 0, y: 0 };
   const size = sizeIn(machine, container);

@@ -33,7 +33,7 @@ export function intersects(one: Box, other: Box): boolean {
 }
 
 /** The smallest box around boxes; null around none. */
-export function around(boxes: Iterable<Box>): Box | null {
+export function boundsOf(boxes: Iterable<Box>): Box | null {
   let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const box of boxes) {
     left = Math.min(left, box.x);

@@ -3,7 +3,7 @@
 import { waypointsOf } from "../model/drawing.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Edit, Selection, StateDocument } from "../model/generated/protocol.ts";
-import { around, type Point } from "../model/geometry.ts";
+import { boundsOf, type Point } from "../model/geometry.ts";
 import {
   dataFlowsOf,
   isContainer,
@@ -258,7 +258,9 @@ function placementFor(
   copies: readonly StateDocument[][],
   wanted: Wanted,
 ): Placement | null {
-  const bounds = around(copies.flatMap(([first], index) => (first ? drawnBox(first, index) : [])));
+  const bounds = boundsOf(
+    copies.flatMap(([first], index) => (first ? drawnBox(first, index) : [])),
+  );
   if (!bounds) return null;
   const size = sizeIn(machine, container);
   const factor = Math.min(
@@ -335,7 +337,7 @@ export function duplicate(machine: Machine, paths: readonly string[], by: Point)
   if (typeof container !== "string") return container;
   const selection = copiesOf(machine, paths);
   if (isRefused(selection)) return selection;
-  const bounds = around(paths.map((path) => boxIn(machine, path)));
+  const bounds = boundsOf(paths.map((path) => boxIn(machine, path)));
   const corner = bounds ? { x: bounds.x + by.x, y: bounds.y + by.y } : undefined;
   const ways = waysOf(machine, container, selection);
   const plan = pasted(machine, container, { selection, ways }, { corner }, "Duplicate");

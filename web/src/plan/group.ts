@@ -9,8 +9,8 @@ import type {
   TransitionDocument,
 } from "../model/generated/protocol.ts";
 import {
-  around,
   type Box,
+  boundsOf,
   contains,
   intersects,
   type Point,
@@ -128,7 +128,7 @@ const BORDERS = [1, 0.7, 0.5, 0.35];
 function groupPlace(machine: Machine, container: string, paths: readonly string[]): GroupPlace {
   const room = sizeIn(machine, container);
   const boxes = paths.map((path) => boxIn(machine, path));
-  const bounds = around(boxes) ?? { x: 0, y: 0, ...room };
+  const bounds = boundsOf(boxes) ?? { x: 0, y: 0, ...room };
   const others = [...childBoxes(machine, container)].flatMap(([path, box]) =>
     paths.includes(path) ? [] : [box],
   );

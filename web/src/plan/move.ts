@@ -3,7 +3,7 @@
 import { layoutOf, nameBox, onBorder, portPlaces } from "../model/drawing.ts";
 import { type ElementRef, layoutElement } from "../model/element.ts";
 import type { Edit, TransitionDocument } from "../model/generated/protocol.ts";
-import { around, type Box, type Point, type Size } from "../model/geometry.ts";
+import { type Box, boundsOf, type Point, type Size } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
 import { dataFlowsOf, type Machine, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
@@ -27,7 +27,7 @@ import { minimum, resizeEdits, scaleInside } from "./resize.ts";
 export function allowedMove(machine: Machine, paths: readonly string[], by: Point): Point {
   const container = commonContainer(machine, paths);
   if (typeof container !== "string") return by;
-  const bounds = around(paths.map((path) => boxIn(machine, path)));
+  const bounds = boundsOf(paths.map((path) => boxIn(machine, path)));
   if (!bounds) return by;
   const size = sizeIn(machine, container);
   return {
@@ -206,7 +206,7 @@ export function arrivingIds(
 }
 
 function placedAt(machine: Machine, paths: readonly string[], size: Size, at: Point): Edit[] {
-  const bounds = around(paths.map((path) => boxIn(machine, path)));
+  const bounds = boundsOf(paths.map((path) => boxIn(machine, path)));
   if (!bounds) return [];
   const factor = Math.min(
     1,
@@ -339,7 +339,7 @@ const ALIGNED: Readonly<Record<Alignment, (box: Box, all: Box) => Point>> = {
 export function align(machine: Machine, paths: readonly string[], to: Alignment): Planned {
   const boxes = boxesOf(machine, paths, 2);
   if (isRefused(boxes)) return boxes;
-  const all = around(boxes.values());
+  const all = boundsOf(boxes.values());
   if (!all) return refused("No state is selected: choose two or more states.");
   const moved = [...boxes].map(
     ([path, box]) => [path, { ...box, ...ALIGNED[to](box, all) }] as const,
@@ -358,7 +358,7 @@ export function distribute(
   const [start, length] =
     along === "horizontal" ? (["x", "width"] as const) : (["y", "height"] as const);
   const sorted = [...boxes].sort(([, one], [, other]) => one[start] - other[start]);
-  const all = around(boxes.values());
+  const all = boundsOf(boxes.values());
   if (!all) return refused("No state is selected: choose three or more states.");
   const used = sorted.reduce((sum, [, box]) => sum + box[length], 0);
   const gap = (all[length] - used) / (sorted.length - 1);

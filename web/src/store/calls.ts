@@ -36,7 +36,7 @@ export class Calls {
   readonly #ofPath = new Map<number, number[]>();
   readonly #numbers = new Map<string, number>();
   /** The number of the path around each path, NONE of the root's. */
-  readonly #around: number[] = [];
+  readonly #parentPath: number[] = [];
   readonly #concurrent = new Set<number>();
   #read = 0;
 
@@ -56,7 +56,7 @@ export class Calls {
 
   /** How many states were entered. */
   get paths(): number {
-    return this.#around.length;
+    return this.#parentPath.length;
   }
 
   /** States, by the number of their path, of which two children ran at once. */
@@ -139,8 +139,8 @@ export class Calls {
   }
 
   /** The number of the path of the state around; NONE of the root. */
-  around(path: number): number {
-    return this.#around[path] ?? NONE;
+  parentPath(path: number): number {
+    return this.#parentPath[path] ?? NONE;
   }
 
   /** The last call that began at this event of the journal or before; NONE if there is none. */
@@ -163,7 +163,7 @@ export class Calls {
   #entered(index: number): void {
     const path = this.#known(this.journal.pathNumber(index));
     this.#close(path, index, DROPPED);
-    const around = this.around(path);
+    const around = this.parentPath(path);
     const parent = this.#open.get(around) ?? NONE;
     const call = this.#begin.length;
     this.#begin.push(index);
@@ -231,11 +231,11 @@ export class Calls {
 
   /** The number of a path, with those around it known as well. */
   #known(number: number): number {
-    for (let next = this.#around.length; next <= number; next++) {
+    for (let next = this.#parentPath.length; next <= number; next++) {
       const path = this.journal.pathOf(next);
       this.#numbers.set(path, next);
       const around = parentOf(path);
-      this.#around.push(around === null ? NONE : (this.#numbers.get(around) ?? NONE));
+      this.#parentPath.push(around === null ? NONE : (this.#numbers.get(around) ?? NONE));
     }
     return number;
   }

@@ -92,7 +92,7 @@ export interface Lane {
   /** How many lanes are around it. */
   readonly depth: number;
   /** The path of the branch around; null of the root's. */
-  readonly around: string | null;
+  readonly parent: string | null;
   readonly rows: readonly Row[];
   /** The calls that had nothing inside when another one came after them: what really worked. */
   readonly leaves: Row;
@@ -156,12 +156,12 @@ export class Lanes {
   #lane(path: number): Draft {
     const known = this.#lanes.get(path);
     if (known) return known;
-    const outer = this.#calls.around(path);
-    const around = outer === NONE ? undefined : this.#lane(this.#placed(outer).lane);
+    const outer = this.#calls.parentPath(path);
+    const parent = outer === NONE ? undefined : this.#lane(this.#placed(outer).lane);
     const lane: Draft = {
       path: this.#calls.journal.pathOf(path),
-      depth: around ? around.depth + 1 : 0,
-      around: around?.path ?? null,
+      depth: parent ? parent.depth + 1 : 0,
+      parent: parent?.path ?? null,
       rows: [],
       leaves: new Row(this.#calls),
     };
@@ -172,9 +172,9 @@ export class Lanes {
   #placed(path: number): { readonly lane: number; readonly row: number } {
     const known = this.#place[path];
     if (known) return known;
-    const around = this.#calls.around(path);
-    const isFirst = around === NONE || this.#calls.concurrent.has(around);
-    const outer = isFirst ? undefined : this.#placed(around);
+    const parent = this.#calls.parentPath(path);
+    const isFirst = parent === NONE || this.#calls.concurrent.has(parent);
+    const outer = isFirst ? undefined : this.#placed(parent);
     const place = outer ? { lane: outer.lane, row: outer.row + 1 } : { lane: path, row: 0 };
     this.#place[path] = place;
     return place;
@@ -184,9 +184,9 @@ export class Lanes {
 function ordered(lanes: readonly Lane[]): readonly Lane[] {
   const inside = new Map<string | null, Lane[]>();
   for (const lane of lanes) {
-    const list = inside.get(lane.around);
+    const list = inside.get(lane.parent);
     if (list) list.push(lane);
-    else inside.set(lane.around, [lane]);
+    else inside.set(lane.parent, [lane]);
   }
   const below = (path: string | null): readonly Lane[] =>
     (inside.get(path) ?? []).flatMap((lane) => [lane, ...below(lane.path)]);

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { type Driver, driver } from "../testing/driver.ts";
 
 function at(canvas: Driver, x: number, y: number): string {
-  const hit = canvas.hand.at({ x, y });
+  const hit = canvas.controller.at({ x, y });
   if (!hit) return "nothing";
   const { element } = hit;
   return `${hit.on} ${element.path}${"id" in element ? `:${element.id}` : ""}`;

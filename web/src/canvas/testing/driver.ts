@@ -1,4 +1,4 @@
-/** The canvas without a browser, for tests: a machine in short text, the real hand, tools, plans and places. Points may be
+/** The canvas without a browser, for tests: a machine in short text, the real interaction controller, tools, plans and places. Points may be
  * said as the screen's, as a state (`A`, its middle) or as a port (`A.ok`, `A.income`). */
 
 import { signal } from "@preact/signals-core";
@@ -13,7 +13,7 @@ import { Mirror } from "../../store/mirror.ts";
 import { foretell } from "../../store/predict/foretell.ts";
 import { newView, type SessionView, select, selected } from "../../store/view.ts";
 import { screenFromWorld } from "../camera.ts";
-import { Hand } from "../hand.ts";
+import { InteractionController } from "../interaction.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import type { Pointer } from "../tools/gesture.ts";
 import type { Wheel } from "../tools/pan.ts";
@@ -72,7 +72,7 @@ export class PlainMachineSession implements MachineSession {
 export class Driver {
   readonly session: PlainMachineSession;
   readonly view: SessionView = newView();
-  readonly hand: Hand;
+  readonly controller: InteractionController;
   readonly refusals: string[] = [];
   readonly commands: string[] = [];
   readonly renamed: string[] = [];
@@ -83,7 +83,7 @@ export class Driver {
 
   constructor(text: string, library: string | null) {
     this.session = new PlainMachineSession(text, library);
-    this.hand = new Hand({
+    this.controller = new InteractionController({
       tab: { session: this.session, view: this.view, run: signal(null) },
       size: () => ({ width: 1000, height: 800 }),
       wheel: () => this.wheel,
@@ -109,10 +109,10 @@ export class Driver {
     const path = paths.find(
       (each) => machine.state(each) && (each === name || each.endsWith(`/${name}`)),
     );
-    const box = path === undefined ? undefined : this.hand.places().box(path);
+    const box = path === undefined ? undefined : this.controller.places().box(path);
     if (path === undefined || !box) throw new Error(`no state ${where}`);
     if (port === undefined) return screenFromWorld(this.view.camera.value, centre(box));
-    const found = this.hand
+    const found = this.controller
       .places()
       .ports(path)
       .find((each) => each.name === port);
@@ -140,7 +140,7 @@ export class Driver {
     this.#keys = keys;
     const finger = how.touch === undefined ? {} : { finger: how.touch };
     const press = { ...this.#pointer(), isTouch: how.touch !== undefined };
-    this.hand.press(press, { pans: how.pans ?? false, ...finger });
+    this.controller.press(press, { pans: how.pans ?? false, ...finger });
     return this;
   }
 
@@ -150,7 +150,7 @@ export class Driver {
     this.#keys = keys;
     for (const part of [0.3, 0.7, 1]) {
       this.#at = { x: from.x + (to.x - from.x) * part, y: from.y + (to.y - from.y) * part };
-      this.hand.move(this.#pointer(), finger);
+      this.controller.move(this.#pointer(), finger);
     }
     return this;
   }
@@ -160,7 +160,7 @@ export class Driver {
   }
 
   release(finger?: number): this {
-    this.hand.release(this.#pointer(), finger);
+    this.controller.release(this.#pointer(), finger);
     return this;
   }
 
@@ -170,37 +170,37 @@ export class Driver {
 
   doubleClick(where: Where): this {
     this.click(where).click(where);
-    this.hand.doubleClick(this.#pointer());
+    this.controller.doubleClick(this.#pointer());
     return this;
   }
 
   hover(where: Where): this {
     this.#at = this.point(where);
-    this.hand.move(this.#pointer());
+    this.controller.move(this.#pointer());
     return this;
   }
 
   key(key: string, keys: Keys = {}): this {
     const { shift = false, ctrl = false, alt = false } = keys;
-    this.hand.key({ key, shift, ctrl, alt });
+    this.controller.key({ key, shift, ctrl, alt });
     return this;
   }
 
   turn(where: Where, wheel: Partial<Wheel>): this {
     this.#at = this.point(where);
     const still = { deltaX: 0, deltaY: 0, deltaMode: 0, ctrl: false, shift: false };
-    this.hand.turn(this.#at, { ...still, ...wheel });
+    this.controller.turn(this.#at, { ...still, ...wheel });
     return this;
   }
 
   bring(dragged: Dragged, where: Where): this {
     this.#at = this.point(where);
-    this.hand.bring(dragged, this.#pointer());
+    this.controller.bring(dragged, this.#pointer());
     return this;
   }
 
   drop(): this {
-    this.hand.drop();
+    this.controller.drop();
     return this;
   }
 
@@ -214,14 +214,14 @@ export class Driver {
 
   /** Whether nothing of a gesture is left. */
   isClear(): boolean {
-    return this.hand.doing === null && this.hand.overlay.value === NO_OVERLAY;
+    return this.controller.doing === null && this.controller.overlay.value === NO_OVERLAY;
   }
 
   /** Where a state is in its container now: `20 30 80 60`. */
   box(id: string): string {
     const { machine } = this.session;
     const path = [...machine.paths()].find((each) => each === id || each.endsWith(`/${id}`));
-    const box = path && this.hand.places().box(path);
+    const box = path && this.controller.places().box(path);
     if (!box) return "none";
     return [box.x, box.y, box.width, box.height].map(short).join(" ");
   }

@@ -8,26 +8,31 @@ import { extentOn, isRouteShown } from "../hit/shown.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { type Frame, pointAt } from "../placed.ts";
 import { DETAIL } from "../scene/detail.ts";
-import { type Around, type Gesture, type Pointer, worldOf } from "./gesture.ts";
+import { type Gesture, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
 /** Begins a rubber band where the pointer was pressed. `kept` stays selected beside what is in the band. */
 export function banding(
   pressed: Pointer,
-  around: Around,
+  context: ToolContext,
   kept: readonly ElementRef[] = [],
 ): Gesture {
-  return next(worldOf(pressed, around), kept, pressed, around);
+  return next(worldOf(pressed, context), kept, pressed, context);
 }
 
-function next(from: Point, kept: readonly ElementRef[], pointer: Pointer, around: Around): Gesture {
-  const to = worldOf(pointer, around);
+function next(
+  from: Point,
+  kept: readonly ElementRef[],
+  pointer: Pointer,
+  context: ToolContext,
+): Gesture {
+  const to = worldOf(pointer, context);
   const band: Box = {
     x: Math.min(from.x, to.x),
     y: Math.min(from.y, to.y),
     width: Math.abs(to.x - from.x),
     height: Math.abs(to.y - from.y),
   };
-  const found = [...kept, ...enclosed(band, around)];
+  const found = [...kept, ...enclosed(band, context)];
   const targets = new Map(found.map((element) => [keyOf(element), true] as const));
   return {
     name: "band",
@@ -39,14 +44,14 @@ function next(from: Point, kept: readonly ElementRef[], pointer: Pointer, around
 }
 
 /** States and connections that lie in the box as a whole; of states in each other the outer one. */
-export function enclosed(band: Box, around: Around): readonly ElementRef[] {
+export function enclosed(band: Box, context: ToolContext): readonly ElementRef[] {
   const found: ElementRef[] = [];
-  collect(around.machine.root, band, around, found);
+  collect(context.machine.root, band, context, found);
   return found;
 }
 
-function collect(path: string, band: Box, around: Around, found: ElementRef[]): void {
-  const { places, camera } = around;
+function collect(path: string, band: Box, context: ToolContext, found: ElementRef[]): void {
+  const { places, camera } = context;
   const box = places.box(path);
   if (!box || !intersects(box, band)) return;
   if (extentOn(camera, box) < DETAIL.box) return;
@@ -54,18 +59,18 @@ function collect(path: string, band: Box, around: Around, found: ElementRef[]): 
     found.push({ kind: "state", path });
     return;
   }
-  for (const child of childrenIn(places, path, band)) collect(child, band, around, found);
+  for (const child of childrenIn(places, path, band)) collect(child, band, context, found);
   const frame = places.frame(path);
-  if (frame) collectLines(frame, band, around, found);
+  if (frame) collectLines(frame, band, context, found);
 }
 
-function collectLines(frame: Frame, band: Box, around: Around, found: ElementRef[]): void {
+function collectLines(frame: Frame, band: Box, context: ToolContext, found: ElementRef[]): void {
   const { path } = frame.at;
   withLines(frame.at).eachLine(inFrame(frame, band), ({ kind, id, points, waypoints }) => {
     const corners = points.map((point) => pointAt(frame, point));
     if (!corners.every((point) => contains(band, point))) return;
     const route = { kind, path, id, points: corners, waypoints };
-    if (isRouteShown(route, around)) found.push({ kind, path, id });
+    if (isRouteShown(route, context)) found.push({ kind, path, id });
   });
 }
 

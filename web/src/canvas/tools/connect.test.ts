@@ -4,12 +4,12 @@ import { nearerTo, type SeenPort } from "./targets.ts";
 
 test("a transition is drawn from port to port, and says where it may end", () => {
   const canvas = driver().press("A.lost").by(50, 50);
-  const { targets, line } = canvas.hand.overlay.value;
+  const { targets, line } = canvas.controller.overlay.value;
   expect(targets.get("income:R/C")).toBe(true);
   expect(targets.has("input:R/B:0")).toBe(false);
   expect(line).toMatchObject({ data: false, legal: null });
   canvas.drag("C.income");
-  expect(canvas.hand.overlay.value.line?.legal).toBe(true);
+  expect(canvas.controller.overlay.value.line?.legal).toBe(true);
   expect(canvas.release().text()).toBe(
     'Add transition: add_transition R 3 {"state":"A","outcome":1} {"state":"C"}\nselected: nothing',
   );
@@ -27,12 +27,12 @@ test("the line snaps to a port that is near", () => {
   const canvas = driver();
   const near = canvas.point("C.income");
   canvas.press("A.lost").drag({ x: near.x - 12, y: near.y + 8 });
-  expect(canvas.hand.overlay.value.line?.to).toEqual(near);
+  expect(canvas.controller.overlay.value.line?.to).toEqual(near);
 });
 
 test("a data flow is drawn the other way round too", () => {
   const canvas = driver().press("B.pose").drag("A.pose");
-  expect(canvas.hand.overlay.value.message?.text).toBe("To output pose of Scan, type int");
+  expect(canvas.controller.overlay.value.message?.text).toBe("To output pose of Scan, type int");
   canvas.release();
   expect(canvas.text()).toContain(
     'add_data_flow R 0 {"state":"A","port":0} {"state":"B","port":0}',
@@ -41,7 +41,9 @@ test("a data flow is drawn the other way round too", () => {
 
 test("dropped on a state it makes the ports that it needs, over levels", () => {
   const canvas = driver().press("A.pose").drag("D");
-  expect(canvas.hand.overlay.value.message?.text).toContain("Makes the input “pose” in “Inner”");
+  expect(canvas.controller.overlay.value.message?.text).toContain(
+    "Makes the input “pose” in “Inner”",
+  );
   canvas.release();
   expect(canvas.text()).toContain(
     "add_port R/C/D input 0 pose int null; add_port R/C input 0 pose",
@@ -50,12 +52,12 @@ test("dropped on a state it makes the ports that it needs, over levels", () => {
 
 test("dropped on the border of the container an outcome becomes one of the container", () => {
   const canvas = driver().press("D.ok").drag({ x: 598, y: 600 });
-  expect(canvas.hand.overlay.value.message?.text).toBe("Makes the outcome “ok_0” of “Box”");
+  expect(canvas.controller.overlay.value.message?.text).toBe("Makes the outcome “ok_0” of “Box”");
 });
 
 test("what is not legal is said at the pointer, and refused when it is let go", () => {
   const canvas = driver().press("A.ok").drag("C.income");
-  const { message, line } = canvas.hand.overlay.value;
+  const { message, line } = canvas.controller.overlay.value;
   expect([line?.legal, message?.bad]).toEqual([false, true]);
   canvas.release();
   expect(canvas.session.made).toEqual([]);
@@ -74,13 +76,13 @@ test("the view zooms while a line is drawn", () => {
   const canvas = driver().press("A.lost").drag("C.income");
   canvas.turn({ x: 500, y: 400 }, { deltaY: 240 });
   expect(canvas.view.camera.value.scale).toBeLessThan(1);
-  expect(canvas.hand.doing).toBe("connect");
+  expect(canvas.controller.doing).toBe("connect");
   expect(canvas.drag("C.income").release().text()).toContain("add_transition R 3");
 });
 
 test("space sets waypoints on the way", () => {
   const canvas = driver().press("A.lost").drag({ x: 300, y: 300 }).key(" ");
-  expect(canvas.hand.overlay.value.line?.through).toEqual([{ x: 300, y: 300 }]);
+  expect(canvas.controller.overlay.value.line?.through).toEqual([{ x: 300, y: 300 }]);
   canvas.drag("C.income").release();
   expect(canvas.text()).toContain('set_waypoints R {"transition":3} [[300,300]]');
 });
@@ -97,13 +99,13 @@ test("drawn backwards the waypoints are turned round", () => {
 
 test("by keyboard targets are chosen one after the other", () => {
   const canvas = driver().select("state:R/A");
-  canvas.hand.connect();
-  expect(canvas.hand.overlay.value.message?.text).toContain("Enter connects");
-  const first = canvas.hand.overlay.value.line?.to;
+  canvas.controller.connect();
+  expect(canvas.controller.overlay.value.message?.text).toContain("Enter connects");
+  const first = canvas.controller.overlay.value.line?.to;
   canvas.key("ArrowRight");
-  expect(canvas.hand.overlay.value.line?.to).not.toEqual(first);
+  expect(canvas.controller.overlay.value.line?.to).not.toEqual(first);
   canvas.key("Tab", { shift: true });
-  expect(canvas.hand.overlay.value.line?.to).toEqual(first);
+  expect(canvas.controller.overlay.value.line?.to).toEqual(first);
   canvas.key("Enter");
   expect(canvas.text()).toContain('add_transition R 3 {"state":"A","outcome":1}');
   expect(canvas.isClear()).toBe(true);
@@ -111,14 +113,14 @@ test("by keyboard targets are chosen one after the other", () => {
 
 test("begun by keyboard it goes on by pointer: clicks set waypoints, and the last one connects", () => {
   const canvas = driver().select("outcome:R/A:1");
-  canvas.hand.connect();
+  canvas.controller.connect();
   canvas.hover({ x: 300, y: 300 }).click({ x: 300, y: 300 }).hover("C.income").click("C.income");
   expect(canvas.text()).toContain('set_waypoints R {"transition":3} [[300,300]]');
 });
 
 test("without a state or port there is nothing to begin at", () => {
   const canvas = driver();
-  canvas.hand.connect();
+  canvas.controller.connect();
   expect(canvas.refusals).toHaveLength(1);
 });
 

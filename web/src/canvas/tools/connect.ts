@@ -13,7 +13,14 @@ import { gripAt, statesAt } from "../hit/hit.ts";
 import type { PortRef } from "../hit/look.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
 import { editsOf } from "./edits.ts";
-import { type Around, type Gesture, inState, ownState, type Pointer, worldOf } from "./gesture.ts";
+import {
+  type Gesture,
+  inState,
+  ownState,
+  type Pointer,
+  type ToolContext,
+  worldOf,
+} from "./gesture.ts";
 import {
   type Ends,
   endsBetween,
@@ -39,7 +46,7 @@ interface Drawing {
 }
 
 interface Seen {
-  readonly camera: Around["camera"];
+  readonly camera: ToolContext["camera"];
   readonly version: number;
   readonly ports: readonly SeenPort[];
   readonly legal: ReadonlyMap<ElementKey, Ends>;
@@ -49,35 +56,35 @@ interface Seen {
 export function connecting(
   from: PortRef,
   pointer: Pointer | null,
-  around: Around,
+  context: ToolContext,
   isSticky: boolean,
 ): Gesture {
-  const place = around.places.ports(from.path).find(({ key }) => key === keyOf(from));
-  const box = visibleBox(around.camera, around.size);
+  const place = context.places.ports(from.path).find(({ key }) => key === keyOf(from));
+  const box = visibleBox(context.camera, context.size);
   const at = place?.at ?? { x: box.x, y: box.y };
   const data = isData(from);
-  const drawing = { from, at, data, isSticky, through: [], seen: look(from, data, around) };
-  const start = pointer ?? { ...screenFromWorld(around.camera, at), ...NO_KEYS };
-  return pointer === null ? chosen(drawing, 0, start, around) : next(drawing, start, around);
+  const drawing = { from, at, data, isSticky, through: [], seen: look(from, data, context) };
+  const start = pointer ?? { ...screenFromWorld(context.camera, at), ...NO_KEYS };
+  return pointer === null ? chosen(drawing, 0, start, context) : next(drawing, start, context);
 }
 
 const NO_KEYS = { shift: false, ctrl: false, alt: false };
 
-function look(from: PortRef, data: boolean, around: Around): Seen {
-  const ports = seenPorts(around, data);
+function look(from: PortRef, data: boolean, context: ToolContext): Seen {
+  const ports = seenPorts(context, data);
   const legal = new Map<ElementKey, Ends>();
   for (const { element } of ports) {
-    const ends = endsBetween(around.machine, from, element);
+    const ends = endsBetween(context.machine, from, element);
     if (isLegal(ends)) legal.set(keyOf(element), ends);
   }
-  return { camera: around.camera, version: around.machine.version, ports, legal };
+  return { camera: context.camera, version: context.machine.version, ports, legal };
 }
 
 /** Zooming and other people's edits go on while a line is drawn. */
-function current(drawing: Drawing, around: Around): Drawing {
+function current(drawing: Drawing, context: ToolContext): Drawing {
   const { seen, from, data } = drawing;
-  const isSame = seen.camera === around.camera && seen.version === around.machine.version;
-  return isSame ? drawing : { ...drawing, seen: look(from, data, around) };
+  const isSame = seen.camera === context.camera && seen.version === context.machine.version;
+  return isSame ? drawing : { ...drawing, seen: look(from, data, context) };
 }
 
 interface Aim {
@@ -88,16 +95,16 @@ interface Aim {
   readonly plan: () => Planned | null;
 }
 
-function next(before: Drawing, pointer: Pointer, around: Around): Gesture {
-  const drawing = current(before, around);
-  return shown(drawing, aimAt(drawing, pointer, around), pointer, around, null);
+function next(before: Drawing, pointer: Pointer, context: ToolContext): Gesture {
+  const drawing = current(before, context);
+  return shown(drawing, aimAt(drawing, pointer, context), pointer, context, null);
 }
 
 function shown(
   drawing: Drawing,
   aim: Aim,
   pointer: Pointer,
-  around: Around,
+  context: ToolContext,
   index: number | null,
 ): Gesture {
   return {
@@ -108,7 +115,7 @@ function shown(
     move: (to, then) => next(drawing, to, then),
     result: () => {
       const plan = aim.plan();
-      return plan ? { plan: withWaypoints(plan, drawing, around) } : {};
+      return plan ? { plan: withWaypoints(plan, drawing, context) } : {};
     },
     mark: (then) => {
       if (aim.legal !== null) return null;
@@ -134,34 +141,34 @@ function overlayOf({ at, data, through, seen }: Drawing, aim: Aim, pointer: Poin
 }
 
 /** What the pointer is at: a port that fits, one that does not, a state, or nothing. */
-function aimAt(drawing: Drawing, pointer: Pointer, around: Around): Aim {
+function aimAt(drawing: Drawing, pointer: Pointer, context: ToolContext): Aim {
   const { seen, from } = drawing;
   const fitting = seen.ports.filter(({ element }) => seen.legal.has(keyOf(element)));
-  const near = nearestPort(fitting, pointer, around, SNAP);
-  if (near) return atPort(seen, near, around);
+  const near = nearestPort(fitting, pointer, context, SNAP);
+  if (near) return atPort(seen, near, context);
   const others = seen.ports.filter(({ element }) => keyOf(element) !== keyOf(from));
-  const wrong = nearestPort(others, pointer, around, SNAP / 2);
-  if (wrong) return atWrong(drawing, wrong, around);
-  return atState(drawing, pointer, around) ?? nowhere(worldOf(pointer, around));
+  const wrong = nearestPort(others, pointer, context, SNAP / 2);
+  if (wrong) return atWrong(drawing, wrong, context);
+  return atState(drawing, pointer, context) ?? nowhere(worldOf(pointer, context));
 }
 
 function nowhere(to: Point): Aim {
   return { to, legal: null, target: null, message: null, plan: () => null };
 }
 
-function atPort(seen: Seen, port: SeenPort, around: Around): Aim {
+function atPort(seen: Seen, port: SeenPort, context: ToolContext): Aim {
   const key = keyOf(port.element);
   const ends = seen.legal.get(key);
   return {
     to: port.at,
     legal: true,
     target: key,
-    message: isData(port.element) ? `To ${described(around.machine, port.element)}` : null,
-    plan: () => (ends ? connect(around.machine, ends.from, ends.to) : null),
+    message: isData(port.element) ? `To ${described(context.machine, port.element)}` : null,
+    plan: () => (ends ? connect(context.machine, ends.from, ends.to) : null),
   };
 }
 
-function atWrong({ from }: Drawing, port: SeenPort, { machine }: Around): Aim {
+function atWrong({ from }: Drawing, port: SeenPort, { machine }: ToolContext): Aim {
   const ends = endsBetween(machine, from, port.element);
   const message = isLegal(ends) ? null : ends.refused;
   const plan = () => (isLegal(ends) ? null : ends);
@@ -169,16 +176,16 @@ function atWrong({ from }: Drawing, port: SeenPort, { machine }: Around): Aim {
 }
 
 /** A state other than that where the line begins, and not the ground on which it is drawn. */
-function atState(drawing: Drawing, pointer: Pointer, around: Around): Aim | null {
+function atState(drawing: Drawing, pointer: Pointer, context: ToolContext): Aim | null {
   const { from } = drawing;
-  const { machine, places, camera } = around;
+  const { machine, places, camera } = context;
   const under = statesAt(places, machine, camera, pointer).at(-1);
   const path = under === undefined ? null : ownState(machine, under);
   if (path === null || path === from.path) return null;
-  if (isWithin(from.path, path) && !isAtBorder(from, path, pointer, around)) return null;
+  if (isWithin(from.path, path) && !isAtBorder(from, path, pointer, context)) return null;
   const plan = connectToState(machine, from, path);
   return {
-    to: worldOf(pointer, around),
+    to: worldOf(pointer, context),
     legal: !isRefused(plan),
     target: keyOf({ kind: "state", path }),
     message: isRefused(plan) ? plan.refused : said(plan, machine.state(path)?.name ?? path),
@@ -187,9 +194,9 @@ function atState(drawing: Drawing, pointer: Pointer, around: Around): Aim | null
 }
 
 /** On the border of the container around it a line ends in a new port of the container. */
-function isAtBorder(from: PortRef, path: string, pointer: Pointer, around: Around): boolean {
-  const box = parentOf(from.path) === path ? around.places.box(path) : undefined;
-  return box !== undefined && gripAt(screenBox(around.camera, box), pointer, 12) !== null;
+function isAtBorder(from: PortRef, path: string, pointer: Pointer, context: ToolContext): boolean {
+  const box = parentOf(from.path) === path ? context.places.box(path) : undefined;
+  return box !== undefined && gripAt(screenBox(context.camera, box), pointer, 12) !== null;
 }
 
 /** What a connection to a state will make there. */
@@ -204,8 +211,8 @@ function said(plan: Plan, name: string): string {
 }
 
 /** The target of that number, as the keyboard walks them: the nearest first, the own state last. */
-function chosen(before: Drawing, number: number, pointer: Pointer, around: Around): Gesture {
-  const drawing = current(before, around);
+function chosen(before: Drawing, number: number, pointer: Pointer, context: ToolContext): Gesture {
+  const drawing = current(before, context);
   const { seen, at, from } = drawing;
   const fitting = seen.ports
     .filter(({ element }) => seen.legal.has(keyOf(element)))
@@ -215,21 +222,21 @@ function chosen(before: Drawing, number: number, pointer: Pointer, around: Aroun
   if (!port) {
     return shown(
       drawing,
-      { ...nowhere(at), message: whyNone(drawing, around) },
+      { ...nowhere(at), message: whyNone(drawing, context) },
       pointer,
-      around,
+      context,
       0,
     );
   }
-  const there = screenFromWorld(around.camera, port.at);
-  const owner = around.machine.state(port.element.path)?.name ?? port.element.path;
+  const there = screenFromWorld(context.camera, port.at);
+  const owner = context.machine.state(port.element.path)?.name ?? port.element.path;
   const message = `To ${port.name} of “${owner}”: Enter connects, arrows choose another`;
-  const aim = { ...atPort(seen, port, around), message };
-  return shown(drawing, aim, { ...pointer, ...there }, around, index);
+  const aim = { ...atPort(seen, port, context), message };
+  return shown(drawing, aim, { ...pointer, ...there }, context, index);
 }
 
 /** Why the keyboard finds no target: what is said of the nearest port of another state. */
-function whyNone({ from, seen, at }: Drawing, { machine }: Around): string {
+function whyNone({ from, seen, at }: Drawing, { machine }: ToolContext): string {
   const [nearest] = seen.ports
     .filter(({ element }) => element.path !== from.path)
     .sort((one, other) => square(one.at, at) - square(other.at, at));
@@ -243,7 +250,11 @@ function square(one: Point, other: Point): number {
 }
 
 /** The plan with the waypoints that were set on the way, if it makes one connection. */
-function withWaypoints(plan: Planned, { through, from }: Drawing, { places }: Around): Planned {
+function withWaypoints(
+  plan: Planned,
+  { through, from }: Drawing,
+  { places }: ToolContext,
+): Planned {
   if (isRefused(plan) || through.length === 0) return plan;
   const edits = editsOf(plan.edit);
   const [only, another] = edits.filter(

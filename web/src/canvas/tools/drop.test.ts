@@ -3,7 +3,7 @@ import { driver } from "../testing/driver.ts";
 
 test("a state from the palette shows where it will stand", () => {
   const canvas = driver().bring({ insert: "execution" }, { x: 750, y: 400 });
-  const { ghosts, drop, message } = canvas.hand.overlay.value;
+  const { ghosts, drop, message } = canvas.controller.overlay.value;
   expect(ghosts).toEqual([{ x: 680, y: 330, width: 140, height: 140 }]);
   expect([drop, message?.text]).toEqual(["state:R", "Into “Root”"]);
   canvas.drop();
@@ -14,14 +14,14 @@ test("a state from the palette shows where it will stand", () => {
 
 test("the innermost container under the pointer takes it", () => {
   const canvas = driver().bring({ insert: "barrier" }, { x: 500, y: 600 });
-  expect(canvas.hand.overlay.value.drop).toBe("state:R/C");
+  expect(canvas.controller.overlay.value.drop).toBe("state:R/C");
 });
 
 test("on a transition it is inserted", () => {
   const canvas = driver();
   const [from, to] = [canvas.point("A.ok"), canvas.point("B.income")];
   canvas.bring({ insert: "execution" }, { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 });
-  expect(canvas.hand.overlay.value.message?.text).toBe("Insert into the transition");
+  expect(canvas.controller.overlay.value.message?.text).toBe("Insert into the transition");
   canvas.drop();
   expect(canvas.text()).toContain("set_transition_target R 1");
 });
@@ -39,20 +39,20 @@ test("a library on a transition is inserted into that", () => {
   const [from, to] = [canvas.point("A.ok"), canvas.point("B.income")];
   const library = { path: "arm", name: "grasp" };
   canvas.bring({ library }, { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 });
-  expect(canvas.hand.overlay.value.message?.text).toBe("Insert into the transition");
+  expect(canvas.controller.overlay.value.message?.text).toBe("Insert into the transition");
   canvas.drop();
   expect(canvas.commands[0]).toContain('"transition":1}');
 });
 
 test("outside of all containers it is refused", () => {
   const canvas = driver().bring({ insert: "execution" }, { x: 980, y: 780 });
-  expect(canvas.hand.overlay.value.message?.bad).toBe(true);
+  expect(canvas.controller.overlay.value.message?.bad).toBe(true);
   canvas.drop();
   expect([canvas.session.made, canvas.refusals.length]).toEqual([[], 1]);
 });
 
 test("dragged away again nothing stays", () => {
   const canvas = driver().bring({ insert: "execution" }, { x: 750, y: 400 });
-  canvas.hand.cancel();
+  canvas.controller.cancel();
   expect([canvas.text(), canvas.isClear()]).toEqual(["selected: nothing", true]);
 });

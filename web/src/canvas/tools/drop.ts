@@ -11,14 +11,14 @@ import { distanceToLine } from "../hit/lines.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
 import type { Route } from "../places.ts";
 import { editsOf } from "./edits.ts";
-import { type Around, type Gesture, inState, type Pointer, worldOf } from "./gesture.ts";
+import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 import { containerAt } from "./move.ts";
 
 /** Something is held over the canvas. */
-export function bringing(brought: Dragged, pointer: Pointer, around: Around): Gesture {
-  const container = containerAt(pointer, around, []);
+export function bringing(brought: Dragged, pointer: Pointer, context: ToolContext): Gesture {
+  const container = containerAt(pointer, context, []);
   const step =
-    container === null ? refusedHere(pointer) : into(brought, container, pointer, around);
+    container === null ? refusedHere(pointer) : into(brought, container, pointer, context);
   return {
     name: "drop",
     cursor: "copy",
@@ -39,15 +39,15 @@ function refusedHere(pointer: Pointer): Step {
   };
 }
 
-function into(brought: Dragged, container: string, pointer: Pointer, around: Around): Step {
-  const at = inState(around.places, container, worldOf(pointer, around));
-  const line = lineUnder(container, pointer, around);
+function into(brought: Dragged, container: string, pointer: Pointer, context: ToolContext): Step {
+  const at = inState(context.places, container, worldOf(pointer, context));
+  const line = lineUnder(container, pointer, context);
   if ("insert" in brought) {
     const plan = line
-      ? insertState(around.machine, lineRef(line), { kind: brought.insert }, at)
-      : addState(around.machine, container, brought.insert, at);
+      ? insertState(context.machine, lineRef(line), { kind: brought.insert }, at)
+      : addState(context.machine, container, brought.insert, at);
     const drop = keyOf(line ? lineRef(line) : { kind: "state", path: container });
-    return { overlay: planned(plan, container, drop, pointer, around), result: () => ({ plan }) };
+    return { overlay: planned(plan, container, drop, pointer, context), result: () => ({ plan }) };
   }
   const transition = line ? { transition: line.id } : {};
   const argument = { ...brought.library, container, at, ...transition };
@@ -55,13 +55,13 @@ function into(brought: Dragged, container: string, pointer: Pointer, around: Aro
   const overlay = {
     ...NO_OVERLAY,
     drop,
-    ghosts: [ghost(container, cornerAt(container, pointer, around), around)],
-    message: { at: pointer, text: whereTo(drop, container, around), bad: false },
+    ghosts: [ghost(container, cornerAt(container, pointer, context), context)],
+    message: { at: pointer, text: whereTo(drop, container, context), bad: false },
   };
   return { overlay, result: () => ({ run: { command: "insert.library", argument } }) };
 }
 
-function whereTo(drop: string, container: string, { machine }: Around): string {
+function whereTo(drop: string, container: string, { machine }: ToolContext): string {
   if (drop.startsWith("transition:")) return "Insert into the transition";
   return `Into “${machine.state(container)?.name ?? container}”`;
 }
@@ -71,30 +71,30 @@ function planned(
   container: string,
   drop: string,
   pointer: Pointer,
-  around: Around,
+  context: ToolContext,
 ): Overlay {
   if (isRefused(plan)) {
     return { ...NO_OVERLAY, drop, message: { at: pointer, text: plan.refused, bad: true } };
   }
   const added = editsOf(plan.edit).find((edit) => edit.edit === "add_state");
   const layout = added?.states[0] && layoutOf(added.states[0]);
-  const text = whereTo(drop, container, around);
-  const at = layout?.position ?? cornerAt(container, pointer, around);
-  const box = ghost(container, at, around, layout?.size);
+  const text = whereTo(drop, container, context);
+  const at = layout?.position ?? cornerAt(container, pointer, context);
+  const box = ghost(container, at, context, layout?.size);
   return { ...NO_OVERLAY, drop, ghosts: [box], message: { at: pointer, text, bad: false } };
 }
 
 /** A fifth of the container's shorter side, as new states are. */
-function sideIn(container: string, { places }: Around): number {
+function sideIn(container: string, { places }: ToolContext): number {
   const box = places.box(container);
   return box ? (Math.min(box.width, box.height) / places.unit(container)) * 0.2 : 1;
 }
 
 /** The left top corner, so that the new state's middle is at the pointer and all of it in the container. */
-function cornerAt(container: string, pointer: Pointer, around: Around): Point {
-  const { places } = around;
-  const middle = inState(places, container, worldOf(pointer, around));
-  const side = sideIn(container, around);
+function cornerAt(container: string, pointer: Pointer, context: ToolContext): Point {
+  const { places } = context;
+  const middle = inState(places, container, worldOf(pointer, context));
+  const side = sideIn(container, context);
   const box = places.box(container);
   const unit = places.unit(container);
   const kept = (value: number, length: number) =>
@@ -105,13 +105,13 @@ function cornerAt(container: string, pointer: Pointer, around: Around): Point {
 function ghost(
   container: string,
   at: Point,
-  around: Around,
+  context: ToolContext,
   size?: { readonly width: number; readonly height: number },
 ): Box {
-  const { places } = around;
+  const { places } = context;
   const outer = places.box(container) ?? { x: 0, y: 0 };
   const unit = places.unit(container);
-  const side = sideIn(container, around);
+  const side = sideIn(container, context);
   return {
     x: outer.x + at.x * unit,
     y: outer.y + at.y * unit,
@@ -120,7 +120,11 @@ function ghost(
   };
 }
 
-function lineUnder(container: string, pointer: Pointer, { places, camera }: Around): Route | null {
+function lineUnder(
+  container: string,
+  pointer: Pointer,
+  { places, camera }: ToolContext,
+): Route | null {
   const near = places
     .routes(container)
     .find(

@@ -21,7 +21,7 @@ export interface Pointer extends Point {
 }
 
 /** What a gesture can see: the machine as it is without the gesture. */
-export interface Around {
+export interface ToolContext {
   readonly machine: Machine;
   readonly places: Placed;
   readonly camera: Camera;
@@ -53,21 +53,21 @@ export interface Gesture {
   readonly select?: readonly ElementRef[];
   /** Whether it goes on without a button held, until a click on its target. */
   readonly isSticky?: boolean;
-  readonly move: (pointer: Pointer, around: Around) => Gesture;
+  readonly move: (pointer: Pointer, context: ToolContext) => Gesture;
   /** What comes of it now. */
   readonly result: () => Result;
   /** A press while it goes on without a button, or a key; null if it has no use for it. */
-  readonly mark?: (around: Around) => Gesture | null;
+  readonly mark?: (context: ToolContext) => Gesture | null;
   /** The next (1) or last (-1) target by keyboard. */
-  readonly cycle?: (by: 1 | -1, around: Around) => Gesture;
+  readonly cycle?: (by: 1 | -1, context: ToolContext) => Gesture;
 }
 
 /** How far a pointer, or a finger, goes before it drags, in CSS pixels. */
 export const DRAG_DISTANCE = { pointer: 4, finger: 10 } as const;
 
 /** The pointer in the root's coordinates. */
-export function worldOf(pointer: Point, around: Around): Point {
-  return worldFromScreen(around.camera, pointer);
+export function worldOf(pointer: Point, context: ToolContext): Point {
+  return worldFromScreen(context.camera, pointer);
 }
 
 /** A point of the root's coordinates in those inside a state. */

@@ -5,7 +5,7 @@ import { visibleBox } from "../camera.ts";
 import { childrenIn } from "../hit/near.ts";
 import type { Overlay } from "../overlay.ts";
 import { stepFor } from "../scene/ruled.ts";
-import type { Around } from "./gesture.ts";
+import type { ToolContext } from "./gesture.ts";
 
 export type Guides = Overlay["guides"];
 
@@ -14,11 +14,11 @@ const SNAP = 5;
 
 /** What a box may line up with: the children of a container that can be seen, but for some, and the container itself. */
 export function neighbours(
-  around: Around,
+  context: ToolContext,
   container: string,
   without: ReadonlySet<string>,
 ): readonly Box[] {
-  const { places, camera, size } = around;
+  const { places, camera, size } = context;
   const seen = visibleBox(camera, size);
   const paths = childrenIn(places, container, seen).filter((path) => !without.has(path));
   return [...paths, container].flatMap((path) => {
@@ -43,15 +43,15 @@ export type Lines = readonly (0 | 0.5 | 1)[];
 export function snapped(
   box: Box,
   others: readonly Box[],
-  around: Around,
+  context: ToolContext,
   lines: { readonly x: Lines; readonly y: Lines } = { x: [0, 0.5, 1], y: [0, 0.5, 1] },
 ): { readonly by: Point; readonly guides: Guides } {
-  const reach = SNAP / around.camera.scale;
+  const reach = SNAP / context.camera.scale;
   const x = best(box, others, "x", lines.x, reach);
   const y = best(box, others, "y", lines.y, reach);
   const by = {
-    x: x?.by ?? toRuled(box, "x", lines.x, around),
-    y: y?.by ?? toRuled(box, "y", lines.y, around),
+    x: x?.by ?? toRuled(box, "x", lines.x, context),
+    y: y?.by ?? toRuled(box, "y", lines.y, context),
   };
   const there = { ...box, x: box.x + by.x, y: box.y + by.y };
   const guides: Guides[number][] = [];
@@ -61,7 +61,7 @@ export function snapped(
 }
 
 /** How far the first line of a box is from the nearest ruled one, if those show. */
-function toRuled(box: Box, axis: Axis, [line]: Lines, { look, camera }: Around): number {
+function toRuled(box: Box, axis: Axis, [line]: Lines, { look, camera }: ToolContext): number {
   if (!look.modes.grid || line === undefined) return 0;
   const step = stepFor(camera.scale);
   const at = box[axis] + box[axis === "x" ? "width" : "height"] * line;

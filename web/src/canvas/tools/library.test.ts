@@ -24,19 +24,19 @@ test("what is inside a library is selected, and not edited", () => {
   const canvas = opened();
   expect(canvas.click("R/L/G/M").selection()).toBe("state:R/L/G/M");
   const { x, y } = canvas.point("R/L/G/M");
-  expect(canvas.hand.at({ x: x + 68, y: y + 68 })?.on).not.toBe("grip");
+  expect(canvas.controller.at({ x: x + 68, y: y + 68 })?.on).not.toBe("grip");
 });
 
 test("dragging inside a library moves the library state", () => {
   const canvas = opened().press("R/L/G/M").by(33, 17).release();
   expect([canvas.box("L"), canvas.selection()]).toEqual(["333 117 500 500", "state:R/L"]);
   const port = opened().press("R/L/G/M.ok").by(-33, 17);
-  expect(port.hand.doing).toBe("move");
+  expect(port.controller.doing).toBe("move");
 });
 
 test("a library takes no states, the container around it does", () => {
   const canvas = opened().bring({ insert: "execution" }, { x: 500, y: 560 });
-  expect(canvas.hand.overlay.value.drop).toBe("state:R");
+  expect(canvas.controller.overlay.value.drop).toBe("state:R");
 });
 
 test("a connection that is let go inside of a library leads to the library state", () => {
@@ -48,14 +48,14 @@ test("a line inside a library is selected, and makes no waypoints", () => {
   const canvas = opened();
   const [from, to] = [canvas.point("R/L/G/M.ok"), canvas.point("R/L/G/N.income")];
   const at =
-    canvas.hand
+    canvas.controller
       .places()
       .routes("R/L/G")
       .find(({ id }) => id === 1)?.points ?? [];
   expect(at[0]).toEqual(from);
   expect(at.at(-1)).toEqual(to);
   canvas.select("transition:R/L/G:1");
-  expect(canvas.hand.at(from)?.on).not.toBe("end");
+  expect(canvas.controller.at(from)?.on).not.toBe("end");
 });
 
 test("a name inside a library is refused before it is typed", () => {

@@ -19,8 +19,10 @@ test("dragging a line makes a waypoint, and shows it", () => {
   const canvas = driver(MACHINE);
   const { x, y } = middle(canvas);
   canvas.press({ x, y }).drag({ x, y: y + 80 });
-  expect(canvas.hand.doing).toBe("waypoint");
-  expect(canvas.hand.overlay.value.waypoints.get("transition:R:1")).toEqual([{ x, y: y + 80 }]);
+  expect(canvas.controller.doing).toBe("waypoint");
+  expect(canvas.controller.overlay.value.waypoints.get("transition:R:1")).toEqual([
+    { x, y: y + 80 },
+  ]);
   canvas.release();
   expect(canvas.text()).toContain(`set_waypoints R {"transition":1} [[${x},${y + 80}]]`);
   expect(canvas.selection()).toBe("transition:R:1");
@@ -43,7 +45,7 @@ test("with Shift a waypoint keeps an even direction", () => {
   const at = middle(canvas);
   const from = canvas.point("A.ok");
   canvas.press(at).drag({ x: from.x + 100, y: from.y + 90 }, { shift: true });
-  const [point] = canvas.hand.overlay.value.waypoints.get("transition:R:1") ?? [];
+  const [point] = canvas.controller.overlay.value.waypoints.get("transition:R:1") ?? [];
   expect((point?.x ?? 0) - from.x).toBeCloseTo((point?.y ?? 0) - from.y);
 });
 
@@ -60,7 +62,7 @@ test("Escape leaves the line as it was", () => {
 
 test("the end of a selected line is led to another state", () => {
   const canvas = driver(MACHINE).select("transition:R:1").press("B.income").drag("C.income");
-  expect(canvas.hand.overlay.value.line?.legal).toBe(true);
+  expect(canvas.controller.overlay.value.line?.legal).toBe(true);
   canvas.release();
   expect(canvas.text()).toBe(
     'Change end of transition: set_transition_target R 1 {"state":"C"}\nselected: transition:R:1',
@@ -75,7 +77,7 @@ test("let go over nothing the end stays where it was", () => {
 
 test("with Ctrl a port slides along the border, around corners", () => {
   const canvas = driver(MACHINE).press("A.ok", { ctrl: true }).drag({ x: 90, y: 300 });
-  expect(canvas.hand.overlay.value.ports.get("outcome:R/A:0")).toEqual({ x: 40, y: 100 });
+  expect(canvas.controller.overlay.value.ports.get("outcome:R/A:0")).toEqual({ x: 40, y: 100 });
   canvas.release();
   expect(canvas.text()).toContain('set_position R/A {"outcome":0} [40,100]');
   expect(canvas.point("A.ok")).toEqual({ x: 90, y: 200 });
@@ -83,11 +85,11 @@ test("with Ctrl a port slides along the border, around corners", () => {
 
 test("with Ctrl the name of a selected state moves, its corner resizes it", () => {
   const canvas = driver().select("state:R/C").press({ x: 150, y: 365 }, { ctrl: true }).by(20, 40);
-  expect(canvas.hand.doing).toBe("name");
+  expect(canvas.controller.doing).toBe("name");
   canvas.release();
   expect(canvas.text()).toContain("set_position R/C name");
   const before = driver().select("state:R/C");
-  const name = before.hand.places().name("R/C");
+  const name = before.controller.places().name("R/C");
   if (!name) throw new Error("no name");
   before.press({ x: name.x + name.width, y: name.y + name.height }, { ctrl: true }).by(-100, -20);
   expect(before.release().text()).toContain("set_size R/C name");

@@ -3,7 +3,7 @@ import { driver } from "../testing/driver.ts";
 
 test("a state is dragged, and shows where it will be", () => {
   const canvas = driver().press("A").by(33, 37);
-  expect(canvas.hand.overlay.value.boxes.get("R/A")).toMatchObject({ x: 83, y: 137 });
+  expect(canvas.controller.overlay.value.boxes.get("R/A")).toMatchObject({ x: 83, y: 137 });
   expect(canvas.session.made).toEqual([]);
   canvas.release();
   expect(canvas.text()).toBe("Move Scan: set_position R/A state [83,137]\nselected: state:R/A");
@@ -21,10 +21,12 @@ test("selected states of one container move together", () => {
 
 test("a state snaps to others, and a line says to what", () => {
   const canvas = driver().press("A").by(33, 3);
-  expect(canvas.hand.overlay.value.guides).toEqual([
+  expect(canvas.controller.overlay.value.guides).toEqual([
     { from: { x: 83, y: 100 }, to: { x: 600, y: 100 } },
   ]);
-  expect(canvas.drag({ x: 183, y: 178 }, { ctrl: true }).hand.overlay.value.guides).toEqual([]);
+  expect(canvas.drag({ x: 183, y: 178 }, { ctrl: true }).controller.overlay.value.guides).toEqual(
+    [],
+  );
 });
 
 test("a state stays inside its container", () => {
@@ -34,7 +36,9 @@ test("a state stays inside its container", () => {
 
 test("with Alt a copy is made", () => {
   const canvas = driver().press("A").by(33, 57, { alt: true });
-  expect(canvas.hand.overlay.value.ghosts).toEqual([{ x: 83, y: 157, width: 200, height: 150 }]);
+  expect(canvas.controller.overlay.value.ghosts).toEqual([
+    { x: 83, y: 157, width: 200, height: 150 },
+  ]);
   canvas.release();
   expect(canvas.session.made.map(({ name }) => name)).toEqual(["Duplicate Scan"]);
   expect(canvas.box("A")).toBe("50 100 200 150");
@@ -42,7 +46,7 @@ test("with Alt a copy is made", () => {
 
 test("a state goes into another container, and out of it", async () => {
   const canvas = driver().press("A").drag({ x: 450, y: 500 });
-  const { drop, message } = canvas.hand.overlay.value;
+  const { drop, message } = canvas.controller.overlay.value;
   expect([drop, message?.text]).toEqual(["state:R/C", "Move into “Box”; 2 connections go"]);
   await canvas.release().answered();
   expect(canvas.text()).toContain('move_states R ["A"] R/C ["A"]');
@@ -62,7 +66,7 @@ test("a state that is dropped on a transition is inserted there", () => {
   `);
   const [from, to] = [canvas.point("A.ok"), canvas.point("B.income")];
   canvas.press("N").drag({ x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 });
-  expect(canvas.hand.overlay.value.drop).toBe("transition:R:1");
+  expect(canvas.controller.overlay.value.drop).toBe("transition:R:1");
   canvas.release();
   const [made] = canvas.session.made;
   expect(JSON.stringify(made?.edit)).toContain('"set_transition_target"');
@@ -72,7 +76,7 @@ test("a state that is dropped on a transition is inserted there", () => {
 
 test("the root does not move: its ground takes a rubber band", () => {
   const canvas = driver().press({ x: 880, y: 680 }).by(-50, -50);
-  expect(canvas.hand.doing).toBe("band");
+  expect(canvas.controller.doing).toBe("band");
 });
 
 test("Escape takes the state back", () => {
@@ -82,9 +86,9 @@ test("Escape takes the state back", () => {
 
 test("Ctrl and arrows move by a step, with Alt by a small one", () => {
   const canvas = driver().click("A").key("ArrowRight", { ctrl: true });
-  canvas.hand.flush();
+  canvas.controller.flush();
   expect(canvas.box("A")).toBe("64 100 200 150");
-  canvas.key("ArrowUp", { alt: true }).hand.flush();
+  canvas.key("ArrowUp", { alt: true }).controller.flush();
   expect(canvas.box("A")).toBe("64 98.6 200 150");
 });
 

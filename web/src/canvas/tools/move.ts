@@ -1,7 +1,7 @@
 /** Moves states: within their container, along guide lines; into another one; into a transition; with Alt as copies. */
 
 import { keyOf } from "../../model/element.ts";
-import { type Box, around as boxAround, type Point } from "../../model/geometry.ts";
+import { type Box, boundsOf, type Point } from "../../model/geometry.ts";
 import { isContainer, transitionsOf } from "../../model/machine.ts";
 import { idOf, isWithin, parentOf } from "../../model/path.ts";
 import { duplicate, duplicateInto } from "../../plan/clipboard.ts";
@@ -15,12 +15,12 @@ import { NO_OVERLAY, type Overlay } from "../overlay.ts";
 import type { Route } from "../places.ts";
 import { editsOf } from "./edits.ts";
 import {
-  type Around,
   type Gesture,
   inState,
   minus,
   type Pointer,
   plus,
+  type ToolContext,
   worldOf,
 } from "./gesture.ts";
 import { type Guides, neighbours, snapped } from "./guides.ts";
@@ -38,19 +38,19 @@ interface Moving {
 }
 
 /** Begins to move states, from where the pointer was pressed. None of them is the root. */
-export function moving(paths: readonly string[], pressed: Pointer, around: Around): Gesture {
+export function moving(paths: readonly string[], pressed: Pointer, context: ToolContext): Gesture {
   const parents = new Set(paths.map(parentOf));
   const [parent] = parents;
   const container = parents.size === 1 && parent !== undefined ? parent : null;
-  const boxes = paths.flatMap((path) => around.places.box(path) ?? []);
+  const boxes = paths.flatMap((path) => context.places.box(path) ?? []);
   const start: Moving = {
     paths,
-    from: worldOf(pressed, around),
+    from: worldOf(pressed, context),
     container,
-    box: boxAround(boxes) ?? { x: 0, y: 0, width: 0, height: 0 },
-    others: container === null ? [] : neighbours(around, container, new Set(paths)),
+    box: boundsOf(boxes) ?? { x: 0, y: 0, width: 0, height: 0 },
+    others: container === null ? [] : neighbours(context, container, new Set(paths)),
   };
-  return next(start, pressed, around);
+  return next(start, pressed, context);
 }
 
 interface Step {
@@ -59,8 +59,8 @@ interface Step {
   readonly plan: () => Planned | null;
 }
 
-function next(start: Moving, pointer: Pointer, around: Around): Gesture {
-  const step = pointer.alt ? copy(start, pointer, around) : drop(start, pointer, around);
+function next(start: Moving, pointer: Pointer, context: ToolContext): Gesture {
+  const step = pointer.alt ? copy(start, pointer, context) : drop(start, pointer, context);
   return {
     name: "move",
     cursor: step.cursor ?? "grabbing",
@@ -73,56 +73,56 @@ function next(start: Moving, pointer: Pointer, around: Around): Gesture {
   };
 }
 
-function copy(start: Moving, pointer: Pointer, around: Around): Step {
-  const target = containerAt(pointer, around, start.paths);
+function copy(start: Moving, pointer: Pointer, context: ToolContext): Step {
+  const target = containerAt(pointer, context, start.paths);
   if (target !== null && start.container !== null && target !== start.container) {
-    return { cursor: "copy", ...intoContainer(start, target, pointer, around, "copy") };
+    return { cursor: "copy", ...intoContainer(start, target, pointer, context, "copy") };
   }
-  const { by, guides } = way(start, pointer, around);
-  const overlay = { ...NO_OVERLAY, guides, ghosts: ghosts(start, by, around) };
+  const { by, guides } = way(start, pointer, context);
+  const overlay = { ...NO_OVERLAY, guides, ghosts: ghosts(start, by, context) };
   return {
     overlay,
     cursor: "copy",
     plan: () =>
-      isNone(by) ? null : duplicate(around.machine, start.paths, inside(start, by, around)),
+      isNone(by) ? null : duplicate(context.machine, start.paths, inside(start, by, context)),
   };
 }
 
-function drop(start: Moving, pointer: Pointer, around: Around): Step {
-  const target = containerAt(pointer, around, start.paths);
+function drop(start: Moving, pointer: Pointer, context: ToolContext): Step {
+  const target = containerAt(pointer, context, start.paths);
   if (target !== null && start.container !== null && target !== start.container) {
-    return intoContainer(start, target, pointer, around, "move");
+    return intoContainer(start, target, pointer, context, "move");
   }
-  const line = lineUnder(start, pointer, around);
-  return line ? intoLine(start, line, pointer, around) : within(start, pointer, around);
+  const line = lineUnder(start, pointer, context);
+  return line ? intoLine(start, line, pointer, context) : within(start, pointer, context);
 }
 
 /** Within the container: along guide lines, and not out of it. */
-function within(start: Moving, pointer: Pointer, around: Around): Step {
-  const { by, guides } = way(start, pointer, around);
+function within(start: Moving, pointer: Pointer, context: ToolContext): Step {
+  const { by, guides } = way(start, pointer, context);
   if (isNone(by)) return { overlay: NO_OVERLAY, plan: () => null };
-  const plan = move(around.machine, start.paths, inside(start, by, around));
-  return { overlay: { ...preview(plan, around), guides }, plan: () => plan };
+  const plan = move(context.machine, start.paths, inside(start, by, context));
+  return { overlay: { ...preview(plan, context), guides }, plan: () => plan };
 }
 
 /** The way of the boxes, in the root's coordinates. */
 function way(
   start: Moving,
   pointer: Pointer,
-  around: Around,
+  context: ToolContext,
 ): { readonly by: Point; readonly guides: Guides } {
-  const wanted = minus(worldOf(pointer, around), start.from);
+  const wanted = minus(worldOf(pointer, context), start.from);
   if (isNone(wanted)) return { by: wanted, guides: [] };
   const box = { ...start.box, x: start.box.x + wanted.x, y: start.box.y + wanted.y };
   const snap = pointer.ctrl
     ? { by: { x: 0, y: 0 }, guides: [] }
-    : snapped(box, start.others, around);
-  const by = kept(start, plus(wanted, snap.by), around);
+    : snapped(box, start.others, context);
+  const by = kept(start, plus(wanted, snap.by), context);
   return { by, guides: snap.guides };
 }
 
 /** So far that the boxes stay inside their container, if they fit. */
-function kept({ box, container }: Moving, by: Point, { places }: Around): Point {
+function kept({ box, container }: Moving, by: Point, { places }: ToolContext): Point {
   const outer = container === null ? undefined : places.box(container);
   if (!outer) return by;
   return {
@@ -140,12 +140,12 @@ function isNone(by: Point): boolean {
 }
 
 /** A way of the root's coordinates in those of the container. */
-function inside({ container }: Moving, by: Point, { places }: Around): Point {
+function inside({ container }: Moving, by: Point, { places }: ToolContext): Point {
   const unit = container === null ? 1 : places.unit(container);
   return { x: by.x / unit, y: by.y / unit };
 }
 
-function ghosts({ paths }: Moving, by: Point, { places }: Around): readonly Box[] {
+function ghosts({ paths }: Moving, by: Point, { places }: ToolContext): readonly Box[] {
   return paths.flatMap((path) => {
     const box = places.box(path);
     return box ? [{ ...box, ...plus(box, by) }] : [];
@@ -155,20 +155,20 @@ function ghosts({ paths }: Moving, by: Point, { places }: Around): readonly Box[
 /** The innermost container under the pointer that takes states: none inside of what is moved, and none in a library. */
 export function containerAt(
   pointer: Point,
-  around: Around,
+  context: ToolContext,
   moved: readonly string[],
 ): string | null {
-  const { machine, places, camera } = around;
+  const { machine, places, camera } = context;
   const found = statesAt(places, machine, camera, pointer).findLast((path) => {
     const state = machine.state(path);
     if (!state || !isContainer(state) || machine.isInLibrary(path)) return false;
-    return !moved.some((one) => isWithin(path, one)) && isRoomy(around, path);
+    return !moved.some((one) => isWithin(path, one)) && isRoomy(context, path);
   });
   return found ?? null;
 }
 
 /** So small a container takes nothing: one could not see what was dropped. */
-function isRoomy({ places, camera }: Around, path: string): boolean {
+function isRoomy({ places, camera }: ToolContext, path: string): boolean {
   const box = places.box(path);
   return box !== undefined && Math.min(box.width, box.height) * camera.scale >= 40;
 }
@@ -177,12 +177,12 @@ function intoContainer(
   start: Moving,
   target: string,
   pointer: Pointer,
-  around: Around,
+  context: ToolContext,
   how: "move" | "copy",
 ): Step {
-  const { machine } = around;
-  const by = minus(worldOf(pointer, around), start.from);
-  const at = inState(around.places, target, plus(start.box, by));
+  const { machine } = context;
+  const by = minus(worldOf(pointer, context), start.from);
+  const at = inState(context.places, target, plus(start.box, by));
   const plan = (how === "copy" ? duplicateInto : moveInto)(machine, start.paths, target, at);
   const name = machine.state(target)?.name ?? target;
   const lost = how === "copy" ? 0 : lostConnections(machine, start.paths);
@@ -197,7 +197,7 @@ function intoContainer(
   const overlay = {
     ...NO_OVERLAY,
     drop: keyOf({ kind: "state", path: target }),
-    ghosts: ghosts(start, by, around),
+    ghosts: ghosts(start, by, context),
     message,
   };
   return isRefused(plan)
@@ -208,26 +208,30 @@ function intoContainer(
 const LINE_REACH = 8;
 
 /** The transition into which a single state would be dropped: one that has nothing to do with it yet. */
-function lineUnder({ paths, container }: Moving, pointer: Pointer, around: Around): Route | null {
+function lineUnder(
+  { paths, container }: Moving,
+  pointer: Pointer,
+  context: ToolContext,
+): Route | null {
   const [path, ...others] = paths;
   if (path === undefined || others.length > 0 || container === null) return null;
-  const routes = around.places.routes(container);
+  const routes = context.places.routes(container);
   const near = routes.find(
     (route) =>
       route.kind === "transition" &&
-      distanceToLine(route.points, pointer, around.camera) <= LINE_REACH &&
-      !touches(route, path, around),
+      distanceToLine(route.points, pointer, context.camera) <= LINE_REACH &&
+      !touches(route, path, context),
   );
-  return near && !isConnected(path, container, around) ? near : null;
+  return near && !isConnected(path, container, context) ? near : null;
 }
 
-function touches(route: Route, path: string, { machine }: Around): boolean {
+function touches(route: Route, path: string, { machine }: ToolContext): boolean {
   const state = machine.state(route.path);
   const one = state && transitionsOf(state).find(({ id }) => id === route.id);
   return one !== undefined && (one.from_state === idOf(path) || one.to_state === idOf(path));
 }
 
-function isConnected(path: string, container: string, { machine }: Around): boolean {
+function isConnected(path: string, container: string, { machine }: ToolContext): boolean {
   const state = machine.state(container);
   const id = idOf(path);
   return (
@@ -236,16 +240,16 @@ function isConnected(path: string, container: string, { machine }: Around): bool
   );
 }
 
-function intoLine(start: Moving, route: Route, pointer: Pointer, around: Around): Step {
-  const { by } = way({ ...start, others: [] }, pointer, around);
+function intoLine(start: Moving, route: Route, pointer: Pointer, context: ToolContext): Step {
+  const { by } = way({ ...start, others: [] }, pointer, context);
   const [path = ""] = start.paths;
   const transition = { kind: "transition", path: route.path, id: route.id } as const;
-  const at = inState(around.places, route.path, plus(start.box, by));
-  const plan = insertState(around.machine, transition, path, at);
-  const moved = move(around.machine, [path], inside(start, by, around));
-  if (isRefused(plan) || isRefused(moved)) return within(start, pointer, around);
+  const at = inState(context.places, route.path, plus(start.box, by));
+  const plan = insertState(context.machine, transition, path, at);
+  const moved = move(context.machine, [path], inside(start, by, context));
+  if (isRefused(plan) || isRefused(moved)) return within(start, pointer, context);
   const both = { ...plan, edit: together([...editsOf(moved.edit), ...editsOf(plan.edit)]) };
-  const shown = preview(moved, around);
+  const shown = preview(moved, context);
   const overlay = {
     ...shown,
     drop: keyOf(transition),

@@ -3,7 +3,14 @@
 import type { Box, Point } from "../../model/geometry.ts";
 import { moveName, resizeName } from "../../plan/move.ts";
 import { NO_OVERLAY } from "../overlay.ts";
-import { type Around, type Gesture, inState, minus, type Pointer, worldOf } from "./gesture.ts";
+import {
+  type Gesture,
+  inState,
+  minus,
+  type Pointer,
+  type ToolContext,
+  worldOf,
+} from "./gesture.ts";
 
 interface Naming {
   readonly path: string;
@@ -15,20 +22,25 @@ interface Naming {
 }
 
 /** Begins to move the name of a state, or to resize its place by the corner at the right bottom. */
-export function naming(path: string, corner: boolean, pressed: Pointer, around: Around): Gesture {
-  const { places } = around;
+export function naming(
+  path: string,
+  corner: boolean,
+  pressed: Pointer,
+  context: ToolContext,
+): Gesture {
+  const { places } = context;
   const unit = places.unit(path);
   const [name, state] = [places.name(path), places.box(path)];
   const own = (box: Box | undefined): Box =>
     box
       ? { ...inState(places, path, box), width: box.width / unit, height: box.height / unit }
       : { x: 0, y: 0, width: 1, height: 1 };
-  const from = inState(places, path, worldOf(pressed, around));
-  return next({ path, corner, from, box: own(name), state: own(state) }, pressed, around);
+  const from = inState(places, path, worldOf(pressed, context));
+  return next({ path, corner, from, box: own(name), state: own(state) }, pressed, context);
 }
 
-function next(start: Naming, pointer: Pointer, around: Around): Gesture {
-  const by = minus(inState(around.places, start.path, worldOf(pointer, around)), start.from);
+function next(start: Naming, pointer: Pointer, context: ToolContext): Gesture {
+  const by = minus(inState(context.places, start.path, worldOf(pointer, context)), start.from);
   const box = start.corner ? resized(start, by) : moved(start, by);
   const plan = start.corner ? resizeName : moveName;
   return {
@@ -37,15 +49,16 @@ function next(start: Naming, pointer: Pointer, around: Around): Gesture {
     overlay: {
       ...NO_OVERLAY,
       names: new Map([[start.path, box]]),
-      ghosts: [inRoot(start, box, around)],
+      ghosts: [inRoot(start, box, context)],
     },
     move: (then, there) => next(start, then, there),
-    result: () => (by.x === 0 && by.y === 0 ? {} : { plan: plan(around.machine, start.path, box) }),
+    result: () =>
+      by.x === 0 && by.y === 0 ? {} : { plan: plan(context.machine, start.path, box) },
   };
 }
 
 /** The place of the name in the root's coordinates, so that one sees how large it is. */
-function inRoot({ path }: Naming, box: Box, { places }: Around): Box {
+function inRoot({ path }: Naming, box: Box, { places }: ToolContext): Box {
   const state = places.box(path) ?? box;
   const unit = places.unit(path);
   return {

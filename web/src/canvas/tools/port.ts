@@ -5,23 +5,28 @@ import type { Box, Point } from "../../model/geometry.ts";
 import { movePort } from "../../plan/move.ts";
 import type { PortRef } from "../hit/look.ts";
 import { NO_OVERLAY } from "../overlay.ts";
-import { type Around, type Gesture, inState, type Pointer, worldOf } from "./gesture.ts";
+import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
 /** Begins to slide a port; it stays on the border, as near to the pointer as it can. */
-export function sliding(port: PortRef, pointer: Pointer, around: Around): Gesture {
-  return next(port, null, pointer, around);
+export function sliding(port: PortRef, pointer: Pointer, context: ToolContext): Gesture {
+  return next(port, null, pointer, context);
 }
 
-function next(port: PortRef, before: Point | null, pointer: Pointer, around: Around): Gesture {
-  const box = around.places.box(port.path);
-  const to = box && nearestOnBorder(box, worldOf(pointer, around));
-  const at = to ? inState(around.places, port.path, to) : before;
+function next(
+  port: PortRef,
+  before: Point | null,
+  pointer: Pointer,
+  context: ToolContext,
+): Gesture {
+  const box = context.places.box(port.path);
+  const to = box && nearestOnBorder(box, worldOf(pointer, context));
+  const at = to ? inState(context.places, port.path, to) : before;
   return {
     name: "port",
     cursor: "grabbing",
     overlay: at ? { ...NO_OVERLAY, ports: new Map([[keyOf(port), at]]) } : NO_OVERLAY,
     move: (then, there) => next(port, at, then, there),
-    result: () => (at ? { plan: movePort(around.machine, port, at) } : {}),
+    result: () => (at ? { plan: movePort(context.machine, port, at) } : {}),
   };
 }
 

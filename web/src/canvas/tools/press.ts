@@ -9,7 +9,13 @@ import type { Hit } from "../hit/look.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { banding } from "./band.ts";
 import { connecting } from "./connect.ts";
-import { type Around, DRAG_DISTANCE, type Gesture, ownState, type Pointer } from "./gesture.ts";
+import {
+  DRAG_DISTANCE,
+  type Gesture,
+  ownState,
+  type Pointer,
+  type ToolContext,
+} from "./gesture.ts";
 import { moving } from "./move.ts";
 import { naming } from "./name.ts";
 import { panning } from "./pan.ts";
@@ -25,7 +31,7 @@ export interface Press extends Pointer {
 }
 
 /** Begins with what is under the pointer. */
-export function pressing(hit: Hit | null, press: Press, around: Around): Gesture {
+export function pressing(hit: Hit | null, press: Press, context: ToolContext): Gesture {
   const least = press.isTouch ? DRAG_DISTANCE.finger : DRAG_DISTANCE.pointer;
   const isFar = (pointer: Pointer) => distance(pointer, press) >= least;
   const still: Gesture = {
@@ -33,85 +39,85 @@ export function pressing(hit: Hit | null, press: Press, around: Around): Gesture
     cursor: cursorAt(hit),
     overlay: NO_OVERLAY,
     move: (pointer, then) =>
-      isFar(pointer) ? dragging(hit, press, around).move(pointer, then) : still,
-    result: () => clicked(hit, press, around),
+      isFar(pointer) ? dragging(hit, press, context).move(pointer, then) : still,
+    result: () => clicked(hit, press, context),
   };
   return still;
 }
 
-function clicked(hit: Hit | null, press: Press, around: Around) {
+function clicked(hit: Hit | null, press: Press, context: ToolContext) {
   if (!hit) return press.ctrl || press.shift ? {} : { select: [] };
-  if (setsBreakpoint(hit, press, around)) {
+  if (setsBreakpoint(hit, press, context)) {
     return { run: { command: "run.breakpoint", argument: hit.element.path } };
   }
   return press.ctrl || press.shift ? { toggle: hit.element } : { select: [hit.element] };
 }
 
 /** A finger hits more than it means: it selects the state first. */
-function setsBreakpoint(hit: Hit, press: Press, around: Around): boolean {
+function setsBreakpoint(hit: Hit, press: Press, context: ToolContext): boolean {
   if (hit.on !== "breakpoint" || press.ctrl || press.shift) return false;
-  return !press.isTouch || isSelected(hit.element, around);
+  return !press.isTouch || isSelected(hit.element, context);
 }
 
 /** The gesture that dragging begins there. */
-function dragging(hit: Hit | null, press: Press, around: Around): Gesture {
+function dragging(hit: Hit | null, press: Press, context: ToolContext): Gesture {
   if (press.shift && (!hit || hit.on === "state" || hit.on === "name" || hit.on === "line")) {
-    return band(press, around);
+    return band(press, context);
   }
-  if (!hit) return ground(press, around);
-  if (around.machine.isInLibrary(hit.element.path)) return stateDrag(hit, press, around);
+  if (!hit) return ground(press, context);
+  if (context.machine.isInLibrary(hit.element.path)) return stateDrag(hit, press, context);
   switch (hit.on) {
     case "grip":
-      return resizing(hit.element.path, hit.grip, press, around);
+      return resizing(hit.element.path, hit.grip, press, context);
     case "port":
       return press.ctrl
-        ? sliding(hit.element, press, around)
-        : connecting(hit.element, press, around, false);
+        ? sliding(hit.element, press, context)
+        : connecting(hit.element, press, context, false);
     case "end":
-      return reconnecting(hit.element, hit.end, press, around);
+      return reconnecting(hit.element, hit.end, press, context);
     case "waypoint":
     case "middle":
     case "line":
-      return withSelection(bent(hit, press, around), [hit.element]);
+      return withSelection(bent(hit, press, context), [hit.element]);
     case "breakpoint":
-      return stateDrag(hit, press, around);
+      return stateDrag(hit, press, context);
     case "name":
-      if (press.ctrl && isSelected(hit.element, around)) {
-        return naming(hit.element.path, hit.corner, press, around);
+      if (press.ctrl && isSelected(hit.element, context)) {
+        return naming(hit.element.path, hit.corner, press, context);
       }
-      return stateDrag(hit, press, around);
+      return stateDrag(hit, press, context);
     case "state":
-      return stateDrag(hit, press, around);
+      return stateDrag(hit, press, context);
   }
 }
 
 function bent(
   hit: Extract<Hit, { readonly on: "waypoint" | "middle" | "line" }>,
   press: Press,
-  around: Around,
+  context: ToolContext,
 ): Gesture {
   if (hit.on !== "line") {
-    return bending(hit.element, hit.index, hit.on === "waypoint", press, around);
+    return bending(hit.element, hit.index, hit.on === "waypoint", press, context);
   }
-  const route = routeOf(around.places, hit.element);
-  const index = route ? nearestPart(route, press, around.camera) : 0;
-  return bending(hit.element, index, false, press, around);
+  const route = routeOf(context.places, hit.element);
+  const index = route ? nearestPart(route, press, context.camera) : 0;
+  return bending(hit.element, index, false, press, context);
 }
 
-function isSelected(element: ElementRef, { look }: Around): boolean {
+function isSelected(element: ElementRef, { look }: ToolContext): boolean {
   return look.selection.has(keyOf(element));
 }
 
 /** On the ground of the root, or of a state that fills the view, there is a rubber band; other states move. */
-function stateDrag(hit: Hit, press: Press, around: Around): Gesture {
-  const path = ownState(around.machine, hit.element.path);
+function stateDrag(hit: Hit, press: Press, context: ToolContext): Gesture {
+  const path = ownState(context.machine, hit.element.path);
   const element = { kind: "state", path } as const;
-  if (press.isTouch && !isSelected(element, around)) return panning(press, around.camera);
-  if (hit.on === "state" && isStage(hit.element.path, around)) return ground(press, around);
-  if (parentOf(path) === null) return ground(press, around);
-  const states = isSelected(element, around) ? movable(path, around) : [path];
-  const gesture = moving(states.includes(path) ? states : [path], press, around);
-  return isSelected(element, around) ? gesture : withSelection(gesture, [element]);
+  if (press.isTouch && !isSelected(element, context)) return panning(press, context.camera);
+  if (hit.on === "state" && isStage(hit.element.path, context)) return ground(press, context);
+  if (parentOf(path) === null) return ground(press, context);
+  const states = isSelected(element, context) ? movable(path, context) : [path];
+  const gesture = moving(states.includes(path) ? states : [path], press, context);
+  return isSelected(element, context) ? gesture : withSelection(gesture, [element]);
 }
 
 function withSelection(gesture: Gesture, select: readonly ElementRef[]): Gesture {
@@ -123,7 +129,7 @@ function withSelection(gesture: Gesture, select: readonly ElementRef[]): Gesture
 }
 
 /** The selected states that can be moved along with one: they stand in its container. */
-function movable(along: string, { look, machine }: Around): readonly string[] {
+function movable(along: string, { look, machine }: ToolContext): readonly string[] {
   return [...look.selection].flatMap((key) => {
     const element = elementOf(key);
     const isOwn = element?.kind === "state" && !machine.isInLibrary(element.path);
@@ -131,13 +137,13 @@ function movable(along: string, { look, machine }: Around): readonly string[] {
   });
 }
 
-function ground(press: Press, around: Around): Gesture {
-  return press.isTouch ? panning(press, around.camera) : band(press, around);
+function ground(press: Press, context: ToolContext): Gesture {
+  return press.isTouch ? panning(press, context.camera) : band(press, context);
 }
 
-function band(press: Press, around: Around): Gesture {
-  const kept = [...around.look.selection].flatMap((key) => elementOf(key) ?? []);
-  return banding(press, around, press.ctrl ? kept : []);
+function band(press: Press, context: ToolContext): Gesture {
+  const kept = [...context.look.selection].flatMap((key) => elementOf(key) ?? []);
+  return banding(press, context, press.ctrl ? kept : []);
 }
 
 /** The cursor over what a press would take. */

@@ -7,10 +7,10 @@ import type { Box, Point } from "../../model/geometry.ts";
 import { parentOf } from "../../model/path.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
-import { type Around, inState } from "./gesture.ts";
+import { inState, type ToolContext } from "./gesture.ts";
 
 interface Draft {
-  readonly around: Around;
+  readonly context: ToolContext;
   readonly boxes: Map<string, Box>;
   readonly names: Map<string, Box>;
   readonly ports: Map<ElementKey, Point>;
@@ -18,10 +18,10 @@ interface Draft {
 }
 
 /** The overlay that shows where a plan puts things; nothing if it is refused. */
-export function preview(planned: Planned, around: Around): Overlay {
+export function preview(planned: Planned, context: ToolContext): Overlay {
   if (isRefused(planned)) return NO_OVERLAY;
   const draft: Draft = {
-    around,
+    context,
     boxes: new Map(),
     names: new Map(),
     ports: new Map(),
@@ -86,32 +86,32 @@ function sized(
 
 const NOWHERE: Box = { x: 0, y: 0, width: 0, height: 0 };
 
-function boxIn({ around, boxes }: Draft, path: string): Box {
-  return boxes.get(path) ?? boxInParent(around, path) ?? NOWHERE;
+function boxIn({ context, boxes }: Draft, path: string): Box {
+  return boxes.get(path) ?? boxInParent(context, path) ?? NOWHERE;
 }
 
 /** The box of a state in the coordinates of its container. */
-export function boxInParent(around: Around, path: string): Box | undefined {
-  const box = around.places.box(path);
+export function boxInParent(context: ToolContext, path: string): Box | undefined {
+  const box = context.places.box(path);
   const parent = parentOf(path);
   if (!box || parent === null) return box;
-  const unit = around.places.unit(parent);
-  const at = inState(around.places, parent, box);
+  const unit = context.places.unit(parent);
+  const at = inState(context.places, parent, box);
   return { ...at, width: box.width / unit, height: box.height / unit };
 }
 
-function nameIn({ around, names }: Draft, path: string): Box {
+function nameIn({ context, names }: Draft, path: string): Box {
   const known = names.get(path);
   if (known) return known;
-  const box = around.places.name(path);
+  const box = context.places.name(path);
   if (!box) return NOWHERE;
-  const unit = around.places.unit(path);
-  const at = inState(around.places, path, box);
+  const unit = context.places.unit(path);
+  const at = inState(context.places, path, box);
   return { ...at, width: box.width / unit, height: box.height / unit };
 }
 
 function laidOut(draft: Draft, path: string, layout: StateDocument["layout"]): void {
-  const state = draft.around.machine.state(path);
+  const state = draft.context.machine.state(path);
   if (!state || !layout) return;
   const then = { ...state, layout };
   const { position, size, nameBox, waypoints } = layoutOf(then);

@@ -7,7 +7,7 @@ import { isRefused, type Planned } from "../../plan/plan.ts";
 import { routeOf } from "../hit/hit.ts";
 import type { LineRef } from "../hit/look.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
-import { type Around, type Gesture, type Pointer, worldOf } from "./gesture.ts";
+import { type Gesture, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 import { nearestPort, type SeenPort, seenPorts } from "./targets.ts";
 
 const SNAP = 18;
@@ -21,7 +21,7 @@ interface Leading {
 }
 
 interface Seen {
-  readonly camera: Around["camera"];
+  readonly camera: ToolContext["camera"];
   readonly version: number;
   readonly ports: readonly SeenPort[];
   readonly plans: ReadonlyMap<ElementKey, Planned>;
@@ -32,26 +32,26 @@ export function reconnecting(
   line: LineRef,
   end: "from" | "to",
   pointer: Pointer,
-  around: Around,
+  context: ToolContext,
 ): Gesture {
-  const points = routeOf(around.places, line)?.points ?? [];
-  const fixed = (end === "from" ? points.at(-1) : points[0]) ?? worldOf(pointer, around);
-  return next({ line, end, fixed, seen: look(line, end, around) }, pointer, around);
+  const points = routeOf(context.places, line)?.points ?? [];
+  const fixed = (end === "from" ? points.at(-1) : points[0]) ?? worldOf(pointer, context);
+  return next({ line, end, fixed, seen: look(line, end, context) }, pointer, context);
 }
 
-function look(line: LineRef, end: "from" | "to", around: Around): Seen {
-  const ports = seenPorts(around, line.kind === "data_flow");
+function look(line: LineRef, end: "from" | "to", context: ToolContext): Seen {
+  const ports = seenPorts(context, line.kind === "data_flow");
   const plans = new Map(
-    ports.map(({ element }) => [keyOf(element), reconnect(around.machine, line, end, element)]),
+    ports.map(({ element }) => [keyOf(element), reconnect(context.machine, line, end, element)]),
   );
-  return { camera: around.camera, version: around.machine.version, ports, plans };
+  return { camera: context.camera, version: context.machine.version, ports, plans };
 }
 
-function next(before: Leading, pointer: Pointer, around: Around): Gesture {
+function next(before: Leading, pointer: Pointer, context: ToolContext): Gesture {
   const { seen, line, end } = before;
-  const isSame = seen.camera === around.camera && seen.version === around.machine.version;
-  const leading = isSame ? before : { ...before, seen: look(line, end, around) };
-  const aim = aimAt(leading, pointer, around);
+  const isSame = seen.camera === context.camera && seen.version === context.machine.version;
+  const leading = isSame ? before : { ...before, seen: look(line, end, context) };
+  const aim = aimAt(leading, pointer, context);
   return {
     name: "reconnect",
     cursor: aim.legal === false ? "not-allowed" : "crosshair",
@@ -68,11 +68,12 @@ interface Aim {
   readonly plan: Planned | null;
 }
 
-function aimAt({ seen }: Leading, pointer: Pointer, around: Around): Aim {
+function aimAt({ seen }: Leading, pointer: Pointer, context: ToolContext): Aim {
   const legal = seen.ports.filter(({ element }) => isFine(seen, keyOf(element)));
   const port =
-    nearestPort(legal, pointer, around, SNAP) ?? nearestPort(seen.ports, pointer, around, SNAP / 2);
-  if (!port) return { to: worldOf(pointer, around), legal: null, target: null, plan: null };
+    nearestPort(legal, pointer, context, SNAP) ??
+    nearestPort(seen.ports, pointer, context, SNAP / 2);
+  if (!port) return { to: worldOf(pointer, context), legal: null, target: null, plan: null };
   const target = keyOf(port.element);
   return { to: port.at, legal: isFine(seen, target), target, plan: seen.plans.get(target) ?? null };
 }

@@ -3,7 +3,10 @@ import { driver } from "../testing/driver.ts";
 
 test("a corner of a selected state resizes it", () => {
   const canvas = driver().click("A").press({ x: 250, y: 250 }).by(40, 30);
-  expect(canvas.hand.overlay.value.boxes.get("R/A")).toMatchObject({ width: 240, height: 180 });
+  expect(canvas.controller.overlay.value.boxes.get("R/A")).toMatchObject({
+    width: 240,
+    height: 180,
+  });
   expect(canvas.release().box("A")).toBe("50 100 240 180");
 });
 
@@ -16,7 +19,7 @@ test("content stays where it is, with Ctrl it grows along", () => {
   const plain = driver().click("C").press({ x: 100, y: 350 }).by(-40, -40).release();
   expect([plain.box("C"), plain.box("D")]).toEqual(["60 310 540 340", "150 430 150 100"]);
   const scaled = driver().click("C").press({ x: 600, y: 650 }).by(-100, -60, { ctrl: true });
-  expect([...scaled.hand.overlay.value.scaled]).toEqual(["R/C"]);
+  expect([...scaled.controller.overlay.value.scaled]).toEqual(["R/C"]);
   scaled.release();
   expect([scaled.box("C"), scaled.box("D")]).toEqual(["100 350 400 240", "140 414 120 80"]);
 });
@@ -36,7 +39,7 @@ test("a state does not grow out of its container, nor into nothing", () => {
 test("the root grows to the right and downwards only", () => {
   const canvas = driver().click({ x: 880, y: 690 }).press({ x: 900, y: 700 }).by(40, 50).release();
   expect(canvas.box("R")).toBe("0 0 940 750");
-  expect(canvas.press({ x: 0, y: 300 }).by(-20, 0).hand.doing).not.toBe("resize");
+  expect(canvas.press({ x: 0, y: 300 }).by(-20, 0).controller.doing).not.toBe("resize");
 });
 
 test("Escape leaves the size as it was", () => {

@@ -5,7 +5,14 @@ import { parentOf } from "../../model/path.ts";
 import { allowedBox, resize } from "../../plan/move.ts";
 import type { Grip } from "../hit/look.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
-import { type Around, type Gesture, inState, minus, type Pointer, worldOf } from "./gesture.ts";
+import {
+  type Gesture,
+  inState,
+  minus,
+  type Pointer,
+  type ToolContext,
+  worldOf,
+} from "./gesture.ts";
 import { type Guides, type Lines, neighbours, snapped } from "./guides.ts";
 import { preview } from "./preview.ts";
 
@@ -21,27 +28,33 @@ interface Resizing {
 }
 
 /** Begins to resize a state by what was pressed. */
-export function resizing(path: string, grip: Grip, pressed: Pointer, around: Around): Gesture {
+export function resizing(
+  path: string,
+  grip: Grip,
+  pressed: Pointer,
+  context: ToolContext,
+): Gesture {
   const parent = parentOf(path);
   const start: Resizing = {
     path,
     grip,
-    from: worldOf(pressed, around),
-    box: around.places.box(path) ?? { x: 0, y: 0, width: 1, height: 1 },
-    outer: parent === null ? null : (around.places.box(parent) ?? null),
-    others: parent === null ? [] : neighbours(around, parent, new Set([path])),
+    from: worldOf(pressed, context),
+    box: context.places.box(path) ?? { x: 0, y: 0, width: 1, height: 1 },
+    outer: parent === null ? null : (context.places.box(parent) ?? null),
+    others: parent === null ? [] : neighbours(context, parent, new Set([path])),
   };
-  return next(start, pressed, around);
+  return next(start, pressed, context);
 }
 
-function next(start: Resizing, pointer: Pointer, around: Around): Gesture {
-  const { box, guides } = resized(start, pointer, around);
+function next(start: Resizing, pointer: Pointer, context: ToolContext): Gesture {
+  const { box, guides } = resized(start, pointer, context);
   const isSame = Object.entries(start.box).every(([key, value]) => box[key as keyof Box] === value);
-  const plan = () => resize(around.machine, start.path, inParent(start, box, around), pointer.ctrl);
+  const plan = () =>
+    resize(context.machine, start.path, inParent(start, box, context), pointer.ctrl);
   return {
     name: "resize",
     cursor: cursorOf(start.grip),
-    overlay: isSame ? NO_OVERLAY : shown(start, box, guides, pointer, around),
+    overlay: isSame ? NO_OVERLAY : shown(start, box, guides, pointer, context),
     move: (to, then) => next(start, to, then),
     result: () => (isSame ? {} : { plan: plan() }),
   };
@@ -53,17 +66,17 @@ function shown(
   box: Box,
   guides: Guides,
   pointer: Pointer,
-  around: Around,
+  context: ToolContext,
 ): Overlay {
-  const then = inParent(start, box, around);
+  const then = inParent(start, box, context);
   if (pointer.ctrl) {
-    const boxes = new Map([[start.path, allowedBox(around.machine, start.path, then, true)]]);
+    const boxes = new Map([[start.path, allowedBox(context.machine, start.path, then, true)]]);
     return { ...NO_OVERLAY, boxes, scaled: new Set([start.path]), guides };
   }
-  return { ...preview(resize(around.machine, start.path, then, false), around), guides };
+  return { ...preview(resize(context.machine, start.path, then, false), context), guides };
 }
 
-function inParent({ path }: Resizing, box: Box, { places }: Around): Box {
+function inParent({ path }: Resizing, box: Box, { places }: ToolContext): Box {
   const parent = parentOf(path);
   if (parent === null) return box;
   const unit = places.unit(parent);
@@ -77,20 +90,20 @@ function inParent({ path }: Resizing, box: Box, { places }: Around): Box {
 function resized(
   start: Resizing,
   pointer: Pointer,
-  around: Around,
+  context: ToolContext,
 ): { readonly box: Box; readonly guides: Guides } {
-  const by = minus(worldOf(pointer, around), start.from);
+  const by = minus(worldOf(pointer, context), start.from);
   if (by.x === 0 && by.y === 0) return { box: start.box, guides: [] };
-  const least = leastSide(start, around);
+  const least = leastSide(start, context);
   const free = stretched(start, by, least);
   if (pointer.shift) return { box: inForm(start, free, least), guides: [] };
-  const { by: more, guides } = snapped(free, start.others, around, linesOf(start.grip));
+  const { by: more, guides } = snapped(free, start.others, context, linesOf(start.grip));
   const total = { x: by.x + more.x, y: by.y + more.y };
   return { box: stretched(start, total, least), guides };
 }
 
 /** A fiftieth of the container, as in the reference; of the root one unit. */
-function leastSide({ outer }: Resizing, { camera }: Around): number {
+function leastSide({ outer }: Resizing, { camera }: ToolContext): number {
   const least = outer ? Math.min(outer.width, outer.height) / 50 : 1;
   return Math.max(least, 4 / camera.scale);
 }

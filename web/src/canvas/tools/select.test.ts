@@ -23,8 +23,8 @@ test("a state and one inside it are never selected together", () => {
 
 test("a rubber band on the ground takes what it encloses, and shows it before", () => {
   const canvas = driver().press({ x: 20, y: 60 }).drag({ x: 650, y: 300 });
-  expect(canvas.hand.doing).toBe("band");
-  expect([...canvas.hand.overlay.value.targets.keys()]).toContain("state:R/B");
+  expect(canvas.controller.doing).toBe("band");
+  expect([...canvas.controller.overlay.value.targets.keys()]).toContain("state:R/B");
   expect(canvas.selection()).toBe("");
   expect(canvas.release().selection()).toBe("state:R/A state:R/B transition:R:1");
   expect(canvas.isClear()).toBe(true);
@@ -42,16 +42,16 @@ test("Escape ends the gesture, then the selection, then goes one level out", () 
   canvas.key("Escape");
   expect([canvas.selection(), canvas.isClear()]).toEqual(["state:R/A", true]);
   expect(canvas.key("Escape").selection()).toBe("");
-  canvas.hand.fit(["R/C"]);
-  expect(canvas.hand.stage.value).toBe("R/C");
+  canvas.controller.fit(["R/C"]);
+  expect(canvas.controller.stage.value).toBe("R/C");
   canvas.key("Escape");
-  expect(canvas.hand.stage.value).toBe("R");
+  expect(canvas.controller.stage.value).toBe("R");
 });
 
 test("a double click drills into a state, and on its name renames it", () => {
   const canvas = driver().doubleClick({ x: 500, y: 600 });
-  expect(canvas.hand.stage.value).toBe("R/C");
-  canvas.hand.fit([]);
+  expect(canvas.controller.stage.value).toBe("R/C");
+  canvas.controller.fit([]);
   expect(canvas.doubleClick("A").renamed).toEqual(["R/A"]);
 });
 
@@ -62,5 +62,5 @@ test("a double click on the name of a closed container drills into it", () => {
         D execution 10 10 20 20
   `);
   canvas.doubleClick("C");
-  expect([canvas.renamed, canvas.hand.stage.value]).toEqual([[], "R/C"]);
+  expect([canvas.renamed, canvas.controller.stage.value]).toEqual([[], "R/C"]);
 });

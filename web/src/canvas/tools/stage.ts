@@ -3,31 +3,31 @@
 import { isContainer } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
 import { statesAt } from "../hit/hit.ts";
-import type { Around } from "./gesture.ts";
+import type { ToolContext } from "./gesture.ts";
 
 /** The innermost state that fills the view; the root if none does. */
-export function stageOf(around: Around): string {
-  return inMiddle(around).findLast((path) => isStage(path, around)) ?? around.machine.root;
+export function stageOf(context: ToolContext): string {
+  return inMiddle(context).findLast((path) => isStage(path, context)) ?? context.machine.root;
 }
 
 /** The innermost state of any kind that fills the view; the root if none does. */
-export function filledBy(around: Around): string {
-  return inMiddle(around).findLast((path) => fills(path, around)) ?? around.machine.root;
+export function filledBy(context: ToolContext): string {
+  return inMiddle(context).findLast((path) => fills(path, context)) ?? context.machine.root;
 }
 
 /** Whether the state is what one works in now, and not one thing among others. */
-export function isStage(path: string, around: Around): boolean {
+export function isStage(path: string, context: ToolContext): boolean {
   if (parentOf(path) === null) return true;
-  const state = around.machine.state(path);
+  const state = context.machine.state(path);
   if (!state || !(isContainer(state) || state.kind === "library")) return false;
-  return fills(path, around);
+  return fills(path, context);
 }
 
-function inMiddle({ size, machine, places, camera }: Around): readonly string[] {
+function inMiddle({ size, machine, places, camera }: ToolContext): readonly string[] {
   return statesAt(places, machine, camera, { x: size.width / 2, y: size.height / 2 });
 }
 
-function fills(path: string, { places, camera, size }: Around): boolean {
+function fills(path: string, { places, camera, size }: ToolContext): boolean {
   const box = places.box(path);
   if (!box) return false;
   return (

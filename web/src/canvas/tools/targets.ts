@@ -11,7 +11,7 @@ import { childrenIn } from "../hit/near.ts";
 import { extentOn } from "../hit/shown.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
-import type { Around } from "./gesture.ts";
+import type { ToolContext } from "./gesture.ts";
 
 export interface SeenPort {
   readonly element: PortRef;
@@ -28,18 +28,18 @@ export function isData(element: ElementRef): boolean {
 }
 
 /** All ports of one sort that are on the screen, outer ones first. */
-export function seenPorts(around: Around, data: boolean): readonly SeenPort[] {
+export function seenPorts(context: ToolContext, data: boolean): readonly SeenPort[] {
   const found: SeenPort[] = [];
-  collect(around.machine.root, data, around, found);
-  const { places, camera, size } = around;
+  collect(context.machine.root, data, context, found);
+  const { places, camera, size } = context;
   const stuck = stickyFrame(places, camera, size);
   if (!stuck) return found;
   const frame = new Map(stuck.ports.map(({ port, at }) => [port.key, worldFromScreen(camera, at)]));
   return found.map((port) => ({ ...port, at: frame.get(keyOf(port.element)) ?? port.at }));
 }
 
-function collect(path: string, data: boolean, around: Around, found: SeenPort[]): void {
-  const { places, camera, size } = around;
+function collect(path: string, data: boolean, context: ToolContext, found: SeenPort[]): void {
+  const { places, camera, size } = context;
   const box = places.box(path);
   if (!box || extentOn(camera, box) < DETAIL.ports) return;
   if (!intersects(box, visibleBox(camera, size))) return;
@@ -50,7 +50,7 @@ function collect(path: string, data: boolean, around: Around, found: SeenPort[])
     }
   }
   const seen = visibleBox(camera, size);
-  for (const child of childrenIn(places, path, seen)) collect(child, data, around, found);
+  for (const child of childrenIn(places, path, seen)) collect(child, data, context, found);
 }
 
 /** From where to where a connection between two ports leads: people draw both ways. */
@@ -81,13 +81,13 @@ export function endsBetween(machine: Machine, one: PortRef, other: PortRef): End
 export function nearestPort(
   ports: readonly SeenPort[],
   pointer: Point,
-  around: Around,
+  context: ToolContext,
   reach: number,
 ): SeenPort | null {
   let best: SeenPort | null = null;
   let least = reach;
   for (const port of ports) {
-    const away = distance(screenFromWorld(around.camera, port.at), pointer);
+    const away = distance(screenFromWorld(context.camera, port.at), pointer);
     if (away <= least) [best, least] = [port, away];
   }
   return best;

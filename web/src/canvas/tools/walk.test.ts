@@ -28,9 +28,9 @@ test("with nothing selected the first key selects where one is", () => {
 test("Tab walks the ports and leaves behind the last, and from a port right follows its line", () => {
   const canvas = driver().select("state:R/A");
   expect(walk(canvas, "Tab")).toBe("income:R/A");
-  const ports = canvas.hand.places().ports("R/A").length;
+  const ports = canvas.controller.places().ports("R/A").length;
   for (let port = 1; port < ports; port++) canvas.key("Tab");
-  const leaves = !canvas.hand.key({ key: "Tab", shift: false, ctrl: false, alt: false });
+  const leaves = !canvas.controller.key({ key: "Tab", shift: false, ctrl: false, alt: false });
   expect(leaves).toBe(true);
   expect(walk(canvas.select("outcome:R/A:0"), "ArrowRight")).toBe("state:R/B");
 });
@@ -43,7 +43,7 @@ test("from a connection the keys lead to its ends", () => {
 
 test("Enter drills into the selected state", () => {
   const canvas = driver().select("state:R/C").key("Enter");
-  expect([canvas.hand.stage.value, canvas.selection()]).toEqual(["R/C", "state:R/C/D"]);
+  expect([canvas.controller.stage.value, canvas.selection()]).toEqual(["R/C", "state:R/C/D"]);
 });
 
 test("Enter shows what is inside a library", () => {
@@ -52,7 +52,7 @@ test("Enter shows what is inside a library", () => {
     "G hierarchy 0 0 10 10",
   );
   canvas.select("state:R/L").key("Enter");
-  expect([canvas.hand.stage.value, canvas.hand.places().children("R/L")]).toEqual([
+  expect([canvas.controller.stage.value, canvas.controller.places().children("R/L")]).toEqual([
     "R/L/G",
     ["R/L/G"],
   ]);
@@ -64,7 +64,7 @@ test("Escape leaves a library and its content at once", () => {
     "G hierarchy 0 0 10 10",
   );
   canvas.select("state:R/L").key("Enter").key("Escape").key("Escape");
-  expect(canvas.hand.stage.value).toBe("R");
+  expect(canvas.controller.stage.value).toBe("R");
 });
 
 test("Escape leaves a state without content that fills the view", () => {

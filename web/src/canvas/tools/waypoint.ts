@@ -8,7 +8,7 @@ import { routeOf } from "../hit/hit.ts";
 import { nearestOn } from "../hit/lines.ts";
 import type { LineRef } from "../hit/look.ts";
 import { NO_OVERLAY } from "../overlay.ts";
-import { type Around, type Gesture, inState, type Pointer, worldOf } from "./gesture.ts";
+import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
 interface Bending {
   readonly element: LineRef;
@@ -29,14 +29,14 @@ export function bending(
   index: number,
   isOld: boolean,
   pressed: Pointer,
-  around: Around,
+  context: ToolContext,
 ): Gesture {
-  const { machine, places } = around;
+  const { machine, places } = context;
   const state = machine.state(element.path);
   const all = state ? waypointsOf(state, element.kind, element.id) : [];
   const points = routeOf(places, element)?.points ?? [];
   const end = (at: Point | undefined) =>
-    inState(places, element.path, at ?? worldOf(pressed, around));
+    inState(places, element.path, at ?? worldOf(pressed, context));
   const start: Bending = {
     element,
     index,
@@ -46,16 +46,16 @@ export function bending(
     first: end(points[0]),
     last: end(points.at(-1)),
   };
-  return next(start, pressed, around);
+  return next(start, pressed, context);
 }
 
 /** So near to the straight line, in CSS pixels, a waypoint goes away. */
 const MERGE = 6;
 
-function next(start: Bending, pointer: Pointer, around: Around): Gesture {
+function next(start: Bending, pointer: Pointer, context: ToolContext): Gesture {
   const { element, before, after } = start;
-  const at = placed(start, pointer, around);
-  const isMerged = isStraight(start, at, around);
+  const at = placed(start, pointer, context);
+  const isMerged = isStraight(start, at, context);
   const points = isMerged ? [...before, ...after] : [...before, at, ...after];
   const waypoints = new Map([[keyOf(element), points]]);
   return {
@@ -64,15 +64,15 @@ function next(start: Bending, pointer: Pointer, around: Around): Gesture {
     overlay: { ...NO_OVERLAY, waypoints },
     move: (then, there) => next(start, then, there),
     result: () =>
-      isMerged && !start.isOld ? {} : { plan: setWaypoints(around.machine, element, points) },
+      isMerged && !start.isOld ? {} : { plan: setWaypoints(context.machine, element, points) },
   };
 }
 
 /** Inside of the container; with Shift in an even direction from the point before or behind. */
-function placed(start: Bending, pointer: Pointer, around: Around): Point {
-  const { places } = around;
+function placed(start: Bending, pointer: Pointer, context: ToolContext): Point {
+  const { places } = context;
   const { path } = start.element;
-  const free = inState(places, path, worldOf(pointer, around));
+  const free = inState(places, path, worldOf(pointer, context));
   const at = pointer.shift ? even(neighbour(start, free), free) : free;
   const box = places.box(path);
   const unit = places.unit(path);
@@ -108,7 +108,7 @@ function boundedIn(at: Point, box: Box): Point {
   };
 }
 
-function isStraight(start: Bending, at: Point, { places, camera }: Around): boolean {
+function isStraight(start: Bending, at: Point, { places, camera }: ToolContext): boolean {
   const [from, to] = ends(start);
   const away = distance(nearestOn(from, to, at), at) * places.unit(start.element.path);
   return away * camera.scale < MERGE;

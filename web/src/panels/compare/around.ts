@@ -9,7 +9,7 @@ const AFTER = 4;
 const FAR = 5_000;
 
 /** Indices in the journal, in order. The number is that of the event at which the runs part; null: the run was over by then. */
-export function around(
+export function entriesAround(
   journal: Journal,
   branch: string,
   sequence: number | null,

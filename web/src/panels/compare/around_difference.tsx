@@ -7,7 +7,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { sinceStart } from "../parts/duration.ts";
 import { happenedInWords, namesOf } from "../parts/happened.ts";
-import { around } from "./around.ts";
+import { entriesAround } from "./around.ts";
 import type { Show, Side } from "./show.ts";
 
 export interface AroundDifferenceProps {
@@ -49,7 +49,7 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
     <div className="compare-column">
       <h4 className={`compare-side compare-side-${side}`}>{title}</h4>
       <ol aria-label={`${title}, around the difference`}>
-        {around(journal, branch, at?.sequence ?? null).map((index) => {
+        {entriesAround(journal, branch, at?.sequence ?? null).map((index) => {
           const happening = journal.at(index);
           if (!happening) return null;
           const isIt = happening.sequence === at?.sequence;

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { Journal } from "../../store/journal.ts";
 import { events } from "../../store/testing/events.ts";
-import { around } from "./around.ts";
+import { entriesAround } from "./around.ts";
 import { stepInWords } from "./branches.tsx";
 import { sorted, timingRows } from "./timing.ts";
 
@@ -16,8 +16,10 @@ test("what happened around a moment is told of its branch only", () => {
     < R/A done
     < R/B done`);
   journal.add(told, told.length + 1);
-  expect(around(journal, "R/B", 5).map((index) => journal.sequence(index))).toEqual([3, 5, 6, 8]);
-  expect(around(journal, "R/B", null).map((index) => journal.sequence(index))).toEqual([
+  expect(entriesAround(journal, "R/B", 5).map((index) => journal.sequence(index))).toEqual([
+    3, 5, 6, 8,
+  ]);
+  expect(entriesAround(journal, "R/B", null).map((index) => journal.sequence(index))).toEqual([
     3, 5, 6, 8,
   ]);
 });

@@ -122,7 +122,7 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   const isHere = chosen !== null && ends(chosen).first === shown;
   useEffect(() => {
     if (shown === NONE || isHere) return;
-    setExpanded((before) => new Set([...before, ...nodes.around(shown)]));
+    setExpanded((before) => new Set([...before, ...nodes.ancestors(shown)]));
   }, [shown, isHere, nodes]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
   const roots = useMemo(() => nodes.roots(), [nodes, grown]);

@@ -68,7 +68,7 @@ test("a long list stands in parts, and the way to each call is known", () => {
     return node !== undefined && find(nodes.inside(node) ?? [], rest, call);
   };
   for (let call = 0; call < calls.length; call += 97) {
-    expect(find(nodes.roots(), nodes.around(call), call)).toBe(true);
+    expect(find(nodes.roots(), nodes.ancestors(call), call)).toBe(true);
   }
   const first = nodes.inside(nodes.roots()[0] ?? { kind: "call", id: "", call: 0 }) ?? [];
   expect(first.length).toBeLessThanOrEqual(200);

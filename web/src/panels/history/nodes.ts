@@ -58,7 +58,7 @@ export class Nodes {
   }
 
   /** The ids of what has to be open for a call to show. */
-  around(call: number): readonly string[] {
+  ancestors(call: number): readonly string[] {
     const way: string[] = [];
     const outer: number[] = [];
     for (let at = call; at !== NONE; at = this.#calls.parent(at)) outer.unshift(at);

@@ -34,20 +34,20 @@ function perform(canvas: Driver, each: Act): void {
   else if (each.act === "release") canvas.release();
   else if (each.act === "key") canvas.key(each.key, each.keys);
   else if (each.act === "turn") canvas.turn(each.point, { deltaY: each.delta });
-  else if (each.act === "connect") canvas.hand.connect();
+  else if (each.act === "connect") canvas.controller.connect();
   else if (each.act === "touch") canvas.press(each.point, {}, { touch: each.finger });
   else if (each.act === "lift") canvas.release(each.finger);
   else if (each.act === "bring") canvas.bring({ insert: "execution" }, each.point);
   else canvas.click(each.point, each.keys);
 }
 
-test("whatever the hand does, nothing throws and no gesture leaves anything behind", async () => {
+test("whatever pointer, wheel and keys do, nothing throws and no gesture leaves anything behind", async () => {
   await fc.assert(
     fc.asyncProperty(fc.array(act, { maxLength: 30 }), async (acts) => {
       const canvas = driver();
       for (const each of acts) perform(canvas, each);
       canvas.release(1).release(2).release();
-      canvas.hand.cancel();
+      canvas.controller.cancel();
       await canvas.answered();
       expect(canvas.isClear()).toBe(true);
       const { x, y, scale } = canvas.view.camera.value;
@@ -61,7 +61,7 @@ test("any drag can be cancelled without an edit", () => {
   fc.assert(
     fc.property(point, point, keys, (from, to, held) => {
       const canvas = driver().press(from, held).drag(to);
-      canvas.hand.cancel();
+      canvas.controller.cancel();
       canvas.release();
       expect([canvas.session.made, canvas.isClear()]).toEqual([[], true]);
     }),
@@ -79,14 +79,14 @@ test("what cannot be foretold shows as it was left until the server answers", as
 
 test("keys that change a gesture count while the pointer rests", () => {
   const canvas = driver().press("A").by(33, 57);
-  canvas.hand.modifiers({ shift: false, ctrl: false, alt: true });
-  expect(canvas.hand.overlay.value.ghosts).toHaveLength(1);
-  canvas.hand.modifiers({ shift: false, ctrl: false, alt: false });
-  expect(canvas.hand.overlay.value.boxes.size).toBe(1);
+  canvas.controller.modifiers({ shift: false, ctrl: false, alt: true });
+  expect(canvas.controller.overlay.value.ghosts).toHaveLength(1);
+  canvas.controller.modifiers({ shift: false, ctrl: false, alt: false });
+  expect(canvas.controller.overlay.value.boxes.size).toBe(1);
 });
 
 test("the pointer knows the container that it is over", () => {
-  expect(driver().hover({ x: 500, y: 600 }).hand.pointer()).toEqual({
+  expect(driver().hover({ x: 500, y: 600 }).controller.pointer()).toEqual({
     path: "R/C",
     at: { x: 400, y: 250 },
   });
@@ -97,12 +97,12 @@ test("what may not be edited says so at the pointer and when it is let go, and n
   const canvas = driver();
   canvas.whyFixed = fixed;
   canvas.press("A").by(30, 30);
-  expect(canvas.hand.overlay.value.message?.text).toBe(fixed);
-  expect(canvas.hand.overlay.value.boxes.size).toBe(0);
+  expect(canvas.controller.overlay.value.message?.text).toBe(fixed);
+  expect(canvas.controller.overlay.value.boxes.size).toBe(0);
   canvas.release();
   canvas.select("state:R/A").key("ArrowRight", { ctrl: true });
   canvas.bring({ insert: "execution" }, { x: 500, y: 300 }).drop();
-  canvas.hand.rename("R/A");
+  canvas.controller.rename("R/A");
   expect([canvas.session.made, canvas.renamed]).toEqual([[], []]);
   expect(canvas.refusals).toEqual([fixed, fixed, fixed, fixed]);
 });
@@ -113,20 +113,20 @@ test("who may not edit still selects and looks around", () => {
   canvas.click("B");
   expect(canvas.selection()).toBe("state:R/B");
   canvas.press({ x: 10, y: 790 }).by(40, 40);
-  expect(canvas.hand.overlay.value.message).toBeNull();
+  expect(canvas.controller.overlay.value.message).toBeNull();
   canvas.release();
   expect(canvas.refusals).toEqual([]);
 });
 
 test("a copy that is let go over a container goes into it", () => {
   const canvas = driver().press("A", { alt: true }).drag({ x: 450, y: 600 });
-  expect(canvas.hand.overlay.value.message?.text).toBe("Copy into “Box”");
+  expect(canvas.controller.overlay.value.message?.text).toBe("Copy into “Box”");
   expect(canvas.release().text()).toMatch(/^Duplicate Scan: paste R\/C /m);
 });
 
 test("what a move into a container costs is said at the pointer", () => {
   const canvas = driver().press("A").drag({ x: 450, y: 600 });
-  expect(canvas.hand.overlay.value.message?.text).toBe("Move into “Box”; 2 connections go");
+  expect(canvas.controller.overlay.value.message?.text).toBe("Move into “Box”; 2 connections go");
 });
 
 test("nudges in a row are one step, and end before anything else is done", async () => {
@@ -136,12 +136,12 @@ test("nudges in a row are one step, and end before anything else is done", async
   for (let count = 0; count < 10; count += 1) canvas.key("ArrowRight", { ctrl: true });
   expect(canvas.session.made).toEqual([]);
   expect(canvas.box("A")).toBe(from);
-  expect(canvas.hand.overlay.value.boxes.size).toBe(1);
+  expect(canvas.controller.overlay.value.boxes.size).toBe(1);
   vi.advanceTimersByTime(1_000);
   expect(canvas.session.made.map(({ name }) => name)).toEqual(["Move Scan"]);
   await canvas.answered();
   canvas.key("ArrowDown", { alt: true });
-  canvas.hand.flush();
+  canvas.controller.flush();
   expect(canvas.session.made.length).toBe(2);
   canvas.key("ArrowDown", { alt: true }).press("B");
   expect(canvas.session.made.length).toBe(3);

@@ -1,15 +1,9 @@
-/** The hand on the canvas: what pointer, wheel and keys do to one open machine, without a document. It holds the gesture that
+/** The interaction controller of the canvas: what pointer, wheel and keys do to one open machine, without a document. It holds the gesture that
  * is under way, shows what would come of it, and sends the edit when it is complete. */
 
 import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import { type ElementRef, keyOf } from "../model/element.ts";
-import {
-  type Box,
-  around as boxAround,
-  intersects,
-  type Point,
-  type Size,
-} from "../model/geometry.ts";
+import { type Box, boundsOf, intersects, type Point, type Size } from "../model/geometry.ts";
 import { isContainer } from "../model/machine.ts";
 import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned, refused } from "../plan/plan.ts";
@@ -30,14 +24,20 @@ import { DETAIL } from "./scene/detail.ts";
 import { connecting } from "./tools/connect.ts";
 import { bringing } from "./tools/drop.ts";
 import { firstPort } from "./tools/first_port.ts";
-import { type Around, type Gesture, inState, type Pointer, type Result } from "./tools/gesture.ts";
+import {
+  type Gesture,
+  inState,
+  type Pointer,
+  type Result,
+  type ToolContext,
+} from "./tools/gesture.ts";
 import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
 import { cursorAt, type Press, pressing } from "./tools/press.ts";
 import { preview } from "./tools/preview.ts";
 import { stageOf } from "./tools/stage.ts";
 
-/** What the hand needs of its surroundings. */
-export interface Desk {
+/** What the controller needs of its surroundings. */
+export interface InteractionHost {
   readonly tab: OpenTab;
   readonly size: () => Size;
   /** What the wheel does without a key. */
@@ -75,12 +75,12 @@ const HARMLESS: ReadonlySet<string> = new Set(["press", "pan", "band"]);
 const MOUSE_TOLERANCE = 8;
 const TOUCH_TOLERANCE = 16;
 
-export class Hand {
+export class InteractionController {
   readonly overlay: Signal<Overlay> = signal(NO_OVERLAY);
   readonly cursor: Signal<string> = signal("default");
   /** The innermost state that fills the view: what one works in. */
   readonly stage: ReadonlySignal<string>;
-  readonly #desk: Desk;
+  readonly #host: InteractionHost;
   #gesture: Gesture | null = null;
   #nudging: Nudging | null = null;
   #pointer: Pointer | null = null;
@@ -90,9 +90,9 @@ export class Hand {
   /** Whether the overlay stays until the server has answered. */
   #settling = 0;
 
-  constructor(desk: Desk) {
-    this.#desk = desk;
-    const { session, view } = desk.tab;
+  constructor(host: InteractionHost) {
+    this.#host = host;
+    const { session, view } = host.tab;
     this.stage = computed(() => {
       session.version.value;
       view.contents.value;
@@ -112,14 +112,14 @@ export class Hand {
     if (before && !isSame) this.flush();
     const from = isSame && before ? before.by : { x: 0, y: 0 };
     const total = { x: from.x + by.x, y: from.y + by.y };
-    const plan = movePlan(this.#desk.tab.session.machine, paths, total);
+    const plan = movePlan(this.#host.tab.session.machine, paths, total);
     clearTimeout(before?.timer);
-    if (isRefused(plan) || this.#desk.whyFixed() !== null) {
+    if (isRefused(plan) || this.#host.whyFixed() !== null) {
       this.#nudging = null;
       this.apply(plan);
       return;
     }
-    this.overlay.value = preview(plan, this.around());
+    this.overlay.value = preview(plan, this.toolContext());
     const timer = setTimeout(() => this.flush(), NUDGED_MS);
     this.#nudging = { paths, by: total, timer };
   }
@@ -133,12 +133,12 @@ export class Hand {
     const { overlay } = this;
     const shown = overlay.peek();
     overlay.value = NO_OVERLAY;
-    this.apply(movePlan(this.#desk.tab.session.machine, nudging.paths, nudging.by), shown);
+    this.apply(movePlan(this.#host.tab.session.machine, nudging.paths, nudging.by), shown);
   }
 
   /** Where everything is without the gesture. */
   places(): Placed {
-    const { session, view } = this.#desk.tab;
+    const { session, view } = this.#host.tab;
     const [modes, contents] = [view.modes.peek(), view.contents.peek()];
     const key = [session.machine.version, modes, contents];
     if (!this.#kept || this.#kept.key.some((part, index) => part !== key[index])) {
@@ -148,25 +148,25 @@ export class Hand {
     return this.#kept.places;
   }
 
-  around(): Around {
-    const { session, view } = this.#desk.tab;
+  toolContext(): ToolContext {
+    const { session, view } = this.#host.tab;
     return {
       machine: session.machine,
       places: this.places(),
       camera: view.camera.peek(),
-      size: this.#desk.size(),
+      size: this.#host.size(),
       look: {
         selection: view.selection.peek(),
         hovered: view.hovered.peek(),
         modes: view.modes.peek(),
-        size: this.#desk.size(),
+        size: this.#host.size(),
       },
     };
   }
 
   /** What is under a point of the view. */
   at(point: Point, tolerance: number = MOUSE_TOLERANCE): Hit | null {
-    const { machine, places, look, camera } = this.around();
+    const { machine, places, look, camera } = this.toolContext();
     return hitAt(places, machine, look, camera, point, tolerance);
   }
 
@@ -180,11 +180,11 @@ export class Hand {
       return;
     }
     if (how.pans) {
-      this.#become(panning(press, this.around().camera));
+      this.#become(panning(press, this.toolContext().camera));
       return;
     }
     const hit = this.at(press, press.isTouch ? TOUCH_TOLERANCE : MOUSE_TOLERANCE);
-    this.#become(pressing(hit, press, this.around()));
+    this.#become(pressing(hit, press, this.toolContext()));
   }
 
   /** The second finger ends what the first began: both zoom. */
@@ -193,14 +193,14 @@ export class Hand {
     const [one, other] = this.#touches;
     if (!one || !other) return false;
     this.cancel();
-    this.#pinch = { camera: this.around().camera, from: [one.at, other.at] };
+    this.#pinch = { camera: this.toolContext().camera, from: [one.at, other.at] };
     return true;
   }
 
   #stick(press: Press): void {
-    const gesture = this.#gesture?.move(press, this.around());
+    const gesture = this.#gesture?.move(press, this.toolContext());
     if (!gesture) return;
-    const marked = gesture.mark?.(this.around());
+    const marked = gesture.mark?.(this.toolContext());
     if (marked) this.#become(marked);
     else this.#complete(gesture);
   }
@@ -208,7 +208,7 @@ export class Hand {
   move(pointer: Pointer, finger?: number): void {
     this.#pointer = pointer;
     if (finger !== undefined && this.#fingerMoved(finger, pointer)) return;
-    if (this.#gesture) this.#become(this.#gesture.move(pointer, this.around()));
+    if (this.#gesture) this.#become(this.#gesture.move(pointer, this.toolContext()));
     else if (finger === undefined) this.hover(pointer);
   }
 
@@ -217,7 +217,7 @@ export class Hand {
     const [one, other] = this.#touches;
     if (!this.#pinch || !one || !other) return false;
     const { camera, from } = this.#pinch;
-    this.#desk.tab.view.camera.value = pinched(camera, from, [one.at, other.at]);
+    this.#host.tab.view.camera.value = pinched(camera, from, [one.at, other.at]);
     return true;
   }
 
@@ -233,7 +233,7 @@ export class Hand {
   /** The pointer is over the canvas, and no button is held. */
   hover(point: Point): void {
     const hit = this.at(point);
-    const { hovered } = this.#desk.tab.view;
+    const { hovered } = this.#host.tab.view;
     const before = hovered.peek();
     const now = hit?.element ?? null;
     if ((before && keyOf(before)) !== (now && keyOf(now))) hovered.value = now;
@@ -244,7 +244,7 @@ export class Hand {
   leave(): void {
     if (this.#gesture) return;
     this.#pointer = null;
-    this.#desk.tab.view.hovered.value = null;
+    this.#host.tab.view.hovered.value = null;
   }
 
   doubleClick(pointer: Pointer): void {
@@ -258,7 +258,7 @@ export class Hand {
 
   /** Goes to a state so that it fills the view; a library shows what is inside. */
   drill(path: string): void {
-    const { session, view } = this.#desk.tab;
+    const { session, view } = this.#host.tab;
     const isClosed = this.places().children(path).length === 0;
     if (isClosed && session.machine.state(path)?.kind === "library") {
       view.contents.value = new Map(view.contents.peek()).set(path, true);
@@ -269,26 +269,26 @@ export class Hand {
 
   /** Whether a name is not in the way of what one would drill into: that of a closed container fills it. */
   #isOnlyName(path: string): boolean {
-    const state = this.#desk.tab.session.machine.state(path);
+    const state = this.#host.tab.session.machine.state(path);
     const box = this.places().box(path);
     if (!state || !box) return false;
     if (!isContainer(state) && state.kind !== "library") return true;
     const isOpen = this.places().children(path).length > 0;
-    return isOpen && extentOn(this.#desk.tab.view.camera.peek(), box) >= DETAIL.content;
+    return isOpen && extentOn(this.#host.tab.view.camera.peek(), box) >= DETAIL.content;
   }
 
   turn(at: Point, wheel: Wheel): void {
-    const { camera } = this.#desk.tab.view;
-    camera.value = wheeled(camera.peek(), at, wheel, this.#desk.wheel());
+    const { camera } = this.#host.tab.view;
+    camera.value = wheeled(camera.peek(), at, wheel, this.#host.wheel());
     if (this.#gesture && this.#pointer) {
-      this.#become(this.#gesture.move(this.#pointer, this.around()));
+      this.#become(this.#gesture.move(this.#pointer, this.toolContext()));
     } else this.hover(at);
   }
 
   /** Something is held over the canvas by the browser's own drag and drop. */
   bring(dragged: Dragged, pointer: Pointer): void {
     this.#pointer = pointer;
-    this.#become(bringing(dragged, pointer, this.around()));
+    this.#become(bringing(dragged, pointer, this.toolContext()));
   }
 
   drop(): void {
@@ -306,7 +306,7 @@ export class Hand {
   /** A key was pressed; false if the canvas has no use for it. */
   key(key: Key): boolean {
     if (!isNudge(key)) this.flush();
-    return this.#gesture ? this.#gestureKey(this.#gesture, key) : keyed(this, this.#desk, key);
+    return this.#gesture ? this.#gestureKey(this.#gesture, key) : keyed(this, this.#host, key);
   }
 
   /** Shift, Ctrl or Alt went down or up while the pointer rests. */
@@ -322,70 +322,70 @@ export class Hand {
       this.#complete(gesture);
       return true;
     }
-    const marked = key === " " ? gesture.mark?.(this.around()) : null;
+    const marked = key === " " ? gesture.mark?.(this.toolContext()) : null;
     if (marked) {
       this.#become(marked);
       return true;
     }
     const by = key === "Tab" ? (shift ? -1 : 1) : CYCLE[key];
     if (by === undefined || !gesture.cycle) return false;
-    this.#become(gesture.cycle(by, this.around()));
+    this.#become(gesture.cycle(by, this.toolContext()));
     return true;
   }
 
   /** Begins to change the name of a state, in place; brings it into sight if it is not. */
   rename(path: string): void {
-    const { session, view } = this.#desk.tab;
+    const { session, view } = this.#host.tab;
     const [state, box] = [session.machine.state(path), this.places().box(path)];
     if (!state || !box) return;
     const same = renamePlan(session.machine, path, state.name);
     const isInner = isRefused(same) && session.machine.isInLibrary(path);
-    const why = this.#desk.whyFixed() ?? (isInner ? same.refused : null);
+    const why = this.#host.whyFixed() ?? (isInner ? same.refused : null);
     if (why !== null) {
-      this.#desk.refuse(why);
+      this.#host.refuse(why);
       return;
     }
     const { camera } = view;
-    const size = this.#desk.size();
+    const size = this.#host.size();
     const isSeen = intersects(box, visibleBox(camera.peek(), size));
     const isNamed = extentOn(camera.peek(), box) >= DETAIL.name;
     if (!isSeen || !isNamed) camera.value = revealing(box, camera.peek(), size);
-    this.#desk.rename(path);
+    this.#host.rename(path);
   }
 
   #stageAt(camera: Camera): string {
-    return stageOf({ ...this.around(), camera });
+    return stageOf({ ...this.toolContext(), camera });
   }
 
   /** Begins a connection at what is selected, by keyboard. */
   connect(): void {
-    const [from] = selected(this.#desk.tab.view);
-    const port = from && firstPort(this.#desk.tab.session.machine, from);
+    const [from] = selected(this.#host.tab.view);
+    const port = from && firstPort(this.#host.tab.session.machine, from);
     const why =
-      this.#desk.whyFixed() ??
+      this.#host.whyFixed() ??
       (port ? null : "Select a state or a port first: there the connection begins.");
     if (why !== null || !port) {
-      this.#desk.refuse(why ?? "");
+      this.#host.refuse(why ?? "");
       return;
     }
-    this.#become(connecting(port, null, this.around(), true));
+    this.#become(connecting(port, null, this.toolContext(), true));
   }
 
   /** Flies so that these states, or the root, fill the view. */
   fit(paths: readonly string[]): void {
-    const { machine } = this.#desk.tab.session;
+    const { machine } = this.#host.tab.session;
     const wanted = paths.length === 0 ? [machine.root] : paths;
     const boxes = wanted.flatMap((path) => this.places().box(path) ?? []);
-    const camera = filling(boxes, this.#desk.size());
-    if (camera) this.#desk.fly(camera);
+    const camera = filling(boxes, this.#host.size());
+    if (camera) this.#host.fly(camera);
   }
 
   reveal(element: ElementRef): void {
-    const { view } = this.#desk.tab;
+    const { view } = this.#host.tab;
     const box = this.#shown(element);
     if (!box) return;
-    const camera = revealing(box, view.camera.peek(), this.#desk.size());
-    if (camera !== view.camera.peek()) this.#desk.fly(camera);
+    const camera = revealing(box, view.camera.peek(), this.#host.size());
+    if (camera !== view.camera.peek()) this.#host.fly(camera);
   }
 
   /** Where an element is to be seen: ports with their state, connections as they are drawn. */
@@ -393,21 +393,21 @@ export class Hand {
     const places = this.places();
     if (element.kind === "transition" || element.kind === "data_flow") {
       const route = routeOf(places, { ...element, kind: element.kind });
-      return boxAround((route?.points ?? []).map((at) => ({ ...at, width: 0, height: 0 })));
+      return boundsOf((route?.points ?? []).map((at) => ({ ...at, width: 0, height: 0 })));
     }
     return places.box(element.path) ?? null;
   }
 
   zoom(factor: number): void {
-    const { width, height } = this.#desk.size();
-    const { camera } = this.#desk.tab.view;
-    this.#desk.fly(zoomedAt(camera.peek(), { x: width / 2, y: height / 2 }, factor));
+    const { width, height } = this.#host.size();
+    const { camera } = this.#host.tab.view;
+    this.#host.fly(zoomedAt(camera.peek(), { x: width / 2, y: height / 2 }, factor));
   }
 
   /** The container under the pointer, and where in it; null if the pointer is not over the canvas. */
   pointer(): { readonly path: string; readonly at: Point } | null {
     if (!this.#pointer) return null;
-    const { machine, places, camera } = this.around();
+    const { machine, places, camera } = this.toolContext();
     const path = statesAt(places, machine, camera, this.#pointer).at(-1);
     if (path === undefined) return null;
     const world = {
@@ -418,7 +418,7 @@ export class Hand {
   }
 
   #become(wanted: Gesture): void {
-    const { view } = this.#desk.tab;
+    const { view } = this.#host.tab;
     const gesture = this.#allowed(wanted);
     const before = this.#gesture;
     this.#gesture = gesture;
@@ -430,7 +430,7 @@ export class Hand {
 
   /** The gesture; where nothing may be edited, one that would edit shows why not instead of what would come of it. */
   #allowed(gesture: Gesture): Gesture {
-    const why = HARMLESS.has(gesture.name) ? null : this.#desk.whyFixed();
+    const why = HARMLESS.has(gesture.name) ? null : this.#host.whyFixed();
     if (why === null) return gesture;
     const { cycle: _, mark: __, ...rest } = gesture;
     return {
@@ -456,21 +456,21 @@ export class Hand {
   }
 
   #take(result: Result, overlay: Overlay): void {
-    const { view } = this.#desk.tab;
+    const { view } = this.#host.tab;
     if (result.select) select(view, result.select);
     if (result.toggle) toggle(view, result.toggle);
-    if (result.run) this.#desk.run(result.run.command, result.run.argument);
+    if (result.run) this.#host.run(result.run.command, result.run.argument);
     if (result.plan) this.apply(result.plan, overlay);
   }
 
   /** Sends what is planned. What cannot be foretold shows as the gesture left it until the server answers. */
   apply(plan: Planned, overlay: Overlay = NO_OVERLAY): void {
-    const why = this.#desk.whyFixed() ?? (isRefused(plan) ? plan.refused : null);
+    const why = this.#host.whyFixed() ?? (isRefused(plan) ? plan.refused : null);
     if (why !== null || isRefused(plan)) {
-      this.#desk.refuse(why ?? "");
+      this.#host.refuse(why ?? "");
       return;
     }
-    const { session, view } = this.#desk.tab;
+    const { session, view } = this.#host.tab;
     const before = session.version.peek();
     const answer = session.edit(plan.name, plan.edit);
     const isShown = session.version.peek() !== before;
