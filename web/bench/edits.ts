@@ -1,7 +1,7 @@
 /** How soon an edit shows, and what a thousand of them leave in memory. */
 
 import type { CDPSession, Page as Sheet } from "playwright-core";
-import { FRAME } from "./house.ts";
+import { FRAME } from "./support.ts";
 import { median } from "./trace.ts";
 
 const EDITS = 30;

@@ -1,7 +1,7 @@
 /** The way that hands take over a machine: in by the wheel, across by dragging, out again; by real events of mouse and wheel. */
 
 import type { Page as Sheet } from "playwright-core";
-import { VIEW } from "./house.ts";
+import { VIEW } from "./support.ts";
 
 /** How often each of them. */
 const STEPS = 40;

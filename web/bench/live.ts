@@ -1,9 +1,9 @@
 /** A run in the page under measurement: begun, shown, and how old the truth is that is painted. */
 
 import type { Page as Sheet } from "playwright-core";
-import type { Server } from "../e2e/house/server.ts";
+import type { Server } from "../e2e/support/server.ts";
 import type { RunNow } from "../src/model/generated/protocol.ts";
-import { FRAME, open, type Size } from "./house.ts";
+import { FRAME, open, type Size } from "./support.ts";
 
 /** Does the work while the page shows a run of the machine. Whatever comes, the run ends. */
 export async function whileShown<T>(

@@ -4,8 +4,8 @@ import type { CDPSession, Page as Sheet } from "playwright-core";
 import { editToPicture, memoryGrowth, undoAndRedo } from "./edits.ts";
 import { asLines, asTable, type Figures } from "./figures.ts";
 import { lookAround } from "./gestures.ts";
-import { begin, end, forget, freshPage, type House, open, type Size } from "./house.ts";
 import { notedAges, whileShown } from "./live.ts";
+import { type BenchSetup, begin, end, forget, freshPage, open, type Size } from "./support.ts";
 import { median, presentedIntervals, quantile, scriptingPerFrame, traced } from "./trace.ts";
 
 /** How often a machine is opened; the middle one counts. */
@@ -17,23 +17,23 @@ interface Frames {
 }
 
 async function main(json: boolean): Promise<void> {
-  const house = await begin(["mission_750", "endless_750", "large_10000"]);
+  const setup = await begin(["mission_750", "endless_750", "large_10000"]);
   try {
-    const figures = await measured(house);
+    const figures = await measured(setup);
     process.stdout.write(json ? asLines(figures) : asTable(figures));
   } finally {
-    await end(house);
+    await end(setup);
   }
 }
 
-async function measured(house: House): Promise<Figures> {
-  const small = await frames(house, "mission_750");
-  const large = await frames(house, "large_10000");
-  const open_750_ms = await opening(house, "mission_750");
-  const open_10000_ms = await opening(house, "large_10000");
-  const edits = await edited(house);
-  const back = await takenBack(house);
-  const shown = await live(house);
+async function measured(setup: BenchSetup): Promise<Figures> {
+  const small = await frames(setup, "mission_750");
+  const large = await frames(setup, "large_10000");
+  const open_750_ms = await opening(setup, "mission_750");
+  const open_10000_ms = await opening(setup, "large_10000");
+  const edits = await edited(setup);
+  const back = await takenBack(setup);
+  const shown = await live(setup);
   return {
     frame_750_median_ms: median(small.scripting),
     frame_750_p95_ms: quantile(small.scripting, 0.95),
@@ -55,14 +55,14 @@ async function measured(house: House): Promise<Figures> {
 }
 
 /** Looks around in a machine with all data flows shown, once to warm up and once to be measured. */
-async function frames(house: House, size: Size): Promise<Frames> {
-  const sheet = await freshPage(house);
+async function frames(setup: BenchSetup, size: Size): Promise<Frames> {
+  const sheet = await freshPage(setup);
   await open(sheet, size);
   await showAllFlows(sheet);
   await lookAround(sheet);
   const session = await sheet.context().newCDPSession(sheet);
   const events = await traced(session, () => lookAround(sheet));
-  await forget(sheet, house.server);
+  await forget(sheet, setup.server);
   const found = { scripting: scriptingPerFrame(events), presented: presentedIntervals(events) };
   const counts = `${found.scripting.length} frames drawn, ${found.presented.length} shown`;
   process.stderr.write(`${size}: ${counts}\n`);
@@ -77,9 +77,9 @@ async function showAllFlows(sheet: Sheet): Promise<void> {
 }
 
 /** Looks around in a mission while it runs, and says how old what is painted was meanwhile. */
-async function live(house: House): Promise<Frames & { readonly ages: readonly number[] }> {
-  const sheet = await freshPage(house);
-  const found = await whileShown(sheet, house.server, "endless_750", async () => {
+async function live(setup: BenchSetup): Promise<Frames & { readonly ages: readonly number[] }> {
+  const sheet = await freshPage(setup);
+  const found = await whileShown(sheet, setup.server, "endless_750", async () => {
     await lookAround(sheet);
     const session = await sheet.context().newCDPSession(sheet);
     const ages = await notedAges(sheet);
@@ -91,7 +91,7 @@ async function live(house: House): Promise<Frames & { readonly ages: readonly nu
     const [scripting, presented] = [scriptingPerFrame(events), presentedIntervals(events)];
     return { scripting, presented, ages: await ages() };
   });
-  await forget(sheet, house.server);
+  await forget(sheet, setup.server);
   return found;
 }
 
@@ -103,32 +103,32 @@ function told(sheet: Sheet): Promise<{ readonly events: number; readonly at: num
   }));
 }
 
-async function opening(house: House, size: Size): Promise<number> {
+async function opening(setup: BenchSetup, size: Size): Promise<number> {
   const times: number[] = [];
   for (let time = 0; time < OPENINGS; time++) {
-    const sheet = await freshPage(house);
+    const sheet = await freshPage(setup);
     times.push(await open(sheet, size));
-    await forget(sheet, house.server);
+    await forget(sheet, setup.server);
   }
   return median(times);
 }
 
-async function edited(house: House) {
-  const sheet = await freshPage(house);
+async function edited(setup: BenchSetup) {
+  const sheet = await freshPage(setup);
   await open(sheet, "mission_750");
   const session: CDPSession = await sheet.context().newCDPSession(sheet);
   const picture_ms = await editToPicture(sheet);
   const growth_percent = await memoryGrowth(sheet, session);
-  await forget(sheet, house.server);
+  await forget(sheet, setup.server);
   return { picture_ms, growth_percent };
 }
 
 /** How long undo and redo take in a large machine. */
-async function takenBack(house: House): Promise<{ undo: number; redo: number }> {
-  const sheet = await freshPage(house);
+async function takenBack(setup: BenchSetup): Promise<{ undo: number; redo: number }> {
+  const sheet = await freshPage(setup);
   await open(sheet, "large_10000");
   const found = await undoAndRedo(sheet);
-  await forget(sheet, house.server);
+  await forget(sheet, setup.server);
   return found;
 }
 

@@ -1,7 +1,7 @@
 /** Whether a page was told every event of a run once: what it has in its columns against what the server has on disk. */
 
 import type { Page as Sheet } from "playwright-core";
-import type { Server } from "../e2e/house/server.ts";
+import type { Server } from "../e2e/support/server.ts";
 import type { EventPage } from "../src/model/generated/protocol.ts";
 
 /** An event in short. */

@@ -4,25 +4,25 @@
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import type { Page as Sheet } from "playwright-core";
-import { REPOSITORY } from "../e2e/house/places.ts";
-import { begin, end, freshPage, type House, open } from "./house.ts";
+import { REPOSITORY } from "../e2e/support/places.ts";
 import { ofRun, runBefore } from "./run_pictures.ts";
 import { settled } from "./settled.ts";
+import { type BenchSetup, begin, end, freshPage, open } from "./support.ts";
 
 const DEPTHS = 5;
 const FOLDER = join(REPOSITORY, "docs", "pictures");
 
 async function main(): Promise<void> {
   mkdirSync(FOLDER, { recursive: true });
-  const house = await begin(["mission_750", "rover_750"]);
+  const setup = await begin(["mission_750", "rover_750"]);
   try {
-    await runBefore(house);
+    await runBefore(setup);
     for (const theme of ["light", "dark"] as const) {
-      await taken(house, theme);
-      await ofRun(house, theme, take);
+      await taken(setup, theme);
+      await ofRun(setup, theme, take);
     }
   } finally {
-    await end(house);
+    await end(setup);
   }
 }
 
@@ -30,8 +30,8 @@ function take(sheet: Sheet, name: string): Promise<unknown> {
   return sheet.screenshot({ path: join(FOLDER, `${name}.png`) });
 }
 
-async function taken(house: House, theme: "light" | "dark"): Promise<void> {
-  const sheet = await freshPage(house, { colorScheme: theme, reducedMotion: "reduce" });
+async function taken(setup: BenchSetup, theme: "light" | "dark"): Promise<void> {
+  const sheet = await freshPage(setup, { colorScheme: theme, reducedMotion: "reduce" });
   await open(sheet, "mission_750");
   await sheet.evaluate(() => document.fonts.ready.then(() => undefined));
   for (let depth = 1; depth <= DEPTHS; depth++) {

@@ -3,9 +3,9 @@
 
 import type { Page as Sheet } from "playwright-core";
 import type { ElementKey } from "../src/model/element.ts";
-import { freshPage, type House, open } from "./house.ts";
 import { ASKER, SLOW } from "./posing.ts";
 import { settled } from "./settled.ts";
+import { type BenchSetup, freshPage, open } from "./support.ts";
 
 const MACHINE = "rover_750";
 /** Seconds that a simulated second takes: twice as many as by itself, so that there is time to look. */
@@ -28,8 +28,8 @@ const FAILED = [
 export type Take = (sheet: Sheet, name: string) => Promise<unknown>;
 
 /** Runs the mission once before, so that it is known how long things usually take. */
-export async function runBefore(house: House): Promise<void> {
-  const sheet = await freshPage(house);
+export async function runBefore(setup: BenchSetup): Promise<void> {
+  const sheet = await freshPage(setup);
   await open(sheet, MACHINE);
   await begun(sheet);
   await answered(sheet);
@@ -38,8 +38,8 @@ export async function runBefore(house: House): Promise<void> {
 }
 
 /** The pictures in the theme of a fresh page. */
-export async function ofRun(house: House, theme: "light" | "dark", take: Take): Promise<void> {
-  const sheet = await freshPage(house, { colorScheme: theme, reducedMotion: "reduce" });
+export async function ofRun(setup: BenchSetup, theme: "light" | "dark", take: Take): Promise<void> {
+  const sheet = await freshPage(setup, { colorScheme: theme, reducedMotion: "reduce" });
   await sheet.evaluate(() => document.fonts.ready.then(() => undefined));
   await open(sheet, MACHINE);
   await laidOut(sheet, "Debug");

@@ -3,11 +3,11 @@
 
 import type { Page as Sheet } from "playwright-core";
 import { lookAround } from "./gestures.ts";
-import { begin, end, freshPage, type House } from "./house.ts";
 import { whileShown } from "./live.ts";
 import { growth, type Sample, sampled } from "./memory.ts";
 import { compared, theJournal, thePage } from "./once.ts";
 import { asked, printed, type Wanted } from "./soak_figures.ts";
+import { type BenchSetup, begin, end, freshPage } from "./support.ts";
 import { median, presentedIntervals, quantile, scriptingPerFrame, traced } from "./trace.ts";
 
 /** What grows in the beginning may: this time is not compared, or a third of a short one. */
@@ -17,24 +17,24 @@ const WARM_UP_MS = 60_000;
 const LOOK_EVERY = 3;
 
 async function main(wanted: Wanted): Promise<void> {
-  const house = await begin(["endless_750"], wanted.rate);
+  const setup = await begin(["endless_750"], wanted.rate);
   try {
-    await watched(house, wanted);
+    await watched(setup, wanted);
   } finally {
-    await end(house);
+    await end(setup);
   }
 }
 
-async function watched(house: House, wanted: Wanted): Promise<void> {
-  const sheet = await freshPage(house);
+async function watched(setup: BenchSetup, wanted: Wanted): Promise<void> {
+  const sheet = await freshPage(setup);
   const machine = "endless_750";
-  const found = await whileShown(sheet, house.server, machine, async (run) => {
-    const samples = await overTime(house, sheet, wanted);
+  const found = await whileShown(sheet, setup.server, machine, async (run) => {
+    const samples = await overTime(setup, sheet, wanted);
     const session = await sheet.context().newCDPSession(sheet);
     const events = await traced(session, () => lookAround(sheet));
     return { run, samples, events };
   });
-  const journal = await theJournal(house.server, found.run);
+  const journal = await theJournal(setup.server, found.run);
   const told = await thePage(sheet, journal.at(-1)?.sequence ?? 0);
   const differences = compared(told, journal);
   for (const text of differences.slice(0, 10)) process.stderr.write(`${text}\n`);
@@ -63,7 +63,11 @@ function warmUp({ seconds }: Wanted): number {
 }
 
 /** The memory again and again, as long as it is wanted; now and then somebody looks around. */
-async function overTime(house: House, sheet: Sheet, wanted: Wanted): Promise<readonly Sample[]> {
+async function overTime(
+  setup: BenchSetup,
+  sheet: Sheet,
+  wanted: Wanted,
+): Promise<readonly Sample[]> {
   const samples: Sample[] = [];
   const begun = performance.now();
   const since = () => performance.now() - begun;
@@ -71,7 +75,7 @@ async function overTime(house: House, sheet: Sheet, wanted: Wanted): Promise<rea
     const next = since() + wanted.every * 1_000;
     if (samples.length % LOOK_EVERY === 1) await lookAround(sheet);
     await sheet.waitForTimeout(Math.max(0, next - since()));
-    const sample = await sampled(house.browser, sheet, since());
+    const sample = await sampled(setup.browser, sheet, since());
     samples.push(sample);
     const mb = (bytes: number) => (bytes / 2 ** 20).toFixed(1).padStart(7);
     const seconds = Math.round(sample.at_ms / 1_000);

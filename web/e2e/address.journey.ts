@@ -1,9 +1,9 @@
 /** What the address of the page asks for: mission control, a run, both. */
 
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { type Hands, journey } from "./house/journey.ts";
-import { endRun, missionFolder, missionOf, startRun, status } from "./house/mission.ts";
+import type { App } from "./support/app.ts";
+import { type Hands, journey } from "./support/journey.ts";
+import { endRun, missionFolder, missionOf, startRun, status } from "./support/mission.ts";
 
 const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(3600)"] };
 const HERE = { machines: { drives: missionFolder("drives", [DRIVE]) } };

@@ -1,6 +1,6 @@
 import { expect } from "vitest";
-import { journey } from "./house/journey.ts";
-import { examples } from "./house/places.ts";
+import { journey } from "./support/journey.ts";
+import { examples } from "./support/places.ts";
 
 const HERE = { open: "hierarchy_and_data", machines: examples("error_recovery") };
 const ROOT = "PACKER";

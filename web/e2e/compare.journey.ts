@@ -2,8 +2,8 @@
 
 import { expect } from "vitest";
 import type { Comparison } from "../src/model/generated/protocol.ts";
-import { journey } from "./house/journey.ts";
-import { finished, shown, showsMoment } from "./house/time.ts";
+import { journey } from "./support/journey.ts";
+import { finished, shown, showsMoment } from "./support/time.ts";
 
 journey(
   "each branch on which two runs part leads to its place in both",

@@ -1,10 +1,10 @@
 /** Runs whose program dies in the middle: they say so, and go on as somebody decides. */
 
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { crashIn } from "./house/crash.ts";
-import { journey } from "./house/journey.ts";
-import { ended, exampleWith, press, stands, toldToTheEnd } from "./house/runs.ts";
+import type { App } from "./support/app.ts";
+import { crashIn } from "./support/crash.ts";
+import { journey } from "./support/journey.ts";
+import { ended, exampleWith, press, stands, toldToTheEnd } from "./support/runs.ts";
 
 /** The first attempt takes until somebody ends it. */
 const PRESS = `class Jammed(Exception):

@@ -1,9 +1,9 @@
 import { readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
-import { examples } from "./house/places.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
+import { examples } from "./support/places.ts";
 
 const HERE = { open: "hierarchy_and_data" };
 const FULL = "PACKER/ISFULL";

@@ -1,7 +1,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect } from "vitest";
-import { journey } from "./house/journey.ts";
+import { journey } from "./support/journey.ts";
 
 const HERE = { open: "hierarchy_and_data" };
 const LABEL = "PACKER/LABELS";

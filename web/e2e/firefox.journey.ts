@@ -3,10 +3,10 @@
 import { mkdirSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect, test, vi } from "vitest";
-import { App } from "./house/app.ts";
-import { Firefox } from "./house/firefox.ts";
-import { newPlace, RESULTS } from "./house/places.ts";
-import { Server } from "./house/server.ts";
+import { App } from "./support/app.ts";
+import { Firefox } from "./support/firefox.ts";
+import { newPlace, RESULTS } from "./support/places.ts";
+import { Server } from "./support/server.ts";
 
 test("in Firefox a machine is made, drawn, saved, run and stopped", async () => {
   const server = await Server.start(newPlace({}));

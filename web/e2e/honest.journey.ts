@@ -10,11 +10,11 @@ import {
   looksAlive,
   PACKER,
   startAndShow,
-} from "./house/honest.ts";
-import { journey } from "./house/journey.ts";
-import { endRun, eventually, missionOf, status } from "./house/mission.ts";
-import { whileStopped } from "./house/runner.ts";
-import { Wire } from "./house/wire.ts";
+} from "./support/honest.ts";
+import { journey } from "./support/journey.ts";
+import { endRun, eventually, missionOf, status } from "./support/mission.ts";
+import { whileStopped } from "./support/runner.ts";
+import { Wire } from "./support/wire.ts";
 
 const HERE = { machines: { packer: PACKER }, open: "packer" };
 const FOREVER = { inputs: { wanted: 1_000_000 } };

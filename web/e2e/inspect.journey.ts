@@ -1,6 +1,6 @@
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
 
 const HERE = { open: "hierarchy_and_data" };
 const LABEL = "PACKER/LABELS";

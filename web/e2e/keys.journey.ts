@@ -1,5 +1,5 @@
 import { expect } from "vitest";
-import { journey } from "./house/journey.ts";
+import { journey } from "./support/journey.ts";
 
 const HERE = { open: "hierarchy_and_data" };
 const FULL = "PACKER/ISFULL";

@@ -1,8 +1,8 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
 
 const HERE = { open: "library_reuse" };
 

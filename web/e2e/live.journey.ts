@@ -1,8 +1,8 @@
 /** The live view: what the canvas shows of a run, what runs now, and how the camera follows. */
 
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
-import { ringed, unringed } from "./house/live.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
+import { ringed, unringed } from "./support/live.ts";
 import {
   ended,
   exampleWith,
@@ -12,7 +12,7 @@ import {
   press,
   stopRun,
   toldToTheEnd,
-} from "./house/runs.ts";
+} from "./support/runs.ts";
 
 const PACKER = "PACKER";
 const FULL = "PACKER/ISFULL";

@@ -1,11 +1,11 @@
 /** The log: what states say, tied to them, to moments and to lines of their scripts. */
 
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { startAndShow } from "./house/honest.ts";
-import { journey } from "./house/journey.ts";
-import { endRun, missionFolder } from "./house/mission.ts";
-import { momentShown } from "./house/time.ts";
+import type { App } from "./support/app.ts";
+import { startAndShow } from "./support/honest.ts";
+import { journey } from "./support/journey.ts";
+import { endRun, missionFolder } from "./support/mission.ts";
+import { momentShown } from "./support/time.ts";
 
 const TALK = missionFolder("talk", [
   {

@@ -2,8 +2,8 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Locator } from "playwright-core";
 import { expect, vi } from "vitest";
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
 import {
   control,
   endRun,
@@ -14,9 +14,9 @@ import {
   openMission,
   startRun,
   status,
-} from "./house/mission.ts";
-import { answer } from "./house/runs.ts";
-import type { Server } from "./house/server.ts";
+} from "./support/mission.ts";
+import { answer } from "./support/runs.ts";
+import type { Server } from "./support/server.ts";
 
 const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(600)"] };
 const ASKS = {

@@ -1,9 +1,9 @@
 /** Mission control after the program of a run died: what is told, and what each choice does. */
 
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { crashIn } from "./house/crash.ts";
-import { type Hands, journey } from "./house/journey.ts";
+import type { App } from "./support/app.ts";
+import { crashIn } from "./support/crash.ts";
+import { type Hands, journey } from "./support/journey.ts";
 import {
   endRun,
   missionFolder,
@@ -11,7 +11,7 @@ import {
   openMission,
   startRun,
   status,
-} from "./house/mission.ts";
+} from "./support/mission.ts";
 
 const PRESS = "MISSIO/PRESSI";
 /** The first life waits at the press; whoever runs it again is done at once. */

@@ -1,7 +1,7 @@
 /** Mission control says what is: a run that waits, one that crashed, and one that is not heard. */
 
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
 import {
   endRun,
   missionFolder,
@@ -9,8 +9,8 @@ import {
   openMission,
   startRun,
   status,
-} from "./house/mission.ts";
-import { runnersOf, whileStopped } from "./house/runner.ts";
+} from "./support/mission.ts";
+import { runnersOf, whileStopped } from "./support/runner.ts";
 
 const FAILS = {
   id: "LOADIN",

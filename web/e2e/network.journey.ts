@@ -1,10 +1,10 @@
 /** The page over a network that is slow, or silent for a while: it connects, says how old things are, and asks for nothing again. */
 
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { endsWhole, goesOn, linkIs, PACKER, startAndShow } from "./house/honest.ts";
-import { type Hands, journey } from "./house/journey.ts";
-import { Wire } from "./house/wire.ts";
+import type { App } from "./support/app.ts";
+import { endsWhole, goesOn, linkIs, PACKER, startAndShow } from "./support/honest.ts";
+import { type Hands, journey } from "./support/journey.ts";
+import { Wire } from "./support/wire.ts";
 
 const HERE = { machines: { packer: PACKER }, open: "packer" };
 const FOREVER = { inputs: { wanted: 1_000_000 } };

@@ -3,8 +3,8 @@
 import type { Page as Sheet } from "playwright-core";
 import { expect } from "vitest";
 import type { ElementKey } from "../src/model/element.ts";
-import { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
+import { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
 
 const FULL = "PACKER/ISFULL";
 const LABEL = "PACKER/LABELS";

@@ -4,11 +4,11 @@ import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect } from "vitest";
 import { type Box, intersects } from "../src/model/geometry.ts";
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
-import { AROUND, boxShown } from "./house/pixels.ts";
-import { EXAMPLES } from "./house/places.ts";
-import { asName, share, shippedLibraries } from "./house/reference.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
+import { AROUND, boxShown } from "./support/pixels.ts";
+import { EXAMPLES } from "./support/places.ts";
+import { asName, share, shippedLibraries } from "./support/reference.ts";
 
 /** Of those that the reference ships, some of each kind of drawing; and one of ours. */
 const SHIPPED = [

@@ -34,8 +34,8 @@ import {
   setId,
   setStart,
 } from "../src/plan/states.ts";
-import { examples, newPlace } from "./house/places.ts";
-import { Server } from "./house/server.ts";
+import { examples, newPlace } from "./support/places.ts";
+import { Server } from "./support/server.ts";
 
 const MACHINES = [
   ["hierarchy_and_data", 1],

@@ -2,8 +2,8 @@
 
 import { expect } from "vitest";
 import type { Picture } from "../src/model/generated/protocol.ts";
-import { journey } from "./house/journey.ts";
-import { endRun, missionFolder, missionOf, openMission, startRun } from "./house/mission.ts";
+import { journey } from "./support/journey.ts";
+import { endRun, missionFolder, missionOf, openMission, startRun } from "./support/mission.ts";
 
 const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(3600)"] };
 const ASK = "from rafcon import dialog";

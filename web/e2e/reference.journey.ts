@@ -1,9 +1,9 @@
 import { join } from "node:path";
 import { expect, test } from "vitest";
 import type { MachineDocument, MachineSummary } from "../src/model/generated/protocol.ts";
-import { newPlace } from "./house/places.ts";
-import { asName, loadInReference, share, shipped, shippedLibraries } from "./house/reference.ts";
-import { Server } from "./house/server.ts";
+import { newPlace } from "./support/places.ts";
+import { asName, loadInReference, share, shipped, shippedLibraries } from "./support/reference.ts";
+import { Server } from "./support/server.ts";
 
 /** Opens a machine of the project, moves its first state (its root, where there is no other), and saves it. */
 async function editAndSave(server: Server, project: string, path: string) {

@@ -2,8 +2,8 @@
 
 import { expect } from "vitest";
 import type { Picture } from "../src/model/generated/protocol.ts";
-import { journey } from "./house/journey.ts";
-import { examples } from "./house/places.ts";
+import { journey } from "./support/journey.ts";
+import { examples } from "./support/places.ts";
 import {
   answer,
   ended,
@@ -17,8 +17,8 @@ import {
   stands,
   stopRun,
   toldToTheEnd,
-} from "./house/runs.ts";
-import type { Server } from "./house/server.ts";
+} from "./support/runs.ts";
+import type { Server } from "./support/server.ts";
 
 const PACKER = "PACKER";
 const ONE_PART = "PACKER/ONEPAR";

@@ -2,10 +2,10 @@
 
 import { expect, vi } from "vitest";
 import type { RunNow } from "../src/model/generated/protocol.ts";
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
-import { endRun, missionFolder, missionOf, openMission, startRun } from "./house/mission.ts";
-import { heldBefore, press, stopRun } from "./house/runs.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
+import { endRun, missionFolder, missionOf, openMission, startRun } from "./support/mission.ts";
+import { heldBefore, press, stopRun } from "./support/runs.ts";
 
 const PART = "PACKER/ONEPAR";
 

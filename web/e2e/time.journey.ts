@@ -2,10 +2,10 @@
 
 import { expect } from "vitest";
 import type { Comparison, Picture } from "../src/model/generated/protocol.ts";
-import type { App } from "./house/app.ts";
-import { journey } from "./house/journey.ts";
-import { ended, heldBefore, press, runInFront } from "./house/runs.ts";
-import type { Server } from "./house/server.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
+import { ended, heldBefore, press, runInFront } from "./support/runs.ts";
+import type { Server } from "./support/server.ts";
 import {
   activeShown,
   finished,
@@ -17,7 +17,7 @@ import {
   showsMoment,
   started,
   told,
-} from "./house/time.ts";
+} from "./support/time.ts";
 
 const TENTHS = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 

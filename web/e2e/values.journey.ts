@@ -6,11 +6,11 @@ import type { Locator } from "playwright-core";
 import { expect } from "vitest";
 import type { RunSummary } from "../src/model/generated/protocol.ts";
 import { measured } from "../src/panels/parts/duration.ts";
-import type { App } from "./house/app.ts";
-import { type Hands, journey } from "./house/journey.ts";
-import { binary } from "./house/places.ts";
-import { ended, perform, stopRun } from "./house/runs.ts";
-import { sensing } from "./house/values.ts";
+import type { App } from "./support/app.ts";
+import { type Hands, journey } from "./support/journey.ts";
+import { binary } from "./support/places.ts";
+import { ended, perform, stopRun } from "./support/runs.ts";
+import { sensing } from "./support/values.ts";
 
 const LOOK = "SENSES/LOOKIN";
 const GRASP = "SENSES/GRASPS";

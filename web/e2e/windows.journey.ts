@@ -1,8 +1,8 @@
 import type { Page as Sheet } from "playwright-core";
 import { expect } from "vitest";
-import type { App } from "./house/app.ts";
-import { startAndShow } from "./house/honest.ts";
-import { journey } from "./house/journey.ts";
+import type { App } from "./support/app.ts";
+import { startAndShow } from "./support/honest.ts";
+import { journey } from "./support/journey.ts";
 
 const HERE = { open: "hierarchy_and_data" };
 const FULL = "PACKER/ISFULL";

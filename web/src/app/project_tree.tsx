@@ -46,7 +46,7 @@ export function nodeKey({ file }: ProjectNode): string {
 export function useProjects(): readonly ProjectNode[] | null {
   const { page } = useSession();
   const projects = useSignal(page.projects);
-  const revision = useSignal(page.house)?.files_revision;
+  const revision = useSignal(page.serverStatus)?.files_revision;
   const [nodes, setNodes] = useState<readonly ProjectNode[] | null>(null);
   // biome-ignore lint/correctness/useExhaustiveDependencies: another revision means other files
   useEffect(() => {

@@ -76,10 +76,10 @@ export function StartPage() {
 function Lately({ onOpen }: { onOpen: (file: MachineFile) => void }) {
   const { page } = useSession();
   const { recent } = useSignal(page.settings);
-  const house = useSignal(page.house);
+  const serverStatus = useSignal(page.serverStatus);
   const projects = useSignal(page.projects);
   const name = (file: MachineFile) => projects.find(({ id }) => id === file.project)?.name;
-  const machines = house?.machines ?? [];
+  const machines = serverStatus?.machines ?? [];
   return (
     <section className="start-column" aria-label="Recent">
       {machines.length > 0 && (

@@ -7,7 +7,7 @@ import type { EditAnswer } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
 import { applyDrafts } from "./drafts.ts";
 
-function house(answer: EditAnswer = { revision: 1 }) {
+function setUp(answer: EditAnswer = { revision: 1 }) {
   const machine = machineOf(sketch('R hierarchy\n  A "Scan" execution\n  B execution'));
   const [edits, told]: [Edit[], string[]] = [[], []];
   const session = {
@@ -25,7 +25,7 @@ function house(answer: EditAnswer = { revision: 1 }) {
 }
 
 test("drafts of the machine are applied and gone", async () => {
-  const { edits, told, drafts, draft, apply } = house();
+  const { edits, told, drafts, draft, apply } = setUp();
   drafts.keep(draft);
   drafts.keep({ ...draft, path: "R", field: "description", text: "**what**" });
   drafts.keep({ ...draft, machine: "another" });
@@ -39,7 +39,7 @@ test("drafts of the machine are applied and gone", async () => {
 });
 
 test("drafts that cannot be applied stay, and it is told why", async () => {
-  const { edits, told, drafts, draft, apply } = house();
+  const { edits, told, drafts, draft, apply } = setUp();
   drafts.keep({ ...draft, base: "it was like this" });
   drafts.keep({ ...draft, path: "R" });
   expect(await apply()).toBe(false);
@@ -50,7 +50,7 @@ test("drafts that cannot be applied stay, and it is told why", async () => {
 });
 
 test("a draft of a state that is gone waits and hinders nobody", async () => {
-  const { edits, told, drafts, draft, apply } = house();
+  const { edits, told, drafts, draft, apply } = setUp();
   drafts.keep({ ...draft, path: "R/GONE" });
   expect(await apply()).toBe(true);
   expect([edits, told]).toEqual([[], []]);
@@ -58,7 +58,7 @@ test("a draft of a state that is gone waits and hinders nobody", async () => {
 });
 
 test("a refusal of the server keeps the draft", async () => {
-  const { told, drafts, draft, apply } = house({ refused: "not now" });
+  const { told, drafts, draft, apply } = setUp({ refused: "not now" });
   drafts.keep(draft);
   expect(await apply()).toBe(false);
   expect(told).toEqual(["not now"]);

@@ -64,7 +64,7 @@ export interface Settings {
 
 export interface Page {
   readonly server: Server;
-  readonly house: ReadonlySignal<ServerStatus | null>;
+  readonly serverStatus: ReadonlySignal<ServerStatus | null>;
   readonly projects: ReadonlySignal<readonly Project[]>;
   readonly libraries: ReadonlySignal<readonly LibraryRoot[]>;
   readonly runs: Runs;

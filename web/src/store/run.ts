@@ -75,7 +75,7 @@ export interface Watch {
 /** What a start needs to be told; the rest has its default. */
 export type Start = Pick<StartRun, "machine"> & Partial<Omit<StartRun, "id" | "machine">>;
 
-/** All runs of the house. */
+/** All runs of the server. */
 export interface Runs {
   /** The newest first. */
   readonly all: ReadonlySignal<readonly RunSummary[]>;

@@ -55,7 +55,7 @@ export class FakeServer implements Server {
   readonly said: unknown[] = [];
   /** Documents of libraries by the route that gives them. */
   readonly libraries = new Map<string, Document>();
-  /** The runs of the house; all went by the machine. */
+  /** The runs of the server; all went by the machine. */
   runs: readonly RunSummary[] = [];
   readonly model: Mirror;
   revision = 1;

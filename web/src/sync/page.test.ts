@@ -28,12 +28,12 @@ function setUp(
   };
   const clock = new FakeClock();
   const page = startPage({ server, clock, sheds });
-  const tellHouse = (status: ServerStatus) => {
+  const tellStatus = (status: ServerStatus) => {
     const follower = followers.find((each) => each.topic().topic === "server_status");
     follower?.frame({ frame: "server_status", subscription: 1, status });
   };
   const asked = (path: string) => server.asked.filter((each) => each === `GET ${path}`).length;
-  return { server, page, clock, sheds, tellHouse, asked };
+  return { server, page, clock, sheds, tellStatus, asked };
 }
 
 async function settle(): Promise<void> {
@@ -53,16 +53,16 @@ describe("the page", () => {
   });
 
   it("takes it that projects and libraries cannot be asked for, and asks again", async () => {
-    const { server, tellHouse, asked } = setUp();
+    const { server, tellStatus, asked } = setUp();
     const { request } = server;
     const message = "the server does not answer";
     server.request = async (method, path) => {
       await request(method, path);
       throw new RefusalError({ code: "no_answer", message }, 0);
     };
-    tellHouse(HOUSE);
+    tellStatus(HOUSE);
     await settle();
-    tellHouse({ ...HOUSE });
+    tellStatus({ ...HOUSE });
     await settle();
     expect([asked("/projects"), asked("/libraries")]).toEqual([2, 2]);
   });
@@ -167,12 +167,12 @@ describe("the page", () => {
   });
 
   it("asks for projects and libraries when files have changed, and only then", async () => {
-    const { tellHouse, asked } = setUp();
-    tellHouse(HOUSE);
-    tellHouse({ ...HOUSE, machines: [] });
+    const { tellStatus, asked } = setUp();
+    tellStatus(HOUSE);
+    tellStatus({ ...HOUSE, machines: [] });
     await settle();
     expect([asked("/projects"), asked("/libraries")]).toEqual([1, 1]);
-    tellHouse({ ...HOUSE, files_revision: 2 });
+    tellStatus({ ...HOUSE, files_revision: 2 });
     await settle();
     expect([asked("/projects"), asked("/libraries")]).toEqual([2, 2]);
   });

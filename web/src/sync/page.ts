@@ -1,4 +1,4 @@
-/** Starts the page: connects, follows what the house tells, and opens machines as tabs. */
+/** Starts the page: connects, follows what the server tells, and opens machines as tabs. */
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type {
@@ -53,23 +53,23 @@ export function startPage(options: PageOptions = {}): Page {
     told += 1;
     notices.value = withNotice(notices.peek(), notice, told, clock.now());
   };
-  const house = signal<ServerStatus | null>(null);
+  const serverStatus = signal<ServerStatus | null>(null);
   server.follow({
     topic: () => ({ topic: "server_status" }),
     frame: (frame) => {
-      if (frame.frame === "server_status") house.value = frame.status;
+      if (frame.frame === "server_status") serverStatus.value = frame.status;
     },
   });
   const shelf = new Shelf(server.request);
-  const { projects, libraries } = followFiles(server, house, shelf);
+  const { projects, libraries } = followFiles(server, serverStatus, shelf);
   const settings = followSettings(sheds.shared);
   const ports = { server, shelf, clock, newId: newIds(), tell };
-  const runs = followRuns(ports, house, (run) => shownRuns(machines.tabs.peek()).has(run));
+  const runs = followRuns(ports, serverStatus, (run) => shownRuns(machines.tabs.peek()).has(run));
   const machines = openMachines(ports, settings, runs);
   const isRestoring = followSession({ ...ports, ...sheds, ...machines, runs, leaving });
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
-  const known = { house, projects, libraries, isRestoring };
+  const known = { serverStatus, projects, libraries, isRestoring };
   return { server, ...known, runs, notices, settings, tell, ...machines };
 }
 
@@ -89,7 +89,7 @@ function shownRuns(tabs: readonly OpenTab[]): ReadonlySet<string | null> {
 }
 
 /** Projects and libraries, asked for again when files have changed. */
-function followFiles(server: Server, house: Signal<ServerStatus | null>, shelf: Shelf) {
+function followFiles(server: Server, serverStatus: Signal<ServerStatus | null>, shelf: Shelf) {
   const projects = signal<readonly Project[]>([]);
   const libraries = signal<readonly LibraryRoot[]>([]);
   let known: number | null = null;
@@ -108,7 +108,7 @@ function followFiles(server: Server, house: Signal<ServerStatus | null>, shelf: 
   effect(() => {
     // What could not be had is asked for after the next break; what is here, only when it is another.
     server.link.value;
-    const revision = house.value?.files_revision ?? null;
+    const revision = serverStatus.value?.files_revision ?? null;
     if (revision === null || revision === known) return;
     known = revision;
     void ask();

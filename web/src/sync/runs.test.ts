@@ -18,32 +18,32 @@ function run(id: string, started_ms: number, events = 0): RunSummary {
 
 function setUp(isShown?: (run: string) => boolean) {
   const [server, clock] = [new FakeRun(), new FakeClock()];
-  const house = signal<ServerStatus | null>(null);
-  const tellHouse = (...all: readonly RunSummary[]) => {
-    house.value = { files_revision: 1, machines: [], runs: [...all] };
+  const serverStatus = signal<ServerStatus | null>(null);
+  const tellStatus = (...all: readonly RunSummary[]) => {
+    serverStatus.value = { files_revision: 1, machines: [], runs: [...all] };
   };
   let ids = 0;
   const newId = () => {
     ids += 1;
     return `id${ids}`;
   };
-  const runs = followRuns({ server, clock, newId }, house, isShown);
+  const runs = followRuns({ server, clock, newId }, serverStatus, isShown);
   const shown = () => runs.all.value.map(({ id, events }) => `${id} ${events}`);
-  return { server, clock, tellHouse, runs, shown };
+  return { server, clock, tellStatus, runs, shown };
 }
 
 async function settle(): Promise<void> {
   for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();
 }
 
-describe("the runs of the house", () => {
+describe("the runs of the server", () => {
   it("are asked for whenever there is a connection, and then told", async () => {
-    const { server, tellHouse, shown } = setUp();
+    const { server, tellStatus, shown } = setUp();
     expect(server.asked).toEqual([]);
     server.link.value = UP;
     server.first().answer([run("b", 2), run("a", 1)]);
     await settle();
-    tellHouse(run("c", 3), run("a", 1, 7));
+    tellStatus(run("c", 3), run("a", 1, 7));
     expect(shown()).toEqual(["c 0", "b 0", "a 7"]);
     server.link.value = { state: "connecting" };
     server.link.value = { ...UP, connection: 2 };
@@ -51,9 +51,9 @@ describe("the runs of the house", () => {
   });
 
   it("that were told while the list was on its way are no older than the list", async () => {
-    const { server, tellHouse, shown } = setUp();
+    const { server, tellStatus, shown } = setUp();
     server.link.value = UP;
-    tellHouse(run("a", 1, 9), run("b", 2));
+    tellStatus(run("a", 1, 9), run("b", 2));
     server.first().answer([run("a", 1, 5)]);
     await settle();
     expect(shown()).toEqual(["b 0", "a 9"]);
@@ -70,15 +70,15 @@ describe("the runs of the house", () => {
     expect(shown()).toEqual(["a 0"]);
   });
 
-  it("that were removed stay away, whatever the house told before", async () => {
-    const { server, tellHouse, runs, shown } = setUp();
-    tellHouse(run("a", 1), run("b", 2));
+  it("that were removed stay away, whatever the server told before", async () => {
+    const { server, tellStatus, runs, shown } = setUp();
+    tellStatus(run("a", 1), run("b", 2));
     const watch = runs.watch("a");
     const removed = runs.remove("a");
     server.first().answer(null);
     await removed;
     expect(shown()).toEqual(["b 0"]);
-    tellHouse(run("a", 1), run("b", 2, 3));
+    tellStatus(run("a", 1), run("b", 2, 3));
     expect(shown()).toEqual(["b 3"]);
     expect([server.count("run_status"), server.count("run_history")]).toEqual([0, 0]);
     expect(runs.watch("a")).not.toBe(watch);

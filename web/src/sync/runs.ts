@@ -1,4 +1,4 @@
-/** All runs of the house: which there are, how they begin, and each that is watched. */
+/** All runs of the server: which there are, how they begin, and each that is watched. */
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { RunSummary, ServerStatus, StartRun } from "../model/generated/protocol.ts";
@@ -29,7 +29,7 @@ const WATCHED_MAX = 6;
 /** The runs, followed from now on. */
 export function followRuns(
   ports: WatchPorts,
-  house: Signal<ServerStatus | null>,
+  serverStatus: Signal<ServerStatus | null>,
   isShown: (run: string) => boolean = () => false,
 ): Runs {
   const { server, clock } = ports;
@@ -55,8 +55,8 @@ export function followRuns(
   const refresh = async () => {
     try {
       const list = await server.request<readonly RunSummary[]>("GET", "/runs");
-      // What the house told meanwhile is no older than the list.
-      take(list, house.peek()?.runs ?? []);
+      // What the server told meanwhile is no older than the list.
+      take(list, serverStatus.peek()?.runs ?? []);
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
       // After a break it is asked for anyway.
@@ -73,7 +73,7 @@ export function followRuns(
     connection = link.connection;
     void refresh();
   });
-  effect(() => take(all.peek(), house.value?.runs ?? []));
+  effect(() => take(all.peek(), serverStatus.value?.runs ?? []));
   return {
     all,
     refresh,

@@ -1,4 +1,4 @@
-/** All runs of the house, the newest first: how each stands, and what can be done with it. */
+/** All runs of the server, the newest first: how each stands, and what can be done with it. */
 
 import { signal } from "@preact/signals-core";
 import { MoreVertical, RefreshCw } from "lucide-react";

@@ -10,8 +10,8 @@ import {
   chromium,
   type Page as Sheet,
 } from "playwright-core";
-import { binary, CHROMIUM, newPlace } from "../e2e/house/places.ts";
-import { Server } from "../e2e/house/server.ts";
+import { binary, CHROMIUM, newPlace } from "../e2e/support/places.ts";
+import { Server } from "../e2e/support/server.ts";
 import { makeEndless } from "./endless.ts";
 import { writeLarge } from "./large.ts";
 import { makePosing } from "./posing.ts";
@@ -27,13 +27,13 @@ export type Size = "mission_750" | "rover_750" | "endless_750" | "large_10000";
 /** So many states change in a second in the mission that does not end, if nothing else is said. */
 const LIVE_RATE = 1_000;
 
-export interface House {
+export interface BenchSetup {
   readonly server: Server;
   readonly browser: Browser;
 }
 
 /** With these machines; so many states change in a second in the one that does not end. */
-export async function begin(sizes: readonly Size[], rate = LIVE_RATE): Promise<House> {
+export async function begin(sizes: readonly Size[], rate = LIVE_RATE): Promise<BenchSetup> {
   const server = await Server.start(newPlace(made(sizes, rate)));
   const browser = await chromium.launch({
     executablePath: CHROMIUM,
@@ -42,7 +42,7 @@ export async function begin(sizes: readonly Size[], rate = LIVE_RATE): Promise<H
   return { server, browser };
 }
 
-export async function end({ server, browser }: House): Promise<void> {
+export async function end({ server, browser }: BenchSetup): Promise<void> {
   await browser.close();
   await server.dispose();
 }
@@ -76,7 +76,7 @@ function newMission(folder: string): void {
 
 /** A fresh page in a profile of its own, let in and waiting for a machine. */
 export async function freshPage(
-  { server, browser }: House,
+  { server, browser }: BenchSetup,
   options: BrowserContextOptions = {},
 ): Promise<Sheet> {
   const context = await browser.newContext({ viewport: VIEW, ...options });
