@@ -69,10 +69,10 @@ test("any drag can be cancelled without an edit", () => {
   );
 });
 
-test("what cannot be foretold shows as it was left until the server answers", async () => {
+test("what cannot be predicted shows as it was left until the server answers", async () => {
   const canvas = driver().press("A").drag({ x: 450, y: 500 }).release();
-  const foretold = canvas.session.version.value > 0;
-  expect(canvas.isClear()).toBe(foretold);
+  const predicted = canvas.session.version.value > 0;
+  expect(canvas.isClear()).toBe(predicted);
   await canvas.answered();
   expect(canvas.isClear()).toBe(true);
 });

@@ -463,7 +463,7 @@ export class InteractionController {
     if (result.plan) this.apply(result.plan, overlay);
   }
 
-  /** Sends what is planned. What cannot be foretold shows as the gesture left it until the server answers. */
+  /** Sends what is planned. What cannot be predicted shows as the gesture left it until the server answers. */
   apply(plan: Planned, overlay: Overlay = NO_OVERLAY): void {
     const why = this.#host.whyFixed() ?? (isRefused(plan) ? plan.refused : null);
     if (why !== null || isRefused(plan)) {

@@ -3,7 +3,7 @@ import { describe, expect, it, vi } from "vitest";
 import type { Document } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
 import { comparisonOf } from "./comparison.ts";
-import { Mirror, type Touched } from "./mirror.ts";
+import { OptimisticDocument, type TouchedPaths } from "./optimistic_document.ts";
 import type { OpenTab } from "./page.ts";
 import { RefusalError, type Server } from "./server.ts";
 import { newView } from "./view.ts";
@@ -13,9 +13,9 @@ const TEXT = `
     A "Scan" execution outcome ok`;
 
 function setUp(answers: Readonly<Record<string, Document>>) {
-  const listeners = new Set<(touched: Touched) => void>();
-  const machine = new Mirror(sketch(TEXT), () => undefined);
-  const onChange = (listener: (touched: Touched) => void) => {
+  const listeners = new Set<(touched: TouchedPaths) => void>();
+  const machine = new OptimisticDocument(sketch(TEXT), () => undefined);
+  const onChange = (listener: (touched: TouchedPaths) => void) => {
     listeners.add(listener);
     return () => void listeners.delete(listener);
   };

@@ -3,8 +3,8 @@ import type { Edit } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
 import { type Draft, openDrafts } from "./drafts.ts";
 import { followDrafts } from "./follow_drafts.ts";
-import { Mirror, type Touched } from "./mirror.ts";
-import { foretell } from "./predict/foretell.ts";
+import { OptimisticDocument, type TouchedPaths } from "./optimistic_document.ts";
+import { predictedWrites } from "./predict/predict.ts";
 
 const DRAFT: Draft = { machine: "m", path: "R/A", field: "script", text: "new", base: "old" };
 
@@ -19,18 +19,18 @@ function followed(draft: Draft) {
   const states = document.states.map((state) =>
     state.kind === "execution" ? { ...state, script: "old" } : state,
   );
-  const machine = new Mirror({ ...document, states }, () => undefined);
-  const listeners = new Set<(touched: Touched) => void>();
+  const machine = new OptimisticDocument({ ...document, states }, () => undefined);
+  const listeners = new Set<(touched: TouchedPaths) => void>();
   const kept = openDrafts(null);
   kept.keep(draft);
-  const onChange = (listener: (touched: Touched) => void) => {
+  const onChange = (listener: (touched: TouchedPaths) => void) => {
     listeners.add(listener);
     return () => void listeners.delete(listener);
   };
   followDrafts({ id: "m", machine, onChange }, kept);
   return (...edits: readonly Edit[]) => {
     const touched = machine.transact(() => {
-      for (const edit of edits) machine.foretell(foretell(machine, edit) ?? []);
+      for (const edit of edits) machine.applyOptimistic(predictedWrites(machine, edit) ?? []);
     });
     for (const listener of listeners) listener(touched);
     return [...kept.all.peek().values()].map(({ path }) => path);

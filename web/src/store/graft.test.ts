@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { Machine } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
-import { Mirror } from "./mirror.ts";
+import { OptimisticDocument } from "./optimistic_document.ts";
 
 const OWN = `
   R hierarchy outcome done
@@ -17,7 +17,7 @@ const FINGER = `
 
 function setUp() {
   const contents = new Map<string, Machine>([["tools/gripper", machineOf(sketch(GRIPPER))]]);
-  return { contents, machine: new Mirror(sketch(OWN), (key) => contents.get(key)) };
+  return { contents, machine: new OptimisticDocument(sketch(OWN), (key) => contents.get(key)) };
 }
 
 describe("the content of libraries", () => {

@@ -9,9 +9,9 @@ import type {
   Presence,
 } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
-import type { Trace } from "./trace.ts";
+import type { StepChange } from "./step_change.ts";
 
-/** An edit that was made here and not answered yet: it is shown already where it can be foretold. */
+/** An edit that was made here and not answered yet: it is shown already where it can be predicted. */
 export interface PendingEdit {
   readonly id: string;
   readonly name: string;
@@ -48,7 +48,7 @@ export interface MachineSession {
   /** The steps that are known, the oldest first: a tree. */
   readonly steps: ReadonlySignal<MachineSteps>;
   /** What a step changed, if it was told since the page follows the machine and not too long ago. */
-  readonly trace: (revision: number) => Trace | undefined;
+  readonly stepChange: (revision: number) => StepChange | undefined;
   /** The revision that the confirmed machine is at. */
   readonly revision: ReadonlySignal<number>;
   /** What is wrong with the machine, as of the last change that settled. */

@@ -1,4 +1,4 @@
-/** A server of a few lines, for tests: it makes the edits that can be foretold, refuses all others, and says what a test lets
+/** A server of a few lines, for tests: it makes the edits that can be predicted, refuses all others, and says what a test lets
  * through, when the test lets it through. */
 
 import { signal } from "@preact/signals-core";
@@ -15,8 +15,8 @@ import type {
   ToClient,
 } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
-import { Mirror } from "../store/mirror.ts";
-import { foretell } from "../store/predict/foretell.ts";
+import { OptimisticDocument } from "../store/optimistic_document.ts";
+import { predictedWrites } from "../store/predict/predict.ts";
 import { type Follower, type Link, RefusalError, type Server } from "../store/server.ts";
 
 const SESSION = {
@@ -57,7 +57,7 @@ export class FakeServer implements Server {
   readonly libraries = new Map<string, Document>();
   /** The runs of the server; all went by the machine. */
   runs: readonly RunSummary[] = [];
-  readonly model: Mirror;
+  readonly model: OptimisticDocument;
   revision = 1;
   isOpen = true;
   /** Whether each folder is a machine of its own; else all are one. */
@@ -69,7 +69,7 @@ export class FakeServer implements Server {
   #answers: (() => void)[] = [];
 
   constructor(document: Document) {
-    this.model = new Mirror(document, () => undefined);
+    this.model = new OptimisticDocument(document, () => undefined);
   }
 
   document(): Document {
@@ -137,10 +137,10 @@ export class FakeServer implements Server {
 
   /** Somebody makes an edit; gives its revision, null if it is refused. */
   make(id: string, edit: Edit): number | null {
-    const writes = foretell(this.model, edit);
+    const writes = predictedWrites(this.model, edit);
     if (!writes) return null;
     const before = this.document();
-    this.model.transact(() => this.model.foretell(writes));
+    this.model.transact(() => this.model.applyOptimistic(writes));
     this.revision += 1;
     this.#made.set(id, this.revision);
     const changes = changesBetween(before, this.document());

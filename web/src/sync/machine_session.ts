@@ -20,12 +20,12 @@ import type {
   MachineSession,
   PendingEdit,
 } from "../store/machine_session.ts";
-import { Mirror, type Touched } from "../store/mirror.ts";
 import { GoneStates } from "../store/names_in.ts";
+import { OptimisticDocument, type TouchedPaths } from "../store/optimistic_document.ts";
 import type { Notice, Page } from "../store/page.ts";
-import { foretell } from "../store/predict/foretell.ts";
+import { predictedWrites } from "../store/predict/predict.ts";
 import { RefusalError, type Server } from "../store/server.ts";
-import { type Trace, Traces, traceOf } from "../store/trace.ts";
+import { type StepChange, StepChanges, stepChangeOf } from "../store/step_change.ts";
 import type { Clock } from "./clock.ts";
 import { Following } from "./following.ts";
 import { Pending } from "./pending.ts";
@@ -48,7 +48,7 @@ const SETTLED_MS = 300;
 
 export class OpenMachineSession implements MachineSession {
   readonly fixed = null;
-  readonly machine: Mirror;
+  readonly machine: OptimisticDocument;
   readonly version: Signal<number>;
   readonly revision: Signal<number>;
   readonly status: Signal<MachineStatus | null>;
@@ -59,11 +59,11 @@ export class OpenMachineSession implements MachineSession {
   readonly isChecked = signal(false);
   readonly #ports: OpenMachineSessionPorts;
   readonly #onItsWay = new Pending();
-  readonly #traces = new Traces();
+  readonly #stepChanges = new StepChanges();
   readonly #gone = new GoneStates();
   /** Libraries whose content was refused, which was told. */
   readonly #withoutContent = new Set<LibraryKey>();
-  readonly #listeners = new Set<(touched: Touched) => void>();
+  readonly #listeners = new Set<(touched: TouchedPaths) => void>();
   readonly #following: Following;
   readonly #deaf: () => void;
   /** Counts changes and checks: only the last check since the last change tells of the machine as it is. */
@@ -77,7 +77,7 @@ export class OpenMachineSession implements MachineSession {
     ports: OpenMachineSessionPorts,
   ) {
     this.#ports = ports;
-    this.machine = new Mirror(document, (key) => ports.shelf.get(key));
+    this.machine = new OptimisticDocument(document, (key) => ports.shelf.get(key));
     this.version = signal(this.machine.version);
     this.revision = signal(revision);
     this.status = signal<MachineStatus | null>({ summary, people: [] });
@@ -104,7 +104,7 @@ export class OpenMachineSession implements MachineSession {
     return this.#following.id;
   }
 
-  onChange(listener: (touched: Touched) => void): () => void {
+  onChange(listener: (touched: TouchedPaths) => void): () => void {
     this.#listeners.add(listener);
     return () => void this.#listeners.delete(listener);
   }
@@ -131,8 +131,8 @@ export class OpenMachineSession implements MachineSession {
     return this.#gone.named(text, (path) => this.machine.state(path)?.name);
   }
 
-  trace(revision: number): Trace | undefined {
-    return this.#traces.get(revision);
+  stepChange(revision: number): StepChange | undefined {
+    return this.#stepChanges.get(revision);
   }
 
   async jump(revision: number, overOthers: boolean): Promise<JumpAnswer> {
@@ -189,7 +189,7 @@ export class OpenMachineSession implements MachineSession {
     return new Promise((settle) => {
       const since_ms = this.#ports.clock.now();
       this.#change(() => {
-        if (edit) this.#foretell(edit);
+        if (edit) this.#applyOptimistic(edit);
         this.#onItsWay.add({ id, name, since_ms, edit, settle, made: null });
       });
       void this.#send(id, ask);
@@ -218,16 +218,16 @@ export class OpenMachineSession implements MachineSession {
     this.#tell("warning", text, placeOf(asked?.edit));
   }
 
-  #foretell(edit: Edit): void {
-    this.machine.foretell(foretell(this.machine, edit) ?? []);
+  #applyOptimistic(edit: Edit): void {
+    this.machine.applyOptimistic(predictedWrites(this.machine, edit) ?? []);
   }
 
   /** Does the work on the confirmed machine, and shows what is on its way upon it again. */
   #renew(work: () => void): void {
     this.#change(() => {
-      this.machine.takeBack();
+      this.machine.rollback();
       work();
-      for (const { edit } of this.#onItsWay.all) if (edit) this.#foretell(edit);
+      for (const { edit } of this.#onItsWay.all) if (edit) this.#applyOptimistic(edit);
     });
   }
 
@@ -239,7 +239,7 @@ export class OpenMachineSession implements MachineSession {
     });
   }
 
-  #tellChange(touched: Touched): void {
+  #tellChange(touched: TouchedPaths): void {
     for (const listener of this.#listeners) listener(touched);
     this.version.value = this.machine.version;
   }
@@ -267,7 +267,7 @@ export class OpenMachineSession implements MachineSession {
           for (const [path, state] of earlier) {
             if (state && !this.machine.state(path)) this.#gone.note(path, state.name, author);
           }
-          this.#traces.put(revision, traceOf(earlier, this.machine));
+          this.#stepChanges.put(revision, stepChangeOf(earlier, this.machine));
           this.revision.value = revision;
           this.#settle(id);
         }

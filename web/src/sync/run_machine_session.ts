@@ -11,7 +11,7 @@ import type {
 import { type LibraryKey, libraryKey } from "../store/graft.ts";
 import { OTHER } from "../store/journal.ts";
 import type { MachineSession, PendingEdit } from "../store/machine_session.ts";
-import { Mirror, type Touched } from "../store/mirror.ts";
+import { OptimisticDocument, type TouchedPaths } from "../store/optimistic_document.ts";
 import type { Runs, Watch } from "../store/run.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
@@ -37,7 +37,7 @@ const REFUSED = { refused: FIXED };
 export class RunMachineSession implements MachineSession {
   readonly id: string;
   readonly fixed = FIXED;
-  readonly machine: Mirror;
+  readonly machine: OptimisticDocument;
   readonly version = signal(0);
   readonly revision = signal(0);
   readonly status = signal<MachineStatus | null>(null);
@@ -48,7 +48,7 @@ export class RunMachineSession implements MachineSession {
   readonly isChecked = signal(false);
   readonly check = () => Promise.resolve(null);
   readonly #shelf: Shelf;
-  readonly #listeners = new Set<(touched: Touched) => void>();
+  readonly #listeners = new Set<(touched: TouchedPaths) => void>();
   readonly #stops: (() => void)[];
   readonly #ports: Ports;
   #root: string | null = null;
@@ -71,7 +71,7 @@ export class RunMachineSession implements MachineSession {
       const root = this.#root === null ? "" : `&root=${encodeURIComponent(this.#root)}`;
       return `/runs/${run}/machine?library=${encodeURIComponent(key)}${root}`;
     });
-    this.machine = new Mirror(document, (key) => this.#shelf.get(key));
+    this.machine = new OptimisticDocument(document, (key) => this.#shelf.get(key));
     const follow = effect(() => {
       const root = this.#wanted(watch);
       if (root !== null && root !== this.#root) void this.#goBy(root, runs, watch.id);
@@ -79,7 +79,7 @@ export class RunMachineSession implements MachineSession {
     this.#stops = [this.#shelf.onArrival(() => this.#libraryChanged()), follow];
   }
 
-  onChange(listener: (touched: Touched) => void): () => void {
+  onChange(listener: (touched: TouchedPaths) => void): () => void {
     this.#listeners.add(listener);
     return () => void this.#listeners.delete(listener);
   }
@@ -88,7 +88,7 @@ export class RunMachineSession implements MachineSession {
   readonly undo = () => Promise.resolve(REFUSED);
   readonly redo = () => Promise.resolve(REFUSED);
   readonly jump = () => Promise.resolve({ ...REFUSED, code: "fixed" });
-  readonly trace = () => undefined;
+  readonly stepChange = () => undefined;
   readonly named = (text: string) => text;
 
   async loadLibrary(path: string): Promise<void> {

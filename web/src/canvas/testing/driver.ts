@@ -9,8 +9,8 @@ import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/sketch.ts";
 import type { Dragged } from "../../store/dragged.ts";
 import type { EditAnswer, MachineSession, PendingEdit } from "../../store/machine_session.ts";
-import { Mirror } from "../../store/mirror.ts";
-import { foretell } from "../../store/predict/foretell.ts";
+import { OptimisticDocument } from "../../store/optimistic_document.ts";
+import { predictedWrites } from "../../store/predict/predict.ts";
 import { newView, type SessionView, select, selected } from "../../store/view.ts";
 import { screenFromWorld } from "../camera.ts";
 import { InteractionController } from "../interaction.ts";
@@ -26,11 +26,11 @@ interface Keys {
   readonly alt?: boolean;
 }
 
-/** A machine session without a server: what can be foretold is done at once, the rest is only kept. */
+/** A machine session without a server: what can be predicted is done at once, the rest is only kept. */
 export class PlainMachineSession implements MachineSession {
   readonly id = "test";
   readonly fixed = null;
-  readonly machine: Mirror;
+  readonly machine: OptimisticDocument;
   readonly version = signal(0);
   readonly status = signal(null);
   readonly people = signal([]);
@@ -47,15 +47,15 @@ export class PlainMachineSession implements MachineSession {
 
   constructor(text: string, library: string | null = null) {
     const content = library === null ? undefined : machineOf(sketch(library));
-    this.machine = new Mirror(sketch(text), () => content);
+    this.machine = new OptimisticDocument(sketch(text), () => content);
   }
 
   readonly onChange = () => () => {};
 
   edit(name: string, edit: Edit): Promise<EditAnswer> {
     this.made.push({ name, edit });
-    const writes = foretell(this.machine, edit);
-    if (writes) this.machine.transact(() => this.machine.foretell(writes));
+    const writes = predictedWrites(this.machine, edit);
+    if (writes) this.machine.transact(() => this.machine.applyOptimistic(writes));
     if (writes) this.version.value += 1;
     return Promise.resolve({ revision: this.made.length });
   }
@@ -63,7 +63,7 @@ export class PlainMachineSession implements MachineSession {
   readonly undo = () => Promise.resolve({ refused: "not here" });
   readonly redo = () => Promise.resolve({ refused: "not here" });
   readonly jump = () => Promise.resolve({ refused: "not here", code: "not_here" });
-  readonly trace = () => undefined;
+  readonly stepChange = () => undefined;
   readonly named = (text: string) => text;
   readonly loadLibrary = () => Promise.resolve();
   readonly close = () => {};

@@ -10,9 +10,12 @@ import { reveal } from "../reveal.ts";
 
 export function StepDetail({ tab, node }: { readonly tab: OpenTab; readonly node: StepNode }) {
   const host = useHost();
-  const trace = tab.session.trace(node.revision);
-  const all = useMemo(() => (trace ? differences(trace.before, trace.after) : []), [trace]);
-  if (!trace) {
+  const stepChange = tab.session.stepChange(node.revision);
+  const all = useMemo(
+    () => (stepChange ? differences(stepChange.before, stepChange.after) : []),
+    [stepChange],
+  );
+  if (!stepChange) {
     const text =
       node.step === null
         ? "The machine as it was read from its files."
@@ -27,8 +30,8 @@ export function StepDetail({ tab, node }: { readonly tab: OpenTab; readonly node
       <DifferenceList
         label="What the step changed"
         all={all}
-        old={trace.before}
-        now={trace.after}
+        old={stepChange.before}
+        now={stepChange.after}
         onReveal={({ element }) => reveal(host, element)}
       />
     </div>

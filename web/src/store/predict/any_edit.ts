@@ -1,4 +1,4 @@
-/** Any edit of the kinds that are foretold, for tests: mostly one that can be made, sometimes not. */
+/** Any edit of the kinds that are predicted, for tests: mostly one that can be made, sometimes not. */
 
 import type { Edit, Goal, PortList, StateDocument } from "../../model/generated/protocol.ts";
 import {

@@ -12,7 +12,7 @@ import {
 import { childPath, idOf } from "../../model/path.ts";
 import { placed, withList } from "../lists.ts";
 import { drop, nextTransition } from "./connections.ts";
-import type { Draft } from "./draft.ts";
+import type { PredictedMachine } from "./predicted_machine.ts";
 
 export const DECIDER = "unique_decider_state_id";
 const MANDATORY: readonly OutcomeDocument[] = [
@@ -21,25 +21,25 @@ const MANDATORY: readonly OutcomeDocument[] = [
 ];
 
 /** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
-export function children(draft: Draft, edit: Edit): boolean {
-  if (edit.edit === "add_state") return add(draft, edit.path, edit.states);
-  if (edit.edit === "remove_state") return remove(draft, edit.path, edit.state);
+export function children(predicted: PredictedMachine, edit: Edit): boolean {
+  if (edit.edit === "add_state") return add(predicted, edit.path, edit.states);
+  if (edit.edit === "remove_state") return remove(predicted, edit.path, edit.state);
   return false;
 }
 
-function add(draft: Draft, path: string, states: readonly StateDocument[]): boolean {
-  const parent = draft.state(path);
+function add(predicted: PredictedMachine, path: string, states: readonly StateDocument[]): boolean {
+  const parent = predicted.state(path);
   const [first] = states;
   if (!parent || !isContainer(parent) || !first) return false;
-  if (draft.state(childPath(path, first.path))) return false;
+  if (predicted.state(childPath(path, first.path))) return false;
   // The interface of a library is the library's.
   if (states.some((state) => state.library && !state.outcomes)) return false;
-  for (const state of states) draft.put(whole(path, state));
+  for (const state of states) predicted.put(whole(path, state));
   const decider = childPath(first.path, DECIDER);
   if (first.kind === "barrier" && !states.some((state) => state.path === decider)) {
-    draft.put(newDecider(childPath(path, decider)));
+    predicted.put(newDecider(childPath(path, decider)));
   }
-  lead(draft, parent, first);
+  lead(predicted, parent, first);
   return true;
 }
 
@@ -56,8 +56,12 @@ function newDecider(path: string): StateDocument {
 }
 
 /** In a barrier, what a child can end with leads to the decider. */
-export function lead(draft: Draft, parent: StateDocument, child: StateDocument): void {
-  const hasDecider = draft.state(childPath(parent.path, DECIDER)) !== undefined;
+export function lead(
+  predicted: PredictedMachine,
+  parent: StateDocument,
+  child: StateDocument,
+): void {
+  const hasDecider = predicted.state(childPath(parent.path, DECIDER)) !== undefined;
   if (parent.kind !== "barrier" || !hasDecider || child.path === DECIDER) return;
   let state = parent;
   for (const { id: outcome } of outcomesOf(child)) {
@@ -71,18 +75,18 @@ export function lead(draft: Draft, parent: StateDocument, child: StateDocument):
     };
     state = withList(state, "transitions", placed(state.transitions, id, transition));
   }
-  draft.put(state);
+  predicted.put(state);
 }
 
-export function remove(draft: Draft, path: string, id: string): boolean {
-  const parent = draft.state(path);
-  const child = draft.state(childPath(path, id));
+export function remove(predicted: PredictedMachine, path: string, id: string): boolean {
+  const parent = predicted.state(path);
+  const child = predicted.state(childPath(path, id));
   if (!parent || !child || child.kind === "decider" || id === idOf(path)) return false;
   const at = (...ends: (string | null | undefined)[]) => ends.includes(id);
   const transitions = transitionsOf(parent).filter((t) => at(t.from_state, t.to_state));
   const flows = dataFlowsOf(parent).filter((flow) => at(flow.from_state, flow.to_state));
   const ids = (list: readonly { readonly id: number }[]) => list.map((each) => each.id);
-  drop(draft, path, ids(transitions), ids(flows));
-  draft.remove(child.path);
+  drop(predicted, path, ids(transitions), ids(flows));
+  predicted.remove(child.path);
   return true;
 }

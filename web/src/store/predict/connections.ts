@@ -11,42 +11,42 @@ import type {
 import { dataFlowsOf, isContainer, transitionsOf } from "../../model/machine.ts";
 import { idOf } from "../../model/path.ts";
 import { placed, withList } from "../lists.ts";
-import type { Draft } from "./draft.ts";
 import { update } from "./own.ts";
 import { placeKey, withoutPlaces } from "./places.ts";
+import type { PredictedMachine } from "./predicted_machine.ts";
 
 /** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
-export function connections(draft: Draft, edit: Edit): boolean {
+export function connections(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "add_transition":
-      return addTransition(draft, edit.path, edit.transition, (id, state) =>
+      return addTransition(predicted, edit.path, edit.transition, (id, state) =>
         withGoal(withOrigin({ id }, edit.from), edit.to, state),
       );
     case "set_transition_origin":
-      return changeTransition(draft, edit.path, edit.transition, (earlier) =>
+      return changeTransition(predicted, edit.path, edit.transition, (earlier) =>
         withOrigin(earlier, edit.from),
       );
     case "set_transition_target":
-      return changeTransition(draft, edit.path, edit.transition, (earlier, state) =>
+      return changeTransition(predicted, edit.path, edit.transition, (earlier, state) =>
         withGoal(earlier, edit.to, state),
       );
     case "remove_transition":
-      return drop(draft, edit.path, [edit.transition], []);
+      return drop(predicted, edit.path, [edit.transition], []);
     case "set_start":
-      return setStart(draft, edit.path, edit.to);
+      return setStart(predicted, edit.path, edit.to);
     default:
-      return dataFlow(draft, edit);
+      return dataFlow(predicted, edit);
   }
 }
 
 /** Takes connections out of a container, with their places; false if one of them is not there. */
 export function drop(
-  draft: Draft,
+  predicted: PredictedMachine,
   path: string,
   transitions: readonly number[],
   dataFlows: readonly number[],
 ): boolean {
-  const state = draft.state(path);
+  const state = predicted.state(path);
   if (!state) return false;
   if (transitions.length + dataFlows.length === 0) return true;
   const left = transitionsOf(state).filter(({ id }) => !transitions.includes(id));
@@ -57,7 +57,7 @@ export function drop(
     ...dataFlows.map((id) => placeKey("data_flow", id)),
   ];
   const without = withList(withList(state, "transitions", left), "data_flows", leftFlows);
-  draft.put(withoutPlaces(without, keys));
+  predicted.put(withoutPlaces(without, keys));
   return gone - left.length - leftFlows.length === transitions.length + dataFlows.length;
 }
 
@@ -83,35 +83,35 @@ function withOrigin(transition: TransitionDocument, from: OutcomeOf | null): Tra
 }
 
 function addTransition(
-  draft: Draft,
+  predicted: PredictedMachine,
   path: string,
   id: number,
   make: (id: number, state: StateDocument) => TransitionDocument,
 ): boolean {
-  const state = draft.state(path);
+  const state = predicted.state(path);
   if (!state || !isContainer(state)) return false;
   if (transitionsOf(state).some((other) => other.id === id)) return false;
-  return update(draft, path, () =>
+  return update(predicted, path, () =>
     withList(state, "transitions", placed(state.transitions, id, make(id, state))),
   );
 }
 
 function changeTransition(
-  draft: Draft,
+  predicted: PredictedMachine,
   path: string,
   id: number,
   next: (earlier: TransitionDocument, state: StateDocument) => TransitionDocument,
 ): boolean {
-  const state = draft.state(path);
+  const state = predicted.state(path);
   const earlier = state?.transitions?.find((other) => other.id === id);
   if (!state || !earlier) return false;
   const transitions = placed(state.transitions, id, next(earlier, state));
-  draft.put(withList(state, "transitions", transitions));
+  predicted.put(withList(state, "transitions", transitions));
   return true;
 }
 
-function setStart(draft: Draft, path: string, to: Goal | null): boolean {
-  const state = draft.state(path);
+function setStart(predicted: PredictedMachine, path: string, to: Goal | null): boolean {
+  const state = predicted.state(path);
   if (!state || !isContainer(state)) return false;
   const isStart = (transition: TransitionDocument) =>
     transition.from_state == null && transition.from_outcome == null;
@@ -119,35 +119,35 @@ function setStart(draft: Draft, path: string, to: Goal | null): boolean {
   const gone = (to || !first ? others : [first, ...others]).map(({ id }) => id);
   if (to) {
     const start = withGoal(first ?? { id: nextTransition(state) }, to, state);
-    draft.put(withList(state, "transitions", placed(state.transitions, start.id, start)));
+    predicted.put(withList(state, "transitions", placed(state.transitions, start.id, start)));
   }
-  return drop(draft, path, gone, []);
+  return drop(predicted, path, gone, []);
 }
 
-function dataFlow(draft: Draft, edit: Edit): boolean {
+function dataFlow(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "add_data_flow":
-      return setFlow(draft, edit.path, edit.data_flow, (earlier) => {
+      return setFlow(predicted, edit.path, edit.data_flow, (earlier) => {
         if (earlier) return undefined;
         const { from, to } = edit;
         return { id: edit.data_flow, ...source(from), to_state: to.state, to_port: to.port };
       });
     case "set_data_flow_source":
       return setFlow(
-        draft,
+        predicted,
         edit.path,
         edit.data_flow,
         (earlier) => earlier && { ...earlier, ...source(edit.from) },
       );
     case "set_data_flow_target":
       return setFlow(
-        draft,
+        predicted,
         edit.path,
         edit.data_flow,
         (earlier) => earlier && { ...earlier, to_state: edit.to.state, to_port: edit.to.port },
       );
     case "remove_data_flow":
-      return drop(draft, edit.path, [], [edit.data_flow]);
+      return drop(predicted, edit.path, [], [edit.data_flow]);
     default:
       return false;
   }
@@ -159,15 +159,15 @@ function source({ state, port }: { readonly state: string; readonly port: number
 
 /** `next` gives nothing if it cannot be done. */
 function setFlow(
-  draft: Draft,
+  predicted: PredictedMachine,
   path: string,
   id: number,
   next: (earlier: DataFlowDocument | undefined) => DataFlowDocument | undefined,
 ): boolean {
-  const state = draft.state(path);
+  const state = predicted.state(path);
   if (!state || !isContainer(state)) return false;
   const flow = next(dataFlowsOf(state).find((other) => other.id === id));
   if (!flow) return false;
-  draft.put(withList(state, "data_flows", placed(state.data_flows, id, flow)));
+  predicted.put(withList(state, "data_flows", placed(state.data_flows, id, flow)));
   return true;
 }

@@ -18,33 +18,37 @@ import {
 import { idOf, parentOf } from "../../model/path.ts";
 import { placed, withList } from "../lists.ts";
 import { drop } from "./connections.ts";
-import type { Draft } from "./draft.ts";
 import { placeKey, withoutPlaces } from "./places.ts";
+import type { PredictedMachine } from "./predicted_machine.ts";
 
 const LISTS = { input: "inputs", output: "outputs", scoped_variable: "scoped_variables" } as const;
 const KINDS: readonly PortKind[] = ["input", "output", "scoped_variable"];
 
 /** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
-export function ownInterface(draft: Draft, edit: Edit): boolean {
-  const state = "path" in edit ? draft.state(edit.path) : undefined;
+export function ownInterface(predicted: PredictedMachine, edit: Edit): boolean {
+  const state = "path" in edit ? predicted.state(edit.path) : undefined;
   if (!state || (state.library && !state.library.missing)) return false;
   switch (edit.edit) {
     case "add_outcome":
-      return !hasOutcome(state, edit.outcome) && putOutcome(draft, state, edit.outcome, edit.name);
+      return (
+        !hasOutcome(state, edit.outcome) && putOutcome(predicted, state, edit.outcome, edit.name)
+      );
     case "rename_outcome":
-      return hasOutcome(state, edit.outcome) && putOutcome(draft, state, edit.outcome, edit.name);
+      return (
+        hasOutcome(state, edit.outcome) && putOutcome(predicted, state, edit.outcome, edit.name)
+      );
     case "remove_outcome":
-      return removeOutcome(draft, state, edit.outcome);
+      return removeOutcome(predicted, state, edit.outcome);
     case "add_port":
-      return addPort(draft, state, edit);
+      return addPort(predicted, state, edit);
     case "rename_port":
-      return changePort(draft, state, edit, (port) => ({ ...port, name: edit.name }));
+      return changePort(predicted, state, edit, (port) => ({ ...port, name: edit.name }));
     case "set_port_type":
-      return changePort(draft, state, edit, (port) => ({ ...port, data_type: edit.data_type }));
+      return changePort(predicted, state, edit, (port) => ({ ...port, data_type: edit.data_type }));
     case "set_port_default":
-      return changePort(draft, state, edit, (port) => withDefault(port, edit.default));
+      return changePort(predicted, state, edit, (port) => withDefault(port, edit.default));
     case "remove_port":
-      return removePort(draft, state, edit);
+      return removePort(predicted, state, edit);
     default:
       return false;
   }
@@ -54,28 +58,33 @@ function hasOutcome(state: StateDocument, id: number): boolean {
   return outcomesOf(state).some((outcome) => outcome.id === id);
 }
 
-function putOutcome(draft: Draft, state: StateDocument, id: number, name: string): boolean {
+function putOutcome(
+  predicted: PredictedMachine,
+  state: StateDocument,
+  id: number,
+  name: string,
+): boolean {
   const earlier = outcomesOf(state).find((outcome) => outcome.id === id);
   const outcomes = placed(state.outcomes, id, { ...earlier, id, name });
-  draft.put(withList(state, "outcomes", outcomes));
+  predicted.put(withList(state, "outcomes", outcomes));
   return true;
 }
 
-function removeOutcome(draft: Draft, state: StateDocument, id: number): boolean {
+function removeOutcome(predicted: PredictedMachine, state: StateDocument, id: number): boolean {
   if (id < 0 || !hasOutcome(state, id)) return false;
   const own = idOf(state.path);
   const inner = transitionsOf(state).filter((t) => t.to_state === own && t.to_outcome === id);
-  drop(draft, state.path, ids(inner), []);
-  const parent = parentState(draft, state.path);
+  drop(predicted, state.path, ids(inner), []);
+  const parent = parentState(predicted, state.path);
   if (parent) {
     const leads = transitionsOf(parent).filter(
       (t) => t.from_state === own && t.from_outcome === id,
     );
-    drop(draft, parent.path, ids(leads), []);
+    drop(predicted, parent.path, ids(leads), []);
   }
-  const left = draft.state(state.path) ?? state;
+  const left = predicted.state(state.path) ?? state;
   const without = withList(left, "outcomes", placed(left.outcomes, id, null));
-  draft.put(withoutPlaces(without, [placeKey("outcome", id)]));
+  predicted.put(withoutPlaces(without, [placeKey("outcome", id)]));
   return true;
 }
 
@@ -85,7 +94,7 @@ interface PortEdit {
 }
 
 function addPort(
-  draft: Draft,
+  predicted: PredictedMachine,
   state: StateDocument,
   edit: Extract<Edit, { edit: "add_port" }>,
 ): boolean {
@@ -93,22 +102,27 @@ function addPort(
   const isTaken = (kind: PortKind) => portsOf(state, kind).some(({ id }) => id === edit.port);
   if (KINDS.some(isTaken)) return false;
   const { port: id, name, data_type } = edit;
-  return putPort(draft, state, edit.list, withDefault({ id, name, data_type }, edit.default));
+  return putPort(predicted, state, edit.list, withDefault({ id, name, data_type }, edit.default));
 }
 
 function changePort(
-  draft: Draft,
+  predicted: PredictedMachine,
   state: StateDocument,
   { list, port: id }: PortEdit,
   next: (port: PortDocument) => PortDocument,
 ): boolean {
   const port = portsOf(state, list).find((other) => other.id === id);
-  return port !== undefined && putPort(draft, state, list, next(port));
+  return port !== undefined && putPort(predicted, state, list, next(port));
 }
 
-function putPort(draft: Draft, state: StateDocument, list: PortList, port: PortDocument): boolean {
+function putPort(
+  predicted: PredictedMachine,
+  state: StateDocument,
+  list: PortList,
+  port: PortDocument,
+): boolean {
   const name = LISTS[list];
-  draft.put(withList(state, name, placed(state[name], port.id, port)));
+  predicted.put(withList(state, name, placed(state[name], port.id, port)));
   return true;
 }
 
@@ -117,18 +131,22 @@ function withDefault(port: PortDocument, value: JsonValue): PortDocument {
   return value === null ? rest : { ...rest, default: value };
 }
 
-function removePort(draft: Draft, state: StateDocument, { list, port }: PortEdit): boolean {
+function removePort(
+  predicted: PredictedMachine,
+  state: StateDocument,
+  { list, port }: PortEdit,
+): boolean {
   if (!portsOf(state, list).some(({ id }) => id === port)) return false;
   const own = idOf(state.path);
-  drop(draft, state.path, [], flowsAt(state, own, port));
-  const parent = parentState(draft, state.path);
+  drop(predicted, state.path, [], flowsAt(state, own, port));
+  const parent = parentState(predicted, state.path);
   if (parent && list !== "scoped_variable") {
-    drop(draft, parent.path, [], flowsAt(parent, own, port));
+    drop(predicted, parent.path, [], flowsAt(parent, own, port));
   }
-  const left = draft.state(state.path) ?? state;
+  const left = predicted.state(state.path) ?? state;
   const name = LISTS[list];
   const without = withList(left, name, placed(left[name], port, null));
-  draft.put(withoutPlaces(without, [placeKey(list, port)]));
+  predicted.put(withoutPlaces(without, [placeKey(list, port)]));
   return true;
 }
 
@@ -141,9 +159,9 @@ function flowsAt(container: StateDocument, state: string, port: number): readonl
   );
 }
 
-function parentState(draft: Draft, path: string): StateDocument | undefined {
+function parentState(predicted: PredictedMachine, path: string): StateDocument | undefined {
   const parent = parentOf(path);
-  return parent === null ? undefined : draft.state(parent);
+  return parent === null ? undefined : predicted.state(parent);
 }
 
 function ids(elements: readonly { readonly id: number }[]): readonly number[] {

@@ -12,17 +12,17 @@ import { childPath, idOf, isWithin, parentOf } from "../../model/path.ts";
 import { placed, withList } from "../lists.ts";
 import { lead, remove } from "./children.ts";
 import { nextTransition } from "./connections.ts";
-import type { Draft } from "./draft.ts";
+import type { PredictedMachine } from "./predicted_machine.ts";
 
 /** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
-export function moved(draft: Draft, edit: Edit): boolean {
+export function moved(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "move_states":
-      return move(draft, edit);
+      return move(predicted, edit);
     case "paste":
-      return paste(draft, edit.path, edit.selection, edit.ids);
+      return paste(predicted, edit.path, edit.selection, edit.ids);
     case "set_id":
-      return setId(draft, edit.path, edit.id);
+      return setId(predicted, edit.path, edit.id);
     default:
       return false;
   }
@@ -30,17 +30,17 @@ export function moved(draft: Draft, edit: Edit): boolean {
 
 type Move = Extract<Edit, { edit: "move_states" }>;
 
-function move(draft: Draft, { path, states, to, ids }: Move): boolean {
-  const container = draft.state(path);
+function move(predicted: PredictedMachine, { path, states, to, ids }: Move): boolean {
+  const container = predicted.state(path);
   if (!container || states.some((id) => isWithin(to, childPath(path, id)))) return false;
   if (to === path) return true;
-  const selection = taken(draft, container, new Set(states), states);
-  return states.every((id) => remove(draft, path, id)) && paste(draft, to, selection, ids);
+  const selection = taken(predicted, container, new Set(states), states);
+  return states.every((id) => remove(predicted, path, id)) && paste(predicted, to, selection, ids);
 }
 
 /** The states with what is between them. */
 function taken(
-  draft: Draft,
+  predicted: PredictedMachine,
   container: StateDocument,
   ids: ReadonlySet<string>,
   inOrder: readonly string[],
@@ -48,7 +48,7 @@ function taken(
   const isIn = (id: string | null | undefined) => id != null && ids.has(id);
   const { path } = container;
   const states = inOrder.flatMap((id) =>
-    draft.inside(childPath(path, id)).map((state) => ({
+    predicted.inside(childPath(path, id)).map((state) => ({
       ...state,
       path: state.path.slice(path.length + 1),
     })),
@@ -62,26 +62,29 @@ function taken(
 }
 
 function paste(
-  draft: Draft,
+  predicted: PredictedMachine,
   path: string,
   { states = [], scoped_variables = [], transitions = [], data_flows = [] }: Selection,
   ids: readonly string[],
 ): boolean {
-  const target = draft.state(path);
+  const target = predicted.state(path);
   if (!target || !isContainer(target) || scoped_variables.length > 0) return false;
   if (states.some((state) => !state.outcomes)) return false;
   const roots = states.filter((state) => parentOf(state.path) === null);
   const newIds = new Map(roots.map((root, at) => [root.path, ids[at] ?? root.path]));
-  const isFree = (id: string) => id !== idOf(path) && !draft.state(childPath(path, id));
+  const isFree = (id: string) => id !== idOf(path) && !predicted.state(childPath(path, id));
   if (new Set(newIds.values()).size < roots.length) return false;
   if (roots.some(({ kind }) => kind === "decider") || ![...newIds.values()].every(isFree)) {
     return false;
   }
-  for (const state of states) draft.put(elsewhere(state, path, newIds));
+  for (const state of states) predicted.put(elsewhere(state, path, newIds));
   for (const root of roots) {
-    lead(draft, draft.state(path) ?? target, { ...root, path: newIds.get(root.path) ?? root.path });
+    lead(predicted, predicted.state(path) ?? target, {
+      ...root,
+      path: newIds.get(root.path) ?? root.path,
+    });
   }
-  connect(draft, path, { transitions, data_flows }, newIds);
+  connect(predicted, path, { transitions, data_flows }, newIds);
   return true;
 }
 
@@ -100,12 +103,12 @@ function elsewhere(
 }
 
 function connect(
-  draft: Draft,
+  predicted: PredictedMachine,
   path: string,
   between: { readonly transitions: TransitionDocument[]; readonly data_flows: DataFlowDocument[] },
   newIds: ReadonlyMap<string, string>,
 ): void {
-  let target = draft.state(path);
+  let target = predicted.state(path);
   if (!target) return;
   for (const transition of target.kind === "hierarchy" ? between.transitions : []) {
     const id = nextTransition(target);
@@ -125,26 +128,26 @@ function connect(
     const next = { ...flow, from_state, to_state, id };
     target = withList(target, "data_flows", placed(target.data_flows, id, next));
   }
-  draft.put(target);
+  predicted.put(target);
 }
 
-function setId(draft: Draft, path: string, id: string): boolean {
-  const state = draft.state(path);
-  const parent = draft.state(parentOf(path) ?? "");
+function setId(predicted: PredictedMachine, path: string, id: string): boolean {
+  const state = predicted.state(path);
+  const parent = predicted.state(parentOf(path) ?? "");
   if (!state || !parent || state.kind === "decider") return false;
   const old = idOf(path);
   if (id === old) return true;
   const isTaken = [childPath(parent.path, id), childPath(path, id)].some((each) =>
-    draft.state(each),
+    predicted.state(each),
   );
   if (isTaken || id === idOf(parent.path) || id === "" || id.includes("/")) return false;
-  const all = draft.inside(path);
-  draft.remove(path);
+  const all = predicted.inside(path);
+  predicted.remove(path);
   for (const each of all) {
     const own = each.path === path ? withEnds(each, old, id) : each;
-    draft.put({ ...own, path: childPath(parent.path, id) + each.path.slice(path.length) });
+    predicted.put({ ...own, path: childPath(parent.path, id) + each.path.slice(path.length) });
   }
-  draft.put(withEnds(parent, old, id));
+  predicted.put(withEnds(parent, old, id));
   return true;
 }
 

@@ -6,20 +6,20 @@ import type {
   LayoutDocument,
   StateDocument,
 } from "../../model/generated/protocol.ts";
-import type { Draft } from "./draft.ts";
 import { setField, update } from "./own.ts";
+import type { PredictedMachine } from "./predicted_machine.ts";
 
 /** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
-export function places(draft: Draft, edit: Edit): boolean {
+export function places(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "set_position":
-      return setPlace(draft, edit, "rel_pos", tuple(edit.position));
+      return setPlace(predicted, edit, "rel_pos", tuple(edit.position));
     case "set_size":
-      return setPlace(draft, edit, "size", tuple(edit.size));
+      return setPlace(predicted, edit, "size", tuple(edit.size));
     case "set_waypoints":
-      return setPlace(draft, edit, "waypoints", edit.waypoints.map(tuple));
+      return setPlace(predicted, edit, "waypoints", edit.waypoints.map(tuple));
     case "set_layout":
-      return setField(draft, edit.path, "layout", unlessEmpty(edit.layout));
+      return setField(predicted, edit.path, "layout", unlessEmpty(edit.layout));
     default:
       return false;
   }
@@ -59,9 +59,14 @@ interface PlaceEdit {
   readonly element: Element;
 }
 
-function setPlace(draft: Draft, edit: PlaceEdit, field: string, value: unknown): boolean {
+function setPlace(
+  predicted: PredictedMachine,
+  edit: PlaceEdit,
+  field: string,
+  value: unknown,
+): boolean {
   const keys = [...keysOf(edit.element), field];
-  return update(draft, edit.path, (state) => ({
+  return update(predicted, edit.path, (state) => ({
     ...state,
     layout: setAt(state.layout ?? {}, keys, value),
   }));

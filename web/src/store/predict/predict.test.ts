@@ -2,8 +2,8 @@ import { describe, expect, it } from "vitest";
 import type { Edit, StateDocument } from "../../model/generated/protocol.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/sketch.ts";
-import { Mirror } from "../mirror.ts";
-import { foretell } from "./foretell.ts";
+import { OptimisticDocument } from "../optimistic_document.ts";
+import { predictedWrites } from "./predict.ts";
 
 const TEXT = `
   R hierarchy 0 0 400 300 outcome done input speed:int=3 scoped found:list
@@ -22,12 +22,12 @@ function done(
   edit: Edit,
 ): { gone: string[]; states: Record<string, Partial<StateDocument>> } | null {
   const document = sketch(TEXT);
-  const writes = foretell(machineOf(document), edit);
+  const writes = predictedWrites(machineOf(document), edit);
   if (!writes) return null;
-  const mirror = new Mirror(document, () => undefined);
-  const touched = mirror.transact(() => mirror.foretell(writes)) ?? [];
-  const gone = [...touched].filter((path) => !mirror.state(path));
-  const there = [...touched].flatMap((path) => mirror.state(path) ?? []);
+  const machine = new OptimisticDocument(document, () => undefined);
+  const touched = machine.transact(() => machine.applyOptimistic(writes)) ?? [];
+  const gone = [...touched].filter((path) => !machine.state(path));
+  const there = [...touched].flatMap((path) => machine.state(path) ?? []);
   return { gone, states: Object.fromEntries(there.map((state) => [state.path, state])) };
 }
 

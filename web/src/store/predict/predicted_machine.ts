@@ -10,7 +10,7 @@ export type Write =
   | { readonly header: HeaderDocument };
 
 /** The machine with what was written so far. */
-export class Draft {
+export class PredictedMachine {
   readonly writes: Write[] = [];
   readonly #machine: Machine;
   readonly #states = new Map<string, StateDocument | null>();

@@ -1,4 +1,4 @@
-/** An open machine as the server has told it, kept up by changes; and upon it, to be taken back at any time, what edits under way
+/** An open machine as the server has told it, kept up by changes; and upon it, to be rolled back at any time, what edits under way
  * will do. Knows documents and changes; never where they come from. */
 
 import type {
@@ -12,25 +12,25 @@ import type { Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import { type ContentOf, Graft } from "./graft.ts";
 import { placed, withList } from "./lists.ts";
-import type { Write } from "./predict/draft.ts";
+import type { Write } from "./predict/predicted_machine.ts";
 import { type Earlier, States } from "./states.ts";
 
 /** Paths of states that are different; null: all may be. */
-export type Touched = ReadonlySet<string> | null;
+export type TouchedPaths = ReadonlySet<string> | null;
 
 /** So many versions back it is known what was different. */
 const REMEMBERED = 16;
 
-export class Mirror implements Machine {
+export class OptimisticDocument implements Machine {
   readonly #states = new States();
   readonly #graft: Graft;
   #version = 1;
   /** What the last versions were made by. */
-  #history: { readonly version: number; readonly touched: Touched }[] = [];
+  #history: { readonly version: number; readonly touched: TouchedPaths }[] = [];
   #root = "";
   #header: HeaderDocument;
-  /** What stood where something was foretold. */
-  #foretold: { states: ReturnType<States["watch"]>; header: HeaderDocument } | null = null;
+  /** What stood where something was predicted. */
+  #optimistic: { states: ReturnType<States["watch"]>; header: HeaderDocument } | null = null;
 
   constructor(document: Document, contentOf: ContentOf) {
     this.#graft = new Graft((path) => this.#states.get(path), contentOf);
@@ -67,7 +67,7 @@ export class Mirror implements Machine {
   }
 
   /** Does the work, and says what came of it. A state that is the same again stays the same object. */
-  transact(work: () => void): Touched {
+  transact(work: () => void): TouchedPaths {
     const { earlier, stop } = this.#states.watch();
     const header = this.#header;
     work();
@@ -88,10 +88,10 @@ export class Mirror implements Machine {
     return touched;
   }
 
-  /** Another machine from now on; nothing is foretold. */
+  /** Another machine from now on; nothing is predicted. */
   reset(document: Document): void {
-    this.#foretold?.states.stop();
-    this.#foretold = null;
+    this.#optimistic?.states.stop();
+    this.#optimistic = null;
     this.#header = document.header;
     this.#fill(document);
     this.libraryChanged();
@@ -103,7 +103,7 @@ export class Mirror implements Machine {
     this.#nextVersion(null);
   }
 
-  touchedSince(version: number): Touched {
+  touchedSince(version: number): TouchedPaths {
     const since = this.#history.filter((entry) => entry.version > version);
     if (since.length !== this.#version - version) return null;
     const all = new Set<string>();
@@ -114,23 +114,23 @@ export class Mirror implements Machine {
     return all;
   }
 
-  #nextVersion(touched: Touched): void {
+  #nextVersion(touched: TouchedPaths): void {
     this.#version += 1;
     this.#history.push({ version: this.#version, touched });
     if (this.#history.length > REMEMBERED) this.#history.shift();
   }
 
-  /** Takes back what was foretold. */
-  takeBack(): void {
-    if (!this.#foretold) return;
-    const { states, header } = this.#foretold;
-    this.#foretold = null;
+  /** Rolls back what was predicted. */
+  rollback(): void {
+    if (!this.#optimistic) return;
+    const { states, header } = this.#optimistic;
+    this.#optimistic = null;
     states.stop();
     this.#states.restore(states.earlier);
     this.#header = header;
   }
 
-  /** What the server tells of one revision; gives what stood there before. Nothing may be foretold meanwhile. */
+  /** What the server tells of one revision; gives what stood there before. Nothing may be predicted meanwhile. */
   confirm(changes: readonly Change[]): Earlier {
     const { earlier, stop } = this.#states.watch();
     for (const change of changes) this.#change(change);
@@ -139,8 +139,8 @@ export class Mirror implements Machine {
   }
 
   /** Shows what an edit will do. */
-  foretell(writes: readonly Write[]): void {
-    this.#foretold ??= { states: this.#states.watch(), header: this.#header };
+  applyOptimistic(writes: readonly Write[]): void {
+    this.#optimistic ??= { states: this.#states.watch(), header: this.#header };
     for (const write of writes) {
       if ("put" in write) this.#states.put(write.put);
       else if ("remove" in write) this.#states.remove(write.remove);

@@ -6,7 +6,7 @@ import { lineage } from "../model/path.ts";
 import { machineOf } from "../model/plain.ts";
 import type { Earlier } from "./states.ts";
 
-export interface Trace {
+export interface StepChange {
   readonly before: Machine;
   readonly after: Machine;
 }
@@ -14,10 +14,10 @@ export interface Trace {
 /** Names of so many children of a container are kept. */
 const CHILDREN_MAX = 300;
 /** So many steps are remembered. */
-const TRACES_MAX = 200;
+const CHANGES_MAX = 200;
 
-/** The trace of what stood there earlier, and of the machine as it is now. */
-export function traceOf(earlier: Earlier, now: Machine): Trace {
+/** The change from what stood there earlier, and of the machine as it is now. */
+export function stepChangeOf(earlier: Earlier, now: Machine): StepChange {
   const paths = new Set<string>();
   for (const path of earlier.keys()) {
     for (const outer of lineage(path)) paths.add(outer);
@@ -33,19 +33,19 @@ export function traceOf(earlier: Earlier, now: Machine): Trace {
   };
 }
 
-/** Traces by revision; the oldest are given up. */
-export class Traces {
-  readonly #traces = new Map<number, Trace>();
+/** Step changes by revision; the oldest are given up. */
+export class StepChanges {
+  readonly #changes = new Map<number, StepChange>();
 
-  get(revision: number): Trace | undefined {
-    return this.#traces.get(revision);
+  get(revision: number): StepChange | undefined {
+    return this.#changes.get(revision);
   }
 
-  put(revision: number, trace: Trace): void {
-    this.#traces.set(revision, trace);
-    for (const oldest of this.#traces.keys()) {
-      if (this.#traces.size <= TRACES_MAX) break;
-      this.#traces.delete(oldest);
+  put(revision: number, stepChange: StepChange): void {
+    this.#changes.set(revision, stepChange);
+    for (const oldest of this.#changes.keys()) {
+      if (this.#changes.size <= CHANGES_MAX) break;
+      this.#changes.delete(oldest);
     }
   }
 }

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { differences } from "../model/difference.ts";
 import { sketch } from "../model/sketch.ts";
-import { Mirror } from "./mirror.ts";
-import { Traces, traceOf } from "./trace.ts";
+import { OptimisticDocument } from "./optimistic_document.ts";
+import { StepChanges, stepChangeOf } from "./step_change.ts";
 
 const TEXT = `
   R hierarchy outcome done
@@ -13,14 +13,14 @@ const TEXT = `
 
 describe("the trace of a step", () => {
   it("says what was changed, in words, whatever is changed later", () => {
-    const machine = new Mirror(sketch(TEXT), () => undefined);
+    const machine = new OptimisticDocument(sketch(TEXT), () => undefined);
     const earlier = machine.confirm([
       { change: "state", state: { path: "R/A", name: "Look", kind: "execution" } },
       { change: "transition", path: "R", id: 0 },
     ]);
-    const trace = traceOf(earlier, machine);
+    const stepChange = stepChangeOf(earlier, machine);
     machine.confirm([{ change: "state_removed", path: "R/A" }]);
-    const found = differences(trace.before, trace.after);
+    const found = differences(stepChange.before, stepChange.after);
     expect(found.map(({ kind, name }) => `${kind} ${name}`)).toEqual([
       "removed Scan.ok → Grip",
       "changed Look",
@@ -31,11 +31,11 @@ describe("the trace of a step", () => {
   });
 
   it("is given up when there are too many", () => {
-    const machine = new Mirror(sketch(TEXT), () => undefined);
-    const traces = new Traces();
+    const machine = new OptimisticDocument(sketch(TEXT), () => undefined);
+    const changes = new StepChanges();
     for (let revision = 1; revision <= 201; revision += 1) {
-      traces.put(revision, traceOf(new Map(), machine));
+      changes.put(revision, stepChangeOf(new Map(), machine));
     }
-    expect([traces.get(1), traces.get(2) === undefined]).toEqual([undefined, false]);
+    expect([changes.get(1), changes.get(2) === undefined]).toEqual([undefined, false]);
   });
 });
