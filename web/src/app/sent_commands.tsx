@@ -1,4 +1,4 @@
-/** Commands that this page gave: those under way, and for a while what became of them. Nothing is said to be done before the robot
+/** Commands that this page sent: those under way, and for a while what became of them. Nothing is said to be done before the robot
  * said so. */
 
 import { Check, CircleHelp, Hourglass, Send, TriangleAlert, X } from "lucide-react";
@@ -7,7 +7,7 @@ import { commandInWords } from "../model/command_words.ts";
 import { sentLines } from "../panels/parts/sent.ts";
 import { dismiss, dismissed } from "../store/dismissed.ts";
 import { answeredBy, askedQuestions } from "../store/questions.ts";
-import type { Sent, Watch } from "../store/run.ts";
+import type { SentCommand, Watch } from "../store/run.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import "./sent_commands.css";
@@ -46,7 +46,7 @@ export function SentCommands({ watch }: { watch: Watch }) {
 }
 
 /** The time, ten times a second from when something was sent until nothing more will be different by itself. */
-function useTicks(sent: readonly Sent[]): number {
+function useTicks(sent: readonly SentCommand[]): number {
   const [now_ms, setNow] = useState(() => Date.now());
   useEffect(() => {
     if (sent.length === 0) return;

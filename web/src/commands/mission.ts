@@ -7,8 +7,8 @@ import { type Page, runOf } from "../store/page.ts";
 import { answeredBy } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
 import type { Command, Context } from "./command.ts";
-import { failureOf } from "./give.ts";
 import { cannotCommand } from "./run_rules.ts";
+import { failureOf } from "./send_command.ts";
 
 /** The layout for operators, and the panel in it. */
 export const MISSION_LAYOUT = "Mission control";

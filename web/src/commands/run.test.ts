@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import type { Command as Order, Right } from "../model/generated/protocol.ts";
+import type { Right, Command as RunCommand } from "../model/generated/protocol.ts";
 import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
@@ -31,14 +31,14 @@ interface Options {
 }
 
 /** A machine with a run in front of it, whose commands are recorded. */
-function running(options: Options = {}): Stand & { readonly orders: Order[] } {
+function running(options: Options = {}): Stand & { readonly commands: RunCommand[] } {
   const { rights = ALL, status = "running", phase = "live", active = [], holder = null } = options;
   const context = stand(MACHINE, {
     rights,
     selected: [`state:${options.selected ?? "R/A"}`],
     answers: options.answers ?? [],
   });
-  const orders: Order[] = [];
+  const commands: RunCommand[] = [];
   const link = { state: "up", session: { user: "anna", rights } };
   Object.assign(context.page.server, { link: signal(link) });
   const snapshot = { status, active, breakpoints: [], questions: [] };
@@ -47,13 +47,13 @@ function running(options: Options = {}): Stand & { readonly orders: Order[] } {
     id: "r",
     now: signal(now),
     moment: signal(null),
-    command: (order: Order) => {
-      orders.push(order);
+    command: (runCommand: RunCommand) => {
+      commands.push(runCommand);
       return Promise.resolve({ answer: options.answer ?? { answer: "applied" } });
     },
   };
   context.tab.run.value = watch as unknown as Watch;
-  return { ...context, orders };
+  return { ...context, commands };
 }
 
 function why(context: Stand, id: string, argument?: unknown): string | null {
@@ -99,7 +99,7 @@ test("steps go to all branches, or to the one that is named", async () => {
   COMMANDS.run("run.over", held);
   COMMANDS.run("run.over", held, "R/A");
   await settle();
-  expect(held.orders).toEqual([
+  expect(held.commands).toEqual([
     { type: "step_over", branch: null },
     { type: "step_over", branch: "R/A" },
   ]);
@@ -109,10 +109,10 @@ test("a stop asks once; who was asked already is not asked again", async () => {
   const doubtful = running({ answers: [false] });
   COMMANDS.run("run.stop", doubtful);
   await settle();
-  expect(doubtful.orders).toEqual([]);
+  expect(doubtful.commands).toEqual([]);
   COMMANDS.run("run.stop", doubtful, "sure");
   await settle();
-  expect(doubtful.orders).toEqual([{ type: "stop" }]);
+  expect(doubtful.commands).toEqual([{ type: "stop" }]);
 });
 
 test("a stop and a kill go to the run that the user was asked about, whatever is shown by then", async () => {
@@ -124,8 +124,8 @@ test("a stop and a kill go to the run that the user was asked about, whatever is
     await settle();
     stopped.tab.run.value = own;
   }
-  expect(later.orders).toEqual([]);
-  expect(stopped.orders).toEqual([{ type: "stop" }, { type: "kill" }]);
+  expect(later.commands).toEqual([]);
+  expect(stopped.commands).toEqual([{ type: "stop" }, { type: "kill" }]);
 });
 
 test("what wants a human is shown on the tab that shows its run already", async () => {
@@ -146,7 +146,7 @@ test("a command that is refused by the run says so", async () => {
   const refused = running({ answer: { answer: "refused", reason: "a script runs" } });
   COMMANDS.run("run.start-here", refused);
   await settle();
-  expect(refused.orders).toEqual([{ type: "start", from: "R/A", data: [] }]);
+  expect(refused.commands).toEqual([{ type: "start", from: "R/A", data: [] }]);
   expect(refused.record).toContain("tell Start here: a script runs");
 });
 
@@ -163,8 +163,8 @@ test("a breakpoint of a live run is the run's; its removal too", async () => {
   const goes = running();
   COMMANDS.run("run.breakpoint", goes, "R/B");
   await settle();
-  const [order] = goes.orders;
-  expect(order).toMatchObject({
+  const [runCommand] = goes.commands;
+  expect(runCommand).toMatchObject({
     type: "set_breakpoint",
     breakpoint: { ...newBreakpoint(1, "R/B"), id: expect.any(Number) },
   });
@@ -185,11 +185,11 @@ test("edits that touch an active state are taken once it is left, if the user wa
   COMMANDS.run("run.reload", unwanted);
   await settle();
   expect(unwanted.record).toContain("ask The run cannot take the edits now");
-  expect(unwanted.orders).toEqual([{ type: "reload", wait: false }]);
+  expect(unwanted.commands).toEqual([{ type: "reload", wait: false }]);
   const wanted = running({ answer, answers: [true] });
   COMMANDS.run("run.reload", wanted);
   await settle();
-  expect(wanted.orders.at(-1)).toEqual({ type: "reload", wait: true });
+  expect(wanted.commands.at(-1)).toEqual({ type: "reload", wait: true });
 });
 
 test("a run that crashed is taken up by the rule that was chosen", async () => {
@@ -235,5 +235,5 @@ test("breakpoints are edited in a dialog, all removed at once, and switched for 
   await settle();
   expect(all.value).toEqual([]);
   expect(why(context, "run.clear-breakpoints")).toMatch(/no breakpoints/);
-  expect(context.orders).toEqual([]);
+  expect(context.commands).toEqual([]);
 });

@@ -2,9 +2,9 @@
 
 import type { Start, Watch } from "../store/run.ts";
 import type { Command, Context } from "./command.ts";
-import { give, giveTo } from "./give.ts";
 import { cannotCommand, cannotStart, cannotWhile } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";
+import { sendCommand, sendCommandTo } from "./send_command.ts";
 
 export const RUN: readonly Command[] = [
   {
@@ -45,14 +45,16 @@ export const RUN: readonly Command[] = [
     menu: "Run/2",
     refusal: (context) => (canResume(context) ? cannotResume(context) : cannotPause(context)),
     run: (context) =>
-      canResume(context) ? give(context, "Resume", RESUME) : give(context, "Pause", PAUSE),
+      canResume(context)
+        ? sendCommand(context, "Resume", RESUME)
+        : sendCommand(context, "Pause", PAUSE),
   },
   {
     id: "run.pause",
     title: "Pause",
     detail: "Holds every branch before its next state; scripts that run go on to their end.",
     refusal: cannotPause,
-    run: (context) => give(context, "Pause", PAUSE),
+    run: (context) => sendCommand(context, "Pause", PAUSE),
   },
   {
     id: "run.resume",
@@ -60,7 +62,7 @@ export const RUN: readonly Command[] = [
     detail: "Lets what is held go on, and ends all steps.",
     refusal: cannotResume,
     run: (context, branch) =>
-      give(context, "Resume", {
+      sendCommand(context, "Resume", {
         type: "resume",
         branch: typeof branch === "string" ? branch : null,
       }),
@@ -75,7 +77,7 @@ export const RUN: readonly Command[] = [
     run: async (context, argument) => {
       const watch = context.tab?.run.peek();
       if (!watch || (argument !== SURE && !(await confirmStop(context, watch)))) return;
-      await giveTo(context, watch, "Stop", { type: "stop" });
+      await sendCommandTo(context, watch, "Stop", { type: "stop" });
     },
   },
   {
@@ -93,7 +95,7 @@ export const RUN: readonly Command[] = [
         yes: "Kill",
         danger: true,
       });
-      if (isSure) await giveTo(context, watch, "Kill", { type: "kill" });
+      if (isSure) await sendCommandTo(context, watch, "Kill", { type: "kill" });
     },
   },
 ];

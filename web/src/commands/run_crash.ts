@@ -4,9 +4,9 @@ import type { OnCrash } from "../model/generated/protocol.ts";
 import { activeStates } from "../store/active.ts";
 import { fileOfTab, liveRun } from "../store/running.ts";
 import type { Command, Context } from "./command.ts";
-import { failureOf, give, giveTo } from "./give.ts";
 import { cannotCommand, lacks } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";
+import { failureOf, sendCommand, sendCommandTo } from "./send_command.ts";
 import { anyOnlyState, canEdit } from "./subject.ts";
 
 /** The argument of `run.recover`. */
@@ -49,7 +49,7 @@ export const RUN_CRASH: readonly Command[] = [
     },
     run: (context, argument) => {
       const { path, policy } = argument as Recovered;
-      return give(context, "Interrupted scripts", { type: "recover", path, policy });
+      return sendCommand(context, "Interrupted scripts", { type: "recover", path, policy });
     },
   },
   {
@@ -99,5 +99,5 @@ async function reload(context: Context): Promise<void> {
     no: "Not at all",
   });
   if (!waits) return;
-  await giveTo(context, watch, "Take edits into the run", { type: "reload", wait: true });
+  await sendCommandTo(context, watch, "Take edits into the run", { type: "reload", wait: true });
 }

@@ -1,11 +1,11 @@
 /** Runs from, to and of the selected state: of the run in front if it goes on, else of a new one. */
 
-import type { Command as Order, StartRun } from "../model/generated/protocol.ts";
+import type { Command as RunCommand, StartRun } from "../model/generated/protocol.ts";
 import { liveRun } from "../store/running.ts";
 import type { Command, Context } from "./command.ts";
-import { give, giveTo } from "./give.ts";
 import { cannotCommand, cannotStart, NO_STATE, pathFor } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";
+import { sendCommand, sendCommandTo } from "./send_command.ts";
 
 export const RUN_PLACE: readonly Command[] = [
   {
@@ -19,8 +19,8 @@ export const RUN_PLACE: readonly Command[] = [
     run: async (context, argument) => {
       const path = pathFor(context, argument);
       if (path === null) return;
-      const order: Order = { type: "start", from: path, data: [] };
-      if (liveRun(context.tab)) await give(context, "Start here", order);
+      const runCommand: RunCommand = { type: "start", from: path, data: [] };
+      if (liveRun(context.tab)) await sendCommand(context, "Start here", runCommand);
       else await startRun(context, { start_from: path });
     },
   },
@@ -36,17 +36,17 @@ export const RUN_PLACE: readonly Command[] = [
       const path = pathFor(context, argument);
       if (path === null) return;
       const watch = liveRun(context.tab) ?? (await startRun(context, { hold: true }));
-      if (watch) await giveTo(context, watch, "Run to here", { type: "run_to", path });
+      if (watch) await sendCommandTo(context, watch, "Run to here", { type: "run_to", path });
     },
   },
   state(
-    { id: "run.selected", order: "run_selected", afterwards: "hold" },
+    { id: "run.selected", type: "run_selected", afterwards: "hold" },
     "Run this state",
     "Begins at the selected state, runs it, and is held.",
     ["Ctrl+Alt+I", "Ctrl+Shift+I"],
   ),
   state(
-    { id: "run.only-selected", order: "run_only_selected", afterwards: "stop" },
+    { id: "run.only-selected", type: "run_only_selected", afterwards: "stop" },
     "Run this state only",
     "Begins at the selected state, runs it, and stops.",
     ["Ctrl+Alt+K", "Ctrl+Shift+K"],
@@ -56,13 +56,13 @@ export const RUN_PLACE: readonly Command[] = [
 interface OfState {
   readonly id: string;
   /** What a run that goes on is told. */
-  readonly order: "run_selected" | "run_only_selected";
+  readonly type: "run_selected" | "run_only_selected";
   /** What a new run does once it has left the state. */
   readonly afterwards: StartRun["afterwards"];
 }
 
 function state(
-  { id, order, afterwards }: OfState,
+  { id, type: runCommand, afterwards }: OfState,
   title: string,
   detail: string,
   [key = "", classic = ""]: readonly string[],
@@ -79,7 +79,7 @@ function state(
       const path = pathFor(context, argument);
       if (path === null) return;
       const watch = liveRun(context.tab);
-      if (watch) await giveTo(context, watch, title, { type: order, path, data: [] });
+      if (watch) await sendCommandTo(context, watch, title, { type: runCommand, path, data: [] });
       else await startRun(context, { start_from: path, afterwards });
     },
   };

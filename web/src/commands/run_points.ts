@@ -12,8 +12,8 @@ import {
 } from "../store/breakpoints.ts";
 import { liveRun } from "../store/running.ts";
 import type { Choice, Command, Context } from "./command.ts";
-import { give } from "./give.ts";
 import { cannotCommand, lacks, NO_STATE, pathFor } from "./run_rules.ts";
+import { sendCommand } from "./send_command.ts";
 import { anyOnlyState } from "./subject.ts";
 
 /** The argument of `run.force-outcome`. */
@@ -73,7 +73,7 @@ export const RUN_POINTS: readonly Command[] = [
     choices: outcomeChoices,
     run: (context, argument) => {
       const { path, outcome } = argument as Forced;
-      return give(context, "Choose the outcome", { type: "force_outcome", path, outcome });
+      return sendCommand(context, "Choose the outcome", { type: "force_outcome", path, outcome });
     },
   },
   {
@@ -88,7 +88,7 @@ export const RUN_POINTS: readonly Command[] = [
     },
     run: async (context, argument) => {
       const path = pathFor(context, argument);
-      if (path !== null) await give(context, "Preempt state", { type: "preempt", path });
+      if (path !== null) await sendCommand(context, "Preempt state", { type: "preempt", path });
     },
   },
 ];
@@ -110,8 +110,8 @@ export function cannotSetConditions({ page }: Context): string | null {
 export async function setBreakpoint(context: Context, breakpoint: Breakpoint): Promise<boolean> {
   const { tab } = context;
   if (!tab) return false;
-  const order = { type: "set_breakpoint", breakpoint } as const;
-  if (liveRun(tab) && !(await give(context, "Breakpoint", order))) return false;
+  const runCommand = { type: "set_breakpoint", breakpoint } as const;
+  if (liveRun(tab) && !(await sendCommand(context, "Breakpoint", runCommand))) return false;
   const kept = keptBreakpoints(tab);
   kept.value = withBreakpoint(kept.peek(), breakpoint);
   return true;
@@ -120,7 +120,10 @@ export async function setBreakpoint(context: Context, breakpoint: Breakpoint): P
 export async function removeBreakpoint(context: Context, id: number): Promise<boolean> {
   const { tab } = context;
   if (!tab) return false;
-  if (liveRun(tab) && !(await give(context, "Breakpoint", { type: "remove_breakpoint", id }))) {
+  if (
+    liveRun(tab) &&
+    !(await sendCommand(context, "Breakpoint", { type: "remove_breakpoint", id }))
+  ) {
     return false;
   }
   const kept = keptBreakpoints(tab);

@@ -8,8 +8,8 @@ import { entryToStartFrom } from "../store/moments.ts";
 import { type OpenTab, type Page, runOf } from "../store/page.ts";
 import { liveRun, runsOfTab } from "../store/running.ts";
 import type { Choice, Command, Context } from "./command.ts";
-import { give } from "./give.ts";
 import { cannotWhile, lacks } from "./run_rules.ts";
+import { sendCommand } from "./send_command.ts";
 
 const NONE = "no run is shown here: start one, or choose one";
 
@@ -156,8 +156,8 @@ async function startFromHistory(context: Context, argument: unknown): Promise<vo
   const sequence = typeof argument === "number" ? argument : entryToStartFrom(watch);
   if (sequence === null) return;
   if (liveRun(context.tab)) {
-    const order = { type: "start_from_history", sequence } as const;
-    if (!(await give(context, "Start from this moment", order))) return;
+    const runCommand = { type: "start_from_history", sequence } as const;
+    if (!(await sendCommand(context, "Start from this moment", runCommand))) return;
   } else await watch.resume("restart", sequence);
   watch.moment.value = null;
 }

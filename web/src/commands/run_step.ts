@@ -1,10 +1,10 @@
 /** Steps: into, over, out and back, of all branches that are held or of one. */
 
-import type { Command as Order } from "../model/generated/protocol.ts";
+import type { Command as RunCommand } from "../model/generated/protocol.ts";
 import { snapshotOf } from "../store/running.ts";
 import type { Command, Context } from "./command.ts";
-import { give } from "./give.ts";
 import { cannotCommand, cannotWhile, isHeld } from "./run_rules.ts";
+import { sendCommand } from "./send_command.ts";
 
 type StepType = "step_into" | "step_over" | "step_out" | "step_back";
 
@@ -17,7 +17,7 @@ export const RUN_STEP: readonly Command[] = [
     menu: "Run/3",
     checked: ({ tab }) => snapshotOf(tab?.run.value ?? null)?.status === "stepping",
     refusal: (context) => cannotWhile(context, ["running", "paused"]),
-    run: (context) => give(context, "Step mode", { type: "step_mode" }),
+    run: (context) => sendCommand(context, "Step mode", { type: "step_mode" }),
   },
   step("run.into", "Step into", "step_into", ["F4"], "To the next state, wherever that is."),
   step(
@@ -51,11 +51,11 @@ function step(
     keys,
     menu: "Run/3",
     refusal: (context) => cannotStep(context, type),
-    run: (context, argument) => give(context, title, orderOf(type, argument)),
+    run: (context, argument) => sendCommand(context, title, orderOf(type, argument)),
   };
 }
 
-function orderOf(type: StepType, argument: unknown): Order {
+function orderOf(type: StepType, argument: unknown): RunCommand {
   return { type, branch: typeof argument === "string" ? argument : null };
 }
 

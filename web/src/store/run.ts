@@ -15,8 +15,8 @@ import type {
 } from "../model/generated/protocol.ts";
 import type { Journal } from "./journal.ts";
 
-/** A command that this page gave. Nothing is drawn as done before it was answered. */
-export interface Sent {
+/** A command that this page sent. Nothing is drawn as done before it was answered. */
+export interface SentCommand {
   readonly id: string;
   readonly command: Command;
   /** When it was given, and when it is no longer wanted: ms since 1970 by this browser's clock. */
@@ -60,9 +60,9 @@ export interface Watch {
   /** Says that values are wanted while live; returns the way to stop. */
   readonly wantValues: () => () => void;
   /** Commands of this page: those under way and the last ones that were answered, the oldest first. */
-  readonly sent: ReadonlySignal<readonly Sent[]>;
-  /** Gives a command. It is said again until it is answered; not carried out after `patience_ms`. Never throws. */
-  readonly command: (command: Command, patience_ms?: number) => Promise<Sent>;
+  readonly sent: ReadonlySignal<readonly SentCommand[]>;
+  /** Sends a command. It is sent again until it is answered; not carried out after `patience_ms`. Never throws. */
+  readonly command: (command: Command, patience_ms?: number) => Promise<SentCommand>;
   /** Asks for control, gives it away, takes it over. Throws a `RefusalError`. */
   readonly control: (move: ControlMove) => Promise<Control>;
   /** Takes a run up again whose runner died. Throws a `RefusalError`. */

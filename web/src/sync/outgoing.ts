@@ -5,21 +5,21 @@ import type { Refusal, ToServer } from "../model/generated/protocol.ts";
 import { RefusalError } from "../store/server.ts";
 
 /** By which way something goes. */
-export interface Ways {
+export interface Transport {
   /** Over the socket; nothing happens while that is down. */
-  readonly say: (frame: ToServer) => void;
+  readonly send: (frame: ToServer) => void;
   /** By a request. Fails with a [`RefusalError`], whose status is 0 if there was no answer. */
   readonly post: (frame: ToServer) => Promise<number>;
   /** Calls soon. */
   readonly soon: (call: () => void) => void;
 }
 
-interface Asked {
+interface PendingRequest {
   readonly frame: ToServer;
   readonly isLarge: boolean;
   readonly answered: (revision: number) => void;
   readonly failed: (error: RefusalError) => void;
-  isSaid: boolean;
+  isSent: boolean;
 }
 
 /** No answer, no login, not at the moment: it is sent again. */
@@ -28,27 +28,27 @@ const LATER = new Set([0, 401, 503]);
 const FRAME_LENGTH_MAX = 300_000;
 
 export class Outgoing {
-  readonly #ways: Ways;
-  readonly #asked = new Map<string, Asked>();
+  readonly #transport: Transport;
+  readonly #pending = new Map<string, PendingRequest>();
   #isUp = false;
 
-  constructor(ways: Ways) {
-    this.#ways = ways;
+  constructor(transport: Transport) {
+    this.#transport = transport;
   }
 
   /** Gives the revision that was made; fails with a [`RefusalError`]. */
   ask(id: string, frame: ToServer): Promise<number> {
     const isLarge = JSON.stringify(frame).length > FRAME_LENGTH_MAX;
     return new Promise((answered, failed) => {
-      this.#asked.set(id, { frame, isLarge, answered, failed, isSaid: false });
+      this.#pending.set(id, { frame, isLarge, answered, failed, isSent: false });
       this.#pump();
     });
   }
 
-  /** The connection is there: everything is said again. */
+  /** The connection is there: everything is sent again. */
   up(): void {
     this.#isUp = true;
-    for (const asked of this.#asked.values()) if (!asked.isLarge) asked.isSaid = false;
+    for (const request of this.#pending.values()) if (!request.isLarge) request.isSent = false;
     this.#pump();
   }
 
@@ -66,34 +66,34 @@ export class Outgoing {
     this.#pump();
   }
 
-  #take(id: string): Asked | undefined {
-    const asked = this.#asked.get(id);
-    this.#asked.delete(id);
-    return asked;
+  #take(id: string): PendingRequest | undefined {
+    const request = this.#pending.get(id);
+    this.#pending.delete(id);
+    return request;
   }
 
   #pump(): void {
     if (!this.#isUp) return;
     let isFirst = true;
-    for (const [id, asked] of this.#asked) {
-      if (asked.isLarge && isFirst && !asked.isSaid) void this.#post(id, asked);
-      if (asked.isLarge) return;
-      if (!asked.isSaid) this.#ways.say(asked.frame);
-      asked.isSaid = true;
+    for (const [id, request] of this.#pending) {
+      if (request.isLarge && isFirst && !request.isSent) void this.#post(id, request);
+      if (request.isLarge) return;
+      if (!request.isSent) this.#transport.send(request.frame);
+      request.isSent = true;
       isFirst = false;
     }
   }
 
-  async #post(id: string, asked: Asked): Promise<void> {
-    asked.isSaid = true;
+  async #post(id: string, request: PendingRequest): Promise<void> {
+    request.isSent = true;
     try {
-      this.answered(id, await this.#ways.post(asked.frame));
+      this.answered(id, await this.#transport.post(request.frame));
     } catch (error) {
       if (error instanceof RefusalError && !LATER.has(error.status)) {
         this.refused(id, { code: error.code, message: error.message }, error.status);
       } else {
-        asked.isSaid = false;
-        this.#ways.soon(() => this.#pump());
+        request.isSent = false;
+        this.#transport.soon(() => this.#pump());
       }
     }
   }

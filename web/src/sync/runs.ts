@@ -4,7 +4,7 @@ import { effect, type Signal, signal } from "@preact/signals-core";
 import type { RunSummary, ServerStatus, StartRun } from "../model/generated/protocol.ts";
 import type { Runs, Start, Watch } from "../store/run.ts";
 import { RefusalError } from "../store/server.ts";
-import { saidAgain } from "./said_again.ts";
+import { requestUntilAnswered } from "./request_until_answered.ts";
 import { RunWatch, type WatchPorts } from "./watch.ts";
 
 const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
@@ -87,7 +87,7 @@ export function followRuns(
     },
     start: async (start: Start) => {
       const body: StartRun = { ...DEFAULTS, ...start, id: ports.newId() };
-      const run = await saidAgain<RunSummary>(ports, "/runs", body);
+      const run = await requestUntilAnswered<RunSummary>(ports, "/runs", body);
       take(all.peek(), [run]);
       return run.id;
     },

@@ -77,7 +77,7 @@ export class Socket {
   constructor(ports: SocketPorts) {
     this.#ports = ports;
     this.#outgoing = new Outgoing({
-      say: (frame) => this.say(frame),
+      send: (frame) => this.say(frame),
       post: ports.post,
       soon: (call) => void ports.clock.after(1_000, call),
     });

@@ -178,7 +178,7 @@ describe("a command", () => {
     const pulse = { heard_ms, delay_ms: 2, ahead_ms: 5_000, server_ms: heard_ms, old_ms: 4_000 };
     server.pulse.value = pulse;
     const sent_ms = clock.now();
-    const given = watch.command(PAUSE, 3_000);
+    const sending = watch.command(PAUSE, 3_000);
     const expiry_ms = sent_ms + 3_000;
     const begun = {
       id: "id1",
@@ -195,14 +195,14 @@ describe("a command", () => {
     expect(server.first().body).toEqual(body);
     clock.pass(1_000);
     server.first().answer(APPLIED);
-    expect((await given).answer).toEqual({ answer: "applied" });
+    expect((await sending).answer).toEqual({ answer: "applied" });
     const answered_ms = sent_ms + 1_000;
     expect(watch.sent.value).toEqual([{ ...begun, answer: { answer: "applied" }, answered_ms }]);
   });
 
-  it("is said again with the same id until it is answered", async () => {
+  it("is sent again with the same id until it is answered", async () => {
     const { server, clock, watch } = setUp();
-    const given = watch.command(PAUSE);
+    const sending = watch.command(PAUSE);
     for (const status of [0, 503, 502, 429, 0]) {
       server.first().refuse(status);
       await settle();
@@ -212,34 +212,34 @@ describe("a command", () => {
       expect(server.first().body).toMatchObject({ id: "id1", command: PAUSE });
     }
     server.first().answer({ id: "id1", answer: "expired" });
-    expect((await given).answer).toEqual({ answer: "expired" });
+    expect((await sending).answer).toEqual({ answer: "expired" });
     expect(server.asked).toHaveLength(6);
   });
 
   it("that was refused at once was never carried out", async () => {
     const { server, watch } = setUp();
-    const given = watch.command(PAUSE);
+    const sending = watch.command(PAUSE);
     server.first().refuse(409, "anna is in control");
-    expect((await given).answer).toEqual({ answer: "refused", reason: "anna is in control" });
+    expect((await sending).answer).toEqual({ answer: "refused", reason: "anna is in control" });
   });
 
   it("that is refused after an answer was lost has a fate that nobody knows", async () => {
     const { server, clock, watch } = setUp();
-    const given = watch.command(PAUSE);
+    const sending = watch.command(PAUSE);
     server.first().refuse(0);
     await settle();
     clock.pass(500);
     await settle();
     server.first().refuse(409, "anna is in control");
-    expect((await given).answer).toEqual({ answer: "lost", reason: "anna is in control" });
+    expect((await sending).answer).toEqual({ answer: "lost", reason: "anna is in control" });
   });
 
   it("is lost long after nobody could say what became of it", async () => {
     const { server, clock, watch } = setUp();
-    const given = watch.command(PAUSE, 0);
+    const sending = watch.command(PAUSE, 0);
     clock.pass(600_001);
     server.first().refuse(0, "no answer");
-    expect((await given).answer).toEqual({ answer: "lost", reason: "no answer" });
+    expect((await sending).answer).toEqual({ answer: "lost", reason: "no answer" });
   });
 
   it("has the answer that stands in the run's history, also after it was lost", async () => {
@@ -249,9 +249,9 @@ describe("a command", () => {
       server.happen({ type: "commanded", envelope: { ...envelope, command: PAUSE }, answer });
       server.tell(1);
     };
-    const given = watch.command(PAUSE);
+    const sending = watch.command(PAUSE);
     recorded("id1", { answer: "applied" });
-    expect((await given).answer).toEqual({ answer: "applied" });
+    expect((await sending).answer).toEqual({ answer: "applied" });
     const lost = watch.command(PAUSE, 0);
     clock.pass(600_001);
     server.waiting.at(-1)?.refuse(0);
@@ -264,9 +264,9 @@ describe("a command", () => {
     const { server, watch } = setUp();
     const never = watch.command(PAUSE);
     for (let each = 0; each < 60; each += 1) {
-      const given = watch.command(PAUSE);
+      const sending = watch.command(PAUSE);
       server.waiting.at(-1)?.answer(APPLIED);
-      await given;
+      await sending;
     }
     expect(watch.sent.value).toHaveLength(51);
     expect(watch.sent.value[0]).toMatchObject({ id: "id1", answer: null });

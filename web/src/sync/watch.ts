@@ -11,12 +11,12 @@ import type {
   ToClient,
 } from "../model/generated/protocol.ts";
 import { Journal } from "../store/journal.ts";
-import type { Seen, Sent, Watch } from "../store/run.ts";
+import type { Seen, SentCommand, Watch } from "../store/run.ts";
 import { REPEATED, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
-import { Given } from "./given.ts";
+import { CommandOutbox } from "./command_outbox.ts";
 import { Looking } from "./looking.ts";
-import { saidAgain } from "./said_again.ts";
+import { requestUntilAnswered } from "./request_until_answered.ts";
 
 export interface WatchPorts {
   readonly server: Server;
@@ -41,10 +41,10 @@ export class RunWatch implements Watch {
   readonly lack = signal<string | null>(null);
   readonly moment: Signal<number | null>;
   readonly seen: Signal<Seen | null>;
-  readonly sent: Signal<readonly Sent[]>;
+  readonly sent: Signal<readonly SentCommand[]>;
   readonly id: string;
   readonly #ports: WatchPorts;
-  readonly #given: Given;
+  readonly #outbox: CommandOutbox;
   readonly #looking: Looking;
   #unfollowHistory: () => void = () => {};
   #unfollowStatus: () => void = () => {};
@@ -58,7 +58,7 @@ export class RunWatch implements Watch {
     this.id = id;
     this.#ports = ports;
     const { server, clock } = ports;
-    this.#given = new Given({
+    this.#outbox = new CommandOutbox({
       ...ports,
       path: this.#path("commands"),
       decidedOn: () => this.journal.next - 1,
@@ -71,7 +71,7 @@ export class RunWatch implements Watch {
       },
       newest: () => Math.max(this.journal.next - 1, this.#written()),
     });
-    this.sent = this.#given.sent;
+    this.sent = this.#outbox.sent;
     this.moment = this.#looking.moment;
     this.seen = this.#looking.seen;
     // In this order: how it stands comes before all that happened.
@@ -83,8 +83,8 @@ export class RunWatch implements Watch {
     return this.#looking.want();
   }
 
-  command(command: Command, patience_ms?: number): Promise<Sent> {
-    return this.#given.give(command, patience_ms);
+  command(command: Command, patience_ms?: number): Promise<SentCommand> {
+    return this.#outbox.send(command, patience_ms);
   }
 
   control(move: ControlMove): Promise<Control> {
@@ -93,14 +93,14 @@ export class RunWatch implements Watch {
 
   async resume(policy: OnCrash, from: number | null = null): Promise<void> {
     const body = { id: this.#ports.newId(), policy, from };
-    await saidAgain(this.#ports, this.#path("resume"), body);
+    await requestUntilAnswered(this.#ports, this.#path("resume"), body);
   }
 
   close(): void {
     this.#isOver = true;
     this.#unfollowHistory();
     this.#unfollowStatus();
-    this.#given.close();
+    this.#outbox.close();
     this.#looking.close();
     for (const call of this.#followers.splice(0)) call();
   }
@@ -154,7 +154,7 @@ export class RunWatch implements Watch {
     if (frame.frame === "events") {
       this.lack.value = null;
       this.journal.add(frame.events, frame.next);
-      for (const { event } of frame.events) this.#given.heard(event);
+      for (const { event } of frame.events) this.#outbox.received(event);
       if (frame.events.length === 0) this.isCaughtUp.value = true;
       this.#soonTold();
     } else if (frame.frame === "ended") {

@@ -1,14 +1,14 @@
 import { expect, test } from "vitest";
-import type { Sent } from "../../store/run.ts";
+import type { SentCommand } from "../../store/run.ts";
 import { sentLines } from "./sent.ts";
 
 const NOW_MS = 100_000;
 const STOP = { id: "1", command: { type: "stop" } } as const;
 
-function line(answer: Sent["answer"], ago_ms = 800, dismissed: readonly string[] = []) {
+function line(answer: SentCommand["answer"], ago_ms = 800, dismissed: readonly string[] = []) {
   const sent_ms = NOW_MS - ago_ms;
   const answered_ms = answer && sent_ms;
-  const sent: Sent = { ...STOP, sent_ms, expiry_ms: sent_ms + 10_000, answer, answered_ms };
+  const sent: SentCommand = { ...STOP, sent_ms, expiry_ms: sent_ms + 10_000, answer, answered_ms };
   const [found] = sentLines([sent], new Set(dismissed), NOW_MS);
   return found && `${found.kind}: ${found.words}`;
 }
@@ -26,7 +26,7 @@ test("what was carried out is shown for a glance", () => {
 });
 
 test("what was carried out late is shown as long as what was at once", () => {
-  const late: Sent = {
+  const late: SentCommand = {
     ...STOP,
     sent_ms: NOW_MS - 9_000,
     expiry_ms: NOW_MS + 1_000,

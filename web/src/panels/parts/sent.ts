@@ -1,8 +1,8 @@
-/** What is said of the commands that this page gave. Those under way stand there from the beginning; of those that were carried out
+/** What is said of the commands that this page sent. Those under way stand there from the beginning; of those that were carried out
  * a glance is enough; all others stay until somebody has seen them. */
 
 import type { Command } from "../../model/generated/protocol.ts";
-import type { Sent } from "../../store/run.ts";
+import type { SentCommand } from "../../store/run.ts";
 
 export interface SentLine {
   readonly id: string;
@@ -17,7 +17,7 @@ const APPLIED_MS = 2_500;
 const LINES_MAX = 5;
 
 export function sentLines(
-  sent: readonly Sent[],
+  sent: readonly SentCommand[],
   dismissed: ReadonlySet<string>,
   now_ms: number,
   answeredBy: (question: number) => string | null = () => null,
@@ -37,7 +37,7 @@ export function sentLines(
 
 /** Of two answers one counts: who came too late reads who was first. */
 function lateAnswer(
-  { command, answer }: Sent,
+  { command, answer }: SentCommand,
   answeredBy: (question: number) => string | null,
 ): string | null {
   if (command.type !== "answer_question" || answer?.answer !== "refused") return null;
@@ -45,7 +45,7 @@ function lateAnswer(
   return other === null ? null : `was not needed any more: ${other} has answered`;
 }
 
-function words({ answer, sent_ms, expiry_ms }: Sent, now_ms: number): string {
+function words({ answer, sent_ms, expiry_ms }: SentCommand, now_ms: number): string {
   switch (answer?.answer) {
     case "applied":
       return "was carried out";

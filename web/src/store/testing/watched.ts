@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals-core";
 import type { Event, RunNow, RunSummary } from "../../model/generated/protocol.ts";
 import { Journal } from "../journal.ts";
-import type { Sent, Watch } from "../run.ts";
+import type { SentCommand, Watch } from "../run.ts";
 
 export const STARTED_MS = 1_000_000;
 
@@ -39,7 +39,7 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
     lack: signal<string | null>(null),
     moment: signal<number | null>(null),
     seen: signal(null),
-    sent: signal<readonly Sent[]>([]),
+    sent: signal<readonly SentCommand[]>([]),
     whenClosed: () => {},
   } as unknown as Watch;
   const tell = (...events: readonly Event[]) => {

@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import type { Command } from "../model/generated/protocol.ts";
 import type { Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
-import { Given } from "./given.ts";
+import { CommandOutbox } from "./command_outbox.ts";
 
 /** The expiry with which a command is sent, by a clock that stands at 1000 ms and a server 500 ms ahead. */
 async function expiryOf(command: Command): Promise<number | null> {
@@ -14,8 +14,14 @@ async function expiryOf(command: Command): Promise<number | null> {
   };
   const server = { pulse: signal({ ahead_ms: 500 }), request } as unknown as Server;
   const clock = { now: () => 1000, after: () => () => {} } as unknown as Clock;
-  const given = new Given({ server, clock, newId: () => "1", path: "/", decidedOn: () => 0 });
-  await given.give(command);
+  const outbox = new CommandOutbox({
+    server,
+    clock,
+    newId: () => "1",
+    path: "/",
+    decidedOn: () => 0,
+  });
+  await outbox.send(command);
   return sent[0]?.expiry ?? null;
 }
 

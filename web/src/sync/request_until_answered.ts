@@ -1,14 +1,14 @@
-/** A request with an id of its own, which is carried out once: said again for as long as its answer may have been lost. */
+/** A request with an id of its own, which is carried out once: sent again for as long as its answer may have been lost. */
 
 import { REPEATED, RefusalError, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 
-/** So long after it was lost it is said again, and for so long at all. */
+/** So long after it was lost it is sent again, and for so long at all. */
 const AGAIN_MS = 500;
 const PATIENCE_MS = 60_000;
 
 /** Asks until there is an answer. Throws a `RefusalError`: that of the server, or, after a minute, that nobody knows. */
-export async function saidAgain<T>(
+export async function requestUntilAnswered<T>(
   { server, clock }: { readonly server: Pick<Server, "request">; readonly clock: Clock },
   path: string,
   body: { readonly id: string },

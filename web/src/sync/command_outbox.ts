@@ -1,13 +1,13 @@
-/** The commands that this page gives to a run: each is said again under its id until its fate is known, by the server's answer or
+/** The commands that this page sends to a run: each is sent again under its id until its fate is known, by the server's answer or
  * by the run's own history. Knows nothing of what they do. */
 
 import { signal } from "@preact/signals-core";
 import type { Answer, Command, CommandAnswer, Event } from "../model/generated/protocol.ts";
-import type { Sent } from "../store/run.ts";
+import type { SentCommand } from "../store/run.ts";
 import { REPEATED, RefusalError, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 
-export interface GivenPorts {
+export interface CommandOutboxPorts {
   readonly server: Server;
   readonly clock: Clock;
   readonly newId: () => string;
@@ -17,7 +17,7 @@ export interface GivenPorts {
   readonly decidedOn: () => number;
 }
 
-type Fate = NonNullable<Sent["answer"]>;
+type Fate = NonNullable<SentCommand["answer"]>;
 
 /** A command is no longer wanted after so long, if nobody says otherwise; as `Command::lifetime_ms` in the protocol says. */
 const PATIENCE_MS = 10_000;
@@ -30,25 +30,25 @@ const FATE_MS = 600_000;
 /** So many answered commands are kept. */
 const SENT_MAX = 50;
 
-export class Given {
-  readonly sent = signal<readonly Sent[]>([]);
-  readonly #ports: GivenPorts;
+export class CommandOutbox {
+  readonly sent = signal<readonly SentCommand[]>([]);
+  readonly #ports: CommandOutboxPorts;
   /** Those whose fate is not known yet. */
   readonly #open = new Map<string, (fate: Fate) => void>();
   #isOver = false;
 
-  constructor(ports: GivenPorts) {
+  constructor(ports: CommandOutboxPorts) {
     this.#ports = ports;
   }
 
-  async give(command: Command, patience_ms = PATIENCE_MS): Promise<Sent> {
+  async send(command: Command, patience_ms = PATIENCE_MS): Promise<SentCommand> {
     const { clock, newId, server, decidedOn } = this.#ports;
     const [id, sent_ms] = [newId(), clock.now()];
     const isLasting = LASTING.includes(command.type);
     const expiry_ms = isLasting ? Number.POSITIVE_INFINITY : sent_ms + patience_ms;
     const ahead_ms = server.pulse.peek()?.ahead_ms ?? 0;
     const expiry = isLasting ? null : Math.round(expiry_ms + ahead_ms);
-    const begun: Sent = { id, command, sent_ms, expiry_ms, answer: null, answered_ms: null };
+    const begun: SentCommand = { id, command, sent_ms, expiry_ms, answer: null, answered_ms: null };
     this.#put(begun);
     const recorded = new Promise<Fate>((known) => this.#open.set(id, known));
     const body = { id, author: "", decided_on: decidedOn(), expiry, command };
@@ -59,8 +59,8 @@ export class Given {
     return sent;
   }
 
-  /** The history tells what became of commands, whoever gave them. */
-  heard(event: Event): void {
+  /** The history tells what became of commands, whoever sent them. */
+  received(event: Event): void {
     if (event.type !== "commanded") return;
     // There ids are their author's: `anna/17`.
     const id = event.envelope.id.slice(event.envelope.id.indexOf("/") + 1);
@@ -98,7 +98,7 @@ export class Given {
     return answer;
   }
 
-  #put(sent: Sent): void {
+  #put(sent: SentCommand): void {
     const before = this.sent.peek();
     const at = before.findIndex(({ id }) => id === sent.id);
     const all = at < 0 ? [...before, sent] : before.with(at, sent);

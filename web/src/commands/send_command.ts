@@ -1,29 +1,33 @@
 /** The way of a command from the user to the run in front. What became of it is shown over the canvas, and kept in the
  * log if it is not what was wanted. */
 
-import type { Command as Order } from "../model/generated/protocol.ts";
-import type { Sent, Watch } from "../store/run.ts";
+import type { Command as RunCommand } from "../model/generated/protocol.ts";
+import type { SentCommand, Watch } from "../store/run.ts";
 import type { Context } from "./command.ts";
 
 /** Gives the run in front a command; true once it was carried out. */
-export async function give(context: Context, title: string, order: Order): Promise<boolean> {
+export async function sendCommand(
+  context: Context,
+  title: string,
+  runCommand: RunCommand,
+): Promise<boolean> {
   const watch = context.tab?.run.peek();
-  return watch ? giveTo(context, watch, title, order) : false;
+  return watch ? sendCommandTo(context, watch, title, runCommand) : false;
 }
 
-export async function giveTo(
+export async function sendCommandTo(
   { page }: Context,
   watch: Watch,
   title: string,
-  order: Order,
+  runCommand: RunCommand,
 ): Promise<boolean> {
-  const why = failureOf(await watch.command(order));
+  const why = failureOf(await watch.command(runCommand));
   if (why !== null) page.tell({ level: "warning", text: `${title}: ${why}`, isQuiet: true });
   return why === null;
 }
 
 /** Why a command was not carried out; null if it was. */
-export function failureOf({ answer }: Sent): string | null {
+export function failureOf({ answer }: SentCommand): string | null {
   switch (answer?.answer) {
     case "applied":
       return null;

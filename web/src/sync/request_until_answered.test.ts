@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { RefusalError, type Server } from "../store/server.ts";
 import { FakeClock } from "./fake_clock.ts";
-import { saidAgain } from "./said_again.ts";
+import { requestUntilAnswered } from "./request_until_answered.ts";
 
 function setUp(answers: readonly (RefusalError | string)[]) {
   const said: unknown[] = [];
@@ -14,7 +14,11 @@ function setUp(answers: readonly (RefusalError | string)[]) {
   };
   const clock = new FakeClock();
   const server = { request: request as Server["request"] };
-  return { said, clock, answer: saidAgain<string>({ server, clock }, "/runs", { id: "a" }) };
+  return {
+    said,
+    clock,
+    answer: requestUntilAnswered<string>({ server, clock }, "/runs", { id: "a" }),
+  };
 }
 
 async function settle(): Promise<void> {
